@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+#include "transports/links/unique_fd.h"
+
+namespace tribus {
+
+/// A pseudo-terminal: the program under demonstration opens `path`, the peer holds `master`.
+struct Pty {
+    UniqueFd master;
+    std::string path;
+    static tl::expected<Pty, std::string> open();
+};
+
+/// What one dropped link did to the servos, as they saw it.
+struct DropRecord {
+    std::optional<Duration> frame_lost_after;  ///< since the receiver's last frame
+    std::optional<Duration> failsafe_after;    ///< likewise
+    std::optional<Duration> control_after;     ///< since the receiver's first frame again
+};
+
+/// Everything that the peers know, at one moment.
+struct PeerReport {
+    ChannelFrame sent;      ///< by the receiver
+    ChannelFrame received;  ///< by the servos
+    bool link_up = true;
+    std::uint64_t frames_sent = 0;
+    std::uint64_t frames_received = 0;
+    std::uint64_t frames_fresh =
+        0;  ///< received ones that carried a receiver frame for the first time
+    std::vector<Duration> latencies;  ///< of those, from the receiver's write to the servos' read
+    std::vector<DropRecord> drops;
+};
+
+/// The sticks of the simulated transmitter at a time: all 18 channels move.
+ChannelFrame demo_sticks(Duration since_start);
+
+/// A simulated 18-channel i.Bus receiver and an SBUS servo bank, on the far ends of two ptys. Runs
+/// a thread of its own; `report` is thread-safe.
+class DemoPeers {
+  public:
+    DemoPeers(UniqueFd receiver, UniqueFd servos);
+    DemoPeers(const DemoPeers&) = delete;
+    DemoPeers& operator=(const DemoPeers&) = delete;
+    ~DemoPeers() { stop(); }
+
+    PeerReport report();
+    /// No more frames from the receiver; the servos go on listening.
+    void hush();
+    void stop();
+
+  private:
+    struct Sent {
+        ChannelFrame frame;
+        Instant at;
+        std::uint64_t number = 0;
+    };
+    static constexpr std::size_t kRemembered = 64;
+
+    void main();
+    void send_due(Instant now);
+    void listen(Instant now);
+    void note(const ChannelFrame& frame, Instant now);
+    void note_drop(const ChannelFrame& frame, Instant now);
+
+    UniqueFd receiver_;
+    UniqueFd servos_;
+    IbusEncoder encoder_{18};
+    SbusDecoder decoder_;
+    Instant start_;
+    Instant next_send_;
+    Instant latest_sent_at_{};
+    Instant back_at_{};
+    std::array<Sent, kRemembered> remembered_{};
+    std::uint64_t latest_fresh_ = 0;
+
+    std::mutex mutex_;
+    PeerReport report_;
+    bool hushed_ = false;
+    bool stopping_ = false;
+    std::thread thread_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,184 @@
+#include "app/demo_screen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace tribus {
+namespace {
+
+constexpr std::string_view kReset = "\x1b[0m";
+constexpr std::string_view kGreen = "\x1b[32m";
+constexpr std::string_view kYellow = "\x1b[33m";
+constexpr std::string_view kRed = "\x1b[31m";
+constexpr std::string_view kDim = "\x1b[2m";
+constexpr std::string_view kBold = "\x1b[1m";
+constexpr std::string_view kEraseRest = "\x1b[K\r\n";
+
+constexpr double kBarLeastUs = 900;
+constexpr double kBarMostUs = 2100;
+constexpr std::size_t kLabelWidth = 4;   // "18  "
+constexpr std::size_t kNumberWidth = 5;  // "1500 "
+constexpr std::size_t kGap = 2;
+constexpr std::size_t kTwoBarsFrom = 2 * (kNumberWidth + 10) + kLabelWidth + kGap;
+
+/// One line of text of which the visible width is known, so that it can be cut without cutting
+/// into a colour.
+class Line {
+  public:
+    Line(const ScreenStyle& style) : style_(style) {}
+
+    void add(std::string_view text, std::string_view colour = {}) {
+        const bool coloured = style_.colour && !colour.empty();
+        text_ += coloured ? colour : std::string_view();
+        for (std::size_t i = 0; i < text.size() && width_ < style_.columns; ++width_) {
+            std::size_t length = 1;
+            while (i + length < text.size() && (text[i + length] & 0xC0) == 0x80) {
+                ++length;
+            }
+            text_ += text.substr(i, length);
+            i += length;
+        }
+        text_ += coloured ? kReset : std::string_view();
+    }
+    std::string take() { return std::move(text_); }
+
+  private:
+    const ScreenStyle& style_;
+    std::string text_;
+    std::size_t width_ = 0;
+};
+
+std::string_view state_colour(const ChannelFrame& frame) {
+    return frame.failsafe ? kRed : frame.frame_lost ? kYellow : kGreen;
+}
+
+/// A scale from 900 to 2100 us with a mark at the centre and a block at the value.
+std::string bar(std::optional<Pulse> pulse, std::size_t width, bool unicode) {
+    const std::string_view rest = unicode ? "·" : "-";
+    const std::string_view centre = unicode ? "┼" : "+";
+    const std::string_view block = unicode ? "█" : "#";
+    std::size_t at = width;
+    if (pulse) {
+        const double share = (pulse->microseconds() - kBarLeastUs) / (kBarMostUs - kBarLeastUs);
+        const double last = static_cast<double>(width - 1);
+        at = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * last));
+    }
+    std::string text;
+    for (std::size_t i = 0; i < width; ++i) {
+        text += i == at ? block : i == width / 2 ? centre : rest;
+    }
+    return text;
+}
+
+std::string number(std::optional<Pulse> pulse) {
+    return pulse ? fmt::format("{:4} ", pulse->whole_microseconds()) : "   - ";
+}
+
+std::string channel_line(const DemoFigures& figures, const ScreenStyle& style,
+                         std::size_t channel) {
+    Line line(style);
+    line.add(fmt::format("{:2}  ", channel + 1), kDim);
+    const std::string_view colour = state_colour(figures.after);
+    const std::optional<Pulse> before = figures.before.channel(channel);
+    const std::optional<Pulse> after = figures.after.channel(channel);
+    if (style.columns < kTwoBarsFrom) {
+        const std::size_t used = kLabelWidth + kNumberWidth;
+        line.add(number(after));
+        line.add(bar(after, std::max<std::size_t>(style.columns, used + 3) - used, style.unicode),
+                 colour);
+        return line.take();
+    }
+    const std::size_t width = (style.columns - kLabelWidth - 2 * kNumberWidth - kGap - 1) / 2;
+    line.add(number(before));
+    line.add(bar(before, width, style.unicode), figures.link_up ? kGreen : kDim);
+    line.add(std::string(kGap, ' '));
+    line.add(number(after));
+    line.add(bar(after, width, style.unicode), colour);
+    return line.take();
+}
+
+std::vector<std::string> heading(const DemoFigures& figures, const ScreenStyle& style) {
+    const std::string_view arrow = style.unicode ? " → " : " -> ";
+    Line title(style);
+    title.add("tribus demo", kBold);
+    title.add(fmt::format("  i.Bus 18 ch {}{}SBUS {}  {:.0f} s  Ctrl-C ends", figures.input_device,
+                          arrow, figures.output_device,
+                          std::chrono::duration<double>(figures.elapsed).count()));
+    Line state(style);
+    state.add("radio ");
+    state.add(figures.link_up ? "up  " : "DOWN", figures.link_up ? kGreen : kRed);
+    state.add("  servos ");
+    state.add(fmt::format("{:10}", state_word(figures.after)), state_colour(figures.after));
+    state.add(fmt::format("  in {:.0f}/s  out {:.0f}/s  latency {} (p99 {})", figures.input_rate_hz,
+                          figures.output_rate_hz, short_duration(figures.latency_p50),
+                          short_duration(figures.latency_p99)));
+    return {title.take(), state.take()};
+}
+
+std::vector<std::string> closing(const DemoFigures& figures, const ScreenStyle& style) {
+    Line counts(style);
+    counts.add(fmt::format("frames {} in, {} out, ", figures.frames_in, figures.frames_out));
+    counts.add(fmt::format("{} lost", figures.lost), figures.lost == 0 ? kGreen : kRed);
+    Line drop(style);
+    drop.add(figures.latest_drop.empty() ? "the radio link will drop in a moment"
+                                         : figures.latest_drop);
+    return {counts.take(), drop.take()};
+}
+
+}  // namespace
+
+std::string state_word(const ChannelFrame& frame) {
+    return frame.failsafe ? "failsafe" : frame.frame_lost ? "frame lost" : "good";
+}
+
+std::string short_duration(Duration duration) {
+    const double us = std::chrono::duration<double, std::micro>(duration).count();
+    constexpr double kThousand = 1000;
+    if (us < kThousand) {
+        return fmt::format("{:.0f} us", us);
+    }
+    const double ms = us / kThousand;
+    return ms < 10          ? fmt::format("{:.1f} ms", ms)
+           : ms < kThousand ? fmt::format("{:.0f} ms", ms)
+                            : fmt::format("{:.2f} s", ms / kThousand);
+}
+
+std::string draw_demo(const DemoFigures& figures, const ScreenStyle& style) {
+    std::vector<std::string> lines = heading(figures, style);
+    const std::vector<std::string> last = closing(figures, style);
+    // One row stays free: a line end in the last one would scroll.
+    const std::size_t rows = std::max<std::size_t>(style.rows, 2) - 1;
+    const std::size_t fixed = lines.size() + last.size();
+    const std::size_t channels = rows > fixed ? std::min(kChannelCount, rows - fixed) : 0;
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        lines.push_back(channel_line(figures, style, channel));
+    }
+    lines.insert(lines.end(), last.begin(), last.end());
+    lines.resize(std::min(lines.size(), rows));
+    std::string screen = "\x1b[H";
+    for (const std::string& line : lines) {
+        screen += line;
+        screen += kEraseRest;
+    }
+    return screen + "\x1b[J";
+}
+
+std::string demo_line(const DemoFigures& figures) {
+    const auto us = [](const ChannelFrame& frame, std::size_t channel) {
+        return frame.channel_or(channel, Pulse{}).whole_microseconds();
+    };
+    return fmt::format(
+        "{:5.1f} s  radio {:4}  servos {:10}  ch1 {:4} -> {:4}  ch2 {:4} -> {:4}  in {:.0f}/s  out "
+        "{:.0f}/s  latency {}",
+        std::chrono::duration<double>(figures.elapsed).count(), figures.link_up ? "up" : "down",
+        state_word(figures.after), us(figures.before, 0), us(figures.after, 0),
+        us(figures.before, 1), us(figures.after, 1), figures.input_rate_hz, figures.output_rate_hz,
+        short_duration(figures.latency_p50));
+}
+
+}  // namespace tribus

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "core/channel_frame.h"
+#include "core/time.h"
+
+/// How the demo shows itself. Pure: figures in, text out.
+namespace tribus {
+
+struct DemoFigures {
+    Duration elapsed{};
+    std::string input_device;
+    std::string output_device;
+    ChannelFrame before;  ///< as the receiver sends it
+    ChannelFrame after;   ///< as the servos read it
+    bool link_up = true;
+    double input_rate_hz = 0;
+    double output_rate_hz = 0;
+    std::uint64_t frames_in = 0;
+    std::uint64_t frames_out = 0;
+    std::uint64_t lost = 0;
+    Duration latency_p50{};
+    Duration latency_p99{};
+    std::string latest_drop;  ///< a sentence, empty before the first
+};
+
+struct ScreenStyle {
+    std::size_t columns = 80;
+    std::size_t rows = 24;
+    bool unicode = true;
+    bool colour = true;
+};
+
+/// The whole screen, at most `rows` lines of at most `columns` characters; what does not fit is
+/// left out, the least important first. Every line ends with "erase to end of line".
+std::string draw_demo(const DemoFigures& figures, const ScreenStyle& style);
+
+/// One line for where there is no terminal.
+std::string demo_line(const DemoFigures& figures);
+
+/// "good", "frame lost" or "failsafe".
+std::string state_word(const ChannelFrame& frame);
+
+/// "41 us", "98 ms": three figures at most.
+std::string short_duration(Duration duration);
+
+}  // namespace tribus

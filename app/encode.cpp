@@ -1,0 +1,246 @@
+#include "app/encode.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/exit_status.h"
+#include "app/frame_json.h"
+#include "app/streams.h"
+#include "app/waveform.h"
+#include "transports/links/recording_writer.h"
+
+namespace tribus {
+namespace {
+
+/// A frame with 18 fractions and its details takes below 500 characters.
+constexpr std::size_t kLongestLine = std::size_t{64} * 1024;
+/// After so many lines that cannot be used the input is something else.
+constexpr unsigned kMostMistakes = 20;
+
+const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::binary},
+                                                   {"hex", EncodeFormat::hex},
+                                                   {"timed", EncodeFormat::timed},
+                                                   {"vcd", EncodeFormat::vcd}};
+
+/// What decode has read is written back whole; the configuration's default of 14 is for readers
+/// that know no more.
+const GivenSettings kEncodeDefaults{{"channels", "18"}};
+
+/// Writes encoded frames in one of the formats.
+class WireWriter {
+  public:
+    WireWriter(const ProtocolUse& use, EncodeFormat format, std::ostream& results)
+        : use_(use),
+          encoder_(use.protocol->make_encoder(use.settings)),
+          format_(format),
+          results_(results),
+          waveform_(use.line) {}
+
+    /// The error is what is wrong with the frame's time.
+    tl::expected<void, std::string> write(const WrittenFrame& written) {
+        const Duration start = written.start.value_or(
+            latest_ ? *latest_ + use_.protocol->default_period : Duration::zero());
+        if (latest_ && start < *latest_) {
+            return tl::unexpected<std::string>(
+                fmt::format("t_us is {}, before the {} of the frame ahead; times may not go back",
+                            whole_microseconds(start), whole_microseconds(*latest_)));
+        }
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        const std::size_t length = encoder_->encode(written.channels, wire);
+        std::string text;
+        heading(text, start);
+        append(text, start, std::span(wire).first(length));
+        results_ << text;
+        latest_ = start;
+        return {};
+    }
+
+    void finish(std::ostream& talk) {
+        std::string text;
+        heading(text, Duration::zero());
+        if (format_ == EncodeFormat::vcd) {
+            waveform_.end(text);
+        }
+        results_ << text;
+        if (waveform_.delayed() > 0) {
+            talk << fmt::format(
+                "tribus: {} frames were moved back, because the one ahead was still on the wire\n",
+                waveform_.delayed());
+        }
+    }
+
+  private:
+    void heading(std::string& text, Duration first_start) {
+        if (std::exchange(heading_written_, true)) {
+            return;
+        }
+        if (format_ == EncodeFormat::timed) {
+            text += kTimedHeading;
+        } else if (format_ == EncodeFormat::vcd) {
+            waveform_.begin(text, first_start);
+        }
+    }
+    void append(std::string& text, Duration start, std::span<const std::uint8_t> frame) {
+        switch (format_) {
+            case EncodeFormat::binary:
+                text.append(frame.begin(), frame.end());
+                break;
+            case EncodeFormat::hex:
+                append_hex_line(text, frame);
+                break;
+            case EncodeFormat::timed:
+                append_timed_line(text, start, frame);
+                break;
+            case EncodeFormat::vcd:
+                waveform_.frame(text, start, frame);
+                break;
+        }
+    }
+
+    const ProtocolUse& use_;
+    std::unique_ptr<Encoder> encoder_;
+    EncodeFormat format_;
+    std::ostream& results_;
+    Waveform waveform_;
+    std::optional<Duration> latest_;
+    bool heading_written_ = false;
+};
+
+/// The next line, cut at the longest that is allowed; `too_long` says so.
+std::optional<std::string_view> next_line(std::istream& lines, std::vector<char>& buffer,
+                                          bool& too_long) {
+    lines.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+    const auto count = static_cast<std::size_t>(lines.gcount());
+    too_long = lines.fail() && count + 1 == buffer.size();
+    if (lines.fail() && !too_long) {
+        return std::nullopt;
+    }
+    const std::size_t line_end = lines.eof() || too_long ? 0 : 1;
+    return std::string_view(buffer.data(), count - line_end);
+}
+
+struct EncodeArguments {
+    std::string file;
+    std::string protocol;
+    std::string format = "binary";
+    GivenSettings given;
+};
+
+int fail(std::string_view message, int status) {
+    std::cerr << "tribus: " << message << '\n';
+    return status;
+}
+
+/// Adds the defaults of this command where the protocol has such a setting.
+GivenSettings with_defaults(const Protocol& protocol, GivenSettings given) {
+    for (const Setting& setting : protocol.settings) {
+        const auto own = kEncodeDefaults.find(setting.key);
+        if (own != kEncodeDefaults.end()) {
+            given.insert(*own);
+        }
+    }
+    return given;
+}
+
+int run_encode(const EncodeArguments& arguments) {
+    const auto plain = choose_protocols(arguments.protocol, SettingScope::output, arguments.given);
+    if (!plain) {
+        return fail(plain.error(), kExitWrongUse);
+    }
+    if (plain->size() != 1) {
+        return fail("--protocol: encode needs one protocol, not auto", kExitWrongUse);
+    }
+    const Protocol& protocol = *plain->front().protocol;
+    const auto use =
+        use_protocol(protocol, SettingScope::output, with_defaults(protocol, arguments.given));
+    if (!use) {
+        return fail(use.error(), kExitWrongUse);
+    }
+    const EncodeFormat format = kFormats.at(arguments.format);
+    if (arguments.file.empty() || arguments.file == "-") {
+        return encode_lines(std::cin, "standard input", *use, format, std::cout, std::cerr);
+    }
+    errno = 0;
+    std::ifstream file(arguments.file, std::ios::binary);
+    // A folder opens and only fails when it is read.
+    const bool nothing = !file || file.peek() == std::ifstream::traits_type::eof();
+    if (nothing && errno != 0) {
+        return fail(fmt::format("{}: {}", arguments.file, std::strerror(errno)), kExitFailed);
+    }
+    return encode_lines(file, arguments.file, *use, format, std::cout, std::cerr);
+}
+
+}  // namespace
+
+int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& use,
+                 EncodeFormat format, std::ostream& results, std::ostream& talk) {
+    WireWriter writer(use, format, results);
+    std::vector<char> buffer(kLongestLine);
+    unsigned mistakes = 0;
+    bool too_long = false;
+    for (unsigned number = 1; results.good(); ++number) {
+        const auto line = next_line(lines, buffer, too_long);
+        if (!line) {
+            break;
+        }
+        JsonMistake mistake;
+        if (too_long) {
+            mistake.text = fmt::format(
+                "a line of more than {} characters; this is no output of "
+                "decode --format json",
+                kLongestLine);
+        } else if (auto frame = parse_frame_json(*line); !frame) {
+            mistake = frame.error();
+        } else if (*frame) {
+            const auto written = writer.write(**frame);
+            mistake.text = written ? std::string() : written.error();
+        }
+        if (mistake.text.empty()) {
+            continue;
+        }
+        talk << fmt::format("{}:{}:{}: {}\n", name, number, mistake.column, mistake.text);
+        if (++mistakes == kMostMistakes || too_long) {
+            talk << "tribus: stopped, too much of the input cannot be used\n";
+            break;
+        }
+    }
+    writer.finish(talk);
+    return mistakes == 0 ? kExitFine : kExitFailed;
+}
+
+void add_encode_command(CLI::App& app, int& status) {
+    CLI::App* const command =
+        app.add_subcommand("encode", "Frames, as decode --format json prints them, to bytes");
+    const auto arguments = std::make_shared<EncodeArguments>();
+    command->add_option("file", arguments->file, "JSON lines; absent or -: standard input");
+    command->add_option("--protocol", arguments->protocol, protocol_list())->required();
+    command
+        ->add_option("--format", arguments->format,
+                     "timed: hex with microseconds in front; vcd: the level on the wire")
+        ->capture_default_str()
+        ->check(CLI::IsMember(kFormats));
+    for (const SettingOption& option : setting_options(SettingScope::output)) {
+        const auto keep = [arguments, key = option.key](const std::string& text) {
+            arguments->given.insert_or_assign(key, text);
+        };
+        command->add_option_function<std::string>("--" + option.key, keep, option.help);
+    }
+    command->callback(
+        [arguments, &status] { status = finish_standard_output(run_encode(*arguments)); });
+}
+
+}  // namespace tribus

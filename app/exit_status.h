@@ -1,0 +1,12 @@
+#pragma once
+
+/// Exit statuses of the program.
+namespace tribus {
+
+inline constexpr int kExitFine = 0;
+/// The work failed: a device, a bus, a file.
+inline constexpr int kExitFailed = 1;
+/// Wrong use, or a wrong configuration.
+inline constexpr int kExitWrongUse = 2;
+
+}  // namespace tribus

@@ -1,0 +1,72 @@
+#include "app/frame_finder.h"
+
+#include <utility>
+
+namespace tribus {
+
+FrameFinder::FrameFinder(const ProtocolUse& use, FrameHandler handler)
+    : protocol_(use.protocol),
+      line_(use.line),
+      handler_(std::move(handler)),
+      decoder_(use.protocol->make_decoder(use.settings)) {}
+
+void FrameFinder::report(const DecodedFrame& frame) {
+    while (starts_.size() > 1 && starts_[1].position <= frame.first_byte) {
+        starts_.pop_front();
+    }
+    const BurstStart& burst = starts_.front();
+    const std::uint64_t byte = frame.first_byte - burst.position;
+    FoundFrame found{.protocol = protocol_,
+                     .frame = frame,
+                     .place = {burst.burst, static_cast<std::size_t>(byte)},
+                     .start = burst.start,
+                     .details = decoder_->details()};
+    if (found.start) {
+        *found.start += line_.bytes_time(byte);
+    }
+    ++frames_;
+    handler_(found);
+}
+
+void FrameFinder::feed_run(std::span<const std::uint8_t> bytes, Instant received) {
+    bytes_ += bytes.size();
+    while (const auto frame = decoder_->next(bytes, received)) {
+        report(*frame);
+    }
+}
+
+void FrameFinder::feed(std::size_t index, const Burst& burst) {
+    if (starts_.empty() || starts_.back().burst != index) {
+        starts_.push_back({bytes_, index, burst.start});
+    }
+    const Instant received(burst.start.value_or(Duration::zero()));
+    const std::span<const std::uint8_t> bytes = burst.bytes;
+    std::size_t run = 0;
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+        if (at < burst.damaged.size() && burst.damaged[at]) {
+            feed_run(bytes.subspan(run, at - run), received);
+            decoder_->damaged_byte();
+            ++bytes_;
+            run = at + 1;
+            // The byte may have ended a candidate that other frames stand in.
+            feed_run({}, received);
+        }
+    }
+    feed_run(bytes.subspan(run), received);
+}
+
+void FrameFinder::finish() {
+    while (const auto frame = decoder_->finish()) {
+        report(*frame);
+    }
+}
+
+Tally FrameFinder::tally() const {
+    const auto rejected = decoder_->rejected();
+    return {.bytes = bytes_,
+            .frames = frames_,
+            .rejected = {rejected.begin(), rejected.end()},
+            .skipped_bytes = decoder_->skipped_bytes()};
+}
+
+}  // namespace tribus

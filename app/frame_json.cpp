@@ -1,0 +1,185 @@
+#include "app/frame_json.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace tribus {
+namespace {
+
+using nlohmann::json;
+using Mistake = tl::unexpected<JsonMistake>;
+
+constexpr double kLeastPulse = -4096;
+constexpr double kMostPulse = 4095.875;
+/// About 31 years; their nanoseconds fit.
+constexpr double kMostMicroseconds = 1e15;
+
+Mistake mistake(std::string text) {
+    return Mistake(JsonMistake{1, std::move(text)});
+}
+
+void append_detail(std::string& text, const FrameDetail& detail) {
+    if (detail.list) {
+        fmt::format_to(std::back_inserter(text), ",\"{}\":[{}]", detail.name,
+                       fmt::join(detail.values, ","));
+    } else if (!detail.values.empty()) {
+        fmt::format_to(std::back_inserter(text), ",\"{}\":{}", detail.name, detail.values.front());
+    }
+}
+
+/// The library's exceptions end here.
+tl::expected<json, JsonMistake> parse_line(std::string_view line) {
+    try {
+        return json::parse(line);
+    } catch (const json::parse_error& error) {
+        return Mistake(JsonMistake{error.byte > 0 ? error.byte : 1,
+                                   "not JSON; a line is one object as decode prints it"});
+    } catch (const json::exception&) {
+        return mistake("not JSON that can be read; a line is one object as decode prints it");
+    }
+}
+
+tl::expected<void, JsonMistake> read_channels(const json& channels, ChannelFrame& frame) {
+    if (!channels.is_array() || channels.size() > kChannelCount) {
+        return mistake(fmt::format(
+            "\"channels\" must be a list of at most {} pulses in microseconds, null where absent",
+            kChannelCount));
+    }
+    for (std::size_t channel = 0; channel < channels.size(); ++channel) {
+        const json& value = channels[channel];
+        if (value.is_null()) {
+            continue;
+        }
+        const double pulse = value.is_number() ? value.get<double>() : std::nan("");
+        if (!(pulse >= kLeastPulse && pulse <= kMostPulse)) {
+            return mistake(fmt::format("channel {} is {}; allowed: {} to {} us, or null",
+                                       channel + 1,
+                                       value.dump(-1, ' ', true, json::error_handler_t::replace),
+                                       kLeastPulse, kMostPulse));
+        }
+        frame.set(channel, Pulse::from_fractional_microseconds(pulse));
+    }
+    return {};
+}
+
+tl::expected<bool, JsonMistake> read_flag(const json& object, const char* key) {
+    const auto found = object.find(key);
+    if (found == object.end()) {
+        return false;
+    }
+    if (!found->is_boolean()) {
+        return mistake(fmt::format("\"{}\" must be true or false", key));
+    }
+    return found->get<bool>();
+}
+
+tl::expected<std::optional<Duration>, JsonMistake> read_start(const json& object) {
+    const auto found = object.find("t_us");
+    if (found == object.end()) {
+        return std::nullopt;
+    }
+    const double microseconds = found->is_number() ? found->get<double>() : std::nan("");
+    if (!(std::abs(microseconds) <= kMostMicroseconds)) {
+        return mistake("\"t_us\" must be a number of microseconds; leave it out where unknown");
+    }
+    return Duration(std::llround(microseconds * 1000));
+}
+
+}  // namespace
+
+void append_pulse(std::string& text, Pulse pulse) {
+    const int eighths = pulse.eighths();
+    const int size = std::abs(eighths);
+    const int whole = size / Pulse::kEighthsPerMicrosecond;
+    const int thousandths = size % Pulse::kEighthsPerMicrosecond * 125;
+    auto out = std::back_inserter(text);
+    fmt::format_to(out, "{}{}", eighths < 0 ? "-" : "", whole);
+    if (thousandths != 0) {
+        fmt::format_to(out, ".{:03}", thousandths);
+        text.erase(text.find_last_not_of('0') + 1);
+    }
+}
+
+std::int64_t whole_microseconds(Duration duration) {
+    return std::chrono::round<std::chrono::microseconds>(duration).count();
+}
+
+void append_frame_json(std::string& text, const FoundFrame& found) {
+    auto out = std::back_inserter(text);
+    text += '{';
+    if (found.start) {
+        fmt::format_to(out, "\"t_us\":{},", whole_microseconds(*found.start));
+    }
+    fmt::format_to(out, "\"protocol\":\"{}\",\"channels\":[", found.protocol->name);
+    const ChannelFrame& frame = found.frame.channels;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        text += channel > 0 ? "," : "";
+        if (const auto pulse = frame.channel(channel)) {
+            append_pulse(text, *pulse);
+        } else {
+            text += "null";
+        }
+    }
+    fmt::format_to(out, "],\"frame_lost\":{},\"failsafe\":{}", frame.frame_lost, frame.failsafe);
+    for (const FrameDetail& detail : found.details) {
+        append_detail(text, detail);
+    }
+    text += "}\n";
+}
+
+void append_summary_json(std::string& text, const Tally& tally, std::string_view input) {
+    auto out = std::back_inserter(text);
+    fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"frames\":{},\"rejected\":{{", tally.bytes,
+                   tally.frames);
+    bool first = true;
+    for (const NamedCount& cause : tally.rejected) {
+        fmt::format_to(out, "{}\"{}\":{}", first ? "" : ",", cause.name, cause.count);
+        first = false;
+    }
+    fmt::format_to(out, "}},\"skipped_bytes\":{},\"input\":\"{}\"}}}}\n", tally.skipped_bytes,
+                   input);
+}
+
+tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::string_view line) {
+    if (line.find_first_not_of(" \t\r\n") == std::string_view::npos) {
+        return std::nullopt;
+    }
+    const auto object = parse_line(line);
+    if (!object) {
+        return Mistake(object.error());
+    }
+    if (!object->is_object()) {
+        return mistake("a line must be one object, as decode prints it");
+    }
+    const auto channels = object->find("channels");
+    if (channels == object->end()) {
+        if (object->contains("summary")) {
+            return std::nullopt;
+        }
+        return mistake("no \"channels\" in it; a frame is {\"channels\":[1500, ...]}");
+    }
+    WrittenFrame written;
+    if (const auto read = read_channels(*channels, written.channels); !read) {
+        return Mistake(read.error());
+    }
+    const auto frame_lost = read_flag(*object, "frame_lost");
+    const auto failsafe = read_flag(*object, "failsafe");
+    const auto start = read_start(*object);
+    if (!frame_lost || !failsafe) {
+        return Mistake(!frame_lost ? frame_lost.error() : failsafe.error());
+    }
+    if (!start) {
+        return Mistake(start.error());
+    }
+    written.channels.frame_lost = *frame_lost;
+    written.channels.failsafe = *failsafe;
+    written.start = *start;
+    return written;
+}
+
+}  // namespace tribus

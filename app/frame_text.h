@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "app/frame_finder.h"
+
+/// Decoded frames for people's eyes and for spreadsheets.
+namespace tribus {
+
+/// Aligned columns, pulses to the nearest microsecond.
+void append_text_heading(std::string& text);
+void append_frame_text(std::string& text, const FoundFrame& found);
+/// One line: `1231 frames in 39395 bytes, 3 bytes skipped, rejected: none`.
+void append_summary_text(std::string& text, const Tally& tally);
+
+/// `t_us,ch1..ch18,frame_lost,failsafe`: exact pulses, an empty cell where there is nothing, flags
+/// as 0 and 1.
+void append_csv_heading(std::string& text);
+void append_frame_csv(std::string& text, const FoundFrame& found);
+
+}  // namespace tribus

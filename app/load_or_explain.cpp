@@ -1,0 +1,24 @@
+#include "app/load_or_explain.h"
+
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "config/load.h"
+#include "config/mistakes.h"
+
+namespace tribus {
+
+std::optional<Configuration> load_or_explain(const std::string& path) {
+    auto configuration = load_configuration_file(path);
+    if (!configuration) {
+        for (const Mistake& mistake : configuration.error()) {
+            fmt::print(stderr, "{}\n", format_mistake(mistake));
+        }
+        return std::nullopt;
+    }
+    return std::move(*configuration);
+}
+
+}  // namespace tribus

@@ -1,0 +1,32 @@
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "app/check.h"
+#include "app/decode.h"
+#include "app/demo.h"
+#include "app/encode.h"
+#include "app/exit_status.h"
+#include "app/run.h"
+#include "app/simulate.h"
+
+int main(int argc, char** argv) {
+    // The stream subcommands write much and mix it with nothing.
+    std::ios::sync_with_stdio(false);
+    CLI::App app{"tribus translates RC signals between i.Bus, SBUS and CAN", "tribus"};
+    app.set_version_flag("--version", TRIBUS_VERSION);
+    app.require_subcommand(1);
+    int status = tribus::kExitFine;
+    tribus::add_run_command(app, status);
+    tribus::add_check_command(app, status);
+    tribus::add_schema_command(app);
+    tribus::add_demo_command(app, status);
+    tribus::add_simulate_command(app, status);
+    tribus::add_decode_command(app, status);
+    tribus::add_encode_command(app, status);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? tribus::kExitFine : tribus::kExitWrongUse;
+    }
+    return status;
+}

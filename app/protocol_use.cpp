@@ -1,0 +1,176 @@
+#include "app/protocol_use.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "config/document.h"
+#include "config/mistakes.h"
+#include "config/parse_toml.h"
+#include "config/read_value.h"
+#include "config/values.h"
+#include "transports/registry/registry.h"
+
+namespace tribus {
+namespace {
+
+/// Keys that speak of the device, which recorded bytes do not have.
+constexpr std::array<std::string_view, 1> kDeviceKeys{"inverted"};
+
+using Refused = tl::unexpected<std::string>;
+
+/// The text as the configuration would hold it, where words stand in quotation marks.
+Value as_value(const Setting& setting, std::string_view text) {
+    const bool bare = setting.type == SettingType::boolean ||
+                      setting.type == SettingType::integer || setting.type == SettingType::number ||
+                      setting.type == SettingType::pulse;
+    const bool table = setting.type == SettingType::scale && text.starts_with('{');
+    if (bare || table) {
+        const auto document = parse_toml(fmt::format("value = {}", text));
+        const Entry* const entry = document ? document->find("value") : nullptr;
+        if (entry != nullptr) {
+            return entry->value;
+        }
+    }
+    return {.where = {}, .content = std::string(text)};
+}
+
+bool applies(const Setting& setting, SettingScope direction) {
+    const bool device =
+        std::find(kDeviceKeys.begin(), kDeviceKeys.end(), setting.key) != kDeviceKeys.end();
+    return !device && (setting.scope == SettingScope::both || setting.scope == direction);
+}
+
+const Setting* find_setting(const Protocol& protocol, SettingScope direction,
+                            std::string_view key) {
+    for (const Setting& setting : protocol.settings) {
+        if (setting.key == key && applies(setting, direction)) {
+            return &setting;
+        }
+    }
+    return nullptr;
+}
+
+std::vector<std::string_view> known_protocols() {
+    std::vector<std::string_view> names;
+    for (const Protocol* protocol : protocols()) {
+        names.push_back(protocol->name);
+    }
+    return names;
+}
+
+/// The message of a value, which starts with its key in quotation marks or does not name it.
+std::string as_option_message(const Setting& setting, const Mistakes& mistakes) {
+    const std::string option = fmt::format("--{}", setting.key);
+    const std::string key = in_quotes(setting.key);
+    if (mistakes.empty()) {
+        return option + ": allowed: " + allowed_values(setting);
+    }
+    const std::string text = mistakes.sorted().front().text;
+    return text.starts_with(key) ? option + text.substr(key.size()) : option + ": " + text;
+}
+
+}  // namespace
+
+tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
+                                                          std::string_view text) {
+    Mistakes mistakes("");
+    auto value = read_value(setting, as_value(setting, text), mistakes);
+    if (!value) {
+        return Refused(as_option_message(setting, mistakes));
+    }
+    return std::move(*value);
+}
+
+std::string protocol_list() {
+    return fmt::format("{}", fmt::join(known_protocols(), ", "));
+}
+
+std::vector<SettingOption> setting_options(SettingScope direction) {
+    std::vector<SettingOption> options;
+    for (const Protocol* protocol : protocols()) {
+        for (const Setting& setting : protocol->settings) {
+            if (!applies(setting, direction)) {
+                continue;
+            }
+            const std::string help =
+                fmt::format("{}: {} ({})", protocol->name, setting.help, allowed_values(setting));
+            const auto same = [&](const SettingOption& option) {
+                return option.key == setting.key;
+            };
+            const auto option = std::find_if(options.begin(), options.end(), same);
+            if (option == options.end()) {
+                options.push_back({std::string(setting.key), help});
+            } else {
+                option->help += "; " + help;
+            }
+        }
+    }
+    return options;
+}
+
+tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
+                                                    SettingScope direction,
+                                                    const GivenSettings& given) {
+    for (const auto& [key, text] : given) {
+        if (find_setting(protocol, direction, key) == nullptr) {
+            return Refused(
+                fmt::format("--{}: {} has no such setting; leave it out", key, protocol.name));
+        }
+    }
+    ProtocolUse use{.protocol = &protocol, .settings = {}, .line = protocol.line};
+    for (const Setting& setting : protocol.settings) {
+        const auto text = given.find(setting.key);
+        if (text != given.end()) {
+            auto value = setting_from_text(setting, text->second);
+            if (!value) {
+                return Refused(std::move(value.error()));
+            }
+            use.settings.set(setting.key, std::move(*value));
+        } else if (!setting.fallback.empty()) {
+            use.settings.set(setting.key, default_of(setting));
+        }
+    }
+    use.line.baud =
+        static_cast<std::uint32_t>(use.settings.get_or<std::int64_t>("baud", protocol.line.baud));
+    return use;
+}
+
+tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string_view name,
+                                                                     SettingScope direction,
+                                                                     const GivenSettings& given) {
+    const Protocol* const named = find_protocol(name);
+    if (named == nullptr && name != "auto") {
+        return Refused(fmt::format("--protocol: {} is no protocol that is known; {}",
+                                   in_quotes(name), suggestion(name, known_protocols())));
+    }
+    std::vector<ProtocolUse> uses;
+    std::string refused;
+    for (const Protocol* protocol : protocols()) {
+        if (named != nullptr && named != protocol) {
+            continue;
+        }
+        GivenSettings own = given;
+        if (named == nullptr) {
+            std::erase_if(own, [&](const auto& entry) {
+                return find_setting(*protocol, direction, entry.first) == nullptr;
+            });
+        }
+        auto use = use_protocol(*protocol, direction, own);
+        if (use) {
+            uses.push_back(std::move(*use));
+        } else {
+            refused = std::move(use.error());
+        }
+    }
+    if (uses.empty()) {
+        return Refused(std::move(refused));
+    }
+    return uses;
+}
+
+}  // namespace tribus

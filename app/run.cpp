@@ -1,0 +1,118 @@
+#include "app/run.h"
+
+#include <csignal>
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <CLI/CLI.hpp>
+
+#include "app/appliance.h"
+#include "app/exit_status.h"
+#include "app/load_or_explain.h"
+#include "app/state_log.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+/// Often enough that a replugged device is back before a failsafe has run its course.
+constexpr timespec kTendPeriod{.tv_sec = 0, .tv_nsec = 100'000'000};
+
+sigset_t handled_signals() {
+    sigset_t signals;
+    ::sigemptyset(&signals);
+    ::sigaddset(&signals, SIGTERM);
+    ::sigaddset(&signals, SIGINT);
+    ::sigaddset(&signals, SIGHUP);
+    return signals;
+}
+
+void log_start(const Appliance& appliance) {
+    const Configuration& configuration = appliance.configuration();
+    for (const std::string& missing : appliance.missing_realtime()) {
+        spdlog::warn("no full real time: {}", missing);
+    }
+    spdlog::info("started {}: {} inputs, {} outputs, {} pipelines", configuration.file,
+                 configuration.inputs.size(), configuration.outputs.size(),
+                 configuration.pipelines.size());
+}
+
+std::unique_ptr<Appliance> start_or_log(Configuration configuration) {
+    auto appliance = Appliance::start(std::move(configuration));
+    if (!appliance) {
+        for (const std::string& error : appliance.error()) {
+            spdlog::error("{}", error);
+        }
+        return nullptr;
+    }
+    log_start(**appliance);
+    return std::move(*appliance);
+}
+
+/// A faulty new configuration leaves the old one running. A good one whose devices cannot be opened
+/// gives way to the old one again.
+std::unique_ptr<Appliance> reload(std::unique_ptr<Appliance> appliance, const std::string& path) {
+    std::optional<Configuration> fresh = load_or_explain(path);
+    if (!fresh) {
+        spdlog::error("reload refused: {} has mistakes; the old configuration runs on", path);
+        return appliance;
+    }
+    Configuration old = appliance->configuration();
+    appliance.reset();
+    if (auto started = start_or_log(std::move(*fresh))) {
+        return started;
+    }
+    spdlog::error("reload failed; back to the old configuration");
+    return start_or_log(std::move(old));
+}
+
+int run(const std::string& path) {
+    std::optional<Configuration> configuration = load_or_explain(path);
+    if (!configuration) {
+        return kExitWrongUse;
+    }
+    // Blocked before the data thread exists, so that it inherits that.
+    const sigset_t signals = handled_signals();
+    ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+    std::unique_ptr<Appliance> appliance = start_or_log(std::move(*configuration));
+    auto log = appliance ? std::make_unique<StateLog>(appliance->configuration()) : nullptr;
+    while (appliance) {
+        const int signal = ::sigtimedwait(&signals, nullptr, &kTendPeriod);
+        if (signal == SIGTERM || signal == SIGINT) {
+            appliance->end();
+            spdlog::info("stopped");
+            return kExitFine;
+        }
+        if (signal == SIGHUP) {
+            appliance = reload(std::move(appliance), path);
+            log = appliance ? std::make_unique<StateLog>(appliance->configuration()) : nullptr;
+        } else {
+            log->look(*appliance, monotonic_now());
+        }
+    }
+    return kExitFailed;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand("run", "Run a configuration, in the foreground");
+    auto path = std::make_shared<std::string>();
+    command->add_option("CONFIG", *path, "Configuration file")->required();
+    command->footer(
+        "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
+        "SIGHUP: reads the configuration again; one with mistakes is refused.");
+    command->callback([path, &status] {
+        auto logger = spdlog::stderr_color_st("tribus");
+        logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+        spdlog::set_default_logger(std::move(logger));
+        status = run(*path);
+    });
+}
+
+}  // namespace tribus

@@ -1,0 +1,103 @@
+#include "app/state_log.h"
+
+#include <string_view>
+
+#include <spdlog/spdlog.h>
+
+namespace tribus {
+namespace {
+
+constexpr unsigned kLinesPerWindow = 6;
+constexpr Duration kWindow = std::chrono::seconds(30);
+
+RateLimit limit() {
+    return {kLinesPerWindow, kWindow};
+}
+
+std::string swallowed_note(std::uint64_t swallowed) {
+    return swallowed == 0 ? ""
+                          : fmt::format(" ({} changes before this were not logged)", swallowed);
+}
+
+std::string_view stage_text(OutputStage stage) {
+    switch (stage) {
+        case OutputStage::failsafe:
+            return "in failsafe";
+        case OutputStage::holding:
+            return "holding the last values, marked frame-lost";
+        case OutputStage::control:
+            return "under control";
+    }
+    return "";
+}
+
+}  // namespace
+
+StateLog::StateLog(const Configuration& configuration) : devices_(limit()) {
+    for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
+        inputs_.push_back({false, limit()});
+    }
+    for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
+        outputs_.push_back({OutputStage::failsafe, 0, limit()});
+    }
+}
+
+void StateLog::look_at_input(const std::string& name, const InputStatus& status,
+                             InputMemory& memory, Instant now) {
+    if (status.alive == memory.alive) {
+        return;
+    }
+    memory.alive = status.alive;
+    const auto swallowed = memory.limit.pass(now);
+    if (!swallowed) {
+        return;
+    }
+    if (status.alive) {
+        spdlog::info("input {}: good{}", name, swallowed_note(*swallowed));
+    } else {
+        const bool said_so = status.latest.failsafe;
+        spdlog::warn("input {}: lost, {}{}", name,
+                     said_so ? "the receiver or a failsafe_when rule says failsafe"
+                             : "no good frame within its timeout",
+                     swallowed_note(*swallowed));
+    }
+}
+
+void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
+                              OutputMemory& memory, Instant now) {
+    if (status.stage != memory.stage) {
+        memory.stage = status.stage;
+        if (const auto swallowed = memory.limit.pass(now)) {
+            const bool fine = status.stage == OutputStage::control;
+            spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}", name,
+                        stage_text(status.stage), swallowed_note(*swallowed));
+        }
+    }
+    if (status.counts.busy_drops != memory.busy_drops) {
+        const std::uint64_t dropped = status.counts.busy_drops - memory.busy_drops;
+        if (const auto swallowed = memory.limit.pass(now)) {
+            spdlog::warn("output {}: {} frames dropped because the port still had the one before{}",
+                         name, dropped, swallowed_note(*swallowed));
+            memory.busy_drops = status.counts.busy_drops;
+        }
+    }
+}
+
+void StateLog::look(Appliance& appliance, Instant now) {
+    for (const Appliance::DeviceEvent& event : appliance.tend()) {
+        if (const auto swallowed = devices_.pass(now)) {
+            spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "device {}: {}{}",
+                        event.device, event.back ? "is back" : "is gone; waiting for it",
+                        swallowed_note(*swallowed));
+        }
+    }
+    const Configuration& configuration = appliance.configuration();
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        look_at_input(configuration.inputs[i].name, appliance.input_status(i), inputs_[i], now);
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        look_at_output(configuration.outputs[i].name, appliance.output_status(i), outputs_[i], now);
+    }
+}
+
+}  // namespace tribus

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "app/appliance.h"
+#include "core/rate_limit.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// Says what changed, and nothing while nothing does. Thread-bound to the main thread.
+class StateLog {
+  public:
+    explicit StateLog(const Configuration& configuration);
+
+    /// Compares with the last look and logs each change, at most a few lines a while for each
+    /// input, output and device.
+    void look(Appliance& appliance, Instant now);
+
+  private:
+    struct InputMemory {
+        bool alive = false;
+        RateLimit limit;
+    };
+    struct OutputMemory {
+        OutputStage stage = OutputStage::failsafe;
+        std::uint64_t busy_drops = 0;
+        RateLimit limit;
+    };
+
+    void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
+                       Instant now);
+    void look_at_output(const std::string& name, const OutputStatus& status, OutputMemory& memory,
+                        Instant now);
+
+    std::vector<InputMemory> inputs_;
+    std::vector<OutputMemory> outputs_;
+    RateLimit devices_;
+};
+
+}  // namespace tribus

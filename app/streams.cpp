@@ -1,0 +1,78 @@
+#include "app/streams.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <iostream>
+#include <utility>
+
+#include "app/exit_status.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::size_t kReadSize = std::size_t{64} * 1024;
+
+tl::unexpected<std::string> failure(std::string_view name, int error) {
+    return tl::unexpected<std::string>(fmt::format("{}: {}", name, std::strerror(error)));
+}
+
+}  // namespace
+
+tl::expected<InputFile, std::string> InputFile::open(std::string_view name) {
+    if (name.empty() || name == "-") {
+        return InputFile(UniqueFd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)), "standard input");
+    }
+    std::string path(name);
+    UniqueFd descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
+    if (!descriptor.valid()) {
+        return failure(name, errno);
+    }
+    return InputFile(std::move(descriptor), std::move(path));
+}
+
+tl::expected<std::string, std::string> InputFile::read_some() {
+    std::string bytes(kReadSize, '\0');
+    ssize_t count = 0;
+    do {
+        count = ::read(descriptor_.get(), bytes.data(), bytes.size());
+    } while (count < 0 && errno == EINTR);
+    if (count < 0) {
+        return failure(name_, errno);
+    }
+    bytes.resize(static_cast<std::size_t>(count));
+    return bytes;
+}
+
+tl::expected<std::string, std::string> InputFile::read_all() {
+    std::string content;
+    while (true) {
+        auto bytes = read_some();
+        if (!bytes || bytes->empty()) {
+            return bytes ? tl::expected<std::string, std::string>(std::move(content))
+                         : std::move(bytes);
+        }
+        content += *bytes;
+    }
+}
+
+int finish_standard_output(int status) {
+    std::cout.flush();
+    if (std::cout.good()) {
+        return status;
+    }
+    pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+    const bool reader_gone = ::poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+    if (reader_gone) {
+        return status;
+    }
+    std::cerr << "tribus: standard output could not be written\n";
+    return kExitFailed;
+}
+
+}  // namespace tribus

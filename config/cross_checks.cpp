@@ -1,0 +1,139 @@
+#include "config/cross_checks.h"
+
+#include <fmt/format.h>
+
+#include <string>
+#include <vector>
+
+#include "config/values.h"
+
+namespace tribus {
+namespace {
+
+struct PortUse {
+    std::string_view direction;
+    std::string_view name;
+    const PortConfig* port = nullptr;
+};
+
+std::string line_text(const LineSettings& line) {
+    return fmt::format("{} baud 8{}{}", line.baud, line.parity == Parity::even ? 'E' : 'N',
+                       line.stop_bits);
+}
+
+std::vector<PortUse> port_uses(const Draft& draft) {
+    std::vector<PortUse> uses;
+    for (const InputDraft& input : draft.inputs) {
+        if (input.port_sound) {
+            uses.push_back({"input", input.config.name, &input.config.port});
+        }
+    }
+    for (const OutputDraft& output : draft.outputs) {
+        if (output.port_sound) {
+            uses.push_back({"output", output.config.name, &output.config.port});
+        }
+    }
+    return uses;
+}
+
+/// `earlier` and `later` by their place in the file.
+void check_pair(const PortUse& earlier, const PortUse& later, Mistakes& mistakes) {
+    const std::string already = fmt::format("device {} is already used by [{}.{}] in line {}",
+                                            in_quotes(later.port->device), earlier.direction,
+                                            earlier.name, earlier.port->where.line);
+    if (earlier.direction == later.direction) {
+        mistakes.add(
+            later.port->where,
+            fmt::format("{}; one device serves at most one input and one output", already));
+    } else if (earlier.port->line != later.port->line) {
+        mistakes.add(
+            later.port->where,
+            fmt::format("{} with {}, here with {}; an input and an output may share a "
+                        "device if their line settings agree",
+                        already, line_text(earlier.port->line), line_text(later.port->line)));
+    }
+}
+
+void check_devices(const Draft& draft, Mistakes& mistakes) {
+    const auto uses = port_uses(draft);
+    const auto before = [](const PortUse& a, const PortUse& b) {
+        return a.port->where.line < b.port->where.line;
+    };
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+        for (std::size_t j = i + 1; j < uses.size(); ++j) {
+            if (uses[i].port->device == uses[j].port->device) {
+                const bool in_order = !before(uses[j], uses[i]);
+                check_pair(uses[in_order ? i : j], uses[in_order ? j : i], mistakes);
+            }
+        }
+    }
+}
+
+void check_unused(const Draft& draft, Reading reading) {
+    for (const InputDraft& input : draft.inputs) {
+        const std::string& name = input.config.name;
+        if (!input.used && !draft.inputs_uncertain && !reading.lost.mentions(name)) {
+            reading.mistakes.add(
+                input.where, fmt::format("input {} feeds no pipeline, so nothing would happen with "
+                                         "it; name it in the \"from\" of a pipeline, or leave it "
+                                         "out",
+                                         in_quotes(name)));
+        }
+    }
+    for (const OutputDraft& output : draft.outputs) {
+        const std::string& name = output.config.name;
+        if (!output.pipeline && !draft.outputs_uncertain && !reading.lost.mentions(name)) {
+            reading.mistakes.add(
+                output.where, fmt::format("no pipeline feeds output {}, so nothing would happen "
+                                          "with it; name it in the \"to\" of a pipeline, or leave "
+                                          "it out",
+                                          in_quotes(name)));
+        }
+    }
+}
+
+/// A frame that is not older than the timeout must still be there when the output is due.
+void check_timeout(const InputDraft& input, const PipelineConfig& pipeline, const Draft& draft,
+                   Mistakes& mistakes) {
+    const OutputDraft* slowest = nullptr;
+    for (const std::size_t index : pipeline.outputs) {
+        const OutputDraft& output = draft.outputs[index];
+        if (slowest == nullptr || output.config.schedule.period > slowest->config.schedule.period) {
+            slowest = &output;
+        }
+    }
+    if (slowest == nullptr || !slowest->period_sound || !slowest->port_sound ||
+        !input.timeout_sound || input.config.timeout > slowest->config.schedule.period) {
+        return;
+    }
+    mistakes.add(
+        input.timeout.value_or(slowest->period),
+        fmt::format("the timeout of input {} is {}, but output {} sends every {}: each "
+                    "frame would be judged too old; allowed: a timeout longer than the "
+                    "period",
+                    in_quotes(input.config.name), in_quotes(format_duration(input.config.timeout)),
+                    in_quotes(slowest->config.name),
+                    in_quotes(format_duration(slowest->config.schedule.period))));
+}
+
+}  // namespace
+
+void check_across(const Draft& draft, Reading reading) {
+    check_devices(draft, reading.mistakes);
+    if (draft.pipelines.empty()) {
+        if (!reading.lost.mentions("pipeline")) {
+            reading.mistakes.add({1, 1},
+                                 "there is no pipeline, so nothing would happen; a pipeline joins "
+                                 "inputs and outputs: [pipeline.main] with \"from\" and \"to\"");
+        }
+        return;
+    }
+    check_unused(draft, reading);
+    for (const PipelineConfig& pipeline : draft.pipelines) {
+        for (const std::size_t index : pipeline.inputs) {
+            check_timeout(draft.inputs[index], pipeline, draft, reading.mistakes);
+        }
+    }
+}
+
+}  // namespace tribus

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "config/schema.h"
+
+/// A TOML document as plain values that know their places: all that the rest of config sees of the
+/// TOML library.
+namespace tribus {
+
+struct DateOrTime {};
+
+struct Value;
+struct Entry;
+
+struct List {
+    std::vector<Value> items;
+};
+
+/// Entries in the order of the file.
+struct Table {
+    std::vector<Entry> entries;
+
+    const Entry* find(std::string_view key) const;
+};
+
+struct Value {
+    Location where;
+    std::variant<bool, std::int64_t, double, std::string, DateOrTime, List, Table> content;
+
+    template <class T>
+    const T* as() const {
+        return std::get_if<T>(&content);
+    }
+};
+
+struct Entry {
+    std::string key;
+    Location where;  ///< of the key
+    Value value;
+};
+
+inline const Entry* Table::find(std::string_view key) const {
+    for (const Entry& entry : entries) {
+        if (entry.key == key) {
+            return &entry;
+        }
+    }
+    return nullptr;
+}
+
+/// A value as a person would name it: `20`, `"abc"`, `true`, `a list`, `a table`.
+std::string describe(const Value& value);
+
+}  // namespace tribus

@@ -1,0 +1,151 @@
+#include "config/effective.h"
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <variant>
+
+#include "config/effective_channels.h"
+#include "config/keys.h"
+#include "config/values.h"
+#include "config/write_toml.h"
+
+namespace tribus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+SettingValues runtime_values(const RuntimeConfig& runtime) {
+    SettingValues values;
+    const std::string realtime = runtime.realtime == Realtime::off       ? "off"
+                                 : runtime.realtime == Realtime::require ? "require"
+                                                                         : "auto";
+    values.set("realtime", realtime);
+    values.set("priority", std::int64_t{runtime.priority});
+    if (runtime.cpu) {
+        values.set("cpu", std::int64_t{*runtime.cpu});
+    }
+    return values;
+}
+
+Json input_json(const InputConfig& input) {
+    SettingValues values;
+    values.set("protocol", std::string(input.protocol->name));
+    values.set("device", input.port.device);
+    values.set("timeout", input.timeout);
+    Json json = values_json(values, input_keys());
+    Json rules = Json::array();
+    for (const LossRule& rule : input.failsafe_when) {
+        rules.push_back(loss_rule_json(rule));
+    }
+    json["failsafe_when"] = std::move(rules);
+    json.update(values_json(input.settings, protocol_keys(*input.protocol, SettingScope::input)));
+    return json;
+}
+
+Json output_json(const OutputConfig& output) {
+    SettingValues values;
+    const bool grid = output.schedule.kind == ScheduleKind::grid;
+    const bool locked = output.schedule.phase == Phase::locked;
+    values.set("protocol", std::string(output.protocol->name));
+    values.set("device", output.port.device);
+    values.set("period", output.schedule.period);
+    values.set("force", output.force);
+    values.set("schedule", std::string(grid ? "grid" : "follow"));
+    values.set("phase", std::string(locked ? "locked" : "free"));
+    Json json = values_json(values, output_keys());
+    json.update(
+        values_json(output.settings, protocol_keys(*output.protocol, SettingScope::output)));
+    return json;
+}
+
+/// The pulse that most channels have; the centre wins a draw.
+Pulse commonest(const std::array<Pulse, kChannelCount>& presets) {
+    std::map<Pulse, int> counts;
+    for (const Pulse pulse : presets) {
+        ++counts[pulse];
+    }
+    Pulse best = kCentrePulse;
+    for (const auto& [pulse, count] : counts) {
+        best = count > counts[best] ? pulse : best;
+    }
+    return best;
+}
+
+Json presets_json(const std::array<Pulse, kChannelCount>& presets) {
+    const Pulse other = commonest(presets);
+    Json json = Json::object();
+    for (std::size_t i = 0; i < presets.size(); ++i) {
+        if (presets[i] != other) {
+            json[std::to_string(i + 1)] = number_json(presets[i].microseconds());
+        }
+    }
+    json[std::string(kOtherChannels)] = number_json(other.microseconds());
+    return json;
+}
+
+Json failsafe_json(const FailsafeSettings& failsafe) {
+    SettingValues values;
+    const std::string action = failsafe.action == FailsafeAction::preset ? "preset"
+                               : failsafe.action == FailsafeAction::hold ? "hold"
+                                                                         : "silence";
+    values.set("hold", failsafe.hold);
+    values.set("action", action);
+    values.set("recover", failsafe.recover);
+    Json json = values_json(values, output_failsafe_keys());
+    if (failsafe.action == FailsafeAction::preset) {
+        json["preset"] = presets_json(failsafe.presets);
+    }
+    return json;
+}
+
+template <class Ports>
+Json names_json(const std::vector<std::size_t>& indices, const Ports& ports) {
+    Json names = Json::array();
+    for (const std::size_t index : indices) {
+        names.push_back(ports[index].name);
+    }
+    return names;
+}
+
+Json pipeline_json(const PipelineConfig& pipeline, const Configuration& configuration) {
+    Json json = Json::object();
+    json["from"] = names_json(pipeline.inputs, configuration.inputs);
+    json["to"] = names_json(pipeline.outputs, configuration.outputs);
+    for (const ChannelRule& rule : pipeline.channels) {
+        json["channels"][std::to_string(rule.output + 1)] = channel_json(rule);
+    }
+    for (std::size_t i = 0; i < pipeline.outputs.size(); ++i) {
+        const std::string& output = configuration.outputs[pipeline.outputs[i]].name;
+        json["failsafe"]["output"][output] = failsafe_json(pipeline.failsafe[i]);
+    }
+    return json;
+}
+
+Json effective(const Configuration& configuration) {
+    Json json = Json::object();
+    json["runtime"] = values_json(runtime_values(configuration.runtime), runtime_keys());
+    for (const InputConfig& input : configuration.inputs) {
+        json["input"][input.name] = input_json(input);
+    }
+    for (const OutputConfig& output : configuration.outputs) {
+        json["output"][output.name] = output_json(output);
+    }
+    for (const PipelineConfig& pipeline : configuration.pipelines) {
+        json["pipeline"][pipeline.name] = pipeline_json(pipeline, configuration);
+    }
+    return json;
+}
+
+}  // namespace
+
+std::string effective_toml(const Configuration& configuration) {
+    return write_toml(effective(configuration), root_keys());
+}
+
+std::string effective_json(const Configuration& configuration) {
+    return effective(configuration).dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tribus

@@ -1,0 +1,168 @@
+#include "config/json_schema.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string_view>
+
+#include "config/json_schema_values.h"
+#include "config/keys.h"
+#include "config/read_table.h"
+#include "core/channel_frame.h"
+#include "transports/registry/registry.h"
+
+namespace tribus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kNamePattern = "^[A-Za-z0-9_-]+$";
+constexpr std::string_view kChannelPattern = "^([1-9]|1[0-8])$";
+static_assert(kChannelCount == 18, "the pattern of channel numbers says so");
+
+Json key_schema(const Key& key);
+
+Json closed_object() {
+    return {{"type", "object"}, {"additionalProperties", false}};
+}
+
+Json by_channel(Json value) {
+    Json json = closed_object();
+    json["patternProperties"][std::string(kChannelPattern)] = std::move(value);
+    return json;
+}
+
+Json properties(std::span<const Key> keys) {
+    Json json = Json::object();
+    for (const Key& key : keys) {
+        json[std::string(key.name())] = key_schema(key);
+    }
+    return json;
+}
+
+Json table_schema(std::span<const Key> keys) {
+    Json json = closed_object();
+    json["properties"] = properties(keys);
+    for (const Key& key : keys) {
+        if (key.setting.required) {
+            json["required"].push_back(key.name());
+        }
+    }
+    return json;
+}
+
+/// Names of the keys that any protocol has of its own.
+std::set<std::string> own_key_names(SettingScope scope) {
+    std::set<std::string> names;
+    for (const Protocol* protocol : protocols()) {
+        for (const Key& key : protocol_keys(*protocol, scope)) {
+            names.emplace(key.name());
+        }
+    }
+    return names;
+}
+
+/// If the table is of that protocol: its keys as they are, those of other protocols not at all.
+Json protocol_branch(const Protocol& protocol, SettingScope scope) {
+    Json own = properties(protocol_keys(protocol, scope));
+    for (const std::string& name : own_key_names(scope)) {
+        if (!own.contains(name)) {
+            own[name] = false;
+        }
+    }
+    Json json = Json::object();
+    json["if"]["properties"]["protocol"]["const"] = protocol.name;
+    json["if"]["required"] = {"protocol"};
+    json["then"]["properties"] = std::move(own);
+    return json;
+}
+
+Json port_schema(const Key& tables) {
+    Json json = table_schema(tables.inside);
+    for (const std::string& name : own_key_names(*tables.protocol_scope)) {
+        json["properties"][name] = true;
+    }
+    json["allOf"] = Json::array();
+    for (const Protocol* protocol : protocols()) {
+        json["allOf"].push_back(protocol_branch(*protocol, *tables.protocol_scope));
+    }
+    return json;
+}
+
+Json named_tables_schema(const Key& key) {
+    Json json = closed_object();
+    json["patternProperties"][std::string(kNamePattern)] =
+        key.protocol_scope ? port_schema(key) : table_schema(key.inside);
+    return json;
+}
+
+Json names_schema() {
+    const Json name = {{"type", "string"}, {"pattern", kNamePattern}};
+    Json list = {{"type", "array"}, {"items", name}, {"minItems", 1}, {"uniqueItems", true}};
+    return {{"anyOf", Json::array({name, std::move(list)})}};
+}
+
+Json presets_schema() {
+    const Json pulse = {{"type", "number"}, {"minimum", kLeastPulse}, {"maximum", kMostPulse}};
+    Json json = by_channel(pulse);
+    json["properties"][std::string(kOtherChannels)] = pulse;
+    return json;
+}
+
+Json weights_schema() {
+    Json json =
+        by_channel({{"type", "number"}, {"minimum", -kMostWeight}, {"maximum", kMostWeight}});
+    json["minProperties"] = 1;
+    return json;
+}
+
+Json channels_schema(const Key& key) {
+    const Json number = {{"type", "integer"}, {"minimum", 1}, {"maximum", kChannelCount}};
+    Json table = table_schema(key.inside);
+    for (const std::string_view source : channel_source_names()) {
+        table["oneOf"].push_back({{"required", Json::array({source})}});
+    }
+    return by_channel({{"anyOf", Json::array({number, std::move(table)})}});
+}
+
+Json shape_schema(const Key& key) {
+    switch (key.kind) {
+        case KeyKind::value:
+            break;
+        case KeyKind::protocol:
+            return {{"enum", protocol_names()}};
+        case KeyKind::names:
+            return names_schema();
+        case KeyKind::presets:
+            return presets_schema();
+        case KeyKind::weights:
+            return weights_schema();
+        case KeyKind::list:
+            return {{"type", "array"}, {"items", table_schema(key.inside)}};
+        case KeyKind::table:
+            return table_schema(key.inside);
+        case KeyKind::named_tables:
+            return named_tables_schema(key);
+        case KeyKind::channels:
+            return channels_schema(key);
+    }
+    return setting_schema(key.setting);
+}
+
+Json key_schema(const Key& key) {
+    Json json = {{"description", key.setting.help}};
+    json.update(shape_schema(key));
+    return json;
+}
+
+}  // namespace
+
+std::string json_schema() {
+    Json json = {{"$schema", "http://json-schema.org/draft-07/schema#"},
+                 {"title", "Configuration of tribus"}};
+    json.update(table_schema(root_keys()));
+    return json.dump(2) + "\n";
+}
+
+}  // namespace tribus

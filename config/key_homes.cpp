@@ -1,0 +1,58 @@
+#include "config/key_homes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "config/keys.h"
+#include "config/mistakes.h"
+#include "transports/registry/registry.h"
+
+namespace tribus {
+namespace {
+
+std::string path_inside(const Key& key, const std::string& path) {
+    const std::string inside =
+        path.empty() ? std::string(key.name()) : fmt::format("{}.{}", path, key.name());
+    return key.kind == KeyKind::named_tables ? inside + ".NAME" : inside;
+}
+
+std::string home_in_protocols(std::string_view name, const Key& tables) {
+    for (const Protocol* protocol : protocols()) {
+        const auto keys = protocol_keys(*protocol, *tables.protocol_scope);
+        if (std::any_of(keys.begin(), keys.end(),
+                        [name](const Key& key) { return key.name() == name; })) {
+            return fmt::format("[{}.NAME] with protocol {}", tables.name(),
+                               in_quotes(protocol->name));
+        }
+    }
+    return {};
+}
+
+/// The key table is three levels deep.
+std::string home_in(std::string_view name, std::span<const Key> keys, const std::string& path) {
+    for (const Key& key : keys) {
+        if (key.name() == name && !path.empty()) {
+            return fmt::format("[{}]", path);
+        }
+    }
+    for (const Key& key : keys) {
+        std::string home = home_in(name, key.inside, path_inside(key, path));
+        if (home.empty() && key.protocol_scope) {
+            home = home_in_protocols(name, key);
+        }
+        if (!home.empty()) {
+            return home;
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+std::string home_of_key(std::string_view name) {
+    return home_in(name, root_keys(), {});
+}
+
+}  // namespace tribus

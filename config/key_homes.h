@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace tribus {
+
+/// The first place in the language where a key of exactly that name may stand, for messages:
+/// `[output.NAME]`, `[input.NAME] with protocol "x"`; empty if there is none.
+std::string home_of_key(std::string_view name);
+
+}  // namespace tribus

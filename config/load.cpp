@@ -1,0 +1,177 @@
+#include "config/load.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "config/cross_checks.h"
+#include "config/read_pipeline.h"
+#include "config/read_ports.h"
+#include "config/read_table.h"
+
+namespace tribus {
+namespace {
+
+bool is_name(std::string_view text) {
+    return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '_' || c == '-';
+    });
+}
+
+/// Calls `read` for each table under [kind]. False if something else stands there too.
+template <class Read>
+bool for_each_named(const Entry* kind, Reading reading, Read read) {
+    if (kind == nullptr) {
+        return true;
+    }
+    const auto* tables = kind->value.as<Table>();
+    if (tables == nullptr) {
+        reading.mistakes.add(kind->value.where,
+                             fmt::format("{} is {}; allowed: a table with a name, [{}.NAME]",
+                                         in_quotes(kind->key), describe(kind->value), kind->key));
+        return false;
+    }
+    bool only_tables = true;
+    for (const Entry& entry : tables->entries) {
+        const auto* table = entry.value.as<Table>();
+        if (table == nullptr) {
+            reading.mistakes.add(entry.where,
+                                 fmt::format("{} stands in [{}] itself; allowed: tables with a "
+                                             "name, [{}.NAME]",
+                                             in_quotes(entry.key), kind->key, kind->key));
+            only_tables = false;
+            continue;
+        }
+        if (!is_name(entry.key)) {
+            reading.mistakes.add(entry.where,
+                                 fmt::format("{} is not a name; allowed: letters, digits, \"_\" "
+                                             "and \"-\", at least one",
+                                             in_quotes(entry.key)));
+        }
+        read(entry, *table);
+    }
+    return only_tables;
+}
+
+RuntimeConfig read_runtime(const Entry* entry, Reading reading) {
+    RuntimeConfig runtime;
+    if (entry == nullptr) {
+        return runtime;
+    }
+    const auto* table = entry->value.as<Table>();
+    if (table == nullptr) {
+        reading.mistakes.add(entry->value.where, fmt::format("\"runtime\" is {}; allowed: a table, "
+                                                             "[runtime]",
+                                                             describe(entry->value)));
+        return runtime;
+    }
+    const TableContent content =
+        read_table({*table, entry->value.where, "[runtime]"}, runtime_keys(), reading);
+    const auto realtime = content.values().get_or<std::string>("realtime", "auto");
+    runtime.realtime = realtime == "off"       ? Realtime::off
+                       : realtime == "require" ? Realtime::require
+                                               : Realtime::automatic;
+    runtime.priority = static_cast<int>(content.values().get_or<std::int64_t>("priority", 80));
+    if (const auto* cpu = content.values().find_as<std::int64_t>("cpu")) {
+        runtime.cpu = static_cast<int>(*cpu);
+    }
+    return runtime;
+}
+
+Draft read_draft(const Document& document, Mistakes& mistakes) {
+    const Reading reading{document.lost, mistakes};
+    const TableContent content =
+        read_table({document.root, {1, 1}, "the file"}, root_keys(), reading);
+    Draft draft;
+    draft.runtime = read_runtime(content.find("runtime"), reading);
+    draft.input_names_known =
+        for_each_named(content.find("input"), reading, [&](const Entry& entry, const Table& table) {
+            draft.inputs.push_back(read_input(entry, table, reading));
+        });
+    draft.output_names_known = for_each_named(
+        content.find("output"), reading, [&](const Entry& entry, const Table& table) {
+            draft.outputs.push_back(read_output(entry, table, reading));
+        });
+    for_each_named(content.find("pipeline"), reading, [&](const Entry& entry, const Table& table) {
+        draft.pipelines.push_back(read_pipeline(entry, table, draft, reading));
+    });
+    check_across(draft, reading);
+    return draft;
+}
+
+Configuration finish(Draft draft, std::string_view file_name) {
+    Configuration configuration;
+    configuration.file = file_name;
+    configuration.runtime = draft.runtime;
+    for (InputDraft& input : draft.inputs) {
+        configuration.inputs.push_back(std::move(input.config));
+    }
+    for (OutputDraft& output : draft.outputs) {
+        configuration.outputs.push_back(std::move(output.config));
+    }
+    configuration.pipelines = std::move(draft.pipelines);
+    return configuration;
+}
+
+/// What is not TOML is one mistake a line, whatever else follows from it.
+Mistakes merge(const Mistakes& syntax, const Mistakes& meaning) {
+    Mistakes all = syntax;
+    for (const Mistake& mistake : meaning.sorted()) {
+        if (!syntax.on_line(mistake.where.line)) {
+            all.add(mistake.where, mistake.text);
+        }
+    }
+    return all;
+}
+
+}  // namespace
+
+tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string_view text,
+                                                                     std::string_view file_name) {
+    Mistakes syntax(file_name);
+    const Document document = read_document(text, syntax);
+    if (!document.readable) {
+        return tl::unexpected(syntax.sorted());
+    }
+    Mistakes meaning(file_name);
+    Draft draft = read_draft(document, meaning);
+    const Mistakes all = merge(syntax, meaning);
+    if (!all.empty()) {
+        return tl::unexpected(all.sorted());
+    }
+    return finish(std::move(draft), file_name);
+}
+
+tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
+    const std::filesystem::path& path) {
+    const auto refuse = [&path](std::string_view reason) {
+        return tl::unexpected(std::vector<Mistake>{
+            {path.string(),
+             {},
+             fmt::format("cannot be read: {}; give the path of a configuration "
+                         "file",
+                         reason)}});
+    };
+    std::error_code error;
+    if (std::filesystem::is_directory(path, error)) {
+        return refuse("it is a folder");
+    }
+    std::ifstream file(path, std::ios::binary);
+    if (!file) {
+        return refuse(std::strerror(errno));
+    }
+    std::string text(kMostConfigurationBytes + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    return load_configuration(text, path.string());
+}
+
+}  // namespace tribus

@@ -1,0 +1,66 @@
+#include "config/mistakes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "config/nearest.h"
+
+namespace tribus {
+
+std::string format_mistake(const Mistake& mistake) {
+    if (mistake.where.line == 0) {
+        return fmt::format("{}: {}", mistake.file, mistake.text);
+    }
+    return fmt::format("{}:{}:{}: {}", mistake.file, mistake.where.line, mistake.where.column,
+                       mistake.text);
+}
+
+bool Mistakes::on_line(unsigned line) const {
+    return std::any_of(mistakes_.begin(), mistakes_.end(),
+                       [line](const Mistake& mistake) { return mistake.where.line == line; });
+}
+
+std::vector<Mistake> Mistakes::sorted() const {
+    std::vector<Mistake> sorted = mistakes_;
+    std::stable_sort(sorted.begin(), sorted.end(), [](const Mistake& a, const Mistake& b) {
+        return std::tie(a.where.line, a.where.column) < std::tie(b.where.line, b.where.column);
+    });
+    return sorted;
+}
+
+std::string in_quotes(std::string_view text) {
+    std::string result = "\"";
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\') {
+            result += '\\';
+            result += c;
+        } else if (code < 0x20 || code == 0x7F) {
+            result += fmt::format("\\u{:04x}", code);
+        } else {
+            result += c;
+        }
+    }
+    return result + '"';
+}
+
+std::string in_quotes_all(std::span<const std::string_view> names) {
+    std::string result;
+    for (const std::string_view name : names) {
+        result += result.empty() ? "" : ", ";
+        result += in_quotes(name);
+    }
+    return result;
+}
+
+std::string suggestion(std::string_view wrong, std::span<const std::string_view> allowed) {
+    if (const auto near = nearest(wrong, allowed)) {
+        return fmt::format("did you mean {}? Allowed: {}", in_quotes(*near),
+                           in_quotes_all(allowed));
+    }
+    return allowed.empty() ? "there is none" : fmt::format("allowed: {}", in_quotes_all(allowed));
+}
+
+}  // namespace tribus

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/schema.h"
+
+namespace tribus {
+
+/// One thing that is wrong with a configuration, written for the person who must correct it.
+struct Mistake {
+    std::string file;
+    Location where;    ///< line 0: the file as a whole
+    std::string text;  ///< "what is wrong; what is allowed", one line
+};
+
+/// `file:line:column: what is wrong; what is allowed`
+std::string format_mistake(const Mistake& mistake);
+
+/// Collects the mistakes of one file. Thread-bound.
+class Mistakes {
+  public:
+    explicit Mistakes(std::string_view file) : file_(file) {}
+
+    void add(Location where, std::string text) {
+        mistakes_.push_back({file_, where, std::move(text)});
+    }
+    bool empty() const { return mistakes_.empty(); }
+    bool on_line(unsigned line) const;
+    const std::string& file() const { return file_; }
+    /// By line and column; what was found first stands first.
+    std::vector<Mistake> sorted() const;
+
+  private:
+    std::string file_;
+    std::vector<Mistake> mistakes_;
+};
+
+/// In double quotes, on one line: control characters are escaped as TOML and JSON do.
+std::string in_quotes(std::string_view text);
+/// `"a", "b", "c"`
+std::string in_quotes_all(std::span<const std::string_view> names);
+
+/// What may stand in the place of `wrong`: `did you mean "x"? Allowed: "x", "y"` or `allowed: ...`.
+std::string suggestion(std::string_view wrong, std::span<const std::string_view> allowed);
+
+}  // namespace tribus

@@ -1,0 +1,167 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "config/read_rules.h"
+#include "config/read_value.h"
+#include "config/values.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::array<std::string_view, 2> kSwitchLimits{"above", "below"};
+
+Mix read_mix(const Value& value, Mistakes& mistakes) {
+    Mix mix;
+    const auto* table = value.as<Table>();
+    if (table == nullptr || table->entries.empty()) {
+        mistakes.add(value.where, fmt::format("\"mix\" is {}; allowed: a table of weights by "
+                                              "channel number, such as {{ 1 = 0.5, 2 = -0.5 }}",
+                                              table == nullptr ? describe(value) : "empty"));
+        return mix;
+    }
+    for (const Entry& entry : table->entries) {
+        const auto channel = channel_of(entry.key);
+        const auto weight = number_within(entry.value, -kMostWeight, kMostWeight);
+        if (!channel) {
+            mistakes.add(entry.where, fmt::format("{} in \"mix\" is not a channel; allowed: {}",
+                                                  in_quotes(entry.key), allowed_channels()));
+        } else if (!weight) {
+            mistakes.add(entry.value.where,
+                         fmt::format("the weight of channel {} is {}; allowed: a number from {} "
+                                     "to {}",
+                                     entry.key, describe(entry.value), format_number(-kMostWeight),
+                                     format_number(kMostWeight)));
+        } else {
+            mix.terms.push_back({*channel, *weight});
+        }
+    }
+    return mix;
+}
+
+std::string given_sources(const TableContent& content) {
+    std::vector<std::string_view> given;
+    for (const std::string_view source : channel_source_names()) {
+        if (content.given(source)) {
+            given.push_back(source);
+        }
+    }
+    return given.empty() ? "nothing that it is made from" : in_quotes_all(given);
+}
+
+/// Exactly one source; a switch needs `from`; a switch and a fixed pulse have no shape.
+void check_combination(const TableContent& content, const TableRef& ref, Mistakes& mistakes) {
+    const auto sources = channel_source_names();
+    const auto count = std::count_if(sources.begin(), sources.end(),
+                                     [&](std::string_view key) { return content.given(key); });
+    if (count != 1) {
+        mistakes.add(ref.where, fmt::format("{} has {}; exactly one of {} is required", ref.title,
+                                            given_sources(content), in_quotes_all(sources)));
+        return;
+    }
+    std::string_view shapeless = content.given("fixed") ? "fixed" : "";
+    for (const std::string_view limit : kSwitchLimits) {
+        if (content.given(limit) && !content.given("from")) {
+            mistakes.add(content.find(limit)->where,
+                         fmt::format("{} makes a switch of one input channel; it stands beside "
+                                     "\"from\" only",
+                                     in_quotes(limit)));
+        } else if (content.given(limit)) {
+            shapeless = limit;
+        }
+    }
+    for (const std::string_view shape : shaping_key_names()) {
+        if (!shapeless.empty() && content.given(shape)) {
+            mistakes.add(content.find(shape)->where,
+                         fmt::format("{} has no effect beside {}; leave one of them out",
+                                     in_quotes(shape), in_quotes(shapeless)));
+        }
+    }
+    check_limits(content, "min", "max", "no value would be allowed", mistakes);
+    check_limits(content, "below", "above", "the switch would always be on", mistakes);
+}
+
+ChannelSource read_source(const TableContent& content, Mistakes& mistakes) {
+    if (const Entry* mix = content.find("mix")) {
+        return read_mix(mix->value, mistakes);
+    }
+    if (content.given("fixed")) {
+        return Fixed{pulse_of(content, "fixed").value_or(kCentrePulse)};
+    }
+    const auto channel =
+        static_cast<std::size_t>(content.values().get_or<std::int64_t>("from", 1) - 1);
+    if (content.given("above") || content.given("below")) {
+        return Switch{channel, pulse_of(content, "above"), pulse_of(content, "below")};
+    }
+    return FromChannel{channel};
+}
+
+ChannelRule read_rule(std::size_t output, const TableRef& ref, Reading reading) {
+    const TableContent content = read_table(ref, channel_keys(), reading);
+    check_combination(content, ref, reading.mistakes);
+    const SettingValues& values = content.values();
+    ChannelRule rule;
+    rule.output = output;
+    rule.source = read_source(content, reading.mistakes);
+    rule.deadband = pulse_of(content, "deadband").value_or(Pulse{});
+    rule.expo = values.get_or("expo", 0.0);
+    rule.reverse = values.get_or("reverse", false);
+    rule.trim = pulse_of(content, "trim").value_or(Pulse{});
+    if (const auto* slew = values.find_as<double>("slew")) {
+        rule.slew_us_per_second = *slew;
+    }
+    rule.min = pulse_of(content, "min");
+    rule.max = pulse_of(content, "max");
+    return rule;
+}
+
+std::optional<ChannelRule> read_channel(const Entry& entry, Reading reading) {
+    const auto output = channel_of(entry.key);
+    if (!output) {
+        reading.mistakes.add(entry.where, fmt::format("{} is not an output channel; allowed: {}",
+                                                      in_quotes(entry.key), allowed_channels()));
+        return std::nullopt;
+    }
+    if (const auto* table = entry.value.as<Table>()) {
+        return read_rule(*output, {*table, entry.value.where, "channel " + entry.key}, reading);
+    }
+    const auto* number = entry.value.as<std::int64_t>();
+    if (number != nullptr && *number >= 1 && *number <= std::int64_t{kChannelCount}) {
+        ChannelRule rule;
+        rule.output = *output;
+        rule.source = FromChannel{static_cast<std::size_t>(*number - 1)};
+        return rule;
+    }
+    reading.mistakes.add(entry.value.where,
+                         fmt::format("channel {} is {}; allowed: the number of an input channel "
+                                     "from 1 to {}, or a table such as {{ from = 1, reverse = "
+                                     "true }}",
+                                     entry.key, describe(entry.value), kChannelCount));
+    return std::nullopt;
+}
+
+}  // namespace
+
+std::vector<ChannelRule> read_channels(const Value& value, const std::string& title,
+                                       Reading reading) {
+    std::vector<ChannelRule> rules;
+    const auto* table = value.as<Table>();
+    if (table == nullptr) {
+        reading.mistakes.add(
+            value.where,
+            fmt::format("{} is {}; allowed: a table, such as {{ 1 = 2 }}", title, describe(value)));
+        return rules;
+    }
+    for (const Entry& entry : table->entries) {
+        if (auto rule = read_channel(entry, reading)) {
+            rules.push_back(std::move(*rule));
+        }
+    }
+    std::sort(rules.begin(), rules.end(),
+              [](const ChannelRule& a, const ChannelRule& b) { return a.output < b.output; });
+    return rules;
+}
+
+}  // namespace tribus

@@ -1,0 +1,178 @@
+#include "config/read_failsafe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "config/nearest.h"
+#include "config/read_rules.h"
+
+namespace tribus {
+namespace {
+
+/// What one failsafe table gives.
+struct Given {
+    std::optional<Duration> hold;
+    std::optional<Duration> recover;
+    std::optional<FailsafeAction> action;
+    std::optional<Presets> presets;
+    bool action_sound = true;
+    Location action_where;
+    Location preset_where;
+};
+
+std::optional<FailsafeAction> action_of(const TableContent& content) {
+    const auto* name = content.values().find_as<std::string>("action");
+    if (name == nullptr) {
+        return std::nullopt;
+    }
+    return *name == "preset" ? FailsafeAction::preset
+           : *name == "hold" ? FailsafeAction::hold
+                             : FailsafeAction::silence;
+}
+
+Given read_given(const TableContent& content, Mistakes& mistakes) {
+    Given given;
+    const auto duration = [&content](std::string_view key) {
+        return content.given(key) && content.sound(key)
+                   ? std::optional(content.values().get_or(key, Duration::zero()))
+                   : std::nullopt;
+    };
+    given.hold = duration("hold");
+    given.recover = duration("recover");
+    given.action = action_of(content);
+    given.action_sound = content.sound("action");
+    given.action_where = content.where("action");
+    if (const Entry* preset = content.find("preset")) {
+        given.presets = read_presets(preset->value, mistakes);
+        given.preset_where = preset->where;
+    }
+    return given;
+}
+
+std::vector<std::string_view> output_names(const PipelineConfig& pipeline, const Draft& draft) {
+    std::vector<std::string_view> names;
+    for (const std::size_t output : pipeline.outputs) {
+        names.emplace_back(draft.outputs[output].config.name);
+    }
+    return names;
+}
+
+using GivenByOutput = std::map<std::string, Given, std::less<>>;
+
+/// [pipeline.NAME.failsafe.output.NAME] of all outputs that have one.
+GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, const Draft& draft,
+                           Reading reading) {
+    GivenByOutput result;
+    const std::string path = fmt::format("pipeline.{}.failsafe.output", pipeline.name);
+    const auto* tables = value.as<Table>();
+    if (tables == nullptr) {
+        reading.mistakes.add(value.where,
+                             fmt::format("[{}] is {}; allowed: a table for each output that "
+                                         "differs, [{}.NAME]",
+                                         path, describe(value), path));
+        return result;
+    }
+    const auto names = output_names(pipeline, draft);
+    for (const Entry& entry : tables->entries) {
+        const bool known = std::find(names.begin(), names.end(), entry.key) != names.end();
+        if (!known && !draft.outputs_uncertain && !reading.lost.mentions(entry.key)) {
+            reading.mistakes.add(entry.where,
+                                 fmt::format("[pipeline.{}] has no output {}; {}", pipeline.name,
+                                             in_quotes(entry.key), suggestion(entry.key, names)));
+        }
+        const auto* table = entry.value.as<Table>();
+        if (table == nullptr) {
+            reading.mistakes.add(entry.value.where, fmt::format("{} in [{}] is {}; allowed: a "
+                                                                "table, [{}.NAME]",
+                                                                in_quotes(entry.key), path,
+                                                                describe(entry.value), path));
+            continue;
+        }
+        const TableContent content =
+            read_table({*table, entry.value.where, fmt::format("[{}.{}]", path, entry.key)},
+                       output_failsafe_keys(), reading);
+        result.emplace(entry.key, read_given(content, reading.mistakes));
+    }
+    return result;
+}
+
+FailsafeAction default_action(const OutputConfig& output) {
+    return output.protocol != nullptr && output.protocol->says_failsafe ? FailsafeAction::preset
+                                                                        : FailsafeAction::silence;
+}
+
+FailsafeSettings combine(const Given& own, const Given& shared, const OutputConfig& output) {
+    FailsafeSettings settings;
+    settings.hold = own.hold ? *own.hold : shared.hold.value_or(settings.hold);
+    settings.recover = own.recover ? *own.recover : shared.recover.value_or(settings.recover);
+    settings.action = own.action ? *own.action : shared.action.value_or(default_action(output));
+    settings.presets = own.presets ? *own.presets : shared.presets.value_or(default_presets());
+    return settings;
+}
+
+/// Fail silent or fail explicit, never fail stale.
+void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistakes) {
+    if (given.action == FailsafeAction::hold && output.protocol != nullptr &&
+        !output.protocol->says_failsafe) {
+        mistakes.add(given.action_where,
+                     fmt::format("\"action\" is \"hold\", but {} of output {} cannot say failsafe: "
+                                 "it would repeat old values unmarked; allowed there: \"preset\", "
+                                 "\"silence\"",
+                                 in_quotes(output.protocol->name), in_quotes(output.name)));
+    }
+}
+
+/// Presets that someone wrote down, but that the default action of the output does not send.
+void check_presets(const Given& given, bool used, Mistakes& mistakes) {
+    if (given.presets && !used) {
+        mistakes.add(given.preset_where,
+                     "\"preset\" has no effect: without \"action\", an output whose protocol "
+                     "cannot say failsafe goes silent; add action = \"preset\", or leave "
+                     "\"preset\" out");
+    }
+}
+
+}  // namespace
+
+std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineConfig& pipeline,
+                                            const Draft& draft, Reading reading) {
+    Given shared;
+    GivenByOutput own;
+    const auto* table = entry == nullptr ? nullptr : entry->value.as<Table>();
+    const std::string title = fmt::format("[pipeline.{}.failsafe]", pipeline.name);
+    if (table != nullptr) {
+        const TableContent content =
+            read_table({*table, entry->value.where, title}, failsafe_keys(), reading);
+        shared = read_given(content, reading.mistakes);
+        if (const Entry* outputs = content.find("output")) {
+            own = read_outputs(outputs->value, pipeline, draft, reading);
+        }
+    } else if (entry != nullptr) {
+        reading.mistakes.add(entry->value.where, fmt::format("{} is {}; allowed: a table", title,
+                                                             describe(entry->value)));
+    }
+    std::vector<FailsafeSettings> result;
+    // What is not known for sure is not held against the user.
+    bool shared_used = shared.action || !shared.action_sound || draft.outputs_uncertain ||
+                       pipeline.outputs.empty();
+    for (const std::size_t index : pipeline.outputs) {
+        const OutputConfig& output = draft.outputs[index].config;
+        const Given& mine = own[output.name];
+        result.push_back(combine(mine, shared, output));
+        check_hold(mine.action ? mine : shared, output, reading.mistakes);
+        const bool presets_used = mine.action || !mine.action_sound || shared.action ||
+                                  output.protocol == nullptr ||
+                                  default_action(output) == FailsafeAction::preset;
+        check_presets(mine, presets_used, reading.mistakes);
+        shared_used = shared_used || (presets_used && !mine.presets);
+    }
+    check_presets(shared, shared_used, reading.mistakes);
+    return result;
+}
+
+}  // namespace tribus

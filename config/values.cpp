@@ -1,0 +1,144 @@
+#include "config/values.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace tribus {
+namespace {
+
+constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kLongestDurationNanoseconds = 366.0 * 24 * 3600 * kNanosecondsPerSecond;
+
+struct Quantity {
+    double number = 0;
+    std::string_view unit;
+};
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/// Digits, perhaps a point and digits, then the unit. No sign, exponent or space.
+std::optional<Quantity> parse_quantity(std::string_view text) {
+    std::size_t end = 0;
+    const auto take_digits = [&] {
+        const std::size_t begin = end;
+        while (end < text.size() && is_digit(text[end])) {
+            ++end;
+        }
+        return end > begin;
+    };
+    if (!take_digits()) {
+        return std::nullopt;
+    }
+    if (end < text.size() && text[end] == '.') {
+        ++end;
+        if (!take_digits()) {
+            return std::nullopt;
+        }
+    }
+    Quantity quantity{.unit = text.substr(end)};
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + end, quantity.number);
+    if (error != std::errc{} || stop != text.data() + end) {
+        return std::nullopt;
+    }
+    return quantity;
+}
+
+constexpr std::array<std::pair<std::string_view, double>, 3> kTimeUnits{
+    {{"us", 1e3}, {"ms", 1e6}, {"s", kNanosecondsPerSecond}}};
+
+}  // namespace
+
+std::optional<Duration> parse_duration(std::string_view text) {
+    const auto quantity = parse_quantity(text);
+    if (!quantity) {
+        return std::nullopt;
+    }
+    for (const auto& [unit, nanoseconds] : kTimeUnits) {
+        const double total = quantity->number * nanoseconds;
+        if (quantity->unit == unit && total <= kLongestDurationNanoseconds) {
+            return Duration(std::llround(total));
+        }
+    }
+    return std::nullopt;
+}
+
+std::string format_duration(Duration duration) {
+    using std::chrono::microseconds;
+    using std::chrono::milliseconds;
+    using std::chrono::seconds;
+    const auto count = duration.count();
+    if (duration % seconds(1) == Duration::zero() && count != 0) {
+        return fmt::format("{}s", duration / seconds(1));
+    }
+    if (duration % milliseconds(1) == Duration::zero()) {
+        return fmt::format("{}ms", duration / milliseconds(1));
+    }
+    return fmt::format("{}us", static_cast<double>(count) / 1000);
+}
+
+std::optional<double> parse_slew(std::string_view text) {
+    const auto quantity = parse_quantity(text);
+    if (!quantity || quantity->unit != "us/s") {
+        return std::nullopt;
+    }
+    return quantity->number;
+}
+
+std::string format_slew(double microseconds_per_second) {
+    return format_number(microseconds_per_second) + "us/s";
+}
+
+std::string format_number(double number) {
+    return fmt::format("{}", number);
+}
+
+std::string_view unquoted_fallback(const Setting& setting) {
+    std::string_view text = setting.fallback;
+    if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
+        text = text.substr(1, text.size() - 2);
+    }
+    return text;
+}
+
+SettingValue default_of(const Setting& setting) {
+    const std::string_view text = unquoted_fallback(setting);
+    const char* const end = text.data() + text.size();
+    switch (setting.type) {
+        case SettingType::boolean:
+            return text == "true";
+        case SettingType::integer: {
+            std::int64_t number = 0;
+            std::from_chars(text.data(), end, number);
+            return number;
+        }
+        case SettingType::number:
+        case SettingType::pulse: {
+            double number = 0;
+            std::from_chars(text.data(), end, number);
+            return number;
+        }
+        case SettingType::slew:
+            return parse_slew(text).value_or(0);
+        case SettingType::duration:
+            return parse_duration(text).value_or(Duration::zero());
+        case SettingType::text:
+        case SettingType::choice:
+        case SettingType::scale:
+            break;
+    }
+    return std::string(text);
+}
+
+double seconds_of(Duration duration) {
+    return static_cast<double>(duration.count()) / kNanosecondsPerSecond;
+}
+
+}  // namespace tribus

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <compare>
+#include <cstdint>
+#include <limits>
+
+namespace tribus {
+
+/// A pulse width in eighths of a microsecond.
+///
+/// One SBUS step (Betaflight's scale) is 5 eighths and one i.Bus microsecond is 8, so both decode
+/// without rounding. Holds -4096 to 4095.875 us; every way to make one saturates, none wraps.
+/// Pure and reentrant.
+class Pulse {
+  public:
+    static constexpr int kEighthsPerMicrosecond = 8;
+
+    constexpr Pulse() = default;
+
+    static constexpr Pulse from_eighths(std::int64_t eighths) {
+        using Limits = std::numeric_limits<std::int16_t>;
+        Pulse pulse;
+        pulse.eighths_ = static_cast<std::int16_t>(
+            std::clamp<std::int64_t>(eighths, Limits::min(), Limits::max()));
+        return pulse;
+    }
+
+    static constexpr Pulse from_microseconds(std::int64_t microseconds) {
+        constexpr std::int64_t kBeyondAnyPulse = 1 << 20;
+        return from_eighths(std::clamp(microseconds, -kBeyondAnyPulse, kBeyondAnyPulse) *
+                            kEighthsPerMicrosecond);
+    }
+
+    /// The nearest eighth to a fractional number of microseconds; not-a-number becomes 0.
+    static Pulse from_fractional_microseconds(double microseconds) {
+        constexpr double kBeyondAnyPulse = 1 << 20;
+        if (std::isnan(microseconds)) {
+            return Pulse{};
+        }
+        const double limited = std::clamp(microseconds, -kBeyondAnyPulse, kBeyondAnyPulse);
+        return from_eighths(std::llround(limited * kEighthsPerMicrosecond));
+    }
+
+    constexpr std::int32_t eighths() const { return eighths_; }
+    constexpr double microseconds() const {
+        return static_cast<double>(eighths_) / kEighthsPerMicrosecond;
+    }
+    /// Rounded to the nearest whole microsecond, halves upwards.
+    constexpr std::int32_t whole_microseconds() const {
+        return (eighths_ + kEighthsPerMicrosecond / 2) >> 3;
+    }
+
+    constexpr auto operator<=>(const Pulse&) const = default;
+
+  private:
+    std::int16_t eighths_ = 0;
+};
+
+static_assert(sizeof(Pulse) == 2);
+
+/// The stick centre of the field's common scale: what an absent channel is sent as.
+inline constexpr Pulse kCentrePulse = Pulse::from_microseconds(1500);
+/// What a two-state channel (SBUS channels 17 and 18, a switch) reads as.
+inline constexpr Pulse kSwitchOffPulse = Pulse::from_microseconds(1000);
+inline constexpr Pulse kSwitchOnPulse = Pulse::from_microseconds(2000);
+
+}  // namespace tribus

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "core/time.h"
+
+namespace tribus {
+
+enum class ScheduleKind : std::uint8_t {
+    follow,  ///< send when a new frame arrives, at most once a period, and once a period without
+    grid,    ///< strictly periodic, whatever arrives
+};
+
+enum class Phase : std::uint8_t {
+    free,
+    locked,  ///< the grid is steered to stand just behind the input's arrival
+};
+
+struct ScheduleSettings {
+    ScheduleKind kind = ScheduleKind::follow;
+    Duration period = std::chrono::milliseconds(14);
+    Phase phase = Phase::free;
+};
+
+/// When frames of an input arrive, as far as the past tells. Pure; thread-bound.
+class ArrivalClock {
+  public:
+    void arrived(Instant now);
+
+    bool ever() const { return ever_; }
+    Instant latest() const { return latest_; }
+    /// Smoothed time between two frames; zero before the second frame.
+    Duration interval() const { return interval_; }
+    /// When the next frame should be here, with a quarter of an interval for its jitter; the past
+    /// where frames have stopped.
+    Instant next_expected_by() const { return latest_ + interval_ + interval_ / 4; }
+
+  private:
+    Instant latest_{};
+    Duration interval_{};
+    int outliers_ = 0;
+    bool ever_ = false;
+};
+
+/// Decides when an output is due. Pure arithmetic on absolute instants; thread-bound.
+class Schedule {
+  public:
+    explicit Schedule(const ScheduleSettings& settings) : settings_(settings) {}
+
+    /// Sets the first deadline: `grid` at once, `follow` after a period without a first frame.
+    void start(Instant now);
+
+    /// An input frame that this output should carry arrived, the latest that `arrivals` knows.
+    void frame_arrived(const ArrivalClock& arrivals);
+
+    /// When the output is due next.
+    Instant due() const { return due_; }
+
+    /// The output had its turn at `now`, which is not before `due()`; `wrote` unless it is silent.
+    /// Sets the next deadline: never `now` plus the period on a grid, whose whole missed periods
+    /// are skipped and counted.
+    void done(Instant now, bool wrote);
+
+    std::uint64_t overruns() const { return overruns_; }
+    Duration period() const { return settings_.period; }
+
+  private:
+    Instant repeat_due(Instant now) const;
+    std::optional<Duration> locked_step() const;
+    Duration steering(Instant planned, Duration step) const;
+
+    ScheduleSettings settings_;
+    Instant due_ = kNever;
+    std::optional<Instant> latest_write_;
+    ArrivalClock arrivals_;
+    std::uint64_t overruns_ = 0;
+};
+
+}  // namespace tribus

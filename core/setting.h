@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/pulse.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// What a key of the configuration may hold. The configuration language, its JSON schema and its
+/// messages are all made from tables of `Setting`.
+enum class SettingType : std::uint8_t {
+    boolean,
+    integer,
+    number,
+    text,
+    choice,    ///< text, one of `choices`
+    duration,  ///< text with a unit: "500us", "14ms", "2s"
+    pulse,     ///< microseconds, fractions allowed
+    slew,      ///< text: "2000us/s"
+    scale,     ///< one of `choices`, or { raw = [a, b], us = [c, d] }
+};
+
+/// Two points of a straight line between raw values of a wire format and microseconds.
+struct TwoPoints {
+    std::array<double, 2> raw{};
+    std::array<double, 2> microseconds{};
+    bool operator==(const TwoPoints&) const = default;
+};
+
+/// Where a protocol's own key may stand.
+enum class SettingScope : std::uint8_t { both, input, output };
+
+/// One row of the key table. All text has static storage.
+struct Setting {
+    std::string_view key;
+    SettingType type = SettingType::text;
+    /// As one would write it in the file; empty: the key has no default.
+    std::string_view fallback = {};
+    bool required = false;
+    /// Allowed range, ends included, in the unit of the type (durations: seconds, pulses and slew:
+    /// microseconds). No limit where both are 0.
+    double least = 0;
+    double most = 0;
+    std::span<const std::string_view> choices = {};
+    SettingScope scope = SettingScope::both;
+    std::string_view help = {};
+};
+
+using SettingValue = std::variant<bool, std::int64_t, double, std::string, Duration, TwoPoints>;
+
+/// The checked values of one table: every key of its `Setting` rows that was given or has a
+/// default.
+class SettingValues {
+  public:
+    void set(std::string_view key, SettingValue value) {
+        values_.emplace_back(std::string(key), std::move(value));
+    }
+    const SettingValue* find(std::string_view key) const {
+        for (const auto& [name, value] : values_) {
+            if (name == key) {
+                return &value;
+            }
+        }
+        return nullptr;
+    }
+    template <class T>
+    const T* find_as(std::string_view key) const {
+        const SettingValue* value = find(key);
+        return value == nullptr ? nullptr : std::get_if<T>(value);
+    }
+    template <class T>
+    T get_or(std::string_view key, T fallback) const {
+        const T* value = find_as<T>(key);
+        return value == nullptr ? std::move(fallback) : *value;
+    }
+
+    auto begin() const { return values_.begin(); }
+    auto end() const { return values_.end(); }
+
+  private:
+    std::vector<std::pair<std::string, SettingValue>> values_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,43 @@
+# Shared by the two commands of the README; sourced, not run.
+# Says what it does, asks nothing, and does only what is still missing.
+
+set -eu
+
+# Packages of Debian 12 that the program is built from.
+build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-dev libspdlog-dev
+    libtomlplusplus-dev ninja-build nlohmann-json3-dev"
+# And those that its tests need.
+test_packages="libgtest-dev librapidcheck-dev python3 python3-jsonschema sigrok-cli"
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then
+        "$@"
+    else
+        sudo "$@"
+    fi
+}
+
+# install_packages NAME...: those that are not there yet.
+install_packages() {
+    missing=""
+    for package in "$@"; do
+        dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' ||
+            missing="$missing $package"
+    done
+    [ -n "$missing" ] || return 0
+    echo "Installing Debian packages:$missing" >&2
+    as_root apt-get -q update >&2
+    # shellcheck disable=SC2086 # a list of words
+    as_root env DEBIAN_FRONTEND=noninteractive \
+        apt-get -q install --yes --no-install-recommends $missing >&2
+}
+
+# build ON|OFF TARGET...: with or without the tests.
+build() {
+    tests=$1
+    shift
+    echo "Building tribus in $(pwd)/build (tests: $tests)" >&2
+    cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DTRIBUS_TESTS="$tests" \
+        ${CI:+-DTRIBUS_WERROR=ON} >&2
+    cmake --build build --target "$@" >&2
+}

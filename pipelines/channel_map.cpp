@@ -1,0 +1,158 @@
+#include "pipelines/channel_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace tribus {
+namespace {
+
+constexpr double kFullTravelEighths = 500.0 * Pulse::kEighthsPerMicrosecond;
+
+double deviation(Pulse pulse) {
+    return static_cast<double>(pulse.eighths() - kCentrePulse.eighths());
+}
+Pulse from_deviation(double eighths) {
+    return Pulse::from_eighths(kCentrePulse.eighths() + std::llround(eighths));
+}
+
+/// Reads one output channel's source from an input frame.
+struct SourceReader {
+    const ChannelFrame& input;
+
+    std::optional<Pulse> operator()(const FromChannel& from) const {
+        return input.channel(from.channel);
+    }
+    std::optional<Pulse> operator()(const Mix& mix) const {
+        double sum = 0;
+        for (const MixTerm& term : mix.terms) {
+            if (!input.has(term.channel)) {
+                return std::nullopt;
+            }
+            sum += term.weight * deviation(input.channel_or(term.channel, kCentrePulse));
+        }
+        return from_deviation(sum);
+    }
+    std::optional<Pulse> operator()(const Fixed& fixed) const { return fixed.pulse; }
+    std::optional<Pulse> operator()(const Switch& lever) const {
+        const std::optional<Pulse> pulse = input.channel(lever.channel);
+        if (!pulse) {
+            return std::nullopt;
+        }
+        const bool on =
+            (!lever.above || *pulse > *lever.above) && (!lever.below || *pulse < *lever.below);
+        return on ? kSwitchOnPulse : kSwitchOffPulse;
+    }
+};
+
+std::vector<Filter> filters_of(const ChannelRule& rule) {
+    std::vector<Filter> filters;
+    if (rule.deadband != Pulse{}) {
+        filters.emplace_back(DeadbandFilter{rule.deadband});
+    }
+    if (rule.expo != 0) {
+        filters.emplace_back(ExpoFilter{rule.expo});
+    }
+    if (rule.reverse) {
+        filters.emplace_back(ReverseFilter{});
+    }
+    if (rule.trim != Pulse{}) {
+        filters.emplace_back(TrimFilter{rule.trim});
+    }
+    if (rule.slew_us_per_second) {
+        constexpr double kNanosecondsPerSecond = 1e9;
+        filters.emplace_back(SlewFilter{.eighths_per_nanosecond = *rule.slew_us_per_second *
+                                                                  Pulse::kEighthsPerMicrosecond /
+                                                                  kNanosecondsPerSecond});
+    }
+    if (rule.min || rule.max) {
+        filters.emplace_back(LimitFilter{rule.min.value_or(Pulse::from_eighths(INT16_MIN)),
+                                         rule.max.value_or(Pulse::from_eighths(INT16_MAX))});
+    }
+    return filters;
+}
+
+}  // namespace
+
+Pulse DeadbandFilter::apply(Pulse pulse, Instant /*now*/) {
+    const double from_centre = deviation(pulse);
+    const double size = std::abs(from_centre);
+    const double edge = width.eighths();
+    if (size <= edge) {
+        return kCentrePulse;
+    }
+    if (size >= kFullTravelEighths) {
+        return pulse;
+    }
+    const double stretched = (size - edge) * kFullTravelEighths / (kFullTravelEighths - edge);
+    return from_deviation(std::copysign(stretched, from_centre));
+}
+
+Pulse ExpoFilter::apply(Pulse pulse, Instant /*now*/) {
+    const double travel = deviation(pulse) / kFullTravelEighths;
+    if (std::abs(travel) >= 1) {
+        return pulse;
+    }
+    return from_deviation(((1 - share) * travel + share * travel * travel * travel) *
+                          kFullTravelEighths);
+}
+
+Pulse ReverseFilter::apply(Pulse pulse, Instant /*now*/) {
+    return Pulse::from_eighths(2 * kCentrePulse.eighths() - pulse.eighths());
+}
+
+Pulse TrimFilter::apply(Pulse pulse, Instant /*now*/) {
+    return Pulse::from_eighths(pulse.eighths() + offset.eighths());
+}
+
+Pulse SlewFilter::apply(Pulse pulse, Instant now) {
+    const double wanted = pulse.eighths();
+    if (!started) {
+        latest_eighths = wanted;
+    } else {
+        const double most = eighths_per_nanosecond * static_cast<double>((now - latest_at).count());
+        latest_eighths += std::clamp(wanted - latest_eighths, -most, most);
+    }
+    started = true;
+    latest_at = now;
+    return Pulse::from_eighths(std::llround(latest_eighths));
+}
+
+Pulse LimitFilter::apply(Pulse pulse, Instant /*now*/) {
+    return std::clamp(pulse, min, max);
+}
+
+ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
+    for (const ChannelRule& rule : rules) {
+        lanes_.push_back({rule.output, rule.source, filters_of(rule)});
+    }
+}
+
+ChannelFrame ChannelMap::apply(const ChannelFrame& input, Instant now) {
+    ChannelFrame output = input;
+    for (Lane& lane : lanes_) {
+        std::optional<Pulse> pulse = std::visit(SourceReader{input}, lane.source);
+        if (pulse) {
+            for (Filter& filter : lane.filters) {
+                pulse = std::visit([&](auto& step) { return step.apply(*pulse, now); }, filter);
+            }
+        }
+        output.set(lane.output, pulse);
+    }
+    return output;
+}
+
+void ChannelMap::restart_from(const ChannelFrame& frame, Instant now) {
+    for (Lane& lane : lanes_) {
+        for (Filter& filter : lane.filters) {
+            auto* slew = std::get_if<SlewFilter>(&filter);
+            if (slew != nullptr && frame.has(lane.output)) {
+                slew->started = true;
+                slew->latest_eighths = frame.channel_or(lane.output, kCentrePulse).eighths();
+                slew->latest_at = now;
+            }
+        }
+    }
+}
+
+}  // namespace tribus

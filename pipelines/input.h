@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/channel_frame.h"
+#include "core/schedule.h"
+#include "core/time.h"
+#include "pipelines/settings.h"
+#include "transports/codecs/codec.h"
+
+namespace tribus {
+
+struct InputSettings {
+    std::string name;
+    std::unique_ptr<Decoder> decoder;
+    /// No good frame for so long: this input is lost.
+    Duration timeout = std::chrono::milliseconds(100);
+    std::vector<LossRule> failsafe_when;
+};
+
+/// Events of one input since start. Only ever incremented.
+struct InputCounts {
+    std::uint64_t bytes = 0;
+    std::uint64_t frames = 0;
+    std::uint64_t frame_lost_frames = 0;  ///< the sender marked them so
+    std::uint64_t failsafe_frames = 0;    ///< the sender marked them so, or a rule did
+    std::uint64_t device_losses = 0;
+};
+
+/// One source of frames: keeps the latest, and judges whether its link is up. Never a queue.
+/// Thread-bound, no allocation after construction.
+class Input {
+  public:
+    Input(InputSettings settings, std::uint8_t index);
+
+    /// Takes bytes that were read at `now`, with the positions of those that the line damaged.
+    /// Returns whether a frame came out of them.
+    template <class DamagedMarks>
+    bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
+        counts_.bytes += bytes.size();
+        bool any = false;
+        std::size_t start = 0;
+        for (std::size_t position = 0; position < bytes.size(); ++position) {
+            if (damaged[position]) {
+                any = decode(bytes.subspan(start, position - start), now) || any;
+                decoder_->damaged_byte();
+                start = position + 1;
+            }
+        }
+        return decode(bytes.subspan(start), now) || any;
+    }
+    void device_lost() { ++counts_.device_losses; }
+
+    /// Whether its frames count at `at`, which may lie a little ahead.
+    bool alive(Instant at) const { return ever_good_ && !failsafe_ && at < lost_at(); }
+    /// When it was lost, or will be if nothing more comes. Only where it was ever good.
+    Instant lost_at() const { return failsafe_ ? failsafe_since_ : good_.received + timeout_; }
+    bool ever_good() const { return ever_good_; }
+    /// Start of the unbroken run of good frames.
+    Instant run_start() const { return run_start_; }
+    /// The run is the first one: it was never lost, so there is nothing to recover from.
+    bool first_run() const { return runs_ <= 1; }
+
+    /// The values of the latest good frame; marked frame-lost if the sender's newest frame is.
+    const ChannelFrame& control() const { return good_; }
+    /// The latest frame as it came, whatever its flags.
+    const ChannelFrame& latest() const { return latest_; }
+    const ArrivalClock& arrivals() const { return arrivals_; }
+    const InputCounts& counts() const { return counts_; }
+    const Decoder& decoder() const { return *decoder_; }
+    const std::string& name() const { return name_; }
+
+  private:
+    bool decode(std::span<const std::uint8_t> bytes, Instant now);
+    void take(ChannelFrame frame, Instant now);
+    bool rule_says_loss(const ChannelFrame& frame) const;
+
+    std::string name_;
+    std::unique_ptr<Decoder> decoder_;
+    Duration timeout_;
+    std::vector<LossRule> failsafe_when_;
+    std::uint8_t index_;
+
+    ChannelFrame latest_;
+    ChannelFrame good_;
+    bool ever_good_ = false;
+    bool run_broken_ = true;
+    bool failsafe_ = false;
+    Instant failsafe_since_{};
+    Instant run_start_{};
+    std::uint64_t runs_ = 0;
+    ArrivalClock arrivals_;
+    InputCounts counts_;
+};
+
+}  // namespace tribus

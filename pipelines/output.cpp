@@ -1,0 +1,112 @@
+#include "pipelines/output.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tribus {
+
+Output::Output(OutputSettings settings)
+    : name_(std::move(settings.name)),
+      encoder_(std::move(settings.encoder)),
+      schedule_(settings.schedule),
+      inputs_(std::move(settings.inputs)),
+      map_(settings.channels),
+      failsafe_(settings.failsafe) {}
+
+void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
+    const bool mine = std::find(inputs_.begin(), inputs_.end(), index) != inputs_.end();
+    const bool standby = stage_ == OutputStage::control && index != current_;
+    if (mine && !standby) {
+        schedule_.frame_arrived(arrivals);
+    }
+}
+
+void Output::end(Instant now) {
+    ending_ = true;
+    stage_ = OutputStage::failsafe;
+    schedule_.start(now);
+}
+
+std::span<const std::uint8_t> Output::take() {
+    const std::size_t length = std::exchange(wire_length_, 0);
+    return std::span(wire_).first(length);
+}
+
+std::optional<std::size_t> Output::controlling_input() const {
+    return stage_ == OutputStage::control ? current_ : std::nullopt;
+}
+
+/// The first healthy input in the order of preference. One that was lost must have shown an
+/// unbroken run of good frames before it gets control back, except from a loss that its own
+/// `hold` has bridged.
+std::optional<std::size_t> Output::select(Instant now, Instant at,
+                                          std::span<const Input> inputs) const {
+    for (const std::size_t index : inputs_) {
+        const Input& input = inputs[index];
+        const bool trusted = (index == current_ && stage_ != OutputStage::failsafe) ||
+                             input.first_run() || now - input.run_start() >= failsafe_.recover;
+        if (input.alive(at) && trusted) {
+            return index;
+        }
+    }
+    return std::nullopt;
+}
+
+std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
+    ChannelFrame frame;
+    switch (failsafe_.action) {
+        case FailsafeAction::silence:
+            return std::nullopt;
+        case FailsafeAction::hold:
+            if (!held_) {
+                return std::nullopt;
+            }
+            frame = *held_;
+            break;
+        case FailsafeAction::preset:
+            for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+                frame.set(channel, failsafe_.presets[channel]);
+            }
+            map_.restart_from(frame, now);
+            break;
+    }
+    frame.frame_lost = true;
+    frame.failsafe = true;
+    return frame;
+}
+
+std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Input> inputs) {
+    const Instant end_of_period = later(now, schedule_.period());
+    const auto selected = ending_ ? std::nullopt : select(now, end_of_period, inputs);
+    if (selected) {
+        if (stage_ == OutputStage::failsafe && current_) {
+            ++counts_.recoveries;
+        }
+        current_ = selected;
+        stage_ = OutputStage::control;
+        held_ = map_.apply(inputs[*selected].control(), now);
+        return held_;
+    }
+    if (stage_ != OutputStage::failsafe) {
+        stage_ = OutputStage::holding;
+        if (end_of_period < later(inputs[*current_].lost_at(), failsafe_.hold)) {
+            ChannelFrame frame = *held_;
+            frame.frame_lost = true;
+            return frame;
+        }
+        stage_ = OutputStage::failsafe;
+        ++counts_.failsafe_entries;
+    }
+    return failsafe_frame(now);
+}
+
+void Output::run(Instant now, std::span<const Input> inputs) {
+    const std::optional<ChannelFrame> frame = make_frame(now, inputs);
+    if (frame) {
+        latest_ = *frame;
+        wire_length_ = encoder_->encode(*frame, wire_);
+    }
+    schedule_.done(now, frame.has_value());
+}
+
+}  // namespace tribus

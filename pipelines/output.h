@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/channel_frame.h"
+#include "core/schedule.h"
+#include "core/time.h"
+#include "pipelines/channel_map.h"
+#include "pipelines/input.h"
+#include "pipelines/settings.h"
+#include "transports/codecs/codec.h"
+
+namespace tribus {
+
+struct OutputSettings {
+    std::string name;
+    std::unique_ptr<Encoder> encoder;
+    ScheduleSettings schedule;
+    /// What its pipeline feeds it from: indices of inputs, the preferred first.
+    std::vector<std::size_t> inputs;
+    std::vector<ChannelRule> channels;
+    FailsafeSettings failsafe;
+};
+
+enum class OutputStage : std::uint8_t {
+    failsafe,  ///< no input in control: presets, held values with flags, or silence
+    holding,   ///< the input is lost: its last values, marked frame-lost
+    control,   ///< an input is in control
+};
+
+/// Events of one output since start. Only ever incremented.
+struct OutputCounts {
+    std::uint64_t sent = 0;
+    std::uint64_t busy_drops = 0;  ///< the port still had the frame before; a newer one follows
+    std::uint64_t lost_drops = 0;  ///< the device was not there
+    std::uint64_t failsafe_entries = 0;
+    std::uint64_t recoveries = 0;
+};
+
+/// The end of a pipeline: selects the input, runs the filters, judges loss and failsafe, and
+/// encodes, each time that it is due. Failsafe belongs here, to the output's own tick, because a
+/// dead link delivers nothing that could trigger anything. Thread-bound, no allocation after
+/// construction.
+///
+/// A frame speaks for the whole period until the next one, so inputs are judged by what they will
+/// be at its end: no reader acts on unmarked values older than the input's timeout.
+class Output {
+  public:
+    explicit Output(OutputSettings settings);
+
+    void start(Instant now) { schedule_.start(now); }
+    /// A frame of input `index` has arrived.
+    void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
+    Instant due() const { return schedule_.due(); }
+    /// Makes the next frame; call when due. Silence makes none.
+    void run(Instant now, std::span<const Input> inputs);
+    /// No input regains control from here on: the program is about to end.
+    void end(Instant now);
+
+    /// The encoded frame that waits to be written; empty if none. Taking it makes it empty.
+    std::span<const std::uint8_t> take();
+    void written() { ++counts_.sent; }
+    void dropped_busy() { ++counts_.busy_drops; }
+    void dropped_lost() { ++counts_.lost_drops; }
+
+    const std::string& name() const { return name_; }
+    OutputStage stage() const { return stage_; }
+    /// The latest frame that it made; a default one before the first.
+    const ChannelFrame& latest() const { return latest_; }
+    std::optional<std::size_t> controlling_input() const;
+    const OutputCounts& counts() const { return counts_; }
+    std::uint64_t overruns() const { return schedule_.overruns(); }
+    Duration period() const { return schedule_.period(); }
+
+  private:
+    std::optional<std::size_t> select(Instant now, Instant at, std::span<const Input> inputs) const;
+    std::optional<ChannelFrame> make_frame(Instant now, std::span<const Input> inputs);
+    std::optional<ChannelFrame> failsafe_frame(Instant now);
+
+    std::string name_;
+    std::unique_ptr<Encoder> encoder_;
+    Schedule schedule_;
+    std::vector<std::size_t> inputs_;
+    ChannelMap map_;
+    FailsafeSettings failsafe_;
+
+    OutputStage stage_ = OutputStage::failsafe;
+    bool ending_ = false;
+    /// The input that is, or before `holding` was, in control.
+    std::optional<std::size_t> current_;
+    std::optional<ChannelFrame> held_;
+    ChannelFrame latest_;
+    std::array<std::uint8_t, kLongestSerialFrame> wire_{};
+    std::size_t wire_length_ = 0;
+    OutputCounts counts_;
+};
+
+}  // namespace tribus

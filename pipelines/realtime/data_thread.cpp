@@ -1,0 +1,63 @@
+#include "pipelines/realtime/data_thread.h"
+
+#include <cstddef>
+#include <cstring>
+
+namespace tribus {
+namespace {
+
+/// Locked memory counts the whole stack, and the default is 8 MB.
+constexpr std::size_t kStackBytes = 256 * 1024;
+
+}  // namespace
+
+DataThread::~DataThread() {
+    if (!started_) {
+        return;
+    }
+    if (!released_) {
+        cancelled_ = true;
+        run();
+    }
+    loop_.request_end();
+    join();
+}
+
+void* DataThread::main(void* self) {
+    auto& thread = *static_cast<DataThread*>(self);
+    thread.missing_ = make_realtime(thread.scheduling_);
+    thread.prepared_.release();
+    thread.go_.acquire();
+    if (!thread.cancelled_) {
+        thread.loop_.run();
+    }
+    return nullptr;
+}
+
+tl::expected<std::vector<std::string>, std::string> DataThread::prepare() {
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setstacksize(&attributes, kStackBytes);
+    const int error = ::pthread_create(&thread_, &attributes, &DataThread::main, this);
+    ::pthread_attr_destroy(&attributes);
+    if (error != 0) {
+        return tl::unexpected(std::string("cannot start the data thread: ") + std::strerror(error));
+    }
+    started_ = true;
+    prepared_.acquire();
+    return missing_;
+}
+
+void DataThread::run() {
+    released_ = true;
+    go_.release();
+}
+
+void DataThread::join() {
+    if (started_) {
+        ::pthread_join(thread_, nullptr);
+        started_ = false;
+    }
+}
+
+}  // namespace tribus

@@ -1,0 +1,246 @@
+#include "pipelines/realtime/loop.h"
+
+#include <pthread.h>
+#include <sys/epoll.h>
+#include <sys/eventfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+/// Stands for the wake-up descriptor among the port numbers of epoll events.
+constexpr std::uint64_t kWakeUp = ~std::uint64_t{0};
+/// How often the main thread gets fresh figures: quicker than an eye follows.
+constexpr Duration kPublishPeriod = std::chrono::milliseconds(20);
+/// The longest sleep without a deadline, so that figures do not stand still.
+constexpr Duration kLongestWait = std::chrono::milliseconds(250);
+
+std::string error_text(const char* what) {
+    return std::string(what) + " failed: " + std::strerror(errno);
+}
+
+}  // namespace
+
+Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::unique_ptr<Link>> links)
+    : engine_(engine),
+      input_status_(engine.inputs().size()),
+      output_status_(engine.outputs().size()) {
+    for (std::size_t i = 0; i < wiring.size(); ++i) {
+        Port& port = ports_.emplace_back();
+        port.wiring = wiring[i];
+        port.link = std::move(links[i]);
+    }
+}
+
+Loop::~Loop() {
+    for (Port& port : ports_) {
+        delete port.lost.load();
+        delete port.given.load();
+    }
+}
+
+tl::expected<void, std::string> Loop::prepare() {
+    epoll_ = UniqueFd(::epoll_create1(EPOLL_CLOEXEC));
+    if (epoll_.get() < 0) {
+        return tl::unexpected(error_text("epoll_create1"));
+    }
+    wake_up_ = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+    if (wake_up_.get() < 0) {
+        return tl::unexpected(error_text("eventfd"));
+    }
+    epoll_event event{};
+    event.events = EPOLLIN;
+    event.data.u64 = kWakeUp;
+    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), &event) != 0) {
+        return tl::unexpected(error_text("epoll_ctl"));
+    }
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        watch(port);
+    }
+    return {};
+}
+
+void Loop::watch(std::size_t port) {
+    const Link* link = ports_[port].link.get();
+    if (link == nullptr || link->descriptor() < 0) {
+        return;
+    }
+    epoll_event event{};
+    // A hang-up is reported without being asked for; bytes that nobody wants would wake for ever.
+    event.events = ports_[port].wiring.input ? EPOLLIN : 0U;
+    event.data.u64 = port;
+    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, link->descriptor(), &event) != 0) {
+        lose(ports_[port]);
+    }
+}
+
+void Loop::lose(Port& port) {
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
+    if (port.wiring.input) {
+        engine_.device_lost(*port.wiring.input);
+    }
+    // Closing may take the kernel long: the main thread does it.
+    port.lost.store(port.link.release(), std::memory_order_release);
+}
+
+std::unique_ptr<Link> Loop::take_lost(std::size_t port) {
+    return std::unique_ptr<Link>(ports_[port].lost.exchange(nullptr, std::memory_order_acquire));
+}
+
+void Loop::give(std::size_t port, std::unique_ptr<Link> link) {
+    delete ports_[port].given.exchange(link.release(), std::memory_order_acq_rel);
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
+}
+
+void Loop::request_end() {
+    end_requested_.store(true, std::memory_order_release);
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
+}
+
+void Loop::accept_given_links() {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const auto taken = ::read(wake_up_.get(), &count, sizeof count);
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        Link* given = ports_[port].given.exchange(nullptr, std::memory_order_acquire);
+        if (given != nullptr) {
+            ports_[port].link.reset(given);
+            watch(port);
+        }
+    }
+}
+
+void Loop::read_port(Port& port, Instant now) {
+    if (!port.link) {
+        return;
+    }
+    switch (port.link->read(reception_)) {
+        case ReadStatus::received:
+            if (port.wiring.input) {
+                engine_.receive(*port.wiring.input, reception_.view(), reception_.damaged, now);
+            }
+            break;
+        case ReadStatus::nothing:
+            break;
+        case ReadStatus::lost:
+            lose(port);
+            break;
+    }
+}
+
+void Loop::write_outputs() {
+    for (Port& port : ports_) {
+        if (!port.wiring.output) {
+            continue;
+        }
+        Output& output = engine_.output(*port.wiring.output);
+        const auto frame = output.take();
+        if (frame.empty()) {
+            continue;
+        }
+        const WriteStatus status = port.link ? port.link->write(frame) : WriteStatus::lost;
+        switch (status) {
+            case WriteStatus::written:
+                output.written();
+                break;
+            case WriteStatus::busy:
+                output.dropped_busy();
+                break;
+            case WriteStatus::lost:
+                output.dropped_lost();
+                if (port.link) {
+                    lose(port);
+                }
+                break;
+        }
+    }
+}
+
+void Loop::publish(Instant now) {
+    if (now < next_publish_) {
+        return;
+    }
+    next_publish_ = now + kPublishPeriod;
+    for (std::size_t i = 0; i < input_status_.size(); ++i) {
+        const Input& input = engine_.inputs()[i];
+        InputStatus status;
+        status.latest = input.latest();
+        status.counts = input.counts();
+        for (const NamedCount& cause : input.decoder().rejected()) {
+            status.rejected += cause.count;
+        }
+        status.skipped_bytes = input.decoder().skipped_bytes();
+        status.interval = input.arrivals().interval();
+        status.alive = input.alive(now);
+        status.ever_good = input.ever_good();
+        input_status_[i].publish(status);
+    }
+    for (std::size_t i = 0; i < output_status_.size(); ++i) {
+        const Output& output = engine_.outputs()[i];
+        OutputStatus status;
+        status.latest = output.latest();
+        status.counts = output.counts();
+        status.overruns = output.overruns();
+        status.stage = output.stage();
+        output_status_[i].publish(status);
+    }
+}
+
+std::size_t Loop::wait(Instant now, Instant until) {
+    const Duration sleep = std::clamp(until - now, Duration::zero(), kLongestWait);
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(sleep);
+    timespec timeout{};
+    timeout.tv_sec = seconds.count();
+    timeout.tv_nsec = (sleep - seconds).count();
+    std::array<epoll_event, kEventsPerWake> events;
+    const int count = ::epoll_pwait2(epoll_.get(), events.data(), static_cast<int>(events.size()),
+                                     &timeout, nullptr);
+    std::size_t ready = 0;
+    for (int i = 0; i < count; ++i) {
+        const std::uint64_t source = events[static_cast<std::size_t>(i)].data.u64;
+        if (source == kWakeUp) {
+            accept_given_links();
+        } else {
+            ready_[ready++] = static_cast<std::size_t>(source);
+        }
+    }
+    return ready;
+}
+
+void Loop::run() {
+    // From here on this thread allocates nothing; the tests recognise it by its name.
+    ::pthread_setname_np(::pthread_self(), "tribus-data");
+    Instant now = monotonic_now();
+    engine_.start(now);
+    std::optional<Instant> end_at;
+    Instant next = engine_.poll(now);
+    write_outputs();
+    while (!end_at || now < *end_at) {
+        const std::size_t ready = wait(now, std::min(next, end_at.value_or(kNever)));
+        now = monotonic_now();
+        if (!end_at && end_requested_.load(std::memory_order_acquire)) {
+            end_at = engine_.end(now);
+        }
+        for (std::size_t i = 0; i < ready; ++i) {
+            read_port(ports_[ready_[i]], now);
+        }
+        if (!end_at || now < *end_at) {
+            next = engine_.poll(now);
+            write_outputs();
+        }
+        publish(now);
+    }
+    next_publish_ = now;
+    publish(now);
+}
+
+}  // namespace tribus

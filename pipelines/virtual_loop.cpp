@@ -1,0 +1,39 @@
+#include "pipelines/virtual_loop.h"
+
+#include <algorithm>
+
+namespace tribus {
+
+VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start)
+    : engine_(engine), observer_(observer), now_(start) {
+    engine_.start(start);
+    poll(start);
+}
+
+void VirtualLoop::poll(Instant at) {
+    next_ = engine_.poll(at);
+    for (std::size_t output = 0; output < engine_.outputs().size(); ++output) {
+        const auto frame = engine_.output(output).take();
+        if (!frame.empty()) {
+            engine_.output(output).written();
+            observer_.wrote(output, at, frame);
+        }
+    }
+    now_ = at;
+}
+
+void VirtualLoop::run_until(Instant until) {
+    while (next_ < until) {
+        poll(std::max(next_, now_));
+    }
+    now_ = std::max(now_, until);
+}
+
+void VirtualLoop::end(Instant at) {
+    run_until(at);
+    const Instant until = engine_.end(at);
+    poll(at);
+    run_until(until);
+}
+
+}  // namespace tribus

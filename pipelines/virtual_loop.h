@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "core/time.h"
+#include "pipelines/engine.h"
+
+namespace tribus {
+
+/// Sees what outputs write under virtual time.
+class OutputObserver {
+  public:
+    virtual ~OutputObserver() = default;
+    virtual void wrote(std::size_t output, Instant at, std::span<const std::uint8_t> frame) = 0;
+};
+
+/// Drives an engine under virtual time: the same engine, without a clock, descriptors or waiting.
+/// Time only moves forward. Pure; thread-bound.
+class VirtualLoop {
+  public:
+    VirtualLoop(Engine& engine, OutputObserver& observer, Instant start);
+
+    /// Runs every deadline before `until`, each exactly at its instant, and stops there.
+    void run_until(Instant until);
+
+    /// Bytes arrive at `at`, after all deadlines before it.
+    template <class DamagedMarks>
+    void receive(std::size_t input, std::span<const std::uint8_t> bytes,
+                 const DamagedMarks& damaged, Instant at) {
+        run_until(at);
+        engine_.receive(input, bytes, damaged, at);
+        poll(at);
+    }
+
+    /// As when the program is told to stop.
+    void end(Instant at);
+
+    Instant now() const { return now_; }
+
+  private:
+    void poll(Instant at);
+
+    Engine& engine_;
+    OutputObserver& observer_;
+    Instant now_;
+    Instant next_ = kNever;
+};
+
+}  // namespace tribus

@@ -1,0 +1,160 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "tests/sim/simulation.h"
+#include "tests/support/heap_trap.h"
+
+namespace tribus::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kSeeds = 40;
+constexpr Instant kInputEnds = Instant(20s);
+constexpr Instant kEnd = Instant(22s);
+constexpr Duration kPeriod = 7ms;
+constexpr Duration kTimeout = 100ms;
+constexpr Duration kHold = 300ms;
+
+/// Each seed has its own mix: some wires are clean, some lose every fifth frame. No silent bit
+/// errors: two of them can cancel in the sum that i.Bus has for a checksum, and no reader can tell.
+FaultSettings nasty(std::uint64_t seed) {
+    const auto level = [&](unsigned divisor, unsigned steps) {
+        return static_cast<double>(seed / divisor % steps) / steps;
+    };
+    return {.lose_byte = 0.01 * level(1, 3),
+            .add_byte = 0.01 * level(3, 5),
+            .damage_byte = 0.01 * level(5, 3),
+            .drop_frame = 0.2 * level(7, 4),
+            .most_delay = std::chrono::milliseconds(seed % 5)};
+}
+
+class MainJob : public testing::Test {
+  protected:
+    Simulation simulate(std::uint64_t seed, Duration input_period) {
+        Sender sender{.period = input_period, .last = kInputEnds, .faults = nasty(seed)};
+        Simulation simulation(configuration_of(main_job()), {sender}, seed);
+        simulation.run_until(kEnd);
+        return simulation;
+    }
+    template <class Check>
+    void for_all_seeds(Check check) {
+        const std::uint64_t first = seed_or(1);
+        const std::uint64_t last = std::getenv("TRIBUS_SEED") ? first : kSeeds;
+        for (std::uint64_t seed = first; seed <= last; ++seed) {
+            SCOPED_TRACE(replay_command(seed));
+            const Simulation simulation = simulate(seed, seed % 2 == 0 ? 7700us : 4ms);
+            check(simulation);
+            if (HasFailure()) {
+                return;
+            }
+        }
+    }
+};
+
+TEST_F(MainJob, never_writes_two_frames_closer_than_the_period) {
+    for_all_seeds([](const Simulation& simulation) {
+        const auto& written = simulation.written();
+        ASSERT_GT(written.size(), 1000U);
+        for (std::size_t i = 1; i < written.size(); ++i) {
+            ASSERT_GE(written[i].at - written[i - 1].at, kPeriod) << "frame " << i;
+        }
+    });
+}
+
+TEST_F(MainJob, never_pauses_longer_than_two_periods) {
+    for_all_seeds([](const Simulation& simulation) {
+        const auto& written = simulation.written();
+        for (std::size_t i = 1; i < written.size(); ++i) {
+            ASSERT_LE(written[i].at - written[i - 1].at, 2 * kPeriod) << "frame " << i;
+        }
+    });
+}
+
+TEST_F(MainJob, frames_in_control_carry_a_frame_that_was_sent_and_no_older_one_than_before) {
+    for_all_seeds([](const Simulation& simulation) {
+        std::uint32_t latest = 0;
+        for (const Written& written : simulation.written()) {
+            if (written.frame.failsafe) {
+                continue;
+            }
+            ASSERT_TRUE(written.number);
+            ASSERT_TRUE(simulation.arrived_at(0, *written.number));
+            ASSERT_GE(*written.number, latest);
+            latest = *written.number;
+        }
+    });
+}
+
+TEST_F(MainJob, on_a_clean_wire_every_frame_carries_the_newest_input) {
+    for (const Duration period : {Duration(4ms), Duration(7700us), Duration(20ms)}) {
+        Simulation simulation(configuration_of(main_job()),
+                              {Sender{.period = period, .last = kInputEnds, .faults = {}}}, 1);
+        simulation.run_until(kInputEnds);
+        for (const Written& written : simulation.written()) {
+            if (!written.frame.good()) {
+                continue;
+            }
+            const auto newer = simulation.arrived_at(0, *written.number + 1);
+            ASSERT_TRUE(!newer || *newer > written.at)
+                << "at " << written.at.time_since_epoch().count();
+        }
+    }
+}
+
+TEST_F(MainJob, unmarked_values_are_never_older_than_the_timeout_until_the_next_frame) {
+    for_all_seeds([](const Simulation& simulation) {
+        const auto& written = simulation.written();
+        for (std::size_t i = 0; i + 1 < written.size(); ++i) {
+            if (written[i].frame.good()) {
+                const auto arrived = simulation.arrived_at(0, *written[i].number);
+                ASSERT_LE(written[i].at + kPeriod - *arrived, kTimeout) << "frame " << i;
+            }
+        }
+    });
+}
+
+TEST_F(MainJob, after_the_input_ends_it_says_frame_lost_within_the_timeout_then_failsafe) {
+    for_all_seeds([](const Simulation& simulation) {
+        const auto& written = simulation.written();
+        const Instant last_good = simulation.engine().inputs()[0].control().received;
+        const auto first_after = [&](auto says) {
+            return std::find_if(written.begin(), written.end(), [&](const Written& frame) {
+                return frame.at > last_good && says(frame.frame);
+            });
+        };
+        const auto lost = first_after([](const ChannelFrame& f) { return f.frame_lost; });
+        const auto failsafe = first_after([](const ChannelFrame& f) { return f.failsafe; });
+        ASSERT_NE(lost, written.end());
+        ASSERT_NE(failsafe, written.end());
+        EXPECT_LE(lost->at - last_good, kTimeout);
+        EXPECT_GE(lost->at - last_good, kTimeout - 2 * kPeriod);
+        EXPECT_LE(failsafe->at - last_good, kTimeout + kHold);
+        EXPECT_GE(failsafe->at - last_good, kTimeout + kHold - 2 * kPeriod);
+        EXPECT_TRUE(std::all_of(failsafe, written.end(), [](const Written& frame) {
+            return frame.frame.failsafe && frame.frame.frame_lost;
+        }));
+    });
+}
+
+TEST_F(MainJob, allocates_nothing_after_start) {
+    if (!heap_trap_works()) {
+        GTEST_SKIP() << "a sanitizer has its own malloc";
+    }
+    for_all_seeds([](const Simulation& simulation) { EXPECT_EQ(simulation.allocations(), 0U); });
+}
+
+TEST(HeapTrapTest, sees_an_allocation) {
+    if (!heap_trap_works()) {
+        GTEST_SKIP() << "a sanitizer has its own malloc";
+    }
+    const HeapTrap trap;
+    void* volatile block = std::malloc(1);
+    std::free(block);
+    EXPECT_EQ(trap.allocations(), 1U);
+}
+
+}  // namespace
+}  // namespace tribus::test

@@ -1,0 +1,177 @@
+#include "tests/sim/simulation.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "config/build.h"
+#include "config/load.h"
+#include "config/mistakes.h"
+#include "tests/support/heap_trap.h"
+#include "transports/registry/registry.h"
+
+namespace tribus::test {
+namespace {
+
+constexpr std::uint32_t kDigit = 1000;
+constexpr std::size_t kMostFrames = 200'000;
+constexpr Instant kDropped = kNever;
+
+}  // namespace
+
+Configuration configuration_of(const std::string& text) {
+    auto configuration = load_configuration(text, "test.toml");
+    if (!configuration) {
+        for (const Mistake& mistake : configuration.error()) {
+            ADD_FAILURE() << format_mistake(mistake);
+        }
+        std::abort();
+    }
+    return std::move(*configuration);
+}
+
+std::string main_job(const std::string& output_lines) {
+    return R"([input.receiver]
+protocol = "ibus"
+device   = "/dev/ttyAMA2"
+
+[output.servos]
+protocol = "sbus"
+device   = "/dev/ttyAMA3"
+)" + output_lines +
+           R"(
+
+[pipeline.main]
+from = "receiver"
+to   = "servos"
+)";
+}
+
+ChannelFrame numbered_frame(std::uint32_t number) {
+    const std::uint32_t low = number % kDigit;
+    const std::uint32_t high = number / kDigit % kDigit;
+    ChannelFrame frame;
+    frame.frame_lost = false;
+    frame.failsafe = false;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        frame.set(channel, kCentrePulse);
+    }
+    frame.set(0, Pulse::from_microseconds(1000 + low));
+    frame.set(1, Pulse::from_microseconds(1000 + high));
+    frame.set(2, Pulse::from_microseconds(1000 + (7 * low + 3 * high) % kDigit));
+    return frame;
+}
+
+std::optional<std::uint32_t> number_of(const ChannelFrame& frame) {
+    std::array<std::int32_t, 3> digits{};
+    for (std::size_t channel = 0; channel < digits.size(); ++channel) {
+        digits[channel] = frame.channel_or(channel, Pulse{}).whole_microseconds() - 1000;
+        if (digits[channel] < 0 || digits[channel] >= static_cast<std::int32_t>(kDigit)) {
+            return std::nullopt;
+        }
+    }
+    const std::int32_t check = (7 * digits[0] + 3 * digits[1]) % static_cast<std::int32_t>(kDigit);
+    if (check != digits[2]) {
+        return std::nullopt;
+    }
+    return static_cast<std::uint32_t>(digits[0]) + kDigit * static_cast<std::uint32_t>(digits[1]);
+}
+
+Simulation::Simulation(const Configuration& configuration, std::vector<Sender> senders,
+                       std::uint64_t seed)
+    : engine_(build_engine(configuration)) {
+    for (const OutputConfig& output : configuration.outputs) {
+        readers_.push_back(output.protocol->make_decoder(output.settings));
+        written_.emplace_back().reserve(kMostFrames);
+    }
+    for (Sender& sender : senders) {
+        const Protocol* protocol = find_protocol(sender.protocol);
+        SettingValues eighteen_channels;
+        eighteen_channels.set("channels", std::int64_t{18});
+        Wire& wire = wires_.emplace_back(Wire{.sender = sender,
+                                              .encoder = protocol->make_encoder(eighteen_channels),
+                                              .line = protocol->line,
+                                              .faults = FaultInjector(sender.faults, ++seed)});
+        wire.arrivals.reserve(kMostFrames);
+        plan(wire);
+    }
+    loop_.emplace(*engine_, *this, Instant{});
+}
+
+/// Prepares the next frame on the wire. A late one does not overtake, nor does it start before the
+/// one ahead has ended.
+void Simulation::plan(Wire& wire) {
+    const Instant at = wire.sender.first + wire.next_number * wire.sender.period;
+    if (at >= wire.sender.last) {
+        wire.next_arrival = kNever;
+        return;
+    }
+    std::array<std::uint8_t, kLongestSerialFrame> bytes{};
+    const std::size_t length = wire.encoder->encode(numbered_frame(wire.next_number), bytes);
+    wire.reception = Reception{};
+    wire.faults.apply(std::span(bytes).first(length), wire.reception);
+    wire.dropped = wire.faults.drop_frame();
+    const Duration wire_time = wire.line.bytes_time(length);
+    wire.next_arrival = std::max(at + wire.faults.next_delay(), wire.latest_arrival) + wire_time;
+}
+
+Simulation::Wire* Simulation::next_wire() {
+    const auto next = std::min_element(
+        wires_.begin(), wires_.end(),
+        [](const Wire& a, const Wire& b) { return a.next_arrival < b.next_arrival; });
+    return next == wires_.end() ? nullptr : &*next;
+}
+
+void Simulation::run_until(Instant until) {
+    HeapTrap trap;
+    for (Wire* wire = next_wire(); wire != nullptr && wire->next_arrival < until;
+         wire = next_wire()) {
+        if (!wire->dropped) {
+            loop_->receive(wire->sender.input, wire->reception.view(), wire->reception.damaged,
+                           wire->next_arrival);
+        }
+        wire->latest_arrival = wire->next_arrival;
+        wire->arrivals.push_back(wire->dropped ? kDropped : wire->next_arrival);
+        ++wire->next_number;
+        plan(*wire);
+    }
+    loop_->run_until(until);
+    allocations_ += trap.allocations();
+}
+
+std::optional<Instant> Simulation::arrived_at(std::size_t sender, std::uint32_t number) const {
+    const std::vector<Instant>& arrivals = wires_[sender].arrivals;
+    if (number >= arrivals.size() || arrivals[number] == kDropped) {
+        return std::nullopt;
+    }
+    return arrivals[number];
+}
+
+void Simulation::wrote(std::size_t output, Instant at, std::span<const std::uint8_t> frame) {
+    std::span<const std::uint8_t> rest = frame;
+    auto found = readers_[output]->next(rest, at);
+    if (!found) {
+        found = readers_[output]->finish();
+    }
+    if (!found || !rest.empty()) {
+        ADD_FAILURE() << "an output wrote something that is not exactly one frame";
+        return;
+    }
+    written_[output].push_back({at, found->channels, number_of(found->channels)});
+}
+
+std::uint64_t seed_or(std::uint64_t fallback) {
+    const char* text = std::getenv("TRIBUS_SEED");
+    return text == nullptr ? fallback : std::strtoull(text, nullptr, 10);
+}
+
+std::string replay_command(std::uint64_t seed) {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    return "replay: TRIBUS_SEED=" + std::to_string(seed) +
+           " build/tests/sim_tests --gtest_filter=" + test->test_suite_name() + "." + test->name();
+}
+
+}  // namespace tribus::test

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/schema.h"
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "pipelines/engine.h"
+#include "pipelines/virtual_loop.h"
+#include "transports/codecs/codec.h"
+#include "transports/links/faulty_link.h"
+
+namespace tribus::test {
+
+/// The configuration in `text`, which must be free of mistakes.
+Configuration configuration_of(const std::string& text);
+
+/// The nine lines of the README with `period`.
+std::string main_job(const std::string& output_lines = "period = \"7ms\"");
+
+/// A transmitter and receiver that send numbered frames of i.Bus or SBUS over a faulty wire.
+struct Sender {
+    std::size_t input = 0;
+    std::string protocol = "ibus";
+    Duration period = std::chrono::microseconds(7700);
+    Instant first{};
+    Instant last{};  ///< no frame from here on
+    FaultSettings faults;
+};
+
+/// One frame that an output wrote.
+struct Written {
+    Instant at;
+    ChannelFrame frame;
+    /// The number of the sender's frame whose values it carries, if it is one's.
+    std::optional<std::uint32_t> number;
+};
+
+/// A frame with its number in the first three channels, the third a check of the others, so that
+/// a number that was made up by faults is not taken for one.
+ChannelFrame numbered_frame(std::uint32_t number);
+std::optional<std::uint32_t> number_of(const ChannelFrame& frame);
+
+/// Runs the whole engine under virtual time. Everything is allocated before it starts.
+class Simulation final : public OutputObserver {
+  public:
+    Simulation(const Configuration& configuration, std::vector<Sender> senders, std::uint64_t seed);
+
+    void run_until(Instant until);
+
+    const Engine& engine() const { return *engine_; }
+    const std::vector<Written>& written(std::size_t output = 0) const { return written_[output]; }
+    /// When the last byte of a sender's frame arrived; nothing if it was dropped or not yet sent.
+    std::optional<Instant> arrived_at(std::size_t sender, std::uint32_t number) const;
+    std::uint32_t frames_sent(std::size_t sender) const { return wires_[sender].next_number; }
+    /// Allocations inside the engine since it started.
+    std::uint64_t allocations() const { return allocations_; }
+
+    void wrote(std::size_t output, Instant at, std::span<const std::uint8_t> frame) override;
+
+  private:
+    struct Wire {
+        Sender sender;
+        std::unique_ptr<Encoder> encoder;
+        LineSettings line;
+        FaultInjector faults;
+        std::uint32_t next_number = 0;
+        Instant next_arrival = kNever;
+        Instant latest_arrival{};
+        Reception reception{};
+        bool dropped = false;
+        std::vector<Instant> arrivals{};
+    };
+    void plan(Wire& wire);
+    Wire* next_wire();
+
+    std::unique_ptr<Engine> engine_;
+    std::vector<std::unique_ptr<Decoder>> readers_;
+    std::vector<std::vector<Written>> written_;
+    std::vector<Wire> wires_;
+    std::uint64_t allocations_ = 0;
+    std::optional<VirtualLoop> loop_;
+};
+
+/// The seed to use, from the environment's TRIBUS_SEED if it is set.
+std::uint64_t seed_or(std::uint64_t fallback);
+/// One command that runs the present test again with that seed.
+std::string replay_command(std::uint64_t seed);
+
+}  // namespace tribus::test

@@ -1,0 +1,137 @@
+#include <gtest/gtest.h>
+
+#include "config/effective.h"
+#include "tests/unit/config/examples.h"
+#include "tests/unit/config/main_job.h"
+
+namespace tribus::testing {
+namespace {
+
+TEST(Examples, AllAreValid) {
+    const auto files = example_files();
+    EXPECT_GE(files.size(), 6U);
+    for (const auto& file : files) {
+        EXPECT_EQ(mistakes_in(content_of(file)), std::vector<std::string>{}) << file;
+    }
+}
+
+TEST(Examples, NameTheSchemaForEditorsInTheirFirstLine) {
+    for (const auto& file : example_files()) {
+        EXPECT_TRUE(content_of(file).starts_with("#:schema ../tribus.schema.json\n")) << file;
+    }
+}
+
+TEST(EffectiveConfiguration, IsValidInputThatMeansTheSame) {
+    for (const auto& file : example_files()) {
+        const auto first = load_configuration(content_of(file), "t.toml");
+        ASSERT_TRUE(first) << file;
+        const std::string text = effective_toml(*first);
+        EXPECT_EQ(mistakes_in(text), std::vector<std::string>{}) << text;
+        const auto second = load_configuration(text, "t.toml");
+        ASSERT_TRUE(second) << file;
+        EXPECT_EQ(effective_toml(*second), text) << file;
+        EXPECT_EQ(effective_json(*second), effective_json(*first)) << file;
+    }
+}
+
+TEST(EffectiveConfiguration, ShowsEveryDefaultOfTheNineLines) {
+    const auto configuration = load_configuration(main_job_with(0, ""), "t.toml");
+    ASSERT_TRUE(configuration);
+    EXPECT_EQ(effective_toml(*configuration), R"([runtime]
+realtime = "auto"
+priority = 80
+
+[input.receiver]
+protocol = "ibus"
+device = "/dev/ttyA"
+timeout = "100ms"
+failsafe_when = []
+baud = 115200
+slots = "nibbles"
+
+[output.servos]
+protocol = "sbus"
+device = "/dev/ttyB"
+period = "14ms"
+force = false
+schedule = "follow"
+phase = "free"
+baud = 100000
+scale = "betaflight"
+inverted = false
+
+[pipeline.main]
+from = ["receiver"]
+to = ["servos"]
+
+[pipeline.main.failsafe.output.servos]
+hold = "300ms"
+action = "preset"
+recover = "500ms"
+preset = { 3 = 988, other = 1500 }
+)");
+}
+
+TEST(EffectiveConfiguration, KeepsAllThatAFileCanSay) {
+    const std::string text = R"([runtime]
+realtime = "require"
+priority = 50
+cpu = 3
+
+[input.a]
+protocol = "sbus"
+device = "/dev/\"quoted\" \\ \u007f"
+timeout = "1500us"
+)";
+    const auto wrong = load_configuration(text, "t.toml");
+    EXPECT_FALSE(wrong) << "1.5 ms is below the least timeout";
+
+    const std::string all = R"([runtime]
+realtime = "require"
+priority = 50
+cpu = 3
+
+[input.a]
+protocol = "sbus"
+device = "/dev/\"quoted\" \\ \u007f"
+timeout = "20500us"
+failsafe_when = [{ channel = 3, below = 950.125 }, { channel = 4, above = 2100 }]
+baud = 200000
+scale = { raw = [172, 1811], us = [988.5, 2012] }
+inverted = false
+
+[output.b]
+protocol = "sbus"
+device = "/dev/ttyB"
+period = "6ms"
+force = true
+schedule = "grid"
+phase = "locked"
+baud = 100000
+scale = "px4"
+inverted = false
+
+[pipeline.p]
+from = ["a"]
+to = ["b"]
+
+[pipeline.p.channels]
+1 = 2
+2 = { from = 1, reverse = true, trim = -12.5, expo = 0.3, deadband = 4, slew = "2000us/s", min = 1100, max = 1900 }
+3 = { mix = { 1 = 0.5, 2 = -1 }, reverse = false, trim = 0, expo = 0, deadband = 0 }
+16 = { fixed = 1500.125 }
+17 = { from = 9, above = 1700, below = 1200 }
+
+[pipeline.p.failsafe.output.b]
+hold = "0ms"
+action = "preset"
+recover = "2s"
+preset = { 1 = 1200, 18 = 2000, other = 1000.5 }
+)";
+    const auto configuration = load_configuration(all, "t.toml");
+    ASSERT_TRUE(configuration) << format_mistake(configuration.error().front());
+    EXPECT_EQ(effective_toml(*configuration), all);
+}
+
+}  // namespace
+}  // namespace tribus::testing

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/load.h"
+
+namespace tribus::testing {
+
+/// A valid configuration of nine lines that tests spoil one line of.
+inline constexpr std::array<std::string_view, 9> kMainJob{
+    "[input.receiver]", "protocol = \"ibus\"", "device = \"/dev/ttyA\"",
+    "[output.servos]",  "protocol = \"sbus\"", "device = \"/dev/ttyB\"",
+    "[pipeline.main]",  "from = \"receiver\"", "to = \"servos\"",
+};
+
+/// The nine lines with another text in place of line `number`, counted from 1, or, for 10, behind
+/// them.
+inline std::string main_job_with(std::size_t number, std::string_view replacement) {
+    std::string text;
+    for (std::size_t i = 0; i < kMainJob.size(); ++i) {
+        text += i + 1 == number ? replacement : kMainJob[i];
+        text += '\n';
+    }
+    return number == kMainJob.size() + 1 ? text + std::string(replacement) + "\n" : text;
+}
+
+/// The mistakes as a user sees them; empty if the text is a valid configuration.
+inline std::vector<std::string> mistakes_in(std::string_view text) {
+    std::vector<std::string> lines;
+    const auto configuration = load_configuration(text, "t.toml");
+    if (!configuration) {
+        for (const Mistake& mistake : configuration.error()) {
+            lines.push_back(format_mistake(mistake));
+        }
+    }
+    return lines;
+}
+
+/// One way to spoil the nine lines, and the one line that a user must see then.
+struct Spoilt {
+    std::string_view name;
+    std::size_t line;
+    std::string_view replacement;
+    std::string_view expected;
+};
+
+inline void PrintTo(const Spoilt& spoilt, std::ostream* out) {
+    *out << spoilt.name;
+}
+
+}  // namespace tribus::testing

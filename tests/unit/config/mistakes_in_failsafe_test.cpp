@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/config/main_job.h"
+
+namespace tribus::testing {
+namespace {
+
+class MistakeInFailsafe : public ::testing::TestWithParam<Spoilt> {};
+
+TEST_P(MistakeInFailsafe, IsReportedWithItsPlaceAndWhatIsAllowed) {
+    const Spoilt& spoilt = GetParam();
+    const auto mistakes = mistakes_in(main_job_with(spoilt.line, spoilt.replacement));
+    EXPECT_EQ(mistakes, std::vector<std::string>{std::string(spoilt.expected)});
+}
+
+constexpr Spoilt kMistakes[]{
+    {"failsafe_that_is_no_table", 10, R"(failsafe = "hold")",
+     R"(t.toml:10:12: [pipeline.main.failsafe] is "hold"; allowed: a table)"},
+    {"action_misspelt", 10,
+     R"([pipeline.main.failsafe]
+action = "presets")",
+     R"(t.toml:11:10: "action" is "presets"; did you mean "preset"? Allowed: "preset", )"
+     R"("hold", "silence")"},
+    {"hold_too_long", 10,
+     R"([pipeline.main.failsafe]
+hold = "10001ms")",
+     R"(t.toml:11:8: "hold" is "10001ms"; allowed: a duration from "0ms" to "10s", text )"
+     R"(with a unit (us, ms, s) such as "300ms")"},
+    {"recover_too_long", 10,
+     R"([pipeline.main.failsafe]
+recover = "61s")",
+     R"(t.toml:11:11: "recover" is "61s"; allowed: a duration from "0ms" to "60s", text )"
+     R"(with a unit (us, ms, s) such as "500ms")"},
+    {"preset_that_is_no_table", 10,
+     R"([pipeline.main.failsafe]
+preset = 1500)",
+     R"(t.toml:11:10: "preset" is 1500; allowed: a table of pulses by channel number, )"
+     R"(such as { 3 = 988, other = 1500 })"},
+    {"preset_with_a_channel_out_of_range", 10,
+     R"([pipeline.main.failsafe]
+preset = { 0 = 1500 })",
+     R"(t.toml:11:12: "0" in "preset" is not a channel; allowed: channel numbers from 1 )"
+     R"(to 18, and "other")"},
+    {"preset_with_other_misspelt", 10,
+     R"([pipeline.main.failsafe]
+preset = { 3 = 988, othr = 1500 })",
+     R"(t.toml:11:21: "othr" in "preset" is not a channel; did you mean "other"? )"
+     R"(Allowed: channel numbers from 1 to 18, and "other")"},
+    {"preset_with_a_pulse_out_of_range", 10,
+     R"([pipeline.main.failsafe]
+preset = { 3 = 499 })",
+     R"(t.toml:11:16: "preset.3" is 499; allowed: microseconds from 500 to 2500)"},
+    {"preset_with_other_out_of_range", 10,
+     R"([pipeline.main.failsafe]
+preset = { other = 2501 })",
+     R"(t.toml:11:20: "preset.other" is 2501; allowed: microseconds from 500 to 2500)"},
+    {"unknown_key", 10,
+     R"([pipeline.main.failsafe]
+timeout = "100ms")",
+     R"(t.toml:11:1: unknown key "timeout" in [pipeline.main.failsafe]; it belongs in )"
+     R"([input.NAME]; allowed: "hold", "action", "preset", "recover", "output")"},
+    {"output_that_is_no_table", 10,
+     R"([pipeline.main.failsafe]
+output = "servos")",
+     R"(t.toml:11:10: [pipeline.main.failsafe.output] is "servos"; allowed: a table for )"
+     R"(each output that differs, [pipeline.main.failsafe.output.NAME])"},
+    {"output_entry_that_is_no_table", 10,
+     R"([pipeline.main.failsafe.output]
+servos = "hold")",
+     R"(t.toml:11:10: "servos" in [pipeline.main.failsafe.output] is "hold"; allowed: a )"
+     R"(table, [pipeline.main.failsafe.output.NAME])"},
+    {"output_misspelt", 10,
+     R"([pipeline.main.failsafe.output.servo]
+action = "hold")",
+     R"(t.toml:10:32: [pipeline.main] has no output "servo"; did you mean "servos"? )"
+     R"(Allowed: "servos")"},
+    {"output_of_another_pipeline", 10,
+     R"([pipeline.main.failsafe.output.receiver]
+action = "hold")",
+     R"(t.toml:10:32: [pipeline.main] has no output "receiver"; allowed: "servos")"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInFailsafe, ::testing::ValuesIn(kMistakes),
+                         [](const auto& mistake) { return std::string(mistake.param.name); });
+
+}  // namespace
+}  // namespace tribus::testing

@@ -1,0 +1,231 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/config/main_job.h"
+
+namespace tribus::testing {
+namespace {
+
+class MistakeInPorts : public ::testing::TestWithParam<Spoilt> {};
+
+TEST_P(MistakeInPorts, IsReportedWithItsPlaceAndWhatIsAllowed) {
+    const Spoilt& spoilt = GetParam();
+    const auto mistakes = mistakes_in(main_job_with(spoilt.line, spoilt.replacement));
+    EXPECT_EQ(mistakes, std::vector<std::string>{std::string(spoilt.expected)});
+}
+
+constexpr Spoilt kMistakes[]{
+    {"misspelt_key", 3, R"(devcie = "/dev/ttyA")",
+     R"(t.toml:3:1: unknown key "devcie" in [input.receiver]; did you mean "device"? )"
+     R"(Allowed: "protocol", "device", "timeout", "failsafe_when", "baud", "slots")"},
+    {"key_of_an_output_in_an_input", 3,
+     R"(device = "/dev/ttyA"
+period = "14ms")",
+     R"(t.toml:4:1: unknown key "period" in [input.receiver]; it belongs in )"
+     R"([output.NAME]; allowed: "protocol", "device", "timeout", "failsafe_when", )"
+     R"("baud", "slots")"},
+    {"key_of_another_protocol", 6,
+     R"(device = "/dev/ttyB"
+slots = "plain")",
+     R"(t.toml:7:1: unknown key "slots" in [output.servos]; it belongs in [input.NAME] )"
+     R"(with protocol "ibus"; allowed: "protocol", "device", "period", "force", )"
+     R"("schedule", "phase", "baud", "scale", "inverted")"},
+    {"key_for_the_other_direction", 3,
+     R"(device = "/dev/ttyA"
+channels = 18)",
+     R"(t.toml:4:1: unknown key "channels" in [input.receiver]; it belongs in )"
+     R"([output.NAME] with protocol "ibus"; allowed: "protocol", "device", "timeout", )"
+     R"("failsafe_when", "baud", "slots")"},
+    {"missing_protocol", 2, "",
+     R"(t.toml:1:1: [input.receiver] lacks "protocol"; required: one of "ibus", "sbus")"},
+    {"missing_device", 3, "",
+     R"(t.toml:1:1: [input.receiver] lacks "device"; required: Serial device, such as )"
+     R"("/dev/ttyAMA2" or a stable name under /dev/serial/by-id)"},
+    {"empty_device", 3, R"(device = "")",
+     R"(t.toml:3:10: "device" is ""; allowed: text in quotes, not empty)"},
+    {"device_of_a_wrong_type", 3, "device = 3",
+     R"(t.toml:3:10: "device" is 3; allowed: text in quotes, not empty)"},
+    {"misspelt_protocol", 2, R"(protocol = "isub")",
+     R"(t.toml:2:12: "protocol" is "isub"; allowed: "ibus", "sbus")"},
+    {"unknown_protocol", 5, R"(protocol = "crossfire")",
+     R"(t.toml:5:12: "protocol" is "crossfire"; allowed: "ibus", "sbus")"},
+    {"protocol_of_a_wrong_type", 5, "protocol = 1",
+     R"(t.toml:5:12: "protocol" is 1; allowed: "ibus", "sbus")"},
+    {"timeout_without_a_unit", 3,
+     R"(device = "/dev/ttyA"
+timeout = 100)",
+     R"(t.toml:4:11: "timeout" is 100; allowed: a duration from "5ms" to "10s", text )"
+     R"(with a unit (us, ms, s) such as "100ms")"},
+    {"timeout_with_an_unknown_unit", 3,
+     R"(device = "/dev/ttyA"
+timeout = "100 min")",
+     R"(t.toml:4:11: "timeout" is "100 min"; allowed: a duration from "5ms" to "10s", )"
+     R"(text with a unit (us, ms, s) such as "100ms")"},
+    {"timeout_too_short", 3,
+     R"(device = "/dev/ttyA"
+timeout = "4999us")",
+     R"(t.toml:4:11: "timeout" is "4999us"; allowed: a duration from "5ms" to "10s", )"
+     R"(text with a unit (us, ms, s) such as "100ms")"},
+    {"timeout_too_long", 3,
+     R"(device = "/dev/ttyA"
+timeout = "10.001s")",
+     R"(t.toml:4:11: "timeout" is "10.001s"; allowed: a duration from "5ms" to "10s", )"
+     R"(text with a unit (us, ms, s) such as "100ms")"},
+    {"baud_out_of_range", 3,
+     R"(device = "/dev/ttyA"
+baud = 9599)",
+     R"(t.toml:4:8: "baud" is 9599; allowed: a whole number from 9600 to 1000000)"},
+    {"baud_that_is_no_choice", 6,
+     R"(device = "/dev/ttyB"
+baud = 115200)",
+     R"(t.toml:7:8: "baud" is 115200; allowed: 100000, 200000)"},
+    {"baud_as_text", 6,
+     R"(device = "/dev/ttyB"
+baud = "100000")",
+     R"(t.toml:7:8: "baud" is "100000"; allowed: 100000, 200000)"},
+    {"choice_misspelt", 3,
+     R"(device = "/dev/ttyA"
+slots = "plian")",
+     R"(t.toml:4:9: "slots" is "plian"; did you mean "plain"? Allowed: "nibbles", )"
+     R"("plain")"},
+    {"inverted", 6,
+     R"(device = "/dev/ttyB"
+inverted = true)",
+     R"(t.toml:7:12: "inverted" is true, but Linux has no setting that inverts a serial )"
+     R"(port; invert the wire instead: with a transistor or a 74HC04, with the )"
+     R"(inversion bit in the EEPROM of an FTDI adapter, or with the device-tree flag )"
+     R"(that some UARTs have; then leave inverted = false)"},
+    {"inverted_of_a_wrong_type", 6,
+     R"(device = "/dev/ttyB"
+inverted = 1)",
+     R"(t.toml:7:12: "inverted" is 1; allowed: true or false)"},
+    {"period_too_long", 6,
+     R"(device = "/dev/ttyB"
+period = "1001ms")",
+     R"(t.toml:7:10: "period" is "1001ms"; allowed: a duration from "100us" to "1s", )"
+     R"(text with a unit (us, ms, s) such as "14ms")"},
+    {"period_below_what_readers_follow", 6,
+     R"(device = "/dev/ttyB"
+period = "6999us")",
+     R"(t.toml:7:10: "period" is "6999us", shorter than readers of "sbus" can follow; )"
+     R"(allowed: "7ms" to "1s", or add force = true)"},
+    {"period_below_the_wire_time", 6,
+     R"(device = "/dev/ttyB"
+period = "3119us")",
+     R"(t.toml:7:10: "period" is "3119us", shorter than a frame of "sbus" takes on the )"
+     R"(wire at 100000 baud; allowed: "7ms" to "1s")"},
+    {"period_below_the_wire_time_in_spite_of_force", 6,
+     R"(device = "/dev/ttyB"
+force = true
+period = "3119us")",
+     R"(t.toml:8:10: "period" is "3119us", shorter than a frame of "sbus" takes on the )"
+     R"(wire at 100000 baud; allowed: "3120us" to "1s")"},
+    {"default_period_below_the_wire_time_of_a_slow_line", 5,
+     R"(protocol = "ibus"
+baud = 9600)",
+     R"(t.toml:4:1: "period" is "7ms" by default, shorter than a frame of "ibus" takes )"
+     R"(on the wire at 9600 baud; allowed: "34375us" to "1s")"},
+    {"schedule_misspelt", 6,
+     R"(device = "/dev/ttyB"
+schedule = "grit")",
+     R"(t.toml:7:12: "schedule" is "grit"; did you mean "grid"? Allowed: "follow", )"
+     R"("grid")"},
+    {"locked_phase_without_a_grid", 6,
+     R"(device = "/dev/ttyB"
+phase = "locked")",
+     R"(t.toml:7:9: "phase" is "locked", but "schedule" is "follow", which has no grid )"
+     R"(to lock; allowed: schedule = "grid", or leave phase out)"},
+    {"scale_misspelt", 6,
+     R"(device = "/dev/ttyB"
+scale = "betafligth")",
+     R"(t.toml:7:9: "scale" is "betafligth"; did you mean "betaflight"? Allowed: )"
+     R"("betaflight", "ardupilot", "px4", "frsky", "futaba")"},
+    {"scale_of_a_wrong_type", 6,
+     R"(device = "/dev/ttyB"
+scale = 1.5)",
+     R"(t.toml:7:9: "scale" is 1.5; allowed: "betaflight", "ardupilot", "px4", "frsky", )"
+     R"("futaba", or two points: { raw = [172, 1811], us = [988, 2012] })"},
+    {"scale_with_one_point", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [172], us = [988, 2012] })",
+     R"(t.toml:7:17: "raw" is not a list of two different whole numbers from 0 to 2047; )"
+     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+    {"scale_with_equal_raw_values", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [172, 172], us = [988, 2012] })",
+     R"(t.toml:7:17: "raw" is not a list of two different whole numbers from 0 to 2047; )"
+     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+    {"scale_beyond_11_bits", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [0, 2048], us = [988, 2012] })",
+     R"(t.toml:7:17: "raw" is not a list of two different whole numbers from 0 to 2047; )"
+     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+    {"scale_with_equal_microseconds", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [172, 1811], us = [988, 988] })",
+     R"(t.toml:7:35: "us" is not a list of two different numbers from -4000 to 4095; )"
+     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+    {"scale_without_us", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [172, 1811] })",
+     R"(t.toml:7:9: the scale lacks "us"; allowed: { raw = [172, 1811], us = [988, )"
+     R"(2012] })"},
+    {"scale_with_an_unknown_key", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [172, 1811], us = [988, 2012], s = 1 })",
+     R"(t.toml:7:48: unknown key "s" in a scale; did you mean "us"? Allowed: "raw", "us")"},
+    {"scale_that_falls", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [1811, 172], us = [988, 2012] })",
+     R"(t.toml:7:9: "scale" has a slope of -0.6248 us for each raw step; allowed: 0.25 )"
+     R"(to 4)"},
+    {"scale_that_is_too_flat", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [0, 2000], us = [1000, 1499] })",
+     R"(t.toml:7:9: "scale" has a slope of 0.2495 us for each raw step; allowed: 0.25 )"
+     R"(to 4)"},
+    {"scale_that_leaves_the_range_of_a_pulse", 6,
+     R"(device = "/dev/ttyB"
+scale = { raw = [0, 1000], us = [0, 2001] })",
+     R"(t.toml:7:9: "scale" spreads raw 0 to 2047 over 0 to 4096.05 us; allowed: within )"
+     R"(-4000 to 4095 us)"},
+    {"loss_rules_that_are_no_list", 3,
+     R"(device = "/dev/ttyA"
+failsafe_when = { channel = 3, below = 950 })",
+     R"(t.toml:4:17: "failsafe_when" is a table; allowed: a list of rules, such as [{ )"
+     R"(channel = 3, below = 950 }])"},
+    {"loss_rule_that_is_no_table", 3,
+     R"(device = "/dev/ttyA"
+failsafe_when = [3])",
+     R"(t.toml:4:18: a rule of "failsafe_when" is 3; allowed: a table, such as [{ )"
+     R"(channel = 3, below = 950 }])"},
+    {"loss_rule_without_a_limit", 3,
+     R"(device = "/dev/ttyA"
+failsafe_when = [{ channel = 3 }])",
+     R"(t.toml:4:18: a rule of "failsafe_when" has no limit; at least one of "below" )"
+     R"(and "above" is required, such as [{ channel = 3, below = 950 }])"},
+    {"loss_rule_without_a_channel", 3,
+     R"(device = "/dev/ttyA"
+failsafe_when = [{ below = 950 }])",
+     R"(t.toml:4:18: a rule of "failsafe_when" lacks "channel"; required: Channel to )"
+     R"(judge)"},
+    {"loss_rule_with_a_channel_out_of_range", 3,
+     R"(device = "/dev/ttyA"
+failsafe_when = [{ channel = 19, below = 950 }])",
+     R"(t.toml:4:30: "channel" is 19; allowed: a whole number from 1 to 18)"},
+    {"loss_rule_with_a_misspelt_limit", 3,
+     R"(device = "/dev/ttyA"
+failsafe_when = [{ channel = 3, bellow = 950 }])",
+     R"(t.toml:4:33: unknown key "bellow" in a rule of "failsafe_when"; did you mean )"
+     R"("below"? Allowed: "channel", "below", "above")"},
+    {"loss_rule_that_is_always_true", 3,
+     R"(device = "/dev/ttyA"
+failsafe_when = [{ channel = 3, below = 2000, above = 1000 }])",
+     R"(t.toml:4:55: "below" is 2000 and "above" is 1000, so every value would be loss; )"
+     R"(allowed: "below" less than "above")"},
+};
+
+INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInPorts, ::testing::ValuesIn(kMistakes),
+                         [](const auto& mistake) { return std::string(mistake.param.name); });
+
+}  // namespace
+}  // namespace tribus::testing

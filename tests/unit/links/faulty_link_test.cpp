@@ -1,0 +1,220 @@
+#include "transports/links/faulty_link.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "transports/links/memory_link.h"
+
+namespace tribus {
+namespace {
+
+using namespace std::chrono_literals;
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes bytes_of(std::span<const std::uint8_t> view) {
+    return {view.begin(), view.end()};
+}
+
+const Bytes kBurst{0x20, 0x40, 0xDC, 0x05, 0x00, 0xFF, 0x0F, 0x55};
+
+Reception injected(const FaultSettings& settings, std::uint64_t seed, const Bytes& bytes = kBurst) {
+    FaultInjector injector(settings, seed);
+    Reception out;
+    injector.apply(bytes, out);
+    return out;
+}
+
+/// How often `happened` is true in 10000 seeds.
+template <class Happened>
+int count_in_10000_seeds(Happened happened) {
+    int count = 0;
+    for (std::uint64_t seed = 0; seed < 10000; ++seed) {
+        count += happened(seed) ? 1 : 0;
+    }
+    return count;
+}
+
+TEST(FaultInjectorTest, ChangesNothingWithoutFaults) {
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        const Reception out = injected({}, seed);
+        ASSERT_EQ(bytes_of(out.view()), kBurst);
+        ASSERT_TRUE(out.damaged.none());
+    }
+}
+
+TEST(FaultInjectorTest, LosesEveryByteIfAsked) {
+    EXPECT_EQ(injected({.lose_byte = 1}, 1).count, 0U);
+}
+
+TEST(FaultInjectorTest, FlipsExactlyOneBitOfEveryByteIfAsked) {
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        const Reception out = injected({.flip_bit = 1}, seed);
+        ASSERT_EQ(out.count, kBurst.size());
+        ASSERT_TRUE(out.damaged.none());
+        for (std::size_t i = 0; i < kBurst.size(); ++i) {
+            ASSERT_EQ(std::popcount(static_cast<unsigned>(out.bytes[i] ^ kBurst[i])), 1);
+        }
+    }
+}
+
+TEST(FaultInjectorTest, MarksAndSpoilsEveryByteIfAsked) {
+    const Reception out = injected({.damage_byte = 1}, 1);
+    ASSERT_EQ(out.count, kBurst.size());
+    EXPECT_EQ(out.damaged.count(), kBurst.size());
+    for (std::size_t i = 0; i < kBurst.size(); ++i) {
+        EXPECT_NE(out.bytes[i], kBurst[i]);
+    }
+}
+
+TEST(FaultInjectorTest, AddsAByteBeforeEveryByteIfAsked) {
+    const Reception out = injected({.add_byte = 1}, 1);
+    ASSERT_EQ(out.count, 2 * kBurst.size());
+    for (std::size_t i = 0; i < kBurst.size(); ++i) {
+        EXPECT_EQ(out.bytes[2 * i + 1], kBurst[i]);
+    }
+}
+
+TEST(FaultInjectorTest, KeepsTheDamageThatWasThereBefore) {
+    Reception in;
+    in.count = 3;
+    in.damaged.set(1);
+    FaultInjector injector({}, 1);
+    Reception out;
+    injector.apply(in, out);
+    EXPECT_EQ(out.damaged.to_ullong(), 0b010U);
+}
+
+TEST(FaultInjectorTest, LosesWhatDoesNotFit) {
+    const Reception out = injected({.add_byte = 1}, 1, Bytes(kBytesPerWake, 0x11));
+    EXPECT_EQ(out.count, kBytesPerWake);
+}
+
+// 5 % of 10000 is 500 with a standard deviation of 22.
+TEST(FaultInjectorTest, FaultsAreAsFrequentAsAsked) {
+    const Bytes one{0x20};
+    const auto lost = [&](std::uint64_t seed) {
+        return injected({.lose_byte = 0.05}, seed, one).count == 0;
+    };
+    const auto dropped = [](std::uint64_t seed) {
+        return FaultInjector({.drop_frame = 0.05}, seed).drop_frame();
+    };
+    EXPECT_NEAR(count_in_10000_seeds(lost), 500, 100);
+    EXPECT_NEAR(count_in_10000_seeds(dropped), 500, 100);
+}
+
+TEST(FaultInjectorTest, DelaysLieBetweenNothingAndTheMost) {
+    FaultInjector injector({.most_delay = 3ns}, 1);
+    std::vector<int> seen(4, 0);
+    for (int i = 0; i < 1000; ++i) {
+        const Duration delay = injector.next_delay();
+        ASSERT_GE(delay, 0ns);
+        ASSERT_LE(delay, 3ns);
+        ++seen[static_cast<std::size_t>(delay.count())];
+    }
+    for (const int count : seen) {
+        EXPECT_NEAR(count, 250, 80);
+    }
+}
+
+TEST(FaultInjectorTest, HasNoDelayUnlessAsked) {
+    EXPECT_EQ(FaultInjector({}, 1).next_delay(), 0ns);
+}
+
+const FaultSettings kEveryFault{.lose_byte = 0.1,
+                                .flip_bit = 0.1,
+                                .add_byte = 0.1,
+                                .damage_byte = 0.1,
+                                .drop_frame = 0.1,
+                                .most_delay = 1ms};
+
+TEST(FaultInjectorTest, TheSameSeedGivesTheSameFaults) {
+    FaultInjector one(kEveryFault, 4711);
+    FaultInjector other(kEveryFault, 4711);
+    for (int burst = 0; burst < 1000; ++burst) {
+        Reception of_one;
+        Reception of_other;
+        one.apply(kBurst, of_one);
+        other.apply(kBurst, of_other);
+        ASSERT_EQ(bytes_of(of_one.view()), bytes_of(of_other.view()));
+        ASSERT_EQ(of_one.damaged, of_other.damaged);
+        ASSERT_EQ(one.next_delay(), other.next_delay());
+        ASSERT_EQ(one.drop_frame(), other.drop_frame());
+    }
+}
+
+TEST(FaultInjectorTest, OtherSeedsGiveOtherFaults) {
+    const Bytes burst(64, 0x20);
+    EXPECT_NE(bytes_of(injected(kEveryFault, 1, burst).view()),
+              bytes_of(injected(kEveryFault, 2, burst).view()));
+}
+
+// Outputs of splitmix64.c by Sebastiano Vigna (public domain) for seed 1234567:
+// 6457827717110365317, 3203168211198807973, 9817491932198370423. A stored seed must replay on every
+// machine.
+TEST(FaultInjectorTest, DelaysOfAKnownSeedAreTheKnownOnes) {
+    constexpr std::int64_t kChoices = 1'000'000;
+    FaultInjector injector({.most_delay = Duration(kChoices - 1)}, 1234567);
+    EXPECT_EQ(injector.next_delay(), Duration(365317));
+    EXPECT_EQ(injector.next_delay(), Duration(807973));
+    EXPECT_EQ(injector.next_delay(), Duration(370423));
+}
+
+TEST(FaultyLinkTest, PassesBothWaysWithoutFaults) {
+    MemoryLink inner;
+    FaultyLink link(inner, {}, 1);
+    inner.send(kBurst);
+    Reception reception;
+    EXPECT_EQ(link.read(reception), ReadStatus::received);
+    EXPECT_EQ(bytes_of(reception.view()), kBurst);
+    EXPECT_EQ(link.write(kBurst), WriteStatus::written);
+    EXPECT_EQ(bytes_of(inner.written()), kBurst);
+}
+
+TEST(FaultyLinkTest, SpoilsWhatIsReadAndWhatIsWritten) {
+    MemoryLink inner;
+    FaultyLink link(inner, {.flip_bit = 1}, 1);
+    inner.send(kBurst);
+    Reception reception;
+    link.read(reception);
+    EXPECT_NE(bytes_of(reception.view()), kBurst);
+    link.write(kBurst);
+    EXPECT_NE(bytes_of(inner.written()), kBurst);
+}
+
+TEST(FaultyLinkTest, ABurstThatIsGoneReadsAsNothing) {
+    MemoryLink inner;
+    FaultyLink link(inner, {.drop_frame = 1}, 1);
+    inner.send(kBurst);
+    Reception reception;
+    EXPECT_EQ(link.read(reception), ReadStatus::nothing);
+    EXPECT_EQ(reception.count, 0U);
+}
+
+TEST(FaultyLinkTest, AWriterDoesNotSeeThatItsFrameIsGone) {
+    MemoryLink inner;
+    FaultyLink dropping(inner, {.drop_frame = 1}, 1);
+    FaultyLink losing(inner, {.lose_byte = 1}, 1);
+    EXPECT_EQ(dropping.write(kBurst), WriteStatus::written);
+    EXPECT_EQ(losing.write(kBurst), WriteStatus::written);
+    EXPECT_EQ(inner.frames_written(), 0U);
+}
+
+TEST(FaultyLinkTest, ReportsALostAndABusyLinkAsItIs) {
+    MemoryLink inner;
+    FaultyLink link(inner, {}, 1);
+    inner.set_busy(true);
+    EXPECT_EQ(link.write(kBurst), WriteStatus::busy);
+    inner.set_lost(true);
+    Reception reception;
+    EXPECT_EQ(link.read(reception), ReadStatus::lost);
+    EXPECT_EQ(link.write(kBurst), WriteStatus::lost);
+}
+
+}  // namespace
+}  // namespace tribus

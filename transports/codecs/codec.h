@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "core/channel_frame.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// No frame of any serial protocol is longer.
+inline constexpr std::size_t kLongestSerialFrame = 64;
+
+/// One frame found in a stream of bytes.
+struct DecodedFrame {
+    ChannelFrame channels{};
+    /// Position of its first byte, counted from the first byte that the decoder was ever given.
+    std::uint64_t first_byte = 0;
+    std::size_t length = 0;
+};
+
+/// A number with a name: how often something happened since the decoder was made.
+struct NamedCount {
+    std::string_view name;
+    std::uint64_t count = 0;
+};
+
+/// A protocol's own view of the latest frame: one number, or a list of them.
+struct FrameDetail {
+    std::string_view name;
+    std::span<const std::uint16_t> values;
+    bool list = false;
+};
+
+/// Bytes in, frames out. Pure: no descriptor, clock, log or heap; works in a fixed buffer.
+/// Thread-bound: one thread at a time.
+class Decoder {
+  public:
+    Decoder() = default;
+    Decoder(const Decoder&) = delete;
+    Decoder& operator=(const Decoder&) = delete;
+    virtual ~Decoder() = default;
+
+    /// Takes bytes off the front of `bytes` until a frame is complete, and returns it; call again
+    /// with the rest. Returns nothing when all bytes are taken and no further frame is complete.
+    /// `received` is the instant at which the bytes were read.
+    virtual std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes,
+                                             Instant received) = 0;
+
+    /// A byte stood here in the stream, but it came with a parity or framing error. Call `next`
+    /// until it returns nothing before this.
+    virtual void damaged_byte() = 0;
+
+    /// The recording ends here: returns a frame that only lacked what would have followed it.
+    virtual std::optional<DecodedFrame> finish() = 0;
+
+    /// Rejected frames by cause, and under "damaged" the bytes that had a parity or framing error,
+    /// each of which kills its frame. Only ever incremented.
+    virtual std::span<const NamedCount> rejected() const = 0;
+    /// Bytes that belonged to no frame and no known part of the protocol.
+    virtual std::uint64_t skipped_bytes() const = 0;
+    /// What the protocol knows of the frame that `next` returned last. Valid until the next call.
+    virtual std::span<const FrameDetail> details() const { return {}; }
+};
+
+/// A frame in, bytes out. Pure and reentrant. Total: every frame has an encoding.
+class Encoder {
+  public:
+    virtual ~Encoder() = default;
+    /// Writes one frame to the front of `wire` and returns its length.
+    virtual std::size_t encode(const ChannelFrame& frame,
+                               std::span<std::uint8_t, kLongestSerialFrame> wire) const = 0;
+};
+
+}  // namespace tribus

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/channel_frame.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/line_buffer.h"
+#include "transports/codecs/protocol.h"
+
+/// FlySky i.Bus servo frames, both ways (ibus-sbus.md section 1).
+namespace tribus {
+
+extern const Protocol kIbusProtocol;
+
+/// What the 14 slots of 16 bits hold.
+enum class IbusSlots : std::uint8_t {
+    nibbles,  ///< 12 bits of a channel, and 4 bits of channels 15 to 18 on top
+    plain,    ///< 16 bits of one channel: some senders without channels 15 to 18
+};
+
+/// Finds frames by content alone: header, length and checksum, scanning on inside its buffer after
+/// a bad one. Gaps do not matter: a real receiver leaves 0.95 ms between frames (1.4), less than
+/// many readers wait for.
+///
+/// Takes frames of 6 to 32 bytes with command 0x40, 32 bytes with command 0x00 (Betaflight does not
+/// check the command, and its public test frames have 0), and the 31-byte 0x55 variant (1.6).
+/// 18 channels are told from 14 frame by frame: a nibble channel of 0 is not present (1.3).
+class IbusDecoder final : public Decoder {
+  public:
+    explicit IbusDecoder(IbusSlots slots = IbusSlots::nibbles) : slots_(slots) {}
+
+    std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes,
+                                     Instant received) override;
+    void damaged_byte() override;
+    std::optional<DecodedFrame> finish() override { return std::nullopt; }
+    std::span<const NamedCount> rejected() const override { return rejected_; }
+    std::uint64_t skipped_bytes() const override { return skipped_bytes_; }
+
+  private:
+    enum class Kind : std::uint8_t { noise, undecided, servo, ia6, ibus2 };
+    struct Candidate {
+        Kind kind = Kind::noise;
+        std::size_t length = 0;  ///< bytes wanted in the buffer to judge it
+    };
+    enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2 };
+
+    Candidate candidate() const;
+    bool checksum_holds(const Candidate& candidate) const;
+    void judge_bad(const Candidate& candidate);
+    void skip(std::size_t count);
+    DecodedFrame take_frame(const Candidate& candidate, Instant received);
+
+    /// One byte more than the longest candidate, so that a damaged byte always finds room.
+    LineBuffer<kLongestSerialFrame> buffer_;
+    IbusSlots slots_;
+    bool frame_seen_ = false;
+    std::array<NamedCount, 3> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}}};
+    std::uint64_t skipped_bytes_ = 0;
+};
+
+/// Writes 32-byte frames of 14 channels, or of 18. Whole microseconds, 0 to 4095; an absent channel
+/// of 1 to 14 is sent as 1500 us (what receivers send for unused ones, 1.6), one of 15 to 18 as not
+/// present. i.Bus cannot say failsafe or frame lost (1.8): the caller decides whether to send.
+class IbusEncoder final : public Encoder {
+  public:
+    explicit IbusEncoder(std::size_t channel_count = 14) : channel_count_(channel_count) {}
+    std::size_t encode(const ChannelFrame& frame,
+                       std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
+
+  private:
+    std::size_t channel_count_;
+};
+
+}  // namespace tribus

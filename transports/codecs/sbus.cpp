@@ -1,0 +1,375 @@
+#include "transports/codecs/sbus.h"
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <numeric>
+
+namespace tribus {
+namespace {
+
+constexpr std::uint8_t kHeader = 0x0F;
+constexpr std::size_t kPayloadAt = 1;
+constexpr std::size_t kFlagsAt = 23;
+constexpr std::size_t kFooterAt = 24;
+constexpr unsigned kBitsPerChannel = 11;
+
+constexpr std::uint8_t kChannel17Flag = 0x01;
+constexpr std::uint8_t kChannel18Flag = 0x02;
+constexpr std::uint8_t kFrameLostFlag = 0x04;
+constexpr std::uint8_t kFailsafeFlag = 0x08;
+constexpr std::uint8_t kFlagsUnused = 0xF0;
+
+static_assert(kPayloadAt + kSbusChannels * kBitsPerChannel / 8 == kFlagsAt);
+static_assert(kFooterAt + 1 == kSbusFrameLength);
+
+bool flags_allowed(std::uint8_t flags) {
+    return (flags & kFlagsUnused) == 0;
+}
+
+/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (3.3).
+bool footer_allowed(std::uint8_t footer) {
+    const unsigned low = footer & 0x0FU;
+    return low == 0x0 || low == 0x4 || low == 0x8;
+}
+bool slots_follow(std::uint8_t footer) {
+    return (footer & 0x0FU) != 0;
+}
+
+/// The 32 slot ids: a five-bit number, then 011 (3.3).
+bool is_slot_id(std::uint8_t byte) {
+    return (byte & 0x07U) == 0x03;
+}
+
+}  // namespace
+
+SbusFrame parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire) {
+    SbusFrame frame;
+    std::uint32_t bits = 0;
+    unsigned bit_count = 0;
+    std::size_t position = kPayloadAt;
+    for (std::uint16_t& raw : frame.raw) {
+        while (bit_count < kBitsPerChannel) {
+            bits |= static_cast<std::uint32_t>(wire[position++]) << bit_count;
+            bit_count += 8;
+        }
+        raw = static_cast<std::uint16_t>(bits & kSbusRawMost);
+        bits >>= kBitsPerChannel;
+        bit_count -= kBitsPerChannel;
+    }
+    const std::uint8_t flags = wire[kFlagsAt];
+    frame.channel_17 = (flags & kChannel17Flag) != 0;
+    frame.channel_18 = (flags & kChannel18Flag) != 0;
+    frame.frame_lost = (flags & kFrameLostFlag) != 0;
+    frame.failsafe = (flags & kFailsafeFlag) != 0;
+    frame.footer = wire[kFooterAt];
+    return frame;
+}
+
+void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength> wire) {
+    wire[0] = kHeader;
+    std::uint32_t bits = 0;
+    unsigned bit_count = 0;
+    std::size_t position = kPayloadAt;
+    for (const std::uint16_t raw : frame.raw) {
+        bits |= static_cast<std::uint32_t>(raw & kSbusRawMost) << bit_count;
+        bit_count += kBitsPerChannel;
+        while (bit_count >= 8) {
+            wire[position++] = static_cast<std::uint8_t>(bits);
+            bits >>= 8U;
+            bit_count -= 8;
+        }
+    }
+    unsigned flags = 0;
+    flags |= frame.channel_17 ? kChannel17Flag : 0U;
+    flags |= frame.channel_18 ? kChannel18Flag : 0U;
+    flags |= frame.frame_lost ? kFrameLostFlag : 0U;
+    flags |= frame.failsafe ? kFailsafeFlag : 0U;
+    wire[kFlagsAt] = static_cast<std::uint8_t>(flags);
+    wire[kFooterAt] = frame.footer;
+}
+
+bool SbusDecoder::well_formed(std::size_t start) const {
+    return buffer_[start] == kHeader && flags_allowed(buffer_[start + kFlagsAt]) &&
+           footer_allowed(buffer_[start + kFooterAt]) && !buffer_.damaged(start, kSbusFrameLength);
+}
+
+/// All that is legible agrees that a frame stands here, so the next one follows in its place.
+bool SbusDecoder::only_damaged(std::size_t start) const {
+    const auto fits = [&](std::size_t offset, bool right) {
+        return buffer_.damaged(start + offset) || right;
+    };
+    return buffer_.damaged(start, kSbusFrameLength) && fits(0, buffer_[start] == kHeader) &&
+           fits(kFlagsAt, flags_allowed(buffer_[start + kFlagsAt])) &&
+           fits(kFooterAt, footer_allowed(buffer_[start + kFooterAt]));
+}
+
+std::size_t SbusDecoder::after_slots(std::size_t start) const {
+    std::size_t position = start;
+    while (position < buffer_.size() && position < start + kSlotsLength &&
+           is_slot_id(buffer_[position]) && !buffer_.damaged(position)) {
+        position += kSlotLength;
+    }
+    return position;
+}
+
+SbusDecoder::Verdict SbusDecoder::judge(std::size_t start) const {
+    const std::size_t size = buffer_.size();
+    if (start < size && (buffer_[start] != kHeader || buffer_.damaged(start))) {
+        return Verdict::no;
+    }
+    if (size < start + kSbusFrameLength) {
+        return Verdict::undecided;
+    }
+    if (!well_formed(start)) {
+        return Verdict::no;
+    }
+    std::size_t behind = start + kSbusFrameLength;
+    if (slots_follow(buffer_[start + kFooterAt])) {
+        behind = after_slots(behind);
+    }
+    if (behind < size && (buffer_[behind] != kHeader || buffer_.damaged(behind))) {
+        return Verdict::no;
+    }
+    if (size < behind + kSbusFrameLength) {
+        return Verdict::undecided;
+    }
+    return well_formed(behind) ? Verdict::yes : Verdict::no;
+}
+
+void SbusDecoder::skip(std::size_t count) {
+    buffer_.drop(count);
+    skipped_bytes_ += count;
+}
+
+bool SbusDecoder::step_unlocked() {
+    switch (judge(0)) {
+        case Verdict::no:
+            skip(1);
+            return true;
+        case Verdict::undecided:
+            return false;
+        case Verdict::yes:
+            lock_onto(0);
+            break;
+    }
+    return true;
+}
+
+bool SbusDecoder::step_locked() {
+    if (slots_left_ > 0 && is_slot_id(buffer_[0]) && !buffer_.damaged(0)) {
+        if (buffer_.size() < kSlotLength) {
+            return false;
+        }
+        buffer_.drop(kSlotLength);
+        --slots_left_;
+        return true;
+    }
+    const bool may_be_frame = buffer_[0] == kHeader || buffer_.damaged(0);
+    if (may_be_frame && buffer_.size() < kSbusFrameLength) {
+        return false;
+    }
+    if (may_be_frame && well_formed(0)) {
+        frame_ready_ = true;
+    } else if (may_be_frame && only_damaged(0)) {
+        skip(kSbusFrameLength);
+        // Its footer may be illegible: whether slots follow is unknown, so they are let pass.
+        slots_left_ = kSlotsPerFrame;
+    } else {
+        ++rejected_[kFraming].count;
+        state_ = State::recovering;
+    }
+    return true;
+}
+
+/// In how many bytes the frame at `start` equals the last one that is beyond doubt.
+std::ptrdiff_t SbusDecoder::likeness(std::size_t start) const {
+    const auto bytes = buffer_.view(start, kSbusFrameLength);
+    return std::inner_product(bytes.begin(), bytes.end(), trusted_.begin(), std::ptrdiff_t{0},
+                              std::plus<>{}, std::equal_to<>{});
+}
+
+bool SbusDecoder::step_recovering() {
+    // A lost byte is likelier than an added one (a UART overruns, it does not invent), and the case
+    // that is settled soonest comes first.
+    std::optional<std::size_t> found;
+    bool undecided = false;
+    for (const std::size_t end : kEnds) {
+        const std::size_t start = after_slots(end);
+        const Verdict verdict = judge(start);
+        undecided = undecided || verdict == Verdict::undecided;
+        if (verdict == Verdict::yes) {
+            found = start;
+            break;
+        }
+    }
+    // With slots around, the fault may as well have hit them, or the frame in front of them. Sticks
+    // that move do not feign a frame twice; if they stand still, the true frame is like the last.
+    const bool among_slots =
+        slots_follow(latest_[kFooterAt]) || slots_follow(trusted_[kFooterAt]);
+    for (std::size_t near = 1; among_slots && near < kEnds.front(); ++near) {
+        const std::size_t start = after_slots(near);
+        const Verdict verdict = judge(start);
+        undecided = undecided || verdict == Verdict::undecided;
+        if (verdict == Verdict::yes && (!found || likeness(start) > likeness(*found))) {
+            found = start;
+        }
+    }
+    if (undecided && (!found || among_slots)) {
+        return false;
+    }
+    if (found) {
+        lock_onto(*found);
+    } else {
+        skip(1);
+        state_ = State::unlocked;
+    }
+    return true;
+}
+
+/// A frame with another behind it stands at `start`.
+void SbusDecoder::lock_onto(std::size_t start) {
+    skip(start);
+    std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
+    state_ = State::locked;
+    frame_ready_ = true;
+}
+
+DecodedFrame SbusDecoder::take_frame(Instant received) {
+    const SbusFrame wire = parse_sbus(buffer_.view(0, kSbusFrameLength).first<kSbusFrameLength>());
+    DecodedFrame frame{.first_byte = buffer_.first_position(), .length = kSbusFrameLength};
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        frame.channels.set(channel, scale_.decode(wire.raw[channel]));
+    }
+    frame.channels.set(16, wire.channel_17 ? kSwitchOnPulse : kSwitchOffPulse);
+    frame.channels.set(17, wire.channel_18 ? kSwitchOnPulse : kSwitchOffPulse);
+    frame.channels.frame_lost = wire.frame_lost;
+    frame.channels.failsafe = wire.failsafe;
+    frame.channels.received = received;
+    raw_ = wire.raw;
+    footer_[0] = wire.footer;
+    slots_left_ = slots_follow(wire.footer) ? kSlotsPerFrame : 0;
+    // That this one stands in its place puts the one before it beyond doubt.
+    trusted_ = latest_;
+    std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
+    buffer_.drop(kSbusFrameLength);
+    frame_ready_ = false;
+    return frame;
+}
+
+void SbusDecoder::damaged_byte() {
+    buffer_.append_damaged();
+    ++rejected_[kDamaged].count;
+}
+
+std::optional<DecodedFrame> SbusDecoder::next(std::span<const std::uint8_t>& bytes,
+                                              Instant received) {
+    while (true) {
+        bool stepped = false;
+        if (buffer_.size() > 0) {
+            switch (state_) {
+                case State::unlocked:
+                    stepped = step_unlocked();
+                    break;
+                case State::locked:
+                    stepped = step_locked();
+                    break;
+                case State::recovering:
+                    stepped = step_recovering();
+                    break;
+            }
+        }
+        if (frame_ready_) {
+            return take_frame(received);
+        }
+        if (!stepped) {
+            if (bytes.empty()) {
+                return std::nullopt;
+            }
+            buffer_.take(bytes, 1);
+        }
+    }
+}
+
+std::optional<DecodedFrame> SbusDecoder::finish() {
+    const auto last_frame_at = [this](std::size_t start) {
+        return start + kSbusFrameLength <= buffer_.size() && judge(start) == Verdict::undecided;
+    };
+    std::size_t start = 0;
+    if (state_ == State::recovering) {
+        const auto* end = std::ranges::find_if(
+            kEnds, [&](std::size_t end) { return last_frame_at(after_slots(end)); });
+        start = end == kEnds.end() ? 0 : after_slots(*end);
+    }
+    while (start < buffer_.size() && !last_frame_at(start)) {
+        ++start;
+    }
+    if (start == buffer_.size()) {
+        return std::nullopt;
+    }
+    skip(start);
+    return take_frame(Instant{});
+}
+
+std::size_t SbusEncoder::encode(const ChannelFrame& frame,
+                                std::span<std::uint8_t, kLongestSerialFrame> wire) const {
+    SbusFrame out;
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        out.raw[channel] = scale_.encode(frame.channel_or(channel, kCentrePulse));
+    }
+    out.channel_17 = frame.channel_or(16, kSwitchOffPulse) > kCentrePulse;
+    out.channel_18 = frame.channel_or(17, kSwitchOffPulse) > kCentrePulse;
+    out.frame_lost = frame.frame_lost;
+    out.failsafe = frame.failsafe;
+    emit_sbus(out, wire.first<kSbusFrameLength>());
+    return kSbusFrameLength;
+}
+
+namespace {
+
+constexpr std::array<std::string_view, 2> kBaudChoices{"100000", "200000"};
+constexpr std::array<std::string_view, 5> kScaleChoices{"betaflight", "ardupilot", "px4", "frsky",
+                                                        "futaba"};
+constexpr std::array kSettings{
+    Setting{.key = "baud",
+            .type = SettingType::integer,
+            .fallback = "100000",
+            .choices = kBaudChoices,
+            .help = "Bit rate of the line: 100000, or 200000 for the fast variant (DJI)"},
+    Setting{.key = "scale",
+            .type = SettingType::scale,
+            .fallback = "\"betaflight\"",
+            .choices = kScaleChoices,
+            .help = "How raw values relate to microseconds: a maker's scale, or two points"},
+    Setting{.key = "inverted",
+            .type = SettingType::boolean,
+            .fallback = "false",
+            .help = "Ask the UART to invert the line by itself; Linux has no setting for it"},
+};
+
+std::unique_ptr<Decoder> make_decoder(const SettingValues& settings) {
+    return std::make_unique<SbusDecoder>(SbusScale::from_setting(settings.find("scale")));
+}
+
+std::unique_ptr<Encoder> make_encoder(const SettingValues& settings) {
+    return std::make_unique<SbusEncoder>(SbusScale::from_setting(settings.find("scale")));
+}
+
+}  // namespace
+
+// Period: 14 ms is Futaba's normal mode, which analogue servos stand; below 7 ms a frame leaves
+// less than the 4 ms of silence that ArduPilot waits for (3.4, 3.5).
+const Protocol kSbusProtocol{
+    .name = "sbus",
+    .description = "Futaba SBUS, and SBUS2 frames as input",
+    .line = {.baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true},
+    .settings = kSettings,
+    .longest_frame = kSbusFrameLength,
+    .default_period = std::chrono::milliseconds(14),
+    .least_period = std::chrono::milliseconds(7),
+    .says_failsafe = true,
+    .make_decoder = make_decoder,
+    .make_encoder = make_encoder,
+};
+
+}  // namespace tribus

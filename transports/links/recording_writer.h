@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/time.h"
+
+/// Recorded bytes as text, in the forms that `parse_recording` reads. Pure.
+namespace tribus {
+
+/// First line of every timed recording: tells its kind, whatever numbers follow.
+inline constexpr std::string_view kTimedHeading = "# t_us  bytes\n";
+
+/// Adds `20 40 dc 05` and a line end.
+void append_hex_line(std::string& text, std::span<const std::uint8_t> bytes);
+
+/// Adds the start, rounded to whole microseconds as every reader of the form expects, then the
+/// bytes as above.
+void append_timed_line(std::string& text, Duration start, std::span<const std::uint8_t> bytes);
+
+}  // namespace tribus

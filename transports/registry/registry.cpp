@@ -1,0 +1,27 @@
+#include "transports/registry/registry.h"
+
+#include <array>
+
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+
+namespace tribus {
+
+std::span<const Protocol* const> protocols() {
+    static constexpr std::array kProtocols{
+        &kIbusProtocol,
+        &kSbusProtocol,
+    };
+    return kProtocols;
+}
+
+const Protocol* find_protocol(std::string_view name) {
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->name == name) {
+            return protocol;
+        }
+    }
+    return nullptr;
+}
+
+}  // namespace tribus
