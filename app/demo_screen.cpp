@@ -57,12 +57,14 @@ std::string_view state_colour(const ChannelFrame& frame) {
     return frame.failsafe ? kRed : frame.frame_lost ? kYellow : kGreen;
 }
 
-/// A scale from 900 to 2100 us with a mark at the centre and a block at the value.
+/// A scale from 900 to 2100 us, filled from its centre to the value.
 std::string bar(std::optional<Pulse> pulse, std::size_t width, bool unicode) {
     const std::string_view rest = unicode ? "·" : "-";
-    const std::string_view centre = unicode ? "┼" : "+";
+    const std::string_view centre = unicode ? "│" : "|";
+    const std::string_view fill = unicode ? "━" : "=";
     const std::string_view block = unicode ? "█" : "#";
-    std::size_t at = width;
+    const std::size_t middle = width / 2;
+    std::size_t at = middle;
     if (pulse) {
         const double share = (pulse->microseconds() - kBarLeastUs) / (kBarMostUs - kBarLeastUs);
         const double last = static_cast<double>(width - 1);
@@ -70,13 +72,19 @@ std::string bar(std::optional<Pulse> pulse, std::size_t width, bool unicode) {
     }
     std::string text;
     for (std::size_t i = 0; i < width; ++i) {
-        text += i == at ? block : i == width / 2 ? centre : rest;
+        const bool filled = std::min(at, middle) < i && i < std::max(at, middle);
+        text += pulse && i == at ? block : i == middle ? centre : filled ? fill : rest;
     }
     return text;
 }
 
 std::string number(std::optional<Pulse> pulse) {
     return pulse ? fmt::format("{:4} ", pulse->whole_microseconds()) : "   - ";
+}
+
+/// Of each bar where there are two.
+std::size_t bar_width(const ScreenStyle& style) {
+    return (style.columns - kLabelWidth - 2 * kNumberWidth - kGap - 1) / 2;
 }
 
 std::string channel_line(const DemoFigures& figures, const ScreenStyle& style,
@@ -93,7 +101,7 @@ std::string channel_line(const DemoFigures& figures, const ScreenStyle& style,
                  colour);
         return line.take();
     }
-    const std::size_t width = (style.columns - kLabelWidth - 2 * kNumberWidth - kGap - 1) / 2;
+    const std::size_t width = bar_width(style);
     line.add(number(before));
     line.add(bar(before, width, style.unicode), figures.link_up ? kGreen : kDim);
     line.add(std::string(kGap, ' '));
@@ -118,6 +126,19 @@ std::vector<std::string> heading(const DemoFigures& figures, const ScreenStyle& 
                           figures.output_rate_hz, short_duration(figures.latency_p50),
                           short_duration(figures.latency_p99)));
     return {title.take(), state.take()};
+}
+
+std::string column_titles(const ScreenStyle& style) {
+    Line line(style);
+    const std::string indent(kLabelWidth + kNumberWidth, ' ');
+    if (style.columns < kTwoBarsFrom) {
+        line.add(indent + "SBUS, at the servos", kDim);
+        return line.take();
+    }
+    line.add(fmt::format("{}{:{}}SBUS, at the servos", indent, "i.Bus, from the receiver",
+                         bar_width(style) + kGap + kNumberWidth),
+             kDim);
+    return line.take();
 }
 
 std::vector<std::string> closing(const DemoFigures& figures, const ScreenStyle& style) {
@@ -153,6 +174,9 @@ std::string draw_demo(const DemoFigures& figures, const ScreenStyle& style) {
     const std::vector<std::string> last = closing(figures, style);
     // One row stays free: a line end in the last one would scroll.
     const std::size_t rows = std::max<std::size_t>(style.rows, 2) - 1;
+    if (rows > lines.size() + kChannelCount + last.size()) {
+        lines.push_back(column_titles(style));
+    }
     const std::size_t fixed = lines.size() + last.size();
     const std::size_t channels = rows > fixed ? std::min(kChannelCount, rows - fixed) : 0;
     for (std::size_t channel = 0; channel < channels; ++channel) {

@@ -1,5 +1,7 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <iostream>
+#include <string>
 
 #include "app/check.h"
 #include "app/decode.h"
@@ -8,6 +10,26 @@
 #include "app/exit_status.h"
 #include "app/run.h"
 #include "app/simulate.h"
+#include "config/mistakes.h"
+
+namespace {
+
+/// CLI11 would only say that a subcommand is required.
+bool explain_unknown_command(CLI::App& app, std::string_view word) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        names.push_back(command->get_name());
+    }
+    const std::vector<std::string_view> allowed(names.begin(), names.end());
+    if (word.starts_with('-') || std::find(allowed.begin(), allowed.end(), word) != allowed.end()) {
+        return false;
+    }
+    fmt::print(stderr, "tribus: \"{}\" is no command; {}\n", word,
+               tribus::suggestion(word, allowed));
+    return true;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     // The stream subcommands write much and mix it with nothing.
@@ -23,6 +45,9 @@ int main(int argc, char** argv) {
     tribus::add_simulate_command(app, status);
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);
+    if (argc > 1 && explain_unknown_command(app, argv[1])) {
+        return tribus::kExitWrongUse;
+    }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

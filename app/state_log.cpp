@@ -9,6 +9,8 @@ namespace {
 
 constexpr unsigned kLinesPerWindow = 6;
 constexpr Duration kWindow = std::chrono::seconds(30);
+/// A receiver that is on has sent hundreds of frames by then.
+constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
 
 RateLimit limit() {
     return {kLinesPerWindow, kWindow};
@@ -33,9 +35,10 @@ std::string_view stage_text(OutputStage stage) {
 
 }  // namespace
 
-StateLog::StateLog(const Configuration& configuration) : devices_(limit()) {
+StateLog::StateLog(const Configuration& configuration, Instant start)
+    : start_(start), devices_(limit()) {
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
-        inputs_.push_back({false, limit()});
+        inputs_.push_back({false, false, limit()});
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
         outputs_.push_back({OutputStage::failsafe, 0, limit()});
@@ -60,6 +63,29 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
                      said_so ? "the receiver or a failsafe_when rule says failsafe"
                              : "no good frame within its timeout",
                      swallowed_note(*swallowed));
+    }
+}
+
+/// Silence at the start is the commonest trouble of all, and its cause shows in the bytes.
+void StateLog::say_never_good(const std::string& name, const InputStatus& status,
+                              InputMemory& memory, Instant now) {
+    if (memory.silence_said || status.ever_good || now - start_ < kFirstFrameWait) {
+        return;
+    }
+    memory.silence_said = true;
+    if (status.counts.bytes == 0) {
+        spdlog::warn("input {}: not one byte yet; check wire, ground and power of the receiver",
+                     name);
+    } else if (status.counts.frames == 0) {
+        spdlog::warn(
+            "input {}: {} bytes but no frame yet; another protocol or rate, or a line "
+            "that needs an inverter (SBUS) or must not have one (i.Bus)",
+            name, status.counts.bytes);
+    } else {
+        spdlog::warn(
+            "input {}: frames arrive, but the receiver or a failsafe_when rule says that "
+            "the link is down; is the transmitter on?",
+            name);
     }
 }
 
@@ -93,7 +119,9 @@ void StateLog::look(Appliance& appliance, Instant now) {
     }
     const Configuration& configuration = appliance.configuration();
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
-        look_at_input(configuration.inputs[i].name, appliance.input_status(i), inputs_[i], now);
+        const InputStatus status = appliance.input_status(i);
+        look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
+        say_never_good(configuration.inputs[i].name, status, inputs_[i], now);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         look_at_output(configuration.outputs[i].name, appliance.output_status(i), outputs_[i], now);

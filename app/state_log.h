@@ -13,7 +13,7 @@ namespace tribus {
 /// Says what changed, and nothing while nothing does. Thread-bound to the main thread.
 class StateLog {
   public:
-    explicit StateLog(const Configuration& configuration);
+    StateLog(const Configuration& configuration, Instant start);
 
     /// Compares with the last look and logs each change, at most a few lines a while for each
     /// input, output and device.
@@ -22,6 +22,7 @@ class StateLog {
   private:
     struct InputMemory {
         bool alive = false;
+        bool silence_said = false;
         RateLimit limit;
     };
     struct OutputMemory {
@@ -35,6 +36,10 @@ class StateLog {
     void look_at_output(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                         Instant now);
 
+    void say_never_good(const std::string& name, const InputStatus& status, InputMemory& memory,
+                        Instant now);
+
+    Instant start_;
     std::vector<InputMemory> inputs_;
     std::vector<OutputMemory> outputs_;
     RateLimit devices_;

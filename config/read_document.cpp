@@ -200,7 +200,8 @@ class Recovery {
     Document read() {
         Document document;
         for (std::size_t count = 0; !parsed_; ++count) {
-            if (count == kMostSyntaxMistakes || !go_on(document.lost)) {
+            const bool spent = count == kMostSyntaxMistakes || reparsed_ > kMostReparsedBytes;
+            if (spent || !go_on(document.lost)) {
                 document.readable = false;
                 return document;
             }
@@ -220,7 +221,9 @@ class Recovery {
         std::optional<Detour> best;
         std::size_t furthest = error.where.line;
         for (Detour& detour : detours_around(lines_, line)) {
-            Parsed parsed = parse_toml(join(with(detour)));
+            const std::string text = join(with(detour));
+            reparsed_ += text.size();
+            Parsed parsed = parse_toml(text);
             if (reach(parsed) > furthest) {
                 furthest = reach(parsed);
                 parsed_ = std::move(parsed);
@@ -285,6 +288,7 @@ class Recovery {
 
     Lines lines_;
     Parsed parsed_;
+    std::size_t reparsed_ = 0;
     Mistakes& mistakes_;
 };
 

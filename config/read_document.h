@@ -15,6 +15,8 @@ namespace tribus {
 inline constexpr std::size_t kMostConfigurationBytes = 256UL * 1024UL;
 /// After so many, further syntax mistakes of one file are not looked for.
 inline constexpr std::size_t kMostSyntaxMistakes = 32;
+/// Nor after so much parsing, about a second: each mistake costs some thirty tries to read on.
+inline constexpr std::size_t kMostReparsedBytes = 8UL * 1024UL * 1024UL;
 
 /// What had to be left out of a file to read the rest of it. A name or key that only stood in there
 /// is not missing.

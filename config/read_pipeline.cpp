@@ -52,6 +52,7 @@ std::optional<std::vector<Name>> read_names(std::string_view key, std::string_vi
 template <class Drafts>
 std::vector<std::string_view> names_in(const Drafts& drafts) {
     std::vector<std::string_view> names;
+    names.reserve(drafts.size());
     for (const auto& draft : drafts) {
         names.emplace_back(draft.config.name);
     }

@@ -58,10 +58,10 @@ void write_table(const Json& json, std::span<const Key> keys, const std::string&
         if (key == nullptr) {
             continue;
         }
-        const std::string inside = path.empty() ? name : path + "." + name;
+        const std::string inside = path.empty() ? name : fmt::format("{}.{}", path, name);
         if (key->kind == KeyKind::named_tables) {
             for (const auto& [user_name, table] : value.items()) {
-                write_table(table, key->inside, inside + "." + user_name, out);
+                write_table(table, key->inside, fmt::format("{}.{}", inside, user_name), out);
             }
         } else {
             // The entries of `channels` are written in one line each, whatever their keys.

@@ -9,12 +9,7 @@ namespace tribus {
 /// Tag of the one time line that the project knows: monotonic, zero anywhere. It has no now():
 /// time is an argument everywhere, and only pipelines/realtime/clock.cpp asks the machine for it.
 /// Wall-clock times have another tag and do not compile in its place.
-struct MonotonicTag {
-    using duration = std::chrono::nanoseconds;
-    using rep = duration::rep;
-    using period = duration::period;
-    static constexpr bool is_steady = true;
-};
+struct MonotonicTag {};
 
 using Duration = std::chrono::nanoseconds;
 using Instant = std::chrono::time_point<MonotonicTag, Duration>;

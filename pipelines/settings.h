@@ -21,8 +21,8 @@ namespace tribus {
 /// True when the channel is present and beyond any limit that is given.
 struct LossRule {
     std::size_t channel = 0;
-    std::optional<Pulse> below;
-    std::optional<Pulse> above;
+    std::optional<Pulse> below{};
+    std::optional<Pulse> above{};
 };
 
 struct FromChannel {
@@ -42,8 +42,8 @@ struct Fixed {
 /// 2000 us while the channel is beyond the limit, else 1000 us.
 struct Switch {
     std::size_t channel = 0;
-    std::optional<Pulse> above;
-    std::optional<Pulse> below;
+    std::optional<Pulse> above{};
+    std::optional<Pulse> below{};
 };
 using ChannelSource = std::variant<FromChannel, Mix, Fixed, Switch>;
 
@@ -54,10 +54,10 @@ struct ChannelRule {
     Pulse deadband{};  ///< this far around 1500 us reads as 1500; full travel is kept
     double expo = 0;   ///< 0 straight, 1 cubic; 1000, 1500 and 2000 us stay where they are
     bool reverse = false;
-    Pulse trim{};                              ///< added
-    std::optional<double> slew_us_per_second;  ///< fastest change
-    std::optional<Pulse> min;
-    std::optional<Pulse> max;
+    Pulse trim{};                                ///< added
+    std::optional<double> slew_us_per_second{};  ///< fastest change
+    std::optional<Pulse> min{};
+    std::optional<Pulse> max{};
 };
 
 enum class FailsafeAction : std::uint8_t { preset, hold, silence };

@@ -121,9 +121,7 @@ struct termios2 raw_line(const LineSettings& settings) {
 }
 
 /// Sets the line and reports what the port made of it.
-tl::expected<PortFacts, std::string> set_line(int fd, const LineSettings& settings,
-                                              std::uint32_t device_major,
-                                              std::uint32_t device_minor) {
+tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSettings& settings) {
     struct termios2 line {};
     if (::ioctl(fd, TCGETS2, &line) != 0) {
         return tl::unexpected(settings_problem(errno));
@@ -141,8 +139,8 @@ tl::expected<PortFacts, std::string> set_line(int fd, const LineSettings& settin
     // Never compare c_cflag whole: the kernel puts B115200 where BOTHER was asked (lab.md 1).
     const tcflag_t changed = line.c_cflag ^ wanted.c_cflag;
     PortFacts facts;
-    facts.device_major = device_major;
-    facts.device_minor = device_minor;
+    facts.device_major = major(node);
+    facts.device_minor = minor(node);
     facts.asked = settings;
     facts.reported_baud = line.c_ospeed;
     facts.parity_kept = (changed & (PARENB | PARODD | CMSPAR)) == 0;
@@ -186,16 +184,14 @@ tl::expected<std::unique_ptr<SerialPort>, std::string> SerialPort::open(
     if (::fstat(fd->get(), &node) != 0) {
         return failed(open_problem(errno));
     }
-    const std::uint32_t device_major = major(node.st_rdev);
-    const std::uint32_t device_minor = minor(node.st_rdev);
     if (::isatty(fd->get()) == 0) {
         return failed(settings_problem(errno));
     }
-    if (const auto why = claim(fd->get(), is_pseudo_terminal(device_major))) {
+    if (const auto why = claim(fd->get(), is_pseudo_terminal(major(node.st_rdev)))) {
         return failed(*why);
     }
     std::unique_ptr<SerialPort> port(new SerialPort(std::move(*fd)));
-    const auto facts = set_line(port->descriptor(), settings, device_major, device_minor);
+    const auto facts = set_line(port->descriptor(), node.st_rdev, settings);
     if (!facts) {
         return failed(facts.error());
     }

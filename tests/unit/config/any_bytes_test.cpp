@@ -74,7 +74,7 @@ RC_GTEST_PROP(SpoiltExamples, WithTwoLinesSwappedGetAnAnswer, ()) {
 }
 
 RC_GTEST_PROP(SpoiltExamples, WithAnotherValueGetAnAnswer, ()) {
-    static const std::vector<std::string> kValues{
+    static const std::vector<std::string> values{
         "nan",  "-inf",     "9223372036854775807", "-1",         "\"\"",        "[]",
         "{}",   "[[]]",     "1979-05-27",          "{ 1 = {} }", "\"\\u0000\"", "0.0000001",
         "true", "\"14ms\"", "\"servos\"",          "1e400",
@@ -87,7 +87,7 @@ RC_GTEST_PROP(SpoiltExamples, WithAnotherValueGetAnAnswer, ()) {
     RC_PRE(!places.empty());
     const std::size_t place = *rc::gen::elementOf(places);
     const std::size_t end = text.find_first_of(",}\n", place);
-    text.replace(place, end - place, *rc::gen::elementOf(kValues));
+    text.replace(place, end - place, *rc::gen::elementOf(values));
     expect_an_answer(text);
 }
 

@@ -117,8 +117,9 @@ to = ["b"]
 
 [pipeline.p.channels]
 1 = 2
-2 = { from = 1, reverse = true, trim = -12.5, expo = 0.3, deadband = 4, slew = "2000us/s", min = 1100, max = 1900 }
+2 = { from = 1, reverse = true, trim = -12.5, expo = 0.3, deadband = 4, min = 1100, max = 1900 }
 3 = { mix = { 1 = 0.5, 2 = -1 }, reverse = false, trim = 0, expo = 0, deadband = 0 }
+4 = { from = 4, reverse = false, trim = 0, expo = 0, deadband = 0, slew = "2000us/s" }
 16 = { fixed = 1500.125 }
 17 = { from = 9, above = 1700, below = 1200 }
 

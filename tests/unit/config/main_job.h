@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,8 +49,8 @@ struct Spoilt {
     std::string_view expected;
 };
 
-inline void PrintTo(const Spoilt& spoilt, std::ostream* out) {
-    *out << spoilt.name;
+inline std::ostream& operator<<(std::ostream& out, const Spoilt& spoilt) {
+    return out << spoilt.name;
 }
 
 }  // namespace tribus::testing

@@ -21,9 +21,10 @@ Bytes bytes_of(std::span<const std::uint8_t> view) {
     return {view.begin(), view.end()};
 }
 
-const Bytes kBurst{0x20, 0x40, 0xDC, 0x05, 0x00, 0xFF, 0x0F, 0x55};
+const Bytes some_burst{0x20, 0x40, 0xDC, 0x05, 0x00, 0xFF, 0x0F, 0x55};
 
-Reception injected(const FaultSettings& settings, std::uint64_t seed, const Bytes& bytes = kBurst) {
+Reception injected(const FaultSettings& settings, std::uint64_t seed,
+                   const Bytes& bytes = some_burst) {
     FaultInjector injector(settings, seed);
     Reception out;
     injector.apply(bytes, out);
@@ -43,7 +44,7 @@ int count_in_10000_seeds(Happened happened) {
 TEST(FaultInjectorTest, ChangesNothingWithoutFaults) {
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
         const Reception out = injected({}, seed);
-        ASSERT_EQ(bytes_of(out.view()), kBurst);
+        ASSERT_EQ(bytes_of(out.view()), some_burst);
         ASSERT_TRUE(out.damaged.none());
     }
 }
@@ -55,28 +56,28 @@ TEST(FaultInjectorTest, LosesEveryByteIfAsked) {
 TEST(FaultInjectorTest, FlipsExactlyOneBitOfEveryByteIfAsked) {
     for (std::uint64_t seed = 0; seed < 100; ++seed) {
         const Reception out = injected({.flip_bit = 1}, seed);
-        ASSERT_EQ(out.count, kBurst.size());
+        ASSERT_EQ(out.count, some_burst.size());
         ASSERT_TRUE(out.damaged.none());
-        for (std::size_t i = 0; i < kBurst.size(); ++i) {
-            ASSERT_EQ(std::popcount(static_cast<unsigned>(out.bytes[i] ^ kBurst[i])), 1);
+        for (std::size_t i = 0; i < some_burst.size(); ++i) {
+            ASSERT_EQ(std::popcount(static_cast<unsigned>(out.bytes[i] ^ some_burst[i])), 1);
         }
     }
 }
 
 TEST(FaultInjectorTest, MarksAndSpoilsEveryByteIfAsked) {
     const Reception out = injected({.damage_byte = 1}, 1);
-    ASSERT_EQ(out.count, kBurst.size());
-    EXPECT_EQ(out.damaged.count(), kBurst.size());
-    for (std::size_t i = 0; i < kBurst.size(); ++i) {
-        EXPECT_NE(out.bytes[i], kBurst[i]);
+    ASSERT_EQ(out.count, some_burst.size());
+    EXPECT_EQ(out.damaged.count(), some_burst.size());
+    for (std::size_t i = 0; i < some_burst.size(); ++i) {
+        EXPECT_NE(out.bytes[i], some_burst[i]);
     }
 }
 
 TEST(FaultInjectorTest, AddsAByteBeforeEveryByteIfAsked) {
     const Reception out = injected({.add_byte = 1}, 1);
-    ASSERT_EQ(out.count, 2 * kBurst.size());
-    for (std::size_t i = 0; i < kBurst.size(); ++i) {
-        EXPECT_EQ(out.bytes[2 * i + 1], kBurst[i]);
+    ASSERT_EQ(out.count, 2 * some_burst.size());
+    for (std::size_t i = 0; i < some_burst.size(); ++i) {
+        EXPECT_EQ(out.bytes[2 * i + 1], some_burst[i]);
     }
 }
 
@@ -126,12 +127,12 @@ TEST(FaultInjectorTest, HasNoDelayUnlessAsked) {
     EXPECT_EQ(FaultInjector({}, 1).next_delay(), 0ns);
 }
 
-const FaultSettings kEveryFault{.lose_byte = 0.1,
-                                .flip_bit = 0.1,
-                                .add_byte = 0.1,
-                                .damage_byte = 0.1,
-                                .drop_frame = 0.1,
-                                .most_delay = 1ms};
+constexpr FaultSettings kEveryFault{.lose_byte = 0.1,
+                                    .flip_bit = 0.1,
+                                    .add_byte = 0.1,
+                                    .damage_byte = 0.1,
+                                    .drop_frame = 0.1,
+                                    .most_delay = 1ms};
 
 TEST(FaultInjectorTest, TheSameSeedGivesTheSameFaults) {
     FaultInjector one(kEveryFault, 4711);
@@ -139,8 +140,8 @@ TEST(FaultInjectorTest, TheSameSeedGivesTheSameFaults) {
     for (int burst = 0; burst < 1000; ++burst) {
         Reception of_one;
         Reception of_other;
-        one.apply(kBurst, of_one);
-        other.apply(kBurst, of_other);
+        one.apply(some_burst, of_one);
+        other.apply(some_burst, of_other);
         ASSERT_EQ(bytes_of(of_one.view()), bytes_of(of_other.view()));
         ASSERT_EQ(of_one.damaged, of_other.damaged);
         ASSERT_EQ(one.next_delay(), other.next_delay());
@@ -168,29 +169,29 @@ TEST(FaultInjectorTest, DelaysOfAKnownSeedAreTheKnownOnes) {
 TEST(FaultyLinkTest, PassesBothWaysWithoutFaults) {
     MemoryLink inner;
     FaultyLink link(inner, {}, 1);
-    inner.send(kBurst);
+    inner.send(some_burst);
     Reception reception;
     EXPECT_EQ(link.read(reception), ReadStatus::received);
-    EXPECT_EQ(bytes_of(reception.view()), kBurst);
-    EXPECT_EQ(link.write(kBurst), WriteStatus::written);
-    EXPECT_EQ(bytes_of(inner.written()), kBurst);
+    EXPECT_EQ(bytes_of(reception.view()), some_burst);
+    EXPECT_EQ(link.write(some_burst), WriteStatus::written);
+    EXPECT_EQ(bytes_of(inner.written()), some_burst);
 }
 
 TEST(FaultyLinkTest, SpoilsWhatIsReadAndWhatIsWritten) {
     MemoryLink inner;
     FaultyLink link(inner, {.flip_bit = 1}, 1);
-    inner.send(kBurst);
+    inner.send(some_burst);
     Reception reception;
     link.read(reception);
-    EXPECT_NE(bytes_of(reception.view()), kBurst);
-    link.write(kBurst);
-    EXPECT_NE(bytes_of(inner.written()), kBurst);
+    EXPECT_NE(bytes_of(reception.view()), some_burst);
+    link.write(some_burst);
+    EXPECT_NE(bytes_of(inner.written()), some_burst);
 }
 
 TEST(FaultyLinkTest, ABurstThatIsGoneReadsAsNothing) {
     MemoryLink inner;
     FaultyLink link(inner, {.drop_frame = 1}, 1);
-    inner.send(kBurst);
+    inner.send(some_burst);
     Reception reception;
     EXPECT_EQ(link.read(reception), ReadStatus::nothing);
     EXPECT_EQ(reception.count, 0U);
@@ -200,8 +201,8 @@ TEST(FaultyLinkTest, AWriterDoesNotSeeThatItsFrameIsGone) {
     MemoryLink inner;
     FaultyLink dropping(inner, {.drop_frame = 1}, 1);
     FaultyLink losing(inner, {.lose_byte = 1}, 1);
-    EXPECT_EQ(dropping.write(kBurst), WriteStatus::written);
-    EXPECT_EQ(losing.write(kBurst), WriteStatus::written);
+    EXPECT_EQ(dropping.write(some_burst), WriteStatus::written);
+    EXPECT_EQ(losing.write(some_burst), WriteStatus::written);
     EXPECT_EQ(inner.frames_written(), 0U);
 }
 
@@ -209,11 +210,11 @@ TEST(FaultyLinkTest, ReportsALostAndABusyLinkAsItIs) {
     MemoryLink inner;
     FaultyLink link(inner, {}, 1);
     inner.set_busy(true);
-    EXPECT_EQ(link.write(kBurst), WriteStatus::busy);
+    EXPECT_EQ(link.write(some_burst), WriteStatus::busy);
     inner.set_lost(true);
     Reception reception;
     EXPECT_EQ(link.read(reception), ReadStatus::lost);
-    EXPECT_EQ(link.write(kBurst), WriteStatus::lost);
+    EXPECT_EQ(link.write(some_burst), WriteStatus::lost);
 }
 
 }  // namespace

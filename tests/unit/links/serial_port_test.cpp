@@ -3,7 +3,6 @@
 // termios2, to see what the port really has; <termios.h> cannot stand beside it.
 #include <asm/termbits.h>
 #include <fcntl.h>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/ioctl.h>
@@ -30,12 +29,11 @@
 namespace tribus {
 namespace {
 
-using ::testing::HasSubstr;
-using ::testing::StartsWith;
+using ::testing::IsSubstring;
 using Bytes = std::vector<std::uint8_t>;
 using OpenedPort = tl::expected<std::unique_ptr<SerialPort>, std::string>;
 
-const LineSettings kSbusLine{
+constexpr LineSettings kSbusLine{
     .baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true};
 
 /// A kernel worker carries the bytes from one end to the other: far longer than it ever takes.
@@ -122,7 +120,9 @@ Bytes every_byte_value() {
 }
 
 /// The ends of lines and the control characters that a terminal acts on: CR, NL, ^C, ^D, ^S, ^Z.
-const Bytes kTerminalTraps{'a', 0x0D, 0x0A, 0x03, 0x04, 0x13, 0x1A, 0x7F, 'b'};
+Bytes terminal_traps() {
+    return {'a', 0x0D, 0x0A, 0x03, 0x04, 0x13, 0x1A, 0x7F, 'b'};
+}
 
 TEST_F(SerialPortTest, OpensAPtyAt100000With8E2AlthoughItDropsTheParity) {
     const auto port = open_port();
@@ -173,8 +173,9 @@ TEST_F(SerialPortTest, ThrowsAwayWhatCameInBeforeItWasOpened) {
 TEST_F(SerialPortTest, EchoesNothingOnceItIsOpen) {
     const auto port = open_port();
     ASSERT_NE(port, nullptr);
-    send(kTerminalTraps);
-    ASSERT_EQ(read_from(*port, kTerminalTraps.size()), kTerminalTraps);
+    const Bytes traps = terminal_traps();
+    send(traps);
+    ASSERT_EQ(read_from(*port, traps.size()), traps);
     EXPECT_TRUE(wire_is_silent());
 }
 
@@ -295,8 +296,8 @@ TEST_F(SerialPortTest, RefusesADeviceThatIsOpenAlready) {
     ASSERT_NE(first, nullptr);
     const auto second = SerialPort::open(device_, kSbusLine);
     ASSERT_FALSE(second.has_value());
-    EXPECT_THAT(second.error(), StartsWith(device_ + ": another program uses it"));
-    EXPECT_THAT(second.error(), HasSubstr("fuser"));
+    EXPECT_PRED_FORMAT2(IsSubstring, device_ + ": another program uses it", second.error());
+    EXPECT_PRED_FORMAT2(IsSubstring, "fuser", second.error());
 }
 
 TEST_F(SerialPortTest, ARefusedSecondOpeningLeavesTheFirstAsItWas) {
@@ -347,8 +348,8 @@ TEST_F(SerialPortTest, WithoutPermissionItNamesTheGroup) {
     const WithoutRoot without_root;
     const auto opened = SerialPort::open(device_, kSbusLine);
     ASSERT_FALSE(opened.has_value());
-    EXPECT_THAT(opened.error(), StartsWith(device_ + ": no permission"));
-    EXPECT_THAT(opened.error(), HasSubstr("dialout"));
+    EXPECT_PRED_FORMAT2(IsSubstring, device_ + ": no permission", opened.error());
+    EXPECT_PRED_FORMAT2(IsSubstring, "dialout", opened.error());
 }
 
 TEST_F(SerialPortTest, RefusesADeviceThatAnotherProgramHasExclusively) {
@@ -358,14 +359,14 @@ TEST_F(SerialPortTest, RefusesADeviceThatAnotherProgramHasExclusively) {
     const WithoutRoot without_root;
     const auto opened = SerialPort::open(device_, kSbusLine);
     ASSERT_FALSE(opened.has_value());
-    EXPECT_THAT(opened.error(), StartsWith(device_ + ": another program uses it"));
+    EXPECT_PRED_FORMAT2(IsSubstring, device_ + ": another program uses it", opened.error());
 }
 
 TEST_F(SerialPortTest, RefusesAPtyWhoseOtherEndIsGone) {
     wire_.reset();
     const auto opened = SerialPort::open(device_, kSbusLine);
     ASSERT_FALSE(opened.has_value());
-    EXPECT_THAT(opened.error(), StartsWith(device_ + ": "));
+    EXPECT_PRED_FORMAT2(IsSubstring, device_ + ": ", opened.error());
 }
 
 std::string refusal(const std::string& device) {
@@ -373,24 +374,26 @@ std::string refusal(const std::string& device) {
 }
 
 TEST(SerialPortOpenTest, AMissingDeviceIsSaidToBeMissing) {
-    EXPECT_THAT(refusal("/dev/ttyNO0"), StartsWith("/dev/ttyNO0: there is no such device"));
-    EXPECT_THAT(refusal("/dev/ttyNO0"), HasSubstr("/dev/serial/by-id"));
+    EXPECT_PRED_FORMAT2(IsSubstring, "/dev/ttyNO0: there is no such device",
+                        refusal("/dev/ttyNO0"));
+    EXPECT_PRED_FORMAT2(IsSubstring, "/dev/serial/by-id", refusal("/dev/ttyNO0"));
 }
 
 TEST(SerialPortOpenTest, ARegularFileIsNoSerialDevice) {
     const std::string path = ::testing::TempDir() + "tribus-file-" + std::to_string(::getpid());
     const UniqueFd file(::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600));
     ASSERT_TRUE(file.valid());
-    EXPECT_THAT(refusal(path), HasSubstr("not a serial device"));
+    EXPECT_PRED_FORMAT2(IsSubstring, "not a serial device", refusal(path));
     ::unlink(path.c_str());
 }
 
 TEST(SerialPortOpenTest, AFolderIsNoSerialDevice) {
-    EXPECT_THAT(refusal("/"), HasSubstr("not a serial device"));
+    EXPECT_PRED_FORMAT2(IsSubstring, "not a serial device", refusal("/"));
 }
 
 TEST(SerialPortOpenTest, ADeviceThatIsNoTerminalIsNoSerialDevice) {
-    EXPECT_THAT(refusal("/dev/null"), HasSubstr("/dev/null: this is not a serial device"));
+    EXPECT_PRED_FORMAT2(IsSubstring, "/dev/null: this is not a serial device",
+                        refusal("/dev/null"));
 }
 
 }  // namespace

@@ -1,0 +1,112 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Rules of the house that no tool knows.
+namespace tribus::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SourceLine {
+    std::string file;  ///< relative to the project
+    std::size_t number = 0;
+    std::string text;
+};
+
+std::vector<SourceLine> lines_of(const std::vector<std::string_view>& folders) {
+    const fs::path root = TRIBUS_SOURCE_DIR;
+    std::vector<SourceLine> lines;
+    for (const std::string_view folder : folders) {
+        for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+            const fs::path& path = entry.path();
+            if (path.extension() != ".h" && path.extension() != ".cpp") {
+                continue;
+            }
+            std::ifstream file(path);
+            std::string text;
+            for (std::size_t number = 1; std::getline(file, text); ++number) {
+                lines.push_back({fs::relative(path, root).string(), number, text});
+            }
+        }
+    }
+    return lines;
+}
+
+bool has_any(std::string_view text, std::initializer_list<std::string_view> words) {
+    return std::any_of(words.begin(), words.end(), [&](std::string_view word) {
+        return text.find(word) != std::string_view::npos;
+    });
+}
+
+template <class IsWrong>
+void expect_none(const std::vector<SourceLine>& lines, std::string_view rule, IsWrong is_wrong) {
+    ASSERT_FALSE(lines.empty());
+    for (const SourceLine& line : lines) {
+        EXPECT_FALSE(is_wrong(line))
+            << line.file << ":" << line.number << ": " << rule << ": " << line.text;
+    }
+}
+
+const std::vector<std::string_view> kProduct{"core", "transports", "pipelines", "config", "app"};
+
+TEST(Tidy, one_file_reads_the_clock) {
+    expect_none(lines_of(kProduct), "ask pipelines/realtime/clock.h", [](const SourceLine& line) {
+        return line.file != "pipelines/realtime/clock.cpp" &&
+               has_any(line.text, {"clock_gettime", "steady_clock", "system_clock",
+                                   "high_resolution_clock", "gettimeofday", "time(nullptr)"});
+    });
+}
+
+TEST(Tidy, core_codecs_and_pipelines_include_no_system_header_and_no_thread) {
+    expect_none(lines_of({"core", "transports/codecs", "transports/registry", "pipelines"}),
+                "these layers are pure", [](const SourceLine& line) {
+                    return line.file.find("realtime/") == std::string::npos &&
+                           line.text.starts_with("#include <") &&
+                           has_any(line.text, {"<sys/", "<unistd.h>", "<fcntl.h>", "<poll.h>",
+                                               "<linux/", "<asm/", "<thread>", "<mutex>",
+                                               "<atomic>", "<iostream>", "<fstream>", "spdlog"});
+                });
+}
+
+TEST(Tidy, parser_and_port_do_not_know_each_other) {
+    expect_none(lines_of({"transports/codecs", "transports/links"}),
+                "a codec knows no link, a link no codec", [](const SourceLine& line) {
+                    const bool codec = line.file.starts_with("transports/codecs");
+                    return line.text.starts_with("#include \"transports/") &&
+                           has_any(line.text, {codec ? "transports/links" : "transports/codecs"});
+                });
+}
+
+TEST(Tidy, no_line_is_longer_than_100_columns) {
+    expect_none(lines_of({"core", "transports", "pipelines", "config", "app", "tests"}), "too long",
+                [](const SourceLine& line) {
+                    // Continuation bytes of UTF-8 take no column of their own.
+                    const auto columns =
+                        std::count_if(line.text.begin(), line.text.end(), [](char byte) {
+                            return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80;
+                        });
+                    return columns > 100;
+                });
+}
+
+TEST(Tidy, nothing_is_left_to_do_in_a_comment) {
+    expect_none(lines_of(kProduct), "do it, or file an issue", [](const SourceLine& line) {
+        return has_any(line.text, {"TODO", "FIXME", "XXX", "HACK"});
+    });
+}
+
+TEST(Tidy, no_source_file_is_longer_than_400_lines) {
+    for (const SourceLine& line : lines_of(kProduct)) {
+        EXPECT_NE(line.number, 401U) << line.file;
+    }
+}
+
+}  // namespace
+}  // namespace tribus::test

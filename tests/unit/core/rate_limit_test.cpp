@@ -1,0 +1,21 @@
+#include "core/rate_limit.h"
+
+#include <gtest/gtest.h>
+
+namespace tribus {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(RateLimit, lets_a_burst_through_and_then_tells_how_many_it_swallowed) {
+    RateLimit limit(2, 10s);
+    EXPECT_EQ(limit.pass(Instant(0s)), 0U);
+    EXPECT_EQ(limit.pass(Instant(1s)), 0U);
+    EXPECT_EQ(limit.pass(Instant(2s)), std::nullopt);
+    EXPECT_EQ(limit.pass(Instant(9s)), std::nullopt);
+    EXPECT_EQ(limit.pass(Instant(10s)), 2U);
+    EXPECT_EQ(limit.pass(Instant(11s)), 0U);
+}
+
+}  // namespace
+}  // namespace tribus

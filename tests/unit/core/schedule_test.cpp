@@ -1,0 +1,188 @@
+#include "core/schedule.h"
+
+#include <gtest/gtest.h>
+
+namespace tribus {
+namespace {
+
+using namespace std::chrono_literals;
+
+Instant at(Duration since_start) {
+    return Instant(since_start);
+}
+
+ArrivalClock arrivals_each(Duration interval, Instant first, int count) {
+    ArrivalClock arrivals;
+    for (int i = 0; i < count; ++i) {
+        arrivals.arrived(first + i * interval);
+    }
+    return arrivals;
+}
+
+TEST(ArrivalClock, knows_no_interval_before_the_second_frame) {
+    ArrivalClock arrivals;
+    EXPECT_FALSE(arrivals.ever());
+    arrivals.arrived(at(5ms));
+    EXPECT_TRUE(arrivals.ever());
+    EXPECT_EQ(arrivals.interval(), 0ms);
+}
+
+TEST(ArrivalClock, smooths_jitter) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
+    arrivals.arrived(arrivals.latest() + 9300us);
+    EXPECT_EQ(arrivals.interval(), 7800us);
+}
+
+TEST(ArrivalClock, one_missing_frame_does_not_change_the_interval) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 10);
+    arrivals.arrived(arrivals.latest() + 2 * 7700us);
+    EXPECT_EQ(arrivals.interval(), 7700us);
+}
+
+TEST(ArrivalClock, learns_a_new_period_from_a_few_frames) {
+    ArrivalClock arrivals = arrivals_each(14ms, at(0ms), 10);
+    for (int i = 0; i < 4; ++i) {
+        arrivals.arrived(arrivals.latest() + 4ms);
+    }
+    EXPECT_EQ(arrivals.interval(), 4ms);
+}
+
+TEST(FollowSchedule, waits_a_period_for_a_first_frame) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    schedule.start(at(100ms));
+    EXPECT_EQ(schedule.due(), at(107ms));
+}
+
+TEST(FollowSchedule, a_first_frame_is_due_at_once) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals_each(4ms, at(2ms), 1));
+    EXPECT_EQ(schedule.due(), at(2ms));
+}
+
+TEST(FollowSchedule, a_frame_that_comes_too_soon_waits_until_the_period_has_passed) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals_each(4ms, at(2ms), 1));
+    schedule.done(at(2ms), true);
+    schedule.frame_arrived(arrivals_each(4ms, at(2ms), 2));
+    EXPECT_EQ(schedule.due(), at(9ms));
+}
+
+TEST(FollowSchedule, a_frame_after_the_period_is_due_on_arrival) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    schedule.start(at(0ms));
+    schedule.done(at(7ms), true);
+    schedule.frame_arrived(arrivals_each(7700us, at(8ms), 2));
+    EXPECT_EQ(schedule.due(), at(15700us));
+}
+
+TEST(FollowSchedule, repeats_once_a_period_without_input) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    schedule.start(at(0ms));
+    for (int period = 1; period <= 100; ++period) {
+        ASSERT_EQ(schedule.due(), at(period * 7ms));
+        schedule.done(schedule.due(), true);
+    }
+}
+
+TEST(FollowSchedule, a_repeat_waits_for_an_input_frame_that_is_just_about_due) {
+    // FS-iA6B: 7.7 ms; a repeat at 7 ms would hold the fresh frame back to 14 ms.
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals);
+    schedule.done(arrivals.latest(), true);
+    EXPECT_EQ(schedule.due(), arrivals.latest() + 9625us);
+}
+
+TEST(FollowSchedule, a_slow_input_does_not_hold_repeats_back) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    const ArrivalClock arrivals = arrivals_each(50ms, at(0ms), 20);
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals);
+    schedule.done(arrivals.latest(), true);
+    EXPECT_EQ(schedule.due(), arrivals.latest() + 7ms);
+}
+
+TEST(FollowSchedule, a_silent_output_need_not_keep_a_distance_from_what_it_did_not_write) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    schedule.start(at(0ms));
+    schedule.done(at(7ms), false);
+    schedule.frame_arrived(arrivals_each(4ms, at(8ms), 1));
+    EXPECT_EQ(schedule.due(), at(8ms));
+}
+
+TEST(GridSchedule, stays_on_its_grid_however_late_each_turn_is) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
+    schedule.start(at(3ms));
+    for (int point = 0; point < 1000; ++point) {
+        ASSERT_EQ(schedule.due(), at(3ms + point * 14ms));
+        schedule.done(schedule.due() + (point % 13) * 1ms, true);
+    }
+    EXPECT_EQ(schedule.overruns(), 0U);
+}
+
+TEST(GridSchedule, skips_whole_periods_that_were_missed_and_counts_them) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
+    schedule.start(at(0ms));
+    schedule.done(at(45ms), true);
+    EXPECT_EQ(schedule.due(), at(56ms));
+    EXPECT_EQ(schedule.overruns(), 3U);
+}
+
+TEST(GridSchedule, a_free_grid_is_not_moved_by_arrivals) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals_each(7700us, at(1ms), 20));
+    schedule.done(at(0ms), true);
+    EXPECT_EQ(schedule.due(), at(14ms));
+}
+
+class LockedGrid : public testing::TestWithParam<Duration> {};
+
+TEST_P(LockedGrid, comes_to_stand_just_behind_the_arrivals_with_an_even_cadence) {
+    const Duration interval = GetParam();
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
+    ArrivalClock arrivals;
+    Instant next_arrival = at(1ms);
+    schedule.start(at(0ms));
+    Instant before{};
+    for (int point = 0; point < 2000; ++point) {
+        while (next_arrival <= schedule.due()) {
+            arrivals.arrived(next_arrival);
+            schedule.frame_arrived(arrivals);
+            next_arrival += interval;
+        }
+        const Instant now = schedule.due();
+        if (point > 1000) {
+            ASSERT_LE(now - arrivals.latest(), 400us) << "point " << point;
+            ASSERT_GE(now - before, 14ms - 140us);
+            ASSERT_LE(now - before, 14ms + interval);
+        }
+        before = now;
+        schedule.done(now, true);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Receivers, LockedGrid,
+                         testing::Values(Duration(4ms), Duration(7ms), Duration(7700us),
+                                         Duration(9ms), Duration(14ms), Duration(13998us),
+                                         Duration(20ms)));
+
+TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
+    const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals);
+    Instant now = at(1s);
+    schedule.done(now, true);
+    for (int point = 0; point < 10; ++point) {
+        const Instant due = schedule.due();
+        schedule.done(due, true);
+        ASSERT_EQ(schedule.due() - due, 14ms);
+    }
+}
+
+}  // namespace
+}  // namespace tribus

@@ -1,0 +1,346 @@
+#include "pipelines/engine.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bitset>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "pipelines/virtual_loop.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+
+namespace tribus {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::bitset<kLongestSerialFrame> kUndamaged{};
+
+Pulse us(std::int64_t microseconds) {
+    return Pulse::from_microseconds(microseconds);
+}
+Instant at(Duration since_start) {
+    return Instant(since_start);
+}
+
+InputSettings sbus_input(std::vector<LossRule> rules = {}) {
+    return {.name = "in",
+            .decoder = std::make_unique<SbusDecoder>(),
+            .timeout = 100ms,
+            .failsafe_when = std::move(rules)};
+}
+
+InputSettings ibus_input(std::vector<LossRule> rules = {}) {
+    return {.name = "in",
+            .decoder = std::make_unique<IbusDecoder>(),
+            .timeout = 100ms,
+            .failsafe_when = std::move(rules)};
+}
+
+OutputSettings sbus_output(std::vector<std::size_t> inputs, FailsafeSettings failsafe = {}) {
+    failsafe.presets.fill(us(1500));
+    failsafe.presets[2] = us(988);
+    return {.name = "out",
+            .encoder = std::make_unique<SbusEncoder>(),
+            .schedule = {.kind = ScheduleKind::grid, .period = 10ms},
+            .inputs = std::move(inputs),
+            .channels = {},
+            .failsafe = failsafe};
+}
+
+struct Seen {
+    Instant at;
+    SbusFrame frame;
+};
+
+/// An engine under virtual time, with what its outputs wrote.
+class Bench final : public OutputObserver {
+  public:
+    Bench(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs)
+        : engine_(std::move(inputs), std::move(outputs)),
+          seen_(engine_.outputs().size()),
+          loop_(engine_, *this, Instant{}) {}
+
+    void wrote(std::size_t output, Instant when, std::span<const std::uint8_t> frame) override {
+        seen_[output].push_back({when, parse_sbus(frame.first<kSbusFrameLength>())});
+    }
+
+    /// An i.Bus frame with `first` on channel 1.
+    void ibus(std::size_t input, Instant when, Pulse first, Pulse third = us(1200)) {
+        ChannelFrame frame;
+        frame.set(0, first);
+        frame.set(2, third);
+        send(IbusEncoder(14), input, when, frame);
+    }
+    void sbus(std::size_t input, Instant when, Pulse first, bool frame_lost, bool failsafe) {
+        ChannelFrame frame;
+        frame.set(0, first);
+        frame.frame_lost = frame_lost;
+        frame.failsafe = failsafe;
+        send(SbusEncoder(), input, when, frame);
+    }
+    void ibus_run(std::size_t input, Instant from, Instant until, Pulse first) {
+        for (Instant when = from; when < until; when += 8ms) {
+            ibus(input, when, first);
+        }
+    }
+    /// What the output says at `when`.
+    SbusFrame said(Instant when, std::size_t output = 0) {
+        loop_.run_until(when + 1ns);
+        SbusFrame latest;
+        for (const Seen& seen : seen_[output]) {
+            latest = seen.at <= when ? seen.frame : latest;
+        }
+        return latest;
+    }
+    const std::vector<Seen>& seen(std::size_t output = 0) const { return seen_[output]; }
+    Engine& engine() { return engine_; }
+    VirtualLoop& loop() { return loop_; }
+
+  private:
+    void send(const Encoder& encoder, std::size_t input, Instant when, const ChannelFrame& frame) {
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        const std::size_t length = encoder.encode(frame, wire);
+        loop_.receive(input, std::span(wire).first(length), kUndamaged, when);
+    }
+
+    Engine engine_;
+    std::vector<std::vector<Seen>> seen_;
+    VirtualLoop loop_;
+};
+
+template <class... Settings>
+auto list(Settings... settings) {
+    std::vector<std::common_type_t<Settings...>> all;
+    (all.push_back(std::move(settings)), ...);
+    return all;
+}
+
+constexpr std::uint16_t raw_of(int microseconds) {
+    return static_cast<std::uint16_t>((microseconds - 880) * 8 / 5);
+}
+
+TEST(EngineFailsafe, before_the_first_good_frame_an_output_is_in_failsafe) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    const SbusFrame frame = bench.said(at(50ms));
+    EXPECT_TRUE(frame.failsafe);
+    EXPECT_TRUE(frame.frame_lost);
+    EXPECT_EQ(frame.raw[2], 173);
+    EXPECT_EQ(frame.raw[0], 992);
+}
+
+TEST(EngineFailsafe, the_first_good_frame_gives_control_at_once) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus(0, at(15ms), us(1100));
+    const SbusFrame frame = bench.said(at(20ms));
+    EXPECT_FALSE(frame.failsafe);
+    EXPECT_FALSE(frame.frame_lost);
+    EXPECT_EQ(frame.raw[0], raw_of(1100));
+}
+
+TEST(EngineFailsafe, values_are_marked_before_they_outlive_the_timeout_and_held_then_preset) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus(0, at(5ms), us(1100));
+    // Lost at 105 ms: the frame of 90 ms speaks until 100, the one of 100 would until 110.
+    EXPECT_FALSE(bench.said(at(90ms)).frame_lost);
+    const SbusFrame held = bench.said(at(100ms));
+    EXPECT_TRUE(held.frame_lost);
+    EXPECT_FALSE(held.failsafe);
+    EXPECT_EQ(held.raw[0], raw_of(1100));
+    // Held for 300 ms after the loss, to 405 ms.
+    EXPECT_FALSE(bench.said(at(390ms)).failsafe);
+    const SbusFrame preset = bench.said(at(400ms));
+    EXPECT_TRUE(preset.failsafe);
+    EXPECT_EQ(preset.raw[0], 992);
+}
+
+TEST(EngineFailsafe, action_hold_goes_on_with_the_last_values_and_says_failsafe) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, {.action = FailsafeAction::hold})));
+    bench.ibus(0, at(5ms), us(1100));
+    const SbusFrame frame = bench.said(at(2s));
+    EXPECT_TRUE(frame.failsafe);
+    EXPECT_TRUE(frame.frame_lost);
+    EXPECT_EQ(frame.raw[0], raw_of(1100));
+}
+
+TEST(EngineFailsafe, action_hold_is_silent_while_there_is_nothing_to_hold) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, {.action = FailsafeAction::hold})));
+    bench.said(at(1s));
+    EXPECT_TRUE(bench.seen().empty());
+}
+
+TEST(EngineFailsafe, action_silence_writes_nothing_in_failsafe) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, {.action = FailsafeAction::silence})));
+    bench.said(at(50ms));
+    EXPECT_TRUE(bench.seen().empty());
+    bench.ibus(0, at(55ms), us(1100));
+    bench.said(at(2s));
+    ASSERT_FALSE(bench.seen().empty());
+    EXPECT_FALSE(bench.seen().back().frame.failsafe);
+    EXPECT_LT(bench.seen().back().at, at(455ms));
+}
+
+TEST(EngineFailsafe, a_loss_that_hold_bridges_needs_no_recovery) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus(0, at(5ms), us(1100));
+    bench.ibus(0, at(255ms), us(1200));
+    const SbusFrame frame = bench.said(at(260ms));
+    EXPECT_FALSE(frame.frame_lost);
+    EXPECT_EQ(frame.raw[0], raw_of(1200));
+}
+
+TEST(EngineFailsafe, after_failsafe_control_returns_only_after_an_unbroken_run) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus(0, at(5ms), us(1100));
+    bench.ibus_run(0, at(1s), at(1499ms), us(1200));
+    EXPECT_TRUE(bench.said(at(1490ms)).failsafe);
+    bench.ibus_run(0, at(1500ms), at(1600ms), us(1200));
+    EXPECT_FALSE(bench.said(at(1600ms)).failsafe);
+    EXPECT_EQ(bench.engine().outputs()[0].counts().recoveries, 1U);
+}
+
+TEST(EngineFailsafe, a_gap_longer_than_the_timeout_starts_the_run_anew) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus(0, at(5ms), us(1100));
+    bench.ibus_run(0, at(1s), at(1400ms), us(1200));
+    bench.ibus_run(0, at(1550ms), at(2040ms), us(1200));
+    EXPECT_TRUE(bench.said(at(2040ms)).failsafe);
+    bench.ibus_run(0, at(2048ms), at(2100ms), us(1200));
+    EXPECT_FALSE(bench.said(at(2100ms)).failsafe);
+}
+
+TEST(EngineFailsafe, hold_and_recover_of_zero_act_at_once) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}, {.hold = 0ms, .recover = 0ms})));
+    bench.ibus(0, at(5ms), us(1100));
+    EXPECT_TRUE(bench.said(at(100ms)).failsafe);
+    bench.ibus(0, at(1s), us(1200));
+    EXPECT_FALSE(bench.said(at(1s)).failsafe);
+}
+
+TEST(EngineFlags, a_frame_lost_mark_of_the_input_passes_while_the_link_is_up) {
+    Bench bench(list(sbus_input()), list(sbus_output({0})));
+    bench.sbus(0, at(1ms), us(1100), false, false);
+    bench.sbus(0, at(15ms), us(1100), true, false);
+    bench.sbus(0, at(29ms), us(1100), true, false);
+    const SbusFrame frame = bench.said(at(30ms));
+    EXPECT_TRUE(frame.frame_lost);
+    EXPECT_FALSE(frame.failsafe);
+}
+
+TEST(EngineFlags, a_splitter_that_says_frame_lost_for_ever_ends_in_failsafe) {
+    // ArduPilot issue 31088: Futaba via splitters stays at frame lost and never says failsafe.
+    Bench bench(list(sbus_input()), list(sbus_output({0})));
+    bench.sbus(0, at(1ms), us(1100), false, false);
+    for (Instant when = at(15ms); when < at(600ms); when += 14ms) {
+        bench.sbus(0, when, us(1100), true, false);
+    }
+    EXPECT_TRUE(bench.said(at(600ms)).failsafe);
+}
+
+TEST(EngineFlags, a_failsafe_flag_is_a_loss_at_once) {
+    Bench bench(list(sbus_input()), list(sbus_output({0})));
+    for (Instant when = at(1ms); when < at(200ms); when += 14ms) {
+        bench.sbus(0, when, us(1100), false, false);
+    }
+    bench.sbus(0, at(201ms), us(2000), true, true);
+    const SbusFrame held = bench.said(at(210ms));
+    EXPECT_TRUE(held.frame_lost);
+    EXPECT_EQ(held.raw[0], raw_of(1100));
+    EXPECT_TRUE(bench.said(at(500ms)).failsafe);
+}
+
+TEST(EngineRules, a_held_preset_is_caught_by_its_value) {
+    // FlySky practice: throttle at 900 in the receiver's failsafe (betaflight issue 8877).
+    Bench bench(list(ibus_input({{.channel = 2, .below = us(950)}})), list(sbus_output({0})));
+    bench.ibus(0, at(5ms), us(1100), us(950));
+    EXPECT_FALSE(bench.said(at(10ms)).frame_lost);
+    for (Instant when = at(15ms); when < at(400ms); when += 8ms) {
+        bench.ibus(0, when, us(1100), us(949));
+    }
+    EXPECT_TRUE(bench.said(at(400ms)).failsafe);
+}
+
+TEST(EngineInputs, the_first_healthy_input_in_order_is_in_control) {
+    Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1})));
+    bench.ibus(1, at(4ms), us(1900));
+    EXPECT_EQ(bench.said(at(10ms)).raw[0], raw_of(1900));
+    bench.ibus(0, at(15ms), us(1100));
+    EXPECT_EQ(bench.said(at(20ms)).raw[0], raw_of(1100));
+}
+
+TEST(EngineInputs, a_backup_takes_over_without_a_mark_when_the_main_input_is_lost) {
+    Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1})));
+    bench.ibus(0, at(5ms), us(1100));
+    bench.ibus_run(1, at(6ms), at(300ms), us(1900));
+    const SbusFrame frame = bench.said(at(120ms));
+    EXPECT_EQ(frame.raw[0], raw_of(1900));
+    for (const Seen& seen : bench.seen()) {
+        EXPECT_TRUE(seen.at < at(5ms) || !seen.frame.frame_lost);
+    }
+}
+
+TEST(EngineInputs, the_main_input_takes_control_back_after_recovering) {
+    Bench bench(list(ibus_input(), ibus_input()), list(sbus_output({0, 1})));
+    bench.ibus(0, at(5ms), us(1100));
+    for (Instant when = at(6ms); when < at(2s); when += 8ms) {
+        bench.ibus(1, when, us(1900));
+        if (when > at(1s)) {
+            bench.ibus(0, when + 1ms, us(1200));
+        }
+    }
+    EXPECT_EQ(bench.said(at(1480ms)).raw[0], raw_of(1900));
+    EXPECT_EQ(bench.said(at(1600ms)).raw[0], raw_of(1200));
+}
+
+TEST(EngineInputs, one_input_feeds_several_outputs_each_with_its_own_failsafe) {
+    Bench bench(list(ibus_input()), list(sbus_output({0}), sbus_output({0}, {.hold = 0ms})));
+    bench.ibus(0, at(5ms), us(1100));
+    EXPECT_EQ(bench.said(at(10ms), 0).raw[0], raw_of(1100));
+    EXPECT_EQ(bench.said(at(10ms), 1).raw[0], raw_of(1100));
+    EXPECT_FALSE(bench.said(at(120ms), 0).failsafe);
+    EXPECT_TRUE(bench.said(at(120ms), 1).failsafe);
+}
+
+TEST(EngineInputs, the_newest_of_several_frames_in_one_read_wins) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    std::vector<std::uint8_t> burst;
+    for (const int value : {1100, 1200, 1300}) {
+        ChannelFrame frame;
+        frame.set(0, us(value));
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        const std::size_t length = IbusEncoder(14).encode(frame, wire);
+        burst.insert(burst.end(), wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length));
+    }
+    bench.loop().receive(0, burst, std::bitset<128>{}, at(5ms));
+    EXPECT_EQ(bench.said(at(10ms)).raw[0], raw_of(1300));
+}
+
+TEST(EngineEnd, every_output_says_failsafe_three_times_and_no_input_brings_control_back) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus_run(0, at(1ms), at(100ms), us(1100));
+    bench.said(at(100ms));
+    const std::size_t before = bench.seen().size();
+    bench.loop().end(at(105ms));
+    ASSERT_EQ(bench.seen().size(), before + 3);
+    for (std::size_t i = before; i < bench.seen().size(); ++i) {
+        EXPECT_TRUE(bench.seen()[i].frame.failsafe);
+    }
+}
+
+TEST(EngineCounts, device_losses_and_frames_are_counted) {
+    Bench bench(list(sbus_input()), list(sbus_output({0})));
+    for (Instant when = at(1ms); when < at(100ms); when += 14ms) {
+        bench.sbus(0, when, us(1100), false, false);
+    }
+    bench.engine().device_lost(0);
+    const InputCounts& counts = bench.engine().inputs()[0].counts();
+    EXPECT_EQ(counts.bytes, 8U * 25U);
+    EXPECT_EQ(counts.frames, 8U);
+    EXPECT_EQ(counts.device_losses, 1U);
+}
+
+}  // namespace
+}  // namespace tribus

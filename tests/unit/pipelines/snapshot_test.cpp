@@ -1,0 +1,37 @@
+#include "pipelines/realtime/snapshot.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <thread>
+
+namespace tribus {
+namespace {
+
+TEST(SnapshotTest, a_reader_never_sees_half_of_a_value) {
+    struct Value {
+        std::array<std::uint64_t, 40> same{};
+    };
+    Snapshot<Value> snapshot;
+    std::atomic<bool> stop = false;
+    std::thread writer([&] {
+        for (std::uint64_t number = 1; !stop; ++number) {
+            Value value;
+            value.same.fill(number);
+            snapshot.publish(value);
+        }
+    });
+    for (int i = 0; i < 100'000; ++i) {
+        const Value value = snapshot.read();
+        for (const std::uint64_t number : value.same) {
+            ASSERT_EQ(number, value.same[0]);
+        }
+    }
+    stop = true;
+    writer.join();
+}
+
+}  // namespace
+}  // namespace tribus
