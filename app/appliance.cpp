@@ -10,18 +10,18 @@ Appliance::Appliance(Configuration configuration)
       missing_(plans_.size(), false),
       engine_(build_engine(configuration_)) {}
 
-std::vector<std::string> Appliance::open_devices() {
+std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
     std::vector<std::string> errors;
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
-    for (const PortPlan& plan : plans_) {
-        auto link = open_port(configuration_, plan);
-        if (!link) {
+    for (std::size_t port = 0; port < plans_.size(); ++port) {
+        auto link = open_port(configuration_, plans_[port]);
+        missing_[port] = !link;
+        if (!link && missing == MissingDevices::refuse) {
             errors.push_back(link.error());
-            continue;
         }
-        wiring.push_back(plan.wiring);
-        links.push_back(std::move(*link));
+        wiring.push_back(plans_[port].wiring);
+        links.push_back(link ? std::move(*link) : nullptr);
     }
     if (errors.empty()) {
         loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links));
@@ -30,9 +30,9 @@ std::vector<std::string> Appliance::open_devices() {
 }
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
-    Configuration configuration) {
+    Configuration configuration, MissingDevices missing) {
     std::unique_ptr<Appliance> appliance(new Appliance(std::move(configuration)));
-    std::vector<std::string> errors = appliance->open_devices();
+    std::vector<std::string> errors = appliance->open_devices(missing);
     if (!errors.empty()) {
         return tl::unexpected(std::move(errors));
     }
@@ -44,14 +44,14 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
         *appliance->loop_, SchedulingSettings{.priority = runtime.priority,
                                               .cpu = runtime.cpu,
                                               .realtime = runtime.realtime != Realtime::off});
-    auto missing = appliance->thread_->prepare();
-    if (!missing) {
-        return tl::unexpected(std::vector{missing.error()});
+    auto missing_realtime = appliance->thread_->prepare();
+    if (!missing_realtime) {
+        return tl::unexpected(std::vector{missing_realtime.error()});
     }
-    if (runtime.realtime == Realtime::require && !missing->empty()) {
-        return tl::unexpected(std::move(*missing));
+    if (runtime.realtime == Realtime::require && !missing_realtime->empty()) {
+        return tl::unexpected(std::move(*missing_realtime));
     }
-    appliance->missing_realtime_ = std::move(*missing);
+    appliance->missing_realtime_ = std::move(*missing_realtime);
     appliance->thread_->run();
     return appliance;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,10 +21,14 @@ namespace tribus {
 /// main thread.
 class Appliance {
   public:
+    enum class MissingDevices : std::uint8_t {
+        refuse,    ///< each is an error
+        wait_for,  ///< as if they had vanished later; `tend` opens them
+    };
     /// Opens every device and starts. The error is one line for each thing that is wrong, and
     /// nothing stays open then.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
-        Configuration configuration);
+        Configuration configuration, MissingDevices missing = MissingDevices::refuse);
 
     Appliance(const Appliance&) = delete;
     Appliance& operator=(const Appliance&) = delete;
@@ -47,7 +52,7 @@ class Appliance {
 
   private:
     explicit Appliance(Configuration configuration);
-    std::vector<std::string> open_devices();
+    std::vector<std::string> open_devices(MissingDevices missing);
 
     Configuration configuration_;
     std::vector<PortPlan> plans_;

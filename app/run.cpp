@@ -42,8 +42,10 @@ void log_start(const Appliance& appliance) {
                  configuration.pipelines.size());
 }
 
-std::unique_ptr<Appliance> start_or_log(Configuration configuration) {
-    auto appliance = Appliance::start(std::move(configuration));
+std::unique_ptr<Appliance> start_or_log(
+    Configuration configuration,
+    Appliance::MissingDevices missing = Appliance::MissingDevices::refuse) {
+    auto appliance = Appliance::start(std::move(configuration), missing);
     if (!appliance) {
         for (const std::string& error : appliance.error()) {
             spdlog::error("{}", error);
@@ -55,7 +57,7 @@ std::unique_ptr<Appliance> start_or_log(Configuration configuration) {
 }
 
 /// A faulty new configuration leaves the old one running. A good one whose devices cannot be opened
-/// gives way to the old one again.
+/// gives way to the old one again, whether or not one of its own devices is unplugged just now.
 std::unique_ptr<Appliance> reload(std::unique_ptr<Appliance> appliance, const std::string& path) {
     std::optional<Configuration> fresh = load_or_explain(path);
     if (!fresh) {
@@ -68,7 +70,7 @@ std::unique_ptr<Appliance> reload(std::unique_ptr<Appliance> appliance, const st
         return started;
     }
     spdlog::error("reload failed; back to the old configuration");
-    return start_or_log(std::move(old));
+    return start_or_log(std::move(old), Appliance::MissingDevices::wait_for);
 }
 
 int run(const std::string& path) {

@@ -51,7 +51,7 @@ struct OutputStatus {
 /// allocate. The rest is for the main thread, as each function says.
 class Loop {
   public:
-    /// Wants a link for each wiring.
+    /// Wants a link for each wiring; none where the device is missing and will be given.
     Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::unique_ptr<Link>> links);
     Loop(const Loop&) = delete;
     Loop& operator=(const Loop&) = delete;

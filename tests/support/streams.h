@@ -188,8 +188,7 @@ struct Damage {
 
 /// `clean` is what the same stream decodes to without the fault, one frame for each start.
 inline Damage compare(const FrameStream& stream, const Fault& fault,
-                      std::span<const DecodedFrame> clean,
-                      std::span<const DecodedFrame> decoded) {
+                      std::span<const DecodedFrame> clean, std::span<const DecodedFrame> decoded) {
     Damage damage;
     std::size_t at = 0;
     for (std::size_t index = 0; index < stream.starts.size(); ++index) {

@@ -94,12 +94,14 @@ bool SbusDecoder::well_formed(std::size_t start) const {
            footer_allowed(buffer_[start + kFooterAt]) && !buffer_.damaged(start, kSbusFrameLength);
 }
 
-/// All that is legible agrees that a frame stands here, so the next one follows in its place.
+/// All that is legible agrees that a frame stands here, so the next one follows in its place. Where
+/// a slot may stand as well, an illegible header proves nothing.
 bool SbusDecoder::only_damaged(std::size_t start) const {
     const auto fits = [&](std::size_t offset, bool right) {
         return buffer_.damaged(start + offset) || right;
     };
-    return buffer_.damaged(start, kSbusFrameLength) && fits(0, buffer_[start] == kHeader) &&
+    return buffer_.damaged(start, kSbusFrameLength) &&
+           !(slots_left_ > 0 && buffer_.damaged(start)) && fits(0, buffer_[start] == kHeader) &&
            fits(kFlagsAt, flags_allowed(buffer_[start + kFlagsAt])) &&
            fits(kFooterAt, footer_allowed(buffer_[start + kFooterAt]));
 }
@@ -182,37 +184,39 @@ bool SbusDecoder::step_locked() {
     return true;
 }
 
-/// In how many bytes the frame at `start` equals the last one that is beyond doubt.
-std::ptrdiff_t SbusDecoder::likeness(std::size_t start) const {
-    const auto bytes = buffer_.view(start, kSbusFrameLength);
-    return std::inner_product(bytes.begin(), bytes.end(), trusted_.begin(), std::ptrdiff_t{0},
-                              std::plus<>{}, std::equal_to<>{});
+/// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last
+/// one that is beyond doubt.
+int SbusDecoder::likeness(std::size_t start) const {
+    const auto bytes = buffer_.view(start, kFooterAt);
+    return std::inner_product(bytes.begin(), bytes.end(), trusted_.begin(), 0, std::plus<>{},
+                              std::equal_to<>{});
 }
 
 bool SbusDecoder::step_recovering() {
-    // A lost byte is likelier than an added one (a UART overruns, it does not invent), and the case
-    // that is settled soonest comes first.
+    // With slots around, the fault may as well have hit them, or the frame in front of them, so
+    // the next frame may stand anywhere. Sticks that move hardly feign a frame twice; if they stand
+    // still, the true frame is the one most like the last.
+    constexpr int kSticksStandStill = 20;
+    const bool among_slots = slots_follow(latest_[kFooterAt]) || slots_follow(trusted_[kFooterAt]);
     std::optional<std::size_t> found;
+    int found_likeness = 0;
     bool undecided = false;
-    for (const std::size_t end : kEnds) {
+    constexpr std::size_t kOneByteMoreOrLess = 3;
+    for (const std::size_t end :
+         std::span(kEnds).first(among_slots ? kEnds.size() : kOneByteMoreOrLess)) {
         const std::size_t start = after_slots(end);
         const Verdict verdict = judge(start);
         undecided = undecided || verdict == Verdict::undecided;
-        if (verdict == Verdict::yes) {
-            found = start;
-            break;
+        if (verdict != Verdict::yes) {
+            continue;
         }
-    }
-    // With slots around, the fault may as well have hit them, or the frame in front of them. Sticks
-    // that move do not feign a frame twice; if they stand still, the true frame is like the last.
-    const bool among_slots =
-        slots_follow(latest_[kFooterAt]) || slots_follow(trusted_[kFooterAt]);
-    for (std::size_t near = 1; among_slots && near < kEnds.front(); ++near) {
-        const std::size_t start = after_slots(near);
-        const Verdict verdict = judge(start);
-        undecided = undecided || verdict == Verdict::undecided;
-        if (verdict == Verdict::yes && (!found || likeness(start) > likeness(*found))) {
+        const int now = likeness(start);
+        if (!found || (now >= kSticksStandStill && now > found_likeness)) {
             found = start;
+            found_likeness = now;
+        }
+        if (!among_slots) {
+            break;
         }
     }
     if (undecided && (!found || among_slots)) {
@@ -297,9 +301,9 @@ std::optional<DecodedFrame> SbusDecoder::finish() {
     };
     std::size_t start = 0;
     if (state_ == State::recovering) {
-        const auto* end = std::ranges::find_if(
+        const auto* found = std::ranges::find_if(
             kEnds, [&](std::size_t end) { return last_frame_at(after_slots(end)); });
-        start = end == kEnds.end() ? 0 : after_slots(*end);
+        start = found == kEnds.end() ? 0 : after_slots(*found);
     }
     while (start < buffer_.size() && !last_frame_at(start)) {
         ++start;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -62,9 +63,14 @@ class SbusDecoder final : public Decoder {
     enum class Verdict : std::uint8_t { no, undecided, yes };
     enum RejectCause : std::size_t { kFraming, kDamaged };
 
-    /// Where a bad frame ends if one byte of it was lost, none, or one added.
-    static constexpr std::array kEnds{kSbusFrameLength - 1, kSbusFrameLength,
-                                      kSbusFrameLength + 1};
+    /// Where a bad frame may end, the likeliest first: one byte of it was lost (a UART overruns, it
+    /// does not invent), none, or one added; then, among slots, anywhere.
+    static constexpr std::array kEnds = [] {
+        std::array<std::size_t, kSbusFrameLength + 1> ends{kSbusFrameLength - 1, kSbusFrameLength,
+                                                           kSbusFrameLength + 1};
+        std::iota(ends.begin() + 3, ends.end(), std::size_t{1});
+        return ends;
+    }();
     static constexpr std::size_t kSlotLength = 3;
     static constexpr std::size_t kSlotsPerFrame = 8;
     static constexpr std::size_t kSlotsLength = kSlotLength * kSlotsPerFrame;
@@ -77,7 +83,7 @@ class SbusDecoder final : public Decoder {
     bool only_damaged(std::size_t start) const;
     std::size_t after_slots(std::size_t start) const;
     Verdict judge(std::size_t start) const;
-    std::ptrdiff_t likeness(std::size_t start) const;
+    int likeness(std::size_t start) const;
 
     /// Each does one step and says whether it could; if not, more bytes are needed.
     bool step_unlocked();

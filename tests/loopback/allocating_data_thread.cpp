@@ -1,0 +1,48 @@
+#include <pthread.h>
+
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+#include <string_view>
+#include <thread>
+
+// Does under the data thread's name what the data thread must not: the proof that the heap trap
+// bites. The argument says what.
+
+namespace {
+
+/// Keeps the compiler from leaving out an allocation that nobody uses.
+void* volatile kept = nullptr;
+
+struct alignas(256) WideBlock {
+    std::byte bytes[256];
+};
+
+void allocate(std::string_view how) {
+    constexpr std::size_t kSize = 100;
+    if (how == "malloc") {
+        kept = std::malloc(kSize);
+    } else if (how == "calloc") {
+        kept = std::calloc(1, kSize);
+    } else if (how == "realloc") {
+        kept = std::realloc(kept, kSize);
+    } else if (how == "new") {
+        kept = ::operator new(kSize);
+    } else if (how == "aligned-new") {
+        kept = new WideBlock;
+    }
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+    if (count != 2) {
+        return 2;
+    }
+    kept = std::malloc(1);
+    std::thread([how = std::string_view(words[1])] {
+        ::pthread_setname_np(::pthread_self(), "tribus-data");
+        allocate(how);
+    }).join();
+    return 0;
+}

@@ -1,0 +1,139 @@
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/loopback/loopback.h"
+
+namespace tribus::test {
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+TEST_F(Loopback, MissingDevicesAreEachNamedWithTheirPlaceInTheFile) {
+    const std::string path = write_config(main_job());
+    Program& program = start({"run", path});
+    EXPECT_EQ(program.end(), 1);
+    const std::string errors = program.errors();
+    const std::string place = path + ":3:10: " + folder().string() + "/receiver: ";
+    EXPECT_EQ(count_of(place + "there is no such device", errors), 1U) << errors;
+    const std::string second = path + ":7:10: " + folder().string() + "/servos: ";
+    EXPECT_EQ(count_of(second + "there is no such device", errors), 1U) << errors;
+    EXPECT_EQ(program.output(), "");
+}
+
+TEST_F(Loopback, DeviceThatIsNoSerialOneIsRefused) {
+    device("servos");
+    std::string text = main_job();
+    text.replace(text.find("@receiver"), 9, "/dev/null");
+    Program& program = start({"run", write_config(text)});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_EQ(count_of("/dev/null: this is not a serial device", program.errors()), 1U)
+        << program.errors();
+}
+
+TEST_F(Loopback, SecondRunOnADeviceIsRefusedAndTheFirstGoesOn) {
+    FarEnd& receiver = device("receiver");
+    FarEnd& servo_wire = device("servos");
+    const std::string path = write_config(main_job(kPatientInput));
+    Program& first = run(path);
+    Program& second = start({"run", path});
+    EXPECT_EQ(second.end(), 1);
+    EXPECT_EQ(count_of("another program uses it", second.errors()), 2U) << second.errors();
+    Repeater repeater(receiver, ibus_bytes(sticks_with_first(1234)));
+    ServoBank servos(servo_wire);
+    EXPECT_TRUE(eventually([&] {
+        repeater.send_if_due();
+        const auto seen = servos.listen();
+        return !seen.empty() && seen.back().good() && seen.back().raw[0] == sbus_raw(1234);
+    }));
+    expect_clean_end(first);
+}
+
+TEST_F(Loopback, OneDeviceUnderTwoNamesIsRefused) {
+    FarEnd& port = device("receiver");
+    std::filesystem::create_symlink(port.path(), folder() / "servos");
+    Program& program = start({"run", write_config(main_job())});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_EQ(count_of("this one opened it under another name", program.errors()), 1U)
+        << program.errors();
+}
+
+class TenMistakes : public Loopback, public testing::WithParamInterface<Words> {};
+
+TEST_P(TenMistakes, GiveTenLinesAndStatusTwo) {
+    const std::string path =
+        std::string(TRIBUS_SOURCE_DIR) + "/tests/unit/config/ten_mistakes.toml";
+    Words words = GetParam();
+    words.insert(words.begin() + 1, path);
+    Program& program = start(words);
+    EXPECT_EQ(program.end(), 2);
+    EXPECT_EQ(program.output(), "");
+    std::vector<std::string> places;
+    for (const std::string& line : lines_of(program.errors())) {
+        if (line.rfind("heap trap", 0) != 0) {
+            places.push_back(line.substr(0, line.find(": ")));
+        }
+    }
+    Words expected;
+    for (const char* place :
+         {"2:12", "5:12", "6:12", "7:12", "11:1", "12:12", "15:8", "19:36", "20:1", "23:10"}) {
+        expected.push_back(path + ":" + place);
+    }
+    EXPECT_EQ(places, expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Commands, TenMistakes,
+                         testing::Values(Words{"run"}, Words{"check"},
+                                         Words{"simulate", "--in", "receiver=/dev/null"}),
+                         [](const auto& words) { return words.param.front(); });
+
+class Help : public Loopback, public testing::WithParamInterface<Words> {};
+
+TEST_P(Help, GoesToStandardOutputAndEndsWithZero) {
+    Words words = GetParam();
+    words.emplace_back("--help");
+    Program& program = start(words);
+    EXPECT_EQ(program.end(), 0);
+    EXPECT_NE(program.output().find("Usage"), std::string::npos) << program.output();
+    EXPECT_EQ(program.errors(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Everywhere, Help,
+                         testing::Values(Words{}, Words{"run"}, Words{"check"}, Words{"schema"},
+                                         Words{"demo"}, Words{"simulate"}, Words{"decode"},
+                                         Words{"encode"}),
+                         [](const auto& words) {
+                             return words.param.empty() ? "program" : words.param.front();
+                         });
+
+class WrongUse : public Loopback, public testing::WithParamInterface<Words> {};
+
+TEST_P(WrongUse, IsExplainedOnStandardErrorAndEndsWithTwo) {
+    Program& program = start(GetParam());
+    EXPECT_EQ(program.end(), 2);
+    EXPECT_NE(program.errors(), "");
+    EXPECT_EQ(program.output(), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Arguments, WrongUse,
+                         testing::Values(Words{}, Words{"fly"}, Words{"run"},
+                                         Words{"run", "a.toml", "b.toml"},
+                                         Words{"run", "/nonexistent/tribus.toml"},
+                                         Words{"check", "--format", "xml", "a.toml"},
+                                         Words{"demo", "--seconds", "soon"},
+                                         Words{"demo", "--seconds", "0"}, Words{"simulate"}));
+
+}  // namespace
+}  // namespace tribus::test

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstdlib>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/loopback/far_end.h"
+#include "tests/loopback/program.h"
+#include "tests/loopback/wire.h"
+
+namespace tribus::test {
+
+/// The built program over ptys, in a folder of its own. No test judges by a time that a busy
+/// machine can exceed: they wait for events, and compare orders and least times.
+class Loopback : public testing::Test {
+  protected:
+    Loopback() {
+        std::string name = (std::filesystem::temp_directory_path() / "tribus-XXXXXX").string();
+        folder_ = ::mkdtemp(name.data());
+    }
+    ~Loopback() override { std::filesystem::remove_all(folder_); }
+
+    const std::filesystem::path& folder() const { return folder_; }
+    FarEnd& device(const std::string& name) { return devices_.emplace_back(folder_ / name); }
+
+    /// `text` with each `@name` that stands for a device as its path.
+    std::string write_config(const std::string& text, const std::string& name = "tribus.toml") {
+        std::string filled = text;
+        for (std::size_t at = filled.find('@'); at != std::string::npos; at = filled.find('@')) {
+            filled.replace(at, 1, folder_.string() + "/");
+        }
+        std::ofstream(folder_ / name) << filled;
+        return folder_ / name;
+    }
+
+    /// Starts `tribus run` and waits until it runs.
+    Program& run(const std::string& config) {
+        Program& program = programs_.emplace_back(folder_, std::vector<std::string>{"run", config});
+        EXPECT_TRUE(program.says("started")) << program.errors();
+        return program;
+    }
+    Program& start(const std::vector<std::string>& arguments) {
+        return programs_.emplace_back(folder_, arguments);
+    }
+
+    /// Every test of `run` ends so: the program leaves when told to, and its data thread has not
+    /// allocated.
+    static void expect_clean_end(Program& program) {
+        EXPECT_TRUE(program.runs());
+        program.signal(SIGTERM);
+        EXPECT_EQ(program.end(), 0) << program.errors();
+        EXPECT_NE(program.errors().find("stopped"), std::string::npos) << program.errors();
+        expect_no_allocation(program);
+    }
+    static void expect_no_allocation(const Program& program) {
+        if (heap_trap_works()) {
+            EXPECT_EQ(count_of("heap trap: watched the data thread", program.errors()), 1U);
+        }
+        EXPECT_EQ(count_of("allocated", program.errors()), 0U) << program.errors();
+    }
+
+  private:
+    std::filesystem::path folder_;
+    std::deque<FarEnd> devices_;
+    std::deque<Program> programs_;
+};
+
+/// A receiver that repeats one frame at about a receiver's rate, whenever it is asked to.
+class Repeater {
+  public:
+    Repeater(FarEnd& wire, Bytes frame) : wire_(wire), frame_(std::move(frame)) {}
+    void send_if_due() {
+        constexpr auto kPeriod = std::chrono::milliseconds(7);
+        const auto now = Clock::now();
+        if (now - latest_ >= kPeriod) {
+            latest_ = now;
+            wire_.send(frame_);
+        }
+    }
+    /// Before the latest frame was handed over.
+    Clock::time_point latest() const { return latest_; }
+    void change(Bytes frame) { frame_ = std::move(frame); }
+
+  private:
+    FarEnd& wire_;
+    Bytes frame_;
+    Clock::time_point latest_{};
+};
+
+/// The nine lines, i.Bus at @receiver to SBUS at @servos, with further lines for its tables.
+inline std::string main_job(std::string_view input = "", std::string_view output = "",
+                            std::string_view pipeline = "") {
+    std::string text = "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n";
+    text += std::string(input) + "\n";
+    text += "[output.servos]\nprotocol = \"sbus\"\ndevice = \"@servos\"\nperiod = \"7ms\"\n";
+    text += std::string(output) + "\n";
+    text += "[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n";
+    return text + std::string(pipeline) + "\n";
+}
+
+/// So long that no busy machine makes a stream look lost.
+inline constexpr std::string_view kPatientInput = "timeout = \"5s\"";
+
+}  // namespace tribus::test

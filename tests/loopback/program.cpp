@@ -1,0 +1,168 @@
+#include "tests/loopback/program.h"
+
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define TRIBUS_OWN_HEAP 0
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define TRIBUS_OWN_HEAP 0
+#endif
+#endif
+#ifndef TRIBUS_OWN_HEAP
+#define TRIBUS_OWN_HEAP 1
+#endif
+
+namespace tribus::test {
+namespace {
+
+constexpr int kCannotStart = 127;
+
+std::string content_of(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::string unused_name(const std::filesystem::path& folder, const std::string& kind) {
+    int number = 1;
+    std::filesystem::path path;
+    do {
+        path = folder / (kind + std::to_string(number++));
+    } while (std::filesystem::exists(path));
+    std::ofstream{path};
+    return path;
+}
+
+void redirect(int stream, const std::string& path, int flags) {
+    const int fd = ::open(path.c_str(), flags, 0600);
+    if (fd < 0 || ::dup2(fd, stream) < 0) {
+        ::_exit(kCannotStart);
+    }
+}
+
+}  // namespace
+
+bool heap_trap_works() {
+    return TRIBUS_OWN_HEAP != 0;
+}
+
+Program::Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+                 const ProgramSettings& settings)
+    : output_file_(unused_name(folder, "output")), errors_file_(unused_name(folder, "errors")) {
+    const pid_t parent = ::getpid();
+    pid_ = ::fork();
+    if (pid_ < 0) {
+        throw std::runtime_error("cannot fork");
+    }
+    if (pid_ == 0) {
+        become(arguments, settings, parent);
+    }
+}
+
+void Program::become(const std::vector<std::string>& arguments, const ProgramSettings& settings,
+                     pid_t parent) const {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) {
+        ::_exit(kCannotStart);
+    }
+    ::setsid();
+    redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
+    redirect(STDERR_FILENO, errors_file_, O_WRONLY | O_TRUNC | O_APPEND);
+    if (settings.terminal.empty()) {
+        redirect(STDOUT_FILENO, output_file_, O_WRONLY | O_TRUNC);
+    } else {
+        redirect(STDOUT_FILENO, settings.terminal, O_RDWR);
+        ::ioctl(STDOUT_FILENO, TIOCSCTTY, 0);
+    }
+    if (heap_trap_works()) {
+        ::setenv("LD_PRELOAD", TRIBUS_HEAP_TRAP, 1);
+    }
+    std::string name = settings.executable;
+    std::vector<std::string> words = arguments;
+    std::vector<char*> argv{name.data()};
+    for (std::string& word : words) {
+        argv.push_back(word.data());
+    }
+    argv.push_back(nullptr);
+    ::execv(name.c_str(), argv.data());
+    ::_exit(kCannotStart);
+}
+
+Program::~Program() {
+    if (!ended_) {
+        ::kill(pid_, SIGKILL);
+        ::waitpid(pid_, nullptr, 0);
+    }
+}
+
+void Program::signal(int number) const {
+    if (!ended_) {
+        ::kill(pid_, number);
+    }
+}
+
+void Program::note_end(int status) {
+    constexpr int kBySignal = 128;
+    ended_ = WIFEXITED(status) ? WEXITSTATUS(status) : kBySignal + WTERMSIG(status);
+}
+
+bool Program::runs() {
+    int status = 0;
+    if (!ended_ && ::waitpid(pid_, &status, WNOHANG) == pid_) {
+        note_end(status);
+    }
+    return !ended_;
+}
+
+std::chrono::nanoseconds Program::used_time() const {
+    clockid_t clock{};
+    timespec used{};
+    if (::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &used) != 0) {
+        throw std::runtime_error("no process to ask");
+    }
+    return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
+}
+
+std::ptrdiff_t Program::open_descriptors() const {
+    const std::filesystem::directory_iterator entries("/proc/" + std::to_string(pid_) + "/fd");
+    return std::distance(std::filesystem::begin(entries), std::filesystem::end(entries));
+}
+
+std::optional<int> Program::end() {
+    eventually([this] { return !runs(); });
+    return ended_;
+}
+
+std::string Program::output() const {
+    return content_of(output_file_);
+}
+
+std::string Program::errors() const {
+    return content_of(errors_file_);
+}
+
+bool Program::says(const std::string& text, std::size_t times) const {
+    return eventually([&] { return count_of(text, errors()) >= times; });
+}
+
+std::size_t count_of(const std::string& part, const std::string& text) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos;
+         at = text.find(part, at + part.size())) {
+        ++count;
+    }
+    return count;
+}
+
+}  // namespace tribus::test

@@ -1,0 +1,207 @@
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/loopback/loopback.h"
+
+namespace tribus::test {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Burst {
+    std::int64_t at_us = 0;
+    Bytes bytes;
+};
+
+std::vector<Burst> read_timed(const std::filesystem::path& path) {
+    std::vector<Burst> bursts;
+    std::ifstream file(path);
+    for (std::string line; std::getline(file, line);) {
+        if (line.empty() || line.front() == '#') {
+            continue;
+        }
+        std::istringstream words(line);
+        Burst& burst = bursts.emplace_back();
+        words >> burst.at_us >> std::hex;
+        for (unsigned byte = 0; words >> byte;) {
+            burst.bytes.push_back(static_cast<std::uint8_t>(byte));
+        }
+    }
+    return bursts;
+}
+
+std::string timed_line(std::int64_t at_us, const Bytes& bytes) {
+    std::ostringstream line;
+    line << at_us << std::hex;
+    for (const std::uint8_t byte : bytes) {
+        line << ' ' << (byte < 0x10 ? "0" : "") << static_cast<unsigned>(byte);
+    }
+    line << '\n';
+    return line.str();
+}
+
+/// A frame of the receiver: when its last bit has arrived, and what the servos should see.
+struct Arrival {
+    std::int64_t at_us = 0;
+    SbusSight sight;
+};
+
+/// 32 bytes of 10 bits at 115200 baud last 2777.8 us; simulated frames are written whole.
+constexpr std::int64_t kFrameUs = 2778;
+/// Times in the files are rounded to whole microseconds.
+constexpr std::int64_t kRoundingUs = 1;
+constexpr std::int64_t kPeriodUs = 7000;
+constexpr std::int64_t kTimeoutUs = 100'000;
+constexpr std::int64_t kHoldUs = 300'000;
+
+SbusSight sight_of_raw(const Json& frame) {
+    SbusSight sight;
+    for (std::size_t i = 0; i < sight.raw.size(); ++i) {
+        sight.raw[i] = frame["raw"][i].get<int>();
+    }
+    sight.channel_17 = frame["channels"][16].get<double>() > 1500;
+    sight.channel_18 = frame["channels"][17].get<double>() > 1500;
+    sight.frame_lost = frame["frame_lost"].get<bool>();
+    sight.failsafe = frame["failsafe"].get<bool>();
+    return sight;
+}
+
+class Simulate : public Loopback {
+  protected:
+    std::filesystem::path simulate(const std::filesystem::path& recording) {
+        const std::filesystem::path out = folder() / "servos.txt";
+        Program& program =
+            start({"simulate", write_config(main_job()), "--in", "receiver=" + recording.string(),
+                   "--out", "servos=" + out.string()});
+        EXPECT_EQ(program.end(), 0) << program.errors();
+        return out;
+    }
+    /// As `tribus decode` reads the file; each frame with its time.
+    std::vector<Arrival> decode(const std::filesystem::path& out, std::size_t frames_written) {
+        Program& program =
+            start({"decode", "--protocol", "sbus", "--format", "json", out.string()});
+        EXPECT_EQ(program.end(), 0) << program.errors();
+        std::vector<Arrival> frames;
+        std::istringstream lines(program.output());
+        Json summary;
+        for (std::string line; std::getline(lines, line);) {
+            const Json object = Json::parse(line);
+            if (object.contains("summary")) {
+                summary = object["summary"];
+            } else {
+                frames.push_back({object["t_us"].get<std::int64_t>(), sight_of_raw(object)});
+            }
+        }
+        EXPECT_EQ(frames.size(), frames_written);
+        EXPECT_EQ(summary["frames"], frames_written);
+        for (const auto& cause : summary["rejected"]) {
+            EXPECT_EQ(cause, 0) << summary;
+        }
+        return frames;
+    }
+
+    static void expect_least_gap(const std::vector<Arrival>& frames) {
+        for (std::size_t i = 1; i < frames.size(); ++i) {
+            EXPECT_GE(frames[i].at_us - frames[i - 1].at_us, kPeriodUs - kRoundingUs);
+        }
+    }
+    /// The newest input while there is any, marked within the timeout after the last one, and
+    /// failsafe when the hold time is over.
+    static void expect_each_right(const std::vector<Arrival>& frames,
+                                  const std::vector<Arrival>& inputs) {
+        const std::int64_t last_us = inputs.back().at_us;
+        // The default: throttle low, all others centred.
+        Sticks defaults(18, 1500);
+        defaults[2] = 988;
+        const SbusSight presets = sbus_sight_of(defaults);
+        std::size_t newest = 0;
+        std::size_t held = 0;
+        for (const Arrival& frame : frames) {
+            while (newest + 1 < inputs.size() &&
+                   inputs[newest + 1].at_us <= frame.at_us + kRoundingUs) {
+                ++newest;
+            }
+            const bool before = frame.at_us + kRoundingUs < inputs.front().at_us;
+            const std::int64_t age = frame.at_us - last_us;
+            SCOPED_TRACE("frame at " + std::to_string(frame.at_us) + " us");
+            if (before || age >= kTimeoutUs + kHoldUs) {
+                EXPECT_TRUE(frame.sight.failsafe && frame.sight.frame_lost);
+                EXPECT_TRUE(same_channels(frame.sight, presets));
+                continue;
+            }
+            if (age >= kTimeoutUs) {
+                EXPECT_TRUE(frame.sight.frame_lost);
+            } else if (age <= kTimeoutUs - kPeriodUs - kRoundingUs) {
+                EXPECT_TRUE(frame.sight.good());
+            }
+            held += frame.sight.frame_lost && !frame.sight.failsafe ? 1 : 0;
+            EXPECT_TRUE(frame.sight.failsafe || same_channels(frame.sight, inputs[newest].sight));
+        }
+        EXPECT_GE(held, static_cast<std::size_t>(kHoldUs / kPeriodUs / 2));
+        EXPECT_GE(frames.back().at_us - last_us, 1'900'000) << "the tail is 2 s";
+    }
+};
+
+TEST_F(Simulate, MainJobCarriesTheNewestInputThenMarksTheLossThenFailsafe) {
+    std::vector<Arrival> inputs;
+    std::ofstream file(folder() / "receiver.txt");
+    file << "# t_us bytes\n";
+    for (int number = 0; number < 500; ++number) {
+        Sticks sticks = sticks_with_first(1000 + number);
+        sticks[4] = 2000 - number;
+        const std::int64_t start_us = 20'000 + 4000 * number;
+        inputs.push_back({start_us + kFrameUs, sbus_sight_of(sticks)});
+        file << timed_line(start_us, ibus_bytes(sticks));
+    }
+    file.close();
+    const std::filesystem::path out = simulate(folder() / "receiver.txt");
+    const std::vector<Arrival> frames = decode(out, read_timed(out).size());
+    ASSERT_FALSE(frames.empty());
+    expect_least_gap(frames);
+    expect_each_right(frames, inputs);
+}
+
+/// An FlySky AFHDS3 receiver, 18 channels each 4 ms (origin in the README of the captures).
+TEST_F(Simulate, MainJobOverARealReceiversRecording) {
+    const auto captures = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures";
+    const auto recording = captures / "ibus_servo18_afhds3.timed.txt";
+    if (!std::filesystem::exists(recording)) {
+        GTEST_SKIP() << "no recordings in " << captures
+                     << "; set TRIBUS_SHARED to the folder that holds captures/";
+    }
+    std::vector<Sticks> rows;
+    std::ifstream table(captures / "ibus_servo18_afhds3.channels.csv");
+    std::string row;
+    std::getline(table, row);
+    while (std::getline(table, row)) {
+        std::istringstream cells(row);
+        Sticks& sticks = rows.emplace_back();
+        for (std::string cell; std::getline(cells, cell, ',');) {
+            sticks.push_back(std::stoi(cell));
+        }
+    }
+    std::vector<Arrival> inputs;
+    for (const Burst& burst : read_timed(recording)) {
+        if (burst.bytes.size() == 32 && inputs.size() < rows.size()) {
+            inputs.push_back({burst.at_us + kFrameUs, sbus_sight_of(rows[inputs.size()])});
+        }
+    }
+    ASSERT_EQ(inputs.size(), rows.size());
+    const std::filesystem::path out = simulate(recording);
+    const std::vector<Arrival> frames = decode(out, read_timed(out).size());
+    ASSERT_FALSE(frames.empty());
+    expect_least_gap(frames);
+    expect_each_right(frames, inputs);
+}
+
+}  // namespace
+}  // namespace tribus::test

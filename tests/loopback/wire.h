@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tests/loopback/far_end.h"
+
+/// The two wire formats, written again for the tests and independent of the program's codecs
+/// (ibus-sbus.md 1.2, 1.3, 3.2, 3.7).
+namespace tribus::test {
+
+using Clock = std::chrono::steady_clock;
+
+/// 14 or 18 whole microseconds, channel 1 first.
+using Sticks = std::vector<int>;
+
+/// As many channels, all at 1500 us but the first, so that a frame can be recognised.
+Sticks sticks_with_first(int first_us, std::size_t channels = 18);
+
+Bytes ibus_bytes(const Sticks& sticks);
+
+struct SbusSight {
+    std::array<int, 16> raw{};
+    bool channel_17 = false;
+    bool channel_18 = false;
+    bool frame_lost = false;
+    bool failsafe = false;
+    Clock::time_point seen{};
+
+    bool good() const { return !frame_lost && !failsafe; }
+};
+
+Bytes sbus_bytes(const SbusSight& sight);
+
+/// Betaflight's scale, the default: 5/8 us a step, 880 us at 0; nearest, and saturating.
+int sbus_raw(int us);
+SbusSight sbus_sight_of(const Sticks& sticks);
+/// Same channels; the flags do not count.
+bool same_channels(const SbusSight& a, const SbusSight& b);
+
+/// Listens to SBUS frames at the far end of a wire.
+class ServoBank {
+  public:
+    explicit ServoBank(FarEnd& wire) : wire_(wire) {}
+    /// The frames that have arrived since the last call.
+    std::vector<SbusSight> listen();
+    /// Bytes that belonged to no frame.
+    std::size_t strays() const { return strays_; }
+
+  private:
+    FarEnd& wire_;
+    Bytes pending_;
+    std::size_t strays_ = 0;
+};
+
+/// Listens to i.Bus frames at the far end of a wire.
+class IbusReader {
+  public:
+    explicit IbusReader(FarEnd& wire) : wire_(wire) {}
+    std::vector<Sticks> listen();
+    std::size_t strays() const { return strays_; }
+
+  private:
+    FarEnd& wire_;
+    Bytes pending_;
+    std::size_t strays_ = 0;
+};
+
+}  // namespace tribus::test
