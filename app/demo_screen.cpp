@@ -30,7 +30,7 @@ constexpr std::size_t kTwoBarsFrom = 2 * (kNumberWidth + 10) + kLabelWidth + kGa
 /// into a colour.
 class Line {
   public:
-    Line(const ScreenStyle& style) : style_(style) {}
+    explicit Line(const ScreenStyle& style) : style_(style) {}
 
     void add(std::string_view text, std::string_view colour = {}) {
         const bool coloured = style_.colour && !colour.empty();

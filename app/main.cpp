@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cstdio>
+#include <exception>
 #include <iostream>
 #include <string>
 #include <string_view>
@@ -33,22 +35,18 @@ bool explain_unknown_command(CLI::App& app, std::string_view word) {
     return true;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-    // The stream subcommands write much and mix it with nothing.
-    std::ios::sync_with_stdio(false);
+int run_command_line(int argc, char** argv) {
     CLI::App app{"tribus translates RC signals between i.Bus, SBUS and CAN", "tribus"};
-    app.set_version_flag("--version", TRIBUS_VERSION);
     app.require_subcommand(1);
+    app.set_version_flag("--version", TRIBUS_VERSION);
     int status = tribus::kExitFine;
     tribus::add_run_command(app, status);
     tribus::add_check_command(app, status);
-    tribus::add_schema_command(app);
     tribus::add_demo_command(app, status);
-    tribus::add_simulate_command(app, status);
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);
+    tribus::add_simulate_command(app, status);
+    tribus::add_schema_command(app);
     if (argc > 1 && explain_unknown_command(app, argv[1])) {
         return tribus::kExitWrongUse;
     }
@@ -58,4 +56,18 @@ int main(int argc, char** argv) {
         return app.exit(error) == 0 ? tribus::kExitFine : tribus::kExitWrongUse;
     }
     return status;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::ios::sync_with_stdio(false);
+    // Libraries throw when memory or a standard stream fails; nothing of ours does.
+    try {
+        return run_command_line(argc, argv);
+    } catch (const std::exception& error) {
+        std::fputs(error.what(), stderr);
+        std::fputs("\n", stderr);
+        return tribus::kExitFailed;
+    }
 }

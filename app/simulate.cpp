@@ -85,6 +85,7 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
     const std::vector<std::string>& pairs, const Configs& configs, std::string_view option) {
     std::map<std::size_t, std::string> files;
     std::vector<std::string_view> names;
+    names.reserve(configs.size());
     for (const auto& config : configs) {
         names.push_back(config.name);
     }

@@ -7,7 +7,7 @@ namespace tribus {
 namespace {
 
 /// Locked memory counts the whole stack, and the default is 8 MB.
-constexpr std::size_t kStackBytes = 256 * 1024;
+constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
 
 }  // namespace
 

@@ -16,16 +16,14 @@
 namespace tribus::test {
 namespace {
 
-const std::string kEscape = "\x1b";
-
 /// A terminal window of that size; the program finds it as its standard output.
 struct Window {
     std::size_t columns;
     std::size_t rows;
 };
 
-void PrintTo(const Window& window, std::ostream* out) {
-    *out << window.columns << " columns, " << window.rows << " rows";
+std::ostream& operator<<(std::ostream& out, const Window& window) {
+    return out << window.columns << " columns, " << window.rows << " rows";
 }
 
 /// What shows on the screen of one line: without colours and other escape sequences, in characters.
@@ -56,7 +54,7 @@ TEST_F(Demo, WithoutATerminalPrintsPlainLinesAndASummaryWithoutALostFrame) {
     EXPECT_EQ(program.end(), 0) << program.errors();
     const std::string output = program.output();
     EXPECT_EQ(count_of("lost:     0\n", output), 1U) << output;
-    EXPECT_EQ(count_of(kEscape, output), 0U) << "control characters in plain lines";
+    EXPECT_EQ(count_of("\x1b", output), 0U) << "control characters in plain lines";
     EXPECT_GE(count_of("  radio up ", output), 2U) << output;
     EXPECT_EQ(count_of("latency, receiver's write to servos' read: p50 ", output), 1U) << output;
     expect_no_allocation(program);
@@ -84,7 +82,7 @@ class DemoInAWindow : public Demo, public testing::WithParamInterface<Window> {
         EXPECT_TRUE(eventually([&] {
             const Bytes bytes = terminal.receive();
             shown.append(bytes.begin(), bytes.end());
-            if (!pressed && count_of(kEscape + "[H", shown) >= 3) {
+            if (!pressed && count_of("\x1b[H", shown) >= 3) {
                 pressed = true;
                 EXPECT_TRUE(terminal.send(Bytes{key}));
             }
@@ -108,9 +106,9 @@ TEST_P(DemoInAWindow, KeepsToTheWindowAndEndsByCtrlCWithASummary) {
     const std::string shown = show(program, terminal, 0x03);
     EXPECT_EQ(program.end(), 0) << program.errors() << shown;
 
-    const std::size_t leave = shown.find(kEscape + "[?1049l");
+    const std::size_t leave = shown.find("\x1b[?1049l");
     ASSERT_NE(leave, std::string::npos) << "the other screen stays";
-    const std::vector<std::string> pictures = split(shown.substr(0, leave), kEscape + "[H");
+    const std::vector<std::string> pictures = split(shown.substr(0, leave), "\x1b[H");
     ASSERT_GE(pictures.size(), 4U);
     for (std::size_t i = 1; i < pictures.size(); ++i) {
         const std::vector<std::string> lines = split(pictures[i], "\n");
@@ -119,7 +117,7 @@ TEST_P(DemoInAWindow, KeepsToTheWindowAndEndsByCtrlCWithASummary) {
             EXPECT_LE(visible_width(line), GetParam().columns) << line;
         }
     }
-    EXPECT_LT(shown.rfind(kEscape + "[?25l"), shown.rfind(kEscape + "[?25h")) << "no cursor left";
+    EXPECT_LT(shown.rfind("\x1b[?25l"), shown.rfind("\x1b[?25h")) << "no cursor left";
     EXPECT_EQ(count_of("lost:     0\r\n", shown.substr(leave)), 1U) << shown.substr(leave);
     expect_no_allocation(program);
 }

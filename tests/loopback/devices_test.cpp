@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -24,7 +25,8 @@ std::vector<SbusSight> feed_until(Repeater& sender, ServoBank& servos, const Sbu
     return seen;
 }
 
-const std::string kShortLoss = "[pipeline.main.failsafe]\nhold = \"50ms\"\nrecover = \"50ms\"";
+constexpr std::string_view kShortLoss =
+    "[pipeline.main.failsafe]\nhold = \"50ms\"\nrecover = \"50ms\"";
 
 TEST_F(Loopback, InputDeviceThatIsPulledAndPluggedInWorksAgain) {
     FarEnd& receiver = device("receiver");
@@ -134,7 +136,7 @@ period   = "7ms"
 [pipeline.main]
 from = "receiver"
 to   = "servos"
-)" + kShortLoss));
+)" + std::string(kShortLoss)));
     port.pull();
     EXPECT_TRUE(program.says("is gone"));
     port.plug_in();
@@ -147,7 +149,7 @@ to   = "servos"
     expect_clean_end(program);
 }
 
-const std::string kTwoReceivers = R"(
+constexpr const char* kTwoReceivers = R"(
 [input.main]
 protocol = "ibus"
 device   = "@main"

@@ -105,6 +105,10 @@ TEST_F(Failsafe, FollowsALossByMarkedFramesThenPresets) {
     // Never sooner than configured; a frame speaks for the period behind it.
     EXPECT_GE(holding->seen - last_sent, kTimeout - kPeriod);
     EXPECT_GE(failsafe->seen - last_sent, kTimeout + kHold - kPeriod);
+    // Never more marked or unmarked frames than fit into the time: the program's own pace counts,
+    // not this machine's. Unmarked ones may have waited for as long as the receiver may pause.
+    EXPECT_LE(holding - seen.begin(), 2 * kTimeout / kPeriod + 2);
+    EXPECT_LE(failsafe - holding, kHold / kPeriod + 2);
     EXPECT_TRUE(std::all_of(holding, failsafe, [&](const SbusSight& sight) {
         return same_channels(sight, sbus_sight_of(sticks_));
     })) << "the last values are held";

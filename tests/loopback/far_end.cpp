@@ -6,11 +6,11 @@
 
 #include <array>
 #include <stdexcept>
-#include <utility>
+#include <system_error>
 
 namespace tribus::test {
 
-FarEnd::FarEnd(std::filesystem::path path) : path_(std::move(path)) {
+FarEnd::FarEnd(const std::filesystem::path& path) : path_(path) {
     plug_in();
 }
 

@@ -20,7 +20,7 @@ using Bytes = std::vector<std::uint8_t>;
 class FarEnd {
   public:
     /// Plugged in.
-    explicit FarEnd(std::filesystem::path path);
+    explicit FarEnd(const std::filesystem::path& path);
     FarEnd(const FarEnd&) = delete;
     FarEnd& operator=(const FarEnd&) = delete;
     ~FarEnd() { pull(); }

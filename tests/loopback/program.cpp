@@ -40,7 +40,7 @@ std::string unused_name(const std::filesystem::path& folder, const std::string& 
     do {
         path = folder / (kind + std::to_string(number++));
     } while (std::filesystem::exists(path));
-    std::ofstream{path};
+    const std::ofstream file(path);
     return path;
 }
 

@@ -78,7 +78,7 @@ SbusSight sight_of_raw(const Json& frame) {
 class Simulate : public Loopback {
   protected:
     std::filesystem::path simulate(const std::filesystem::path& recording) {
-        const std::filesystem::path out = folder() / "servos.txt";
+        std::filesystem::path out = folder() / "servos.txt";
         Program& program =
             start({"simulate", write_config(main_job()), "--in", "receiver=" + recording.string(),
                    "--out", "servos=" + out.string()});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <ostream>
 #include <span>
 #include <string>
@@ -36,7 +37,7 @@ inline Bytes from_hex(std::string_view text) {
 }
 
 inline void append(Bytes& bytes, std::span<const std::uint8_t> more) {
-    bytes.insert(bytes.end(), more.begin(), more.end());
+    std::copy(more.begin(), more.end(), std::back_inserter(bytes));
 }
 
 /// Small, fast, the same everywhere (xorshift32).

@@ -45,7 +45,9 @@ void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength>
 ///
 /// When an expected frame is bad, it looks first where the next one stands if one byte was lost,
 /// none, or one added; only then does it scan. A payload that itself looks like a frame boundary,
-/// repeated by sticks that stand still, can thus not pull it out of step.
+/// repeated by sticks that stand still, can thus not pull it out of step. Where SBUS2 slots may be
+/// the bad part, it takes the place where the frame is most like the last one. What remains: flags
+/// 0F on the wire, or a header mistaken for a slot, together with such a payload.
 class SbusDecoder final : public Decoder {
   public:
     explicit SbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
@@ -98,7 +100,7 @@ class SbusDecoder final : public Decoder {
     bool frame_ready_ = false;
     std::size_t slots_left_ = 0;
     std::array<std::uint8_t, kSbusFrameLength> latest_{};
-    /// The one before it.
+    /// The frame before the latest: beyond doubt, for the latest stood in its place behind it.
     std::array<std::uint8_t, kSbusFrameLength> trusted_{};
     SbusScale scale_;
     std::array<NamedCount, 2> rejected_{{{"framing"}, {"damaged"}}};

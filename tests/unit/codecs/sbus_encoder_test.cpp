@@ -99,11 +99,15 @@ TEST(SbusEncoder, WritesFlagsFooterAndSwitches) {
 }
 
 TEST(SbusEncoder, ASwitchIsOnAboveTheCentre) {
+    constexpr Pulse kJustAbove = Pulse::from_eighths(kCentrePulse.eighths() + 1);
     ChannelFrame frame;
-    frame.set(16, Pulse::from_microseconds(1500));
-    frame.set(17, Pulse::from_eighths(1500 * 8 + 1));
     frame.frame_lost = frame.failsafe = false;
+    frame.set(16, kCentrePulse);
+    frame.set(17, kJustAbove);
     EXPECT_EQ(encoded(frame)[23], 0x02);
+    frame.set(16, kJustAbove);
+    frame.set(17, kCentrePulse);
+    EXPECT_EQ(encoded(frame)[23], 0x01);
 }
 
 TEST(SbusEncoder, SendsAbsentChannelsAsCentreAndOff) {

@@ -129,6 +129,18 @@ TEST(SbusDecoder, WantsASecondFrameBehindTheFirst) {
     EXPECT_EQ(feed(decoder, all.subspan(49, 1)).size(), 2U);
 }
 
+TEST(SbusDecoder, AHeaderBehindTheFirstFrameIsNoProofOfIt) {
+    for (const std::size_t spoilt : {23U, 24U}) {
+        Bytes bytes = repeated(kAll1024, 2);
+        bytes[kSbusFrameLength + spoilt] = 0xFF;
+        append(bytes, repeated(kAll1024, 2));
+        SbusDecoder decoder;
+        const auto frames = feed(decoder, bytes);
+        ASSERT_EQ(frames.size(), 2U);
+        EXPECT_EQ(frames[0].first_byte, 2 * kSbusFrameLength);
+    }
+}
+
 TEST(SbusDecoder, TakesAFrameWithItsLastByteOnceItIsLocked) {
     SbusDecoder decoder;
     const Bytes bytes = repeated(kAll992, 3);
