@@ -35,8 +35,7 @@ std::string_view stage_text(OutputStage stage) {
 
 }  // namespace
 
-StateLog::StateLog(const Configuration& configuration, Instant start)
-    : start_(start), devices_(limit()) {
+StateLog::StateLog(const Configuration& configuration, Instant start) : start_(start) {
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
         inputs_.push_back({false, false, limit()});
     }
@@ -111,7 +110,8 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
 
 void StateLog::look(Appliance& appliance, Instant now) {
     for (const Appliance::DeviceEvent& event : appliance.tend()) {
-        if (const auto swallowed = devices_.pass(now)) {
+        RateLimit& device_limit = devices_.try_emplace(event.device, limit()).first->second;
+        if (const auto swallowed = device_limit.pass(now)) {
             spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "device {}: {}{}",
                         event.device, event.back ? "is back" : "is gone; waiting for it",
                         swallowed_note(*swallowed));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,7 +43,7 @@ class StateLog {
     Instant start_;
     std::vector<InputMemory> inputs_;
     std::vector<OutputMemory> outputs_;
-    RateLimit devices_;
+    std::map<std::string, RateLimit> devices_;
 };
 
 }  // namespace tribus

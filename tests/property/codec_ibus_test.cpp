@@ -309,27 +309,9 @@ TEST(IbusStreamProperty, DamagedBytesAnywhereNeverOverrunOrFeignAFrame) {
     for (std::uint32_t seed = 1; seed <= 100; ++seed) {
         Random random(seed);
         const Bytes bytes = mixed_stream(random);
+        SCOPED_TRACE(seed);
         IbusDecoder decoder;
-        std::vector<DecodedFrame> frames;
-        std::vector<bool> damaged(bytes.size());
-        for (std::size_t at = 0; at < bytes.size();) {
-            const std::size_t piece = std::min<std::size_t>(random.below(80), bytes.size() - at);
-            feed_into(frames, decoder, std::span(bytes).subspan(at, piece));
-            at += piece;
-            for (std::uint32_t count = random.below(3); count > 0 && at < bytes.size(); --count) {
-                decoder.damaged_byte();
-                damaged[at++] = true;
-                std::span<const std::uint8_t> nothing;
-                while (const auto frame = decoder.next(nothing, {})) {
-                    frames.push_back(*frame);
-                }
-            }
-        }
-        for (const DecodedFrame& frame : frames) {
-            for (std::size_t at = frame.first_byte; at < frame.first_byte + frame.length; ++at) {
-                ASSERT_FALSE(damaged[at]) << "seed " << seed;
-            }
-        }
+        test::expect_no_frame_over_damage(decoder, bytes, random, 80);
     }
 }
 

@@ -208,4 +208,30 @@ inline Damage compare(const FrameStream& stream, const Fault& fault,
     return damage;
 }
 
+/// Feeds `bytes` in random pieces, with damaged bytes in the place of some: no frame may hold one.
+inline void expect_no_frame_over_damage(Decoder& decoder, const Bytes& bytes, Random& random,
+                                        std::uint32_t longest_piece) {
+    std::vector<DecodedFrame> frames;
+    std::vector<bool> damaged(bytes.size());
+    for (std::size_t at = 0; at < bytes.size();) {
+        const std::size_t piece =
+            std::min<std::size_t>(random.below(longest_piece), bytes.size() - at);
+        feed_into(frames, decoder, std::span(bytes).subspan(at, piece));
+        at += piece;
+        for (std::uint32_t count = random.below(3); count > 0 && at < bytes.size(); --count) {
+            decoder.damaged_byte();
+            damaged[at++] = true;
+            std::span<const std::uint8_t> nothing;
+            while (const auto frame = decoder.next(nothing, {})) {
+                frames.push_back(*frame);
+            }
+        }
+    }
+    for (const DecodedFrame& frame : frames) {
+        for (std::size_t at = frame.first_byte; at < frame.first_byte + frame.length; ++at) {
+            ASSERT_FALSE(damaged[at]) << "byte " << at;
+        }
+    }
+}
+
 }  // namespace tribus::test
