@@ -15,7 +15,7 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
-        auto link = open_port(configuration_, plans_[port]);
+        auto link = open_port(configuration_, *engine_, plans_[port]);
         missing_[port] = !link;
         if (!link && missing == MissingDevices::refuse) {
             errors.push_back(link.error());
@@ -65,7 +65,7 @@ std::vector<Appliance::DeviceEvent> Appliance::tend() {
             events.push_back({device, false});
         }
         if (missing_[port]) {
-            if (auto link = open_port(configuration_, plans_[port])) {
+            if (auto link = open_port(configuration_, *engine_, plans_[port])) {
                 loop_->give(port, std::move(*link));
                 missing_[port] = false;
                 events.push_back({device, true});

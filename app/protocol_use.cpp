@@ -28,7 +28,9 @@ Value as_value(const Setting& setting, std::string_view text) {
     const bool bare = setting.type == SettingType::boolean ||
                       setting.type == SettingType::integer || setting.type == SettingType::number ||
                       setting.type == SettingType::pulse;
-    const bool table = setting.type == SettingType::scale && text.starts_with('{');
+    const bool table =
+        (setting.type == SettingType::scale || setting.type == SettingType::tree) &&
+        text.starts_with('{');
     if (bare || table) {
         const auto document = parse_toml(fmt::format("value = {}", text));
         const Entry* const entry = document ? document->find("value") : nullptr;

@@ -53,7 +53,8 @@ class Recorder final : public OutputObserver {
         : texts_(outputs, format == "timed" ? std::string(kTimedHeading) : std::string()),
           format_(format) {}
 
-    void wrote(std::size_t output, Instant at, std::span<const std::uint8_t> frame) override {
+    void wrote(std::size_t output, Instant at, const Transmission& sent) override {
+        const auto frame = sent.bytes;
         std::string& text = texts_[output];
         if (format_ == "timed") {
             append_timed_line(text, at.time_since_epoch(), frame);

@@ -8,19 +8,47 @@
 #include "transports/links/serial_port.h"
 
 namespace tribus {
+namespace {
+
+/// Nothing where the protocol is of the other kind of link.
+template <class Codec>
+std::unique_ptr<Codec> make(std::unique_ptr<Codec> (*maker)(const SettingValues&),
+                            const SettingValues& settings) {
+    return maker == nullptr ? nullptr : maker(settings);
+}
+
+PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
+    const auto shared = std::find_if(plans.begin(), plans.end(), [&](const PortPlan& plan) {
+        return plan.config.link == port.link && plan.config.device == port.device;
+    });
+    return shared != plans.end() ? *shared : plans.emplace_back(PortPlan{port, {}});
+}
+
+tl::expected<std::unique_ptr<Link>, std::string> open_serial(const PortPlan& plan) {
+    auto port = SerialPort::open(plan.config.device, plan.config.line);
+    if (!port) {
+        return tl::unexpected(port.error());
+    }
+    return std::unique_ptr<Link>(std::move(*port));
+}
+
+}  // namespace
 
 std::unique_ptr<Engine> build_engine(const Configuration& configuration) {
     std::vector<InputSettings> inputs;
     for (const InputConfig& input : configuration.inputs) {
         inputs.push_back({.name = input.name,
-                          .decoder = input.protocol->make_decoder(input.settings),
+                          .decoder = make(input.protocol->make_decoder, input.settings),
+                          .can_decoder = make(input.protocol->make_can_decoder, input.settings),
                           .timeout = input.timeout,
                           .failsafe_when = input.failsafe_when});
     }
     std::vector<OutputSettings> outputs;
     for (const OutputConfig& output : configuration.outputs) {
         outputs.push_back({.name = output.name,
-                           .encoder = output.protocol->make_encoder(output.settings),
+                           .encoder = make(output.protocol->make_encoder, output.settings),
+                           .can_encoder = make(output.protocol->make_can_encoder, output.settings),
+                           .yield_to_foreign_sender = output.yield_to_foreign_sender,
                            .schedule = output.schedule,
                            .inputs = {},
                            .channels = {},
@@ -40,31 +68,24 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration) {
 std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     std::vector<PortPlan> plans;
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
-        plans.push_back({configuration.inputs[i].port, {.input = i, .output = std::nullopt}});
+        plan_for(plans, configuration.inputs[i].port).wiring.inputs.push_back(i);
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        const PortConfig& port = configuration.outputs[i].port;
-        const auto shared = std::find_if(plans.begin(), plans.end(), [&](const PortPlan& plan) {
-            return plan.config.device == port.device;
-        });
-        if (shared != plans.end()) {
-            shared->wiring.output = i;
-        } else {
-            plans.push_back({port, {.input = std::nullopt, .output = i}});
-        }
+        plan_for(plans, configuration.outputs[i].port).wiring.outputs.push_back(i);
     }
     return plans;
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
+                                                           [[maybe_unused]] const Engine& engine,
                                                            const PortPlan& plan) {
-    auto port = SerialPort::open(plan.config.device, plan.config.line);
-    if (!port) {
+    auto link = open_serial(plan);
+    if (!link) {
         return tl::unexpected(fmt::format("{}:{}:{}: {}", configuration.file,
                                           plan.config.where.line, plan.config.where.column,
-                                          port.error()));
+                                          link.error()));
     }
-    return std::unique_ptr<Link>(std::move(*port));
+    return link;
 }
 
 }  // namespace tribus

@@ -15,7 +15,7 @@
 
 namespace tribus {
 
-/// One device to open, for an input, an output or both.
+/// One device or interface to open, for all inputs and outputs that name it.
 struct PortPlan {
     PortConfig config;
     PortWiring wiring;
@@ -29,7 +29,9 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration);
 
 /// Opens one device. The only place in the program that does. The error is for the person who set
 /// it up: `file:line:column: ...`.
+/// The ids that a CAN interface is to pass are those of the engine's inputs and outputs.
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
+                                                           const Engine& engine,
                                                            const PortPlan& plan);
 
 }  // namespace tribus

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "config/check_can.h"
 #include "config/values.h"
 
 namespace tribus {
@@ -61,7 +62,8 @@ void check_devices(const Draft& draft, Mistakes& mistakes) {
     };
     for (std::size_t i = 0; i < uses.size(); ++i) {
         for (std::size_t j = i + 1; j < uses.size(); ++j) {
-            if (uses[i].port->device == uses[j].port->device) {
+            if (uses[i].port->link == LinkKind::serial && uses[j].port->link == LinkKind::serial &&
+                uses[i].port->device == uses[j].port->device) {
                 const bool in_order = !before(uses[j], uses[i]);
                 check_pair(uses[in_order ? i : j], uses[in_order ? j : i], mistakes);
             }
@@ -120,6 +122,7 @@ void check_timeout(const InputDraft& input, const PipelineConfig& pipeline, cons
 
 void check_across(const Draft& draft, Reading reading) {
     check_devices(draft, reading.mistakes);
+    check_can_ids(draft, reading.mistakes);
     if (draft.pipelines.empty()) {
         if (!reading.lost.mentions("pipeline")) {
             reading.mistakes.add({1, 1},

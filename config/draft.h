@@ -18,6 +18,7 @@ struct InputDraft {
     std::optional<Location> timeout;  ///< of the value, where it is given
     bool timeout_sound = true;
     bool port_sound = true;
+    bool settings_sound = true;
     bool used = false;
 };
 
@@ -27,6 +28,7 @@ struct OutputDraft {
     Location period;  ///< of the value, or of the table
     bool period_sound = true;
     bool port_sound = true;
+    bool settings_sound = true;
     std::optional<std::string> pipeline;  ///< the one that feeds it
 };
 

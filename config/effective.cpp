@@ -29,12 +29,18 @@ SettingValues runtime_values(const RuntimeConfig& runtime) {
     return values;
 }
 
+Json port_json(const PortConfig& port, const Protocol& protocol) {
+    Json json = Json::object();
+    json["protocol"] = protocol.name;
+    json[std::string(place_key(port.link).name())] = port.device;
+    return json;
+}
+
 Json input_json(const InputConfig& input) {
     SettingValues values;
-    values.set("protocol", std::string(input.protocol->name));
-    values.set("device", input.port.device);
     values.set("timeout", input.timeout);
-    Json json = values_json(values, input_keys());
+    Json json = port_json(input.port, *input.protocol);
+    json.update(values_json(values, input_keys()));
     Json rules = Json::array();
     for (const LossRule& rule : input.failsafe_when) {
         rules.push_back(loss_rule_json(rule));
@@ -48,13 +54,15 @@ Json output_json(const OutputConfig& output) {
     SettingValues values;
     const bool grid = output.schedule.kind == ScheduleKind::grid;
     const bool locked = output.schedule.phase == Phase::locked;
-    values.set("protocol", std::string(output.protocol->name));
-    values.set("device", output.port.device);
     values.set("period", output.schedule.period);
     values.set("force", output.force);
     values.set("schedule", std::string(grid ? "grid" : "follow"));
     values.set("phase", std::string(locked ? "locked" : "free"));
-    Json json = values_json(values, output_keys());
+    Json json = port_json(output.port, *output.protocol);
+    json.update(values_json(values, output_keys()));
+    if (output.port.link == LinkKind::can) {
+        json["foreign_sender"] = output.yield_to_foreign_sender ? "failsafe" : "ignore";
+    }
     json.update(
         values_json(output.settings, protocol_keys(*output.protocol, SettingScope::output)));
     return json;

@@ -65,6 +65,33 @@ Json number_json(double number) {
     return number;
 }
 
+namespace {
+
+Json tree_json(const SettingTree& tree) {
+    return std::visit(
+        [](const auto& content) -> Json {
+            using Content = std::decay_t<decltype(content)>;
+            if constexpr (std::is_same_v<Content, SettingTree::List>) {
+                Json json = Json::array();
+                for (const SettingTree& item : content) {
+                    json.push_back(tree_json(item));
+                }
+                return json;
+            } else if constexpr (std::is_same_v<Content, SettingTree::Table>) {
+                Json json = Json::object();
+                for (const SettingEntry& entry : content) {
+                    json[entry.key] = tree_json(entry.value);
+                }
+                return json;
+            } else {
+                return content;
+            }
+        },
+        tree.content);
+}
+
+}  // namespace
+
 Json value_json(SettingType type, const SettingValue& value) {
     return std::visit(
         [type](const auto& content) -> Json {
@@ -73,6 +100,10 @@ Json value_json(SettingType type, const SettingValue& value) {
                 return format_duration(content);
             } else if constexpr (std::is_same_v<Content, TwoPoints>) {
                 return points_json(content);
+            } else if constexpr (std::is_same_v<Content, SettingFile>) {
+                return content.path;
+            } else if constexpr (std::is_same_v<Content, SettingTree>) {
+                return tree_json(content);
             } else if constexpr (std::is_same_v<Content, double>) {
                 return type == SettingType::slew ? Json(format_slew(content))
                                                  : number_json(content);

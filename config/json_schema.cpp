@@ -65,7 +65,8 @@ std::set<std::string> own_key_names(SettingScope scope) {
 
 /// If the table is of that protocol: its keys as they are, those of other protocols not at all.
 Json protocol_branch(const Protocol& protocol, SettingScope scope) {
-    Json own = properties(protocol_keys(protocol, scope));
+    const auto keys = protocol_keys(protocol, scope);
+    Json own = properties(keys);
     for (const std::string& name : own_key_names(scope)) {
         if (!own.contains(name)) {
             own[name] = false;
@@ -75,6 +76,11 @@ Json protocol_branch(const Protocol& protocol, SettingScope scope) {
     json["if"]["properties"]["protocol"]["const"] = protocol.name;
     json["if"]["required"] = {"protocol"};
     json["then"]["properties"] = std::move(own);
+    for (const Key& key : keys) {
+        if (key.setting.required) {
+            json["then"]["required"].push_back(key.name());
+        }
+    }
     return json;
 }
 

@@ -70,7 +70,10 @@ Json type_schema(const Setting& setting) {
             return {{"type", "string"}, {"pattern", kSlewPattern}};
         case SettingType::scale:
             return scale_schema(setting);
+        case SettingType::tree:
+            return {{"type", "object"}};
         case SettingType::text:
+        case SettingType::file:
             break;
     }
     return {{"type", "string"}, {"minLength", 1}};

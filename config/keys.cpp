@@ -64,15 +64,27 @@ constexpr std::array kLossRuleKeys{
 
 constexpr Key kProtocolKey{{.key = "protocol", .required = true, .help = "What the wire speaks"},
                            KeyKind::protocol};
+constexpr std::array<std::string_view, 2> kForeignSenderChoices{"failsafe", "ignore"};
+
 constexpr Key kDeviceKey{{.key = "device",
                           .type = text,
                           .required = true,
                           .help = "Serial device, such as \"/dev/ttyAMA2\" or a stable name under "
                                   "/dev/serial/by-id"}};
+constexpr Key kInterfaceKey{{.key = "interface",
+                             .type = text,
+                             .required = true,
+                             .help = "CAN interface, such as \"can0\""}};
+constexpr Key kForeignSenderKey{
+    {.key = "foreign_sender",
+     .type = choice,
+     .fallback = "\"failsafe\"",
+     .choices = kForeignSenderChoices,
+     .help = "While another node sends frames with the ids of this output. failsafe: this output "
+             "says failsafe; ignore: it only counts and logs them"}};
 
 constexpr std::array kInputKeys{
     kProtocolKey,
-    kDeviceKey,
     Key{{.key = "timeout",
          .type = duration,
          .fallback = "\"100ms\"",
@@ -85,7 +97,6 @@ constexpr std::array kInputKeys{
 
 constexpr std::array kOutputKeys{
     kProtocolKey,
-    kDeviceKey,
     Key{{.key = "period",
          .type = duration,
          .least = 0.0001,
@@ -242,8 +253,15 @@ const Key& key_named(std::span<const Key> keys, std::string_view name) {
     return *key;
 }
 
+const Key& place_key(LinkKind link) {
+    return link == LinkKind::can ? kInterfaceKey : kDeviceKey;
+}
+
 std::vector<Key> protocol_keys(const Protocol& protocol, SettingScope scope) {
-    std::vector<Key> keys;
+    std::vector<Key> keys{place_key(protocol.link)};
+    if (protocol.link == LinkKind::can && scope == SettingScope::output) {
+        keys.push_back(kForeignSenderKey);
+    }
     for (const Setting& setting : protocol.settings) {
         if (setting.scope == SettingScope::both || setting.scope == scope) {
             keys.push_back({setting});

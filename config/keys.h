@@ -40,7 +40,7 @@ struct Key {
 /// The whole language: what may stand at the top of a file.
 std::span<const Key> root_keys();
 std::span<const Key> runtime_keys();
-/// Those that every input has, whatever its protocol.
+/// Those that every input has, whatever its protocol; the first names the protocol.
 std::span<const Key> input_keys();
 std::span<const Key> output_keys();
 std::span<const Key> loss_rule_keys();
@@ -53,7 +53,11 @@ std::span<const Key> output_failsafe_keys();
 /// The row of that name, which must exist.
 const Key& key_named(std::span<const Key> keys, std::string_view name);
 
-/// The protocol's own keys that may stand in an input, or in an output.
+/// The key that names the device or the interface.
+const Key& place_key(LinkKind link);
+
+/// The keys that an input, or an output, has because of its protocol: its place, what its kind of
+/// link brings, and the protocol's own.
 std::vector<Key> protocol_keys(const Protocol& protocol, SettingScope scope);
 
 /// What a channel can be made from: each entry has exactly one of these keys.

@@ -102,8 +102,9 @@ GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, c
 }
 
 FailsafeAction default_action(const OutputConfig& output) {
-    return output.protocol != nullptr && output.protocol->says_failsafe ? FailsafeAction::preset
-                                                                        : FailsafeAction::silence;
+    return output.protocol != nullptr && output.protocol->says_failsafe(output.settings)
+               ? FailsafeAction::preset
+               : FailsafeAction::silence;
 }
 
 FailsafeSettings combine(const Given& own, const Given& shared, const OutputConfig& output) {
@@ -118,7 +119,7 @@ FailsafeSettings combine(const Given& own, const Given& shared, const OutputConf
 /// Fail silent or fail explicit, never fail stale.
 void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistakes) {
     if (given.action == FailsafeAction::hold && output.protocol != nullptr &&
-        !output.protocol->says_failsafe) {
+        !output.protocol->says_failsafe(output.settings)) {
         mistakes.add(given.action_where,
                      fmt::format("\"action\" is \"hold\", but {} of output {} cannot say failsafe: "
                                  "it would repeat old values unmarked; allowed there: \"preset\", "

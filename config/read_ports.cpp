@@ -39,12 +39,14 @@ struct PortKeys {
     std::vector<std::string_view> tolerated;
 };
 
+/// In the order in which messages list them: protocol, place, what all have, what the protocol has.
 PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope scope) {
     PortKeys port{meant_protocol(table, common), {common.begin(), common.end()}, {}};
     for (const Protocol* protocol : protocols()) {
         const auto own = protocol_keys(*protocol, scope);
         if (protocol == port.protocol) {
-            port.keys.insert(port.keys.end(), own.begin(), own.end());
+            port.keys.insert(port.keys.begin() + 1, own.front());
+            port.keys.insert(port.keys.end(), own.begin() + 1, own.end());
         } else if (port.protocol == nullptr) {
             std::ranges::move(names_of(own), std::back_inserter(port.tolerated));
         }
@@ -52,14 +54,52 @@ PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope
     return port;
 }
 
-SettingValues own_settings(const PortKeys& port, std::size_t common, const TableContent& content) {
+SettingValues own_settings(const PortKeys& port, const TableContent& content) {
     SettingValues settings;
-    for (std::size_t i = common; i < port.keys.size(); ++i) {
-        if (const SettingValue* value = content.values().find(port.keys[i].name())) {
-            settings.set(port.keys[i].name(), *value);
+    if (port.protocol != nullptr) {
+        for (const Setting& setting : port.protocol->settings) {
+            if (const SettingValue* value = content.values().find(setting.key)) {
+                settings.set(setting.key, *value);
+            }
         }
     }
     return settings;
+}
+
+/// Where the value at the end of a path of keys stands; as near as the file has it.
+Location where_of(const std::vector<std::string>& path, const TableContent& content) {
+    if (path.empty()) {
+        return content.where("protocol");
+    }
+    Location where = content.where(path.front());
+    const Entry* entry = content.find(path.front());
+    for (std::size_t i = 1; entry != nullptr && i < path.size(); ++i) {
+        const auto* table = entry->value.as<Table>();
+        entry = table == nullptr ? nullptr : table->find(path[i]);
+        where = entry == nullptr ? where : entry->value.where;
+    }
+    return where;
+}
+
+/// What the protocol itself finds wrong, if its keys are sound each. Returns whether it is content.
+bool check_by_protocol(const PortKeys& port, const SettingValues& settings, SettingScope scope,
+                       const TableContent& content, Mistakes& mistakes) {
+    if (port.protocol == nullptr) {
+        return false;
+    }
+    for (const Setting& setting : port.protocol->settings) {
+        if (!content.sound(setting.key) || (setting.required && !content.given(setting.key))) {
+            return false;
+        }
+    }
+    if (port.protocol->check == nullptr) {
+        return true;
+    }
+    const auto found = port.protocol->check(settings, scope);
+    for (const SettingMistake& mistake : found) {
+        mistakes.add(where_of(mistake.path, content), mistake.text);
+    }
+    return found.empty();
 }
 
 /// No serial driver of Linux has a setting that inverts a line, so the wish is always a mistake.
@@ -75,9 +115,11 @@ void check_inverted(const TableContent& content, Mistakes& mistakes) {
 
 PortConfig port_config(const PortKeys& port, const TableContent& content) {
     PortConfig config;
-    config.device = content.values().get_or("device", std::string());
-    config.where = content.where("device");
     if (port.protocol != nullptr) {
+        const std::string_view place = place_key(port.protocol->link).name();
+        config.link = port.protocol->link;
+        config.device = content.values().get_or(place, std::string());
+        config.where = content.where(place);
         config.line = port.protocol->line;
         const auto baud = content.values().get_or("baud", std::int64_t{config.line.baud});
         config.line.baud = static_cast<std::uint32_t>(baud);
@@ -86,8 +128,12 @@ PortConfig port_config(const PortKeys& port, const TableContent& content) {
 }
 
 bool port_sound(const PortKeys& port, const TableContent& content) {
-    return port.protocol != nullptr && content.given("device") && content.sound("device") &&
-           content.sound("baud") && content.sound("protocol");
+    if (port.protocol == nullptr) {
+        return false;
+    }
+    const std::string_view place = place_key(port.protocol->link).name();
+    return content.given(place) && content.sound(place) && content.sound("baud") &&
+           content.sound("protocol");
 }
 
 /// A frame must have left before the next one is due, with a byte of silence between.
@@ -154,7 +200,9 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
     draft.port_sound = port_sound(port, content);
     draft.config.name = entry.key;
     draft.config.protocol = port.protocol;
-    draft.config.settings = own_settings(port, input_keys().size(), content);
+    draft.config.settings = own_settings(port, content);
+    draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::input,
+                                             content, reading.mistakes);
     draft.config.port = port_config(port, content);
     draft.config.timeout = content.values().get_or("timeout", Duration::zero());
     if (const Entry* rules = content.find("failsafe_when")) {
@@ -176,7 +224,11 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     draft.port_sound = port_sound(port, content);
     draft.config.name = entry.key;
     draft.config.protocol = port.protocol;
-    draft.config.settings = own_settings(port, output_keys().size(), content);
+    draft.config.settings = own_settings(port, content);
+    draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::output,
+                                             content, reading.mistakes);
+    draft.config.yield_to_foreign_sender =
+        content.values().get_or<std::string>("foreign_sender", {}) != "ignore";
     draft.config.port = port_config(port, content);
     draft.config.schedule = schedule_settings(content, port.protocol);
     draft.config.force = content.values().get_or("force", false);

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "config/keys.h"
 #include "config/read_scale.h"
+#include "config/read_tree.h"
 #include "config/values.h"
 
 namespace tribus {
@@ -140,6 +142,10 @@ std::string allowed_values(const Setting& setting) {
             return "microseconds" + limits;
         case SettingType::slew:
             return fmt::format("microseconds a second{}, text such as \"2000us/s\"", limits);
+        case SettingType::file:
+            return "the path of a text file";
+        case SettingType::tree:
+            return "a table";
         case SettingType::scale:
             break;
     }
@@ -151,6 +157,14 @@ std::optional<SettingValue> read_value(const Setting& setting, const Value& valu
     if (setting.type == SettingType::scale && value.as<Table>() != nullptr) {
         const auto points = read_scale(setting.key, value, mistakes);
         return points ? std::optional<SettingValue>(*points) : std::nullopt;
+    }
+    if (setting.type == SettingType::tree) {
+        auto tree = read_tree(setting.key, value, mistakes);
+        return tree ? std::optional<SettingValue>(std::move(*tree)) : std::nullopt;
+    }
+    if (setting.type == SettingType::file) {
+        auto file = read_named_file(setting.key, value, mistakes);
+        return file ? std::optional<SettingValue>(std::move(*file)) : std::nullopt;
     }
     auto result = read_plain(setting, value);
     if (!result) {

@@ -29,11 +29,12 @@ struct RuntimeConfig {
     std::optional<int> cpu;
 };
 
-/// The serial device that an input or output uses.
+/// The serial device or CAN interface that an input or output uses.
 struct PortConfig {
-    std::string device;
-    LineSettings line;
-    Location where;  ///< of the value of `device`
+    LinkKind link = LinkKind::serial;
+    std::string device;  ///< path of a device, or name of an interface
+    LineSettings line;   ///< serial only
+    Location where;      ///< of the value of `device` or `interface`
 };
 
 struct InputConfig {
@@ -52,6 +53,7 @@ struct OutputConfig {
     PortConfig port;
     ScheduleSettings schedule;
     bool force = false;
+    bool yield_to_foreign_sender = true;
 };
 
 struct PipelineConfig {

@@ -132,6 +132,8 @@ SettingValue default_of(const Setting& setting) {
         case SettingType::text:
         case SettingType::choice:
         case SettingType::scale:
+        case SettingType::file:
+        case SettingType::tree:
             break;
     }
     return std::string(text);

@@ -14,6 +14,12 @@ namespace tribus {
 /// As many channels as the widest wire format has: i.Bus 18, SBUS 16 and two switches.
 inline constexpr std::size_t kChannelCount = 18;
 
+/// The format that values came in on at first, as far as it is known.
+enum class Origin : std::uint8_t { none, ibus, sbus, dronecan, can, dbc, unknown };
+
+/// Where nobody has told a link quality, which is 0 to 100 %.
+inline constexpr std::uint8_t kNoLinkQuality = 0xFF;
+
 /// One snapshot of the sticks: the meaning of one frame, whatever wire it came on.
 ///
 /// RC data is a state, not a stream: a newer frame replaces an older one. A default frame has no
@@ -27,6 +33,8 @@ class ChannelFrame {
     bool failsafe = true;
     /// Index of the input that it came from.
     std::uint8_t source = 0;
+    Origin origin = Origin::unknown;
+    std::uint8_t link_quality = kNoLinkQuality;
     /// Counts the frames of one input, wrapping.
     std::uint32_t sequence = 0;
     /// When the last byte of the frame was read.

@@ -26,6 +26,8 @@ enum class SettingType : std::uint8_t {
     pulse,     ///< microseconds, fractions allowed
     slew,      ///< text: "2000us/s"
     scale,     ///< one of `choices`, or { raw = [a, b], us = [c, d] }
+    file,      ///< text: the path of a text file, from the folder of the configuration
+    tree,      ///< a table whose inside the protocol judges itself
 };
 
 /// Two points of a straight line between raw values of a wire format and microseconds.
@@ -54,7 +56,44 @@ struct Setting {
     std::string_view help = {};
 };
 
-using SettingValue = std::variant<bool, std::int64_t, double, std::string, Duration, TwoPoints>;
+/// A text file that a key names, with what it holds.
+struct SettingFile {
+    std::string path;
+    std::string content;
+    bool operator==(const SettingFile&) const = default;
+};
+
+struct SettingEntry;
+
+/// A value as the user wrote it, however deep.
+struct SettingTree {
+    using List = std::vector<SettingTree>;
+    using Table = std::vector<SettingEntry>;
+    std::variant<bool, std::int64_t, double, std::string, List, Table> content;
+
+    template <class T>
+    const T* as() const {
+        return std::get_if<T>(&content);
+    }
+    bool operator==(const SettingTree&) const = default;
+};
+
+struct SettingEntry {
+    std::string key;
+    SettingTree value;
+    bool operator==(const SettingEntry&) const = default;
+};
+
+using SettingValue = std::variant<bool, std::int64_t, double, std::string, Duration, TwoPoints,
+                                  SettingFile, SettingTree>;
+
+/// What is wrong with one of a protocol's own keys.
+struct SettingMistake {
+    /// The key, and further down the keys inside its tree.
+    std::vector<std::string> path;
+    /// What is wrong; what is allowed.
+    std::string text;
+};
 
 /// The checked values of one table: every key of its `Setting` rows that was given or has a
 /// default.

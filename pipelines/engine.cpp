@@ -28,6 +28,13 @@ void Engine::announce(std::size_t input) {
     }
 }
 
+void Engine::watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at) {
+    const auto ids = outputs_[output].sent_ids();
+    if (std::ranges::any_of(ids, [&](const CanIdMatch& id) { return id.matches(frame); })) {
+        outputs_[output].foreign_frame_seen(at);
+    }
+}
+
 Instant Engine::poll(Instant now) {
     Instant next = kNever;
     for (Output& output : outputs_) {

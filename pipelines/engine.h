@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/can_frame.h"
 #include "core/time.h"
 #include "pipelines/input.h"
 #include "pipelines/output.h"
@@ -29,6 +30,14 @@ class Engine {
             announce(input);
         }
     }
+    /// A CAN frame that arrived at `at` on the interface of one input.
+    void receive(std::size_t input, const CanFrame& frame, Instant at) {
+        if (inputs_[input].receive(frame, at)) {
+            announce(input);
+        }
+    }
+    /// A CAN frame of another node on the interface of one output.
+    void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at);
     void device_lost(std::size_t input) { inputs_[input].device_lost(); }
 
     /// Runs every output that is due at `now`, each at most once. Returns when to call next at the

@@ -1,5 +1,6 @@
 #include "pipelines/input.h"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -8,6 +9,7 @@ namespace tribus {
 Input::Input(InputSettings settings, std::uint8_t index)
     : name_(std::move(settings.name)),
       decoder_(std::move(settings.decoder)),
+      can_decoder_(std::move(settings.can_decoder)),
       timeout_(settings.timeout),
       failsafe_when_(std::move(settings.failsafe_when)),
       index_(index) {}
@@ -19,6 +21,27 @@ bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
         any = true;
     }
     return any;
+}
+
+bool Input::receive(const CanFrame& frame, Instant at) {
+    if (std::ranges::none_of(wanted_ids(),
+                             [&](const CanIdMatch& id) { return id.matches(frame); })) {
+        return false;
+    }
+    counts_.bytes += frame.length;
+    const auto snapshot = can_decoder_->next(frame, at);
+    if (snapshot) {
+        take(*snapshot, at);
+    }
+    return snapshot.has_value();
+}
+
+std::span<const CanIdMatch> Input::wanted_ids() const {
+    return can_decoder_ ? can_decoder_->wanted() : std::span<const CanIdMatch>{};
+}
+
+const DecoderReport& Input::decoder() const {
+    return decoder_ ? static_cast<const DecoderReport&>(*decoder_) : *can_decoder_;
 }
 
 bool Input::rule_says_loss(const ChannelFrame& frame) const {

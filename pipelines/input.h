@@ -6,17 +6,21 @@
 #include <string>
 #include <vector>
 
+#include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/schedule.h"
 #include "core/time.h"
 #include "pipelines/settings.h"
+#include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 
 namespace tribus {
 
 struct InputSettings {
     std::string name;
+    /// One of the two, as the protocol is.
     std::unique_ptr<Decoder> decoder;
+    std::unique_ptr<CanDecoder> can_decoder{};
     /// No good frame for so long: this input is lost.
     Duration timeout = std::chrono::milliseconds(100);
     std::vector<LossRule> failsafe_when;
@@ -24,7 +28,7 @@ struct InputSettings {
 
 /// Events of one input since start. Only ever incremented.
 struct InputCounts {
-    std::uint64_t bytes = 0;
+    std::uint64_t bytes = 0;  ///< of CAN: the data of the frames that it wants
     std::uint64_t frames = 0;
     std::uint64_t frame_lost_frames = 0;  ///< the sender marked them so
     std::uint64_t failsafe_frames = 0;    ///< the sender marked them so, or a rule did
@@ -53,6 +57,8 @@ class Input {
         }
         return decode(bytes.subspan(start), now) || any;
     }
+    /// Takes one CAN frame that arrived at `at`; false also if it is none that this input wants.
+    bool receive(const CanFrame& frame, Instant at);
     void device_lost() { ++counts_.device_losses; }
 
     /// Whether its frames count at `at`, which may lie a little ahead.
@@ -71,7 +77,9 @@ class Input {
     const ChannelFrame& latest() const { return latest_; }
     const ArrivalClock& arrivals() const { return arrivals_; }
     const InputCounts& counts() const { return counts_; }
-    const Decoder& decoder() const { return *decoder_; }
+    const DecoderReport& decoder() const;
+    /// The CAN ids that it listens to; empty where it is not on CAN.
+    std::span<const CanIdMatch> wanted_ids() const;
     const std::string& name() const { return name_; }
 
   private:
@@ -81,6 +89,7 @@ class Input {
 
     std::string name_;
     std::unique_ptr<Decoder> decoder_;
+    std::unique_ptr<CanDecoder> can_decoder_;
     Duration timeout_;
     std::vector<LossRule> failsafe_when_;
     std::uint8_t index_;

@@ -4,10 +4,18 @@
 #include <utility>
 
 namespace tribus {
+namespace {
+
+/// Longer than the period of any sender that a reader would mistake for this one.
+constexpr Duration kForeignSenderMemory = std::chrono::seconds(1);
+
+}  // namespace
 
 Output::Output(OutputSettings settings)
     : name_(std::move(settings.name)),
       encoder_(std::move(settings.encoder)),
+      can_encoder_(std::move(settings.can_encoder)),
+      yield_to_foreign_sender_(settings.yield_to_foreign_sender),
       schedule_(settings.schedule),
       inputs_(std::move(settings.inputs)),
       map_(settings.channels),
@@ -27,9 +35,23 @@ void Output::end(Instant now) {
     schedule_.start(now);
 }
 
-std::span<const std::uint8_t> Output::take() {
-    const std::size_t length = std::exchange(wire_length_, 0);
-    return std::span(wire_).first(length);
+Transmission Output::take() {
+    return {.bytes = std::span(wire_).first(std::exchange(wire_length_, 0)),
+            .can_frames = std::span(can_frames_).first(std::exchange(can_frame_count_, 0))};
+}
+
+std::span<const CanIdMatch> Output::sent_ids() const {
+    return can_encoder_ ? can_encoder_->sent() : std::span<const CanIdMatch>{};
+}
+
+void Output::foreign_frame_seen(Instant now) {
+    ++counts_.foreign_frames;
+    foreign_seen_ = now;
+}
+
+bool Output::must_yield(Instant now) const {
+    return ending_ || (yield_to_foreign_sender_ && foreign_seen_ &&
+                       now < later(*foreign_seen_, kForeignSenderMemory));
 }
 
 std::optional<std::size_t> Output::controlling_input() const {
@@ -77,7 +99,8 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
 
 std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Input> inputs) {
     const Instant end_of_period = later(now, schedule_.period());
-    const auto selected = ending_ ? std::nullopt : select(now, end_of_period, inputs);
+    const bool yielding = must_yield(now);
+    const auto selected = yielding ? std::nullopt : select(now, end_of_period, inputs);
     if (selected) {
         if (stage_ == OutputStage::failsafe && current_) {
             ++counts_.recoveries;
@@ -89,7 +112,7 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
     }
     if (stage_ != OutputStage::failsafe) {
         stage_ = OutputStage::holding;
-        if (end_of_period < later(inputs[*current_].lost_at(), failsafe_.hold)) {
+        if (!yielding && end_of_period < later(inputs[*current_].lost_at(), failsafe_.hold)) {
             ChannelFrame frame = *held_;
             frame.frame_lost = true;
             return frame;
@@ -104,7 +127,11 @@ void Output::run(Instant now, std::span<const Input> inputs) {
     const std::optional<ChannelFrame> frame = make_frame(now, inputs);
     if (frame) {
         latest_ = *frame;
-        wire_length_ = encoder_->encode(*frame, wire_);
+        if (can_encoder_) {
+            can_frame_count_ = can_encoder_->encode(*frame, now, can_frames_);
+        } else {
+            wire_length_ = encoder_->encode(*frame, wire_);
+        }
     }
     schedule_.done(now, frame.has_value());
 }

@@ -9,19 +9,25 @@
 #include <string>
 #include <vector>
 
+#include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/schedule.h"
 #include "core/time.h"
 #include "pipelines/channel_map.h"
 #include "pipelines/input.h"
 #include "pipelines/settings.h"
+#include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 
 namespace tribus {
 
 struct OutputSettings {
     std::string name;
+    /// One of the two, as the protocol is.
     std::unique_ptr<Encoder> encoder;
+    std::unique_ptr<CanEncoder> can_encoder{};
+    /// CAN only: while another node sends frames with the ids of this output, it says failsafe.
+    bool yield_to_foreign_sender = true;
     ScheduleSettings schedule;
     /// What its pipeline feeds it from: indices of inputs, the preferred first.
     std::vector<std::size_t> inputs;
@@ -35,11 +41,21 @@ enum class OutputStage : std::uint8_t {
     control,   ///< an input is in control
 };
 
+/// What an output hands to its link: a frame of bytes, or CAN frames, or nothing.
+struct Transmission {
+    std::span<const std::uint8_t> bytes;
+    std::span<const CanFrame> can_frames;
+
+    bool empty() const { return bytes.empty() && can_frames.empty(); }
+};
+
 /// Events of one output since start. Only ever incremented.
 struct OutputCounts {
     std::uint64_t sent = 0;
     std::uint64_t busy_drops = 0;  ///< the port still had the frame before; a newer one follows
     std::uint64_t lost_drops = 0;  ///< the device was not there
+    std::uint64_t unavailable_drops = 0;  ///< the bus took nothing: down, off, or stalled
+    std::uint64_t foreign_frames = 0;     ///< CAN frames of others with the ids of this output
     std::uint64_t failsafe_entries = 0;
     std::uint64_t recoveries = 0;
 };
@@ -65,10 +81,17 @@ class Output {
     void end(Instant now);
 
     /// The encoded frame that waits to be written; empty if none. Taking it makes it empty.
-    std::span<const std::uint8_t> take();
+    /// Valid until the next `run`.
+    Transmission take();
     void written() { ++counts_.sent; }
     void dropped_busy() { ++counts_.busy_drops; }
     void dropped_lost() { ++counts_.lost_drops; }
+    void dropped_unavailable() { ++counts_.unavailable_drops; }
+
+    /// The ids that it sends; empty where it is not on CAN.
+    std::span<const CanIdMatch> sent_ids() const;
+    /// Another node has sent one of them: from here on two sources pretend to be one.
+    void foreign_frame_seen(Instant now);
 
     const std::string& name() const { return name_; }
     OutputStage stage() const { return stage_; }
@@ -80,12 +103,15 @@ class Output {
     Duration period() const { return schedule_.period(); }
 
   private:
+    bool must_yield(Instant now) const;
     std::optional<std::size_t> select(Instant now, Instant at, std::span<const Input> inputs) const;
     std::optional<ChannelFrame> make_frame(Instant now, std::span<const Input> inputs);
     std::optional<ChannelFrame> failsafe_frame(Instant now);
 
     std::string name_;
     std::unique_ptr<Encoder> encoder_;
+    std::unique_ptr<CanEncoder> can_encoder_;
+    bool yield_to_foreign_sender_;
     Schedule schedule_;
     std::vector<std::size_t> inputs_;
     ChannelMap map_;
@@ -93,12 +119,15 @@ class Output {
 
     OutputStage stage_ = OutputStage::failsafe;
     bool ending_ = false;
+    std::optional<Instant> foreign_seen_;
     /// The input that is, or before `holding` was, in control.
     std::optional<std::size_t> current_;
     std::optional<ChannelFrame> held_;
     ChannelFrame latest_;
     std::array<std::uint8_t, kLongestSerialFrame> wire_{};
     std::size_t wire_length_ = 0;
+    std::array<CanFrame, kMostSnapshotFrames> can_frames_{};
+    std::size_t can_frame_count_ = 0;
     OutputCounts counts_;
 };
 

@@ -13,10 +13,10 @@ VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start
 void VirtualLoop::poll(Instant at) {
     next_ = engine_.poll(at);
     for (std::size_t output = 0; output < engine_.outputs().size(); ++output) {
-        const auto frame = engine_.output(output).take();
-        if (!frame.empty()) {
+        const Transmission sent = engine_.output(output).take();
+        if (!sent.empty()) {
             engine_.output(output).written();
-            observer_.wrote(output, at, frame);
+            observer_.wrote(output, at, sent);
         }
     }
     now_ = at;

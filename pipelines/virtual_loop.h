@@ -13,7 +13,7 @@ namespace tribus {
 class OutputObserver {
   public:
     virtual ~OutputObserver() = default;
-    virtual void wrote(std::size_t output, Instant at, std::span<const std::uint8_t> frame) = 0;
+    virtual void wrote(std::size_t output, Instant at, const Transmission& sent) = 0;
 };
 
 /// Drives an engine under virtual time: the same engine, without a clock, descriptors or waiting.
@@ -31,6 +31,19 @@ class VirtualLoop {
                  const DamagedMarks& damaged, Instant at) {
         run_until(at);
         engine_.receive(input, bytes, damaged, at);
+        poll(at);
+    }
+
+    /// A CAN frame arrives at an input.
+    void receive(std::size_t input, const CanFrame& frame, Instant at) {
+        run_until(at);
+        engine_.receive(input, frame, at);
+        poll(at);
+    }
+    /// A CAN frame of another node arrives on the interface of an output.
+    void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at) {
+        run_until(at);
+        engine_.watch_for_foreign_sender(output, frame, at);
         poll(at);
     }
 

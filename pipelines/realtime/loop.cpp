@@ -69,13 +69,15 @@ tl::expected<void, std::string> Loop::prepare() {
 }
 
 void Loop::watch(std::size_t port) {
-    const Link* link = ports_[port].link.get();
+    Link* link = ports_[port].link.get();
     if (link == nullptr || link->descriptor() < 0) {
         return;
     }
     epoll_event event{};
     // A hang-up is reported without being asked for; bytes that nobody wants would wake for ever.
-    event.events = ports_[port].wiring.input ? EPOLLIN : 0U;
+    // A CAN socket also tells what became of frames that were sent.
+    const bool wanted = !ports_[port].wiring.inputs.empty() || link->as_can() != nullptr;
+    event.events = wanted ? EPOLLIN : 0U;
     event.data.u64 = port;
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, link->descriptor(), &event) != 0) {
         lose(ports_[port]);
@@ -84,8 +86,8 @@ void Loop::watch(std::size_t port) {
 
 void Loop::lose(Port& port) {
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
-    if (port.wiring.input) {
-        engine_.device_lost(*port.wiring.input);
+    for (const std::size_t input : port.wiring.inputs) {
+        engine_.device_lost(input);
     }
     // Closing may take the kernel long: the main thread does it.
     port.lost.store(port.link.release(), std::memory_order_release);
@@ -119,50 +121,103 @@ void Loop::accept_given_links() {
     }
 }
 
+ReadStatus Loop::read_bytes(const PortWiring& wiring, ByteLink& link, Instant now) {
+    const ReadStatus status = link.read(reception_);
+    if (status == ReadStatus::received) {
+        for (const std::size_t input : wiring.inputs) {
+            engine_.receive(input, reception_.view(), reception_.damaged, now);
+        }
+    }
+    return status;
+}
+
+ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) {
+    const ReadStatus status = link.read(can_reception_, now, wall_time_now());
+    if (status == ReadStatus::received) {
+        for (const ReceivedCanFrame& received : can_reception_.view()) {
+            for (const std::size_t input : wiring.inputs) {
+                engine_.receive(input, received.frame, received.at);
+            }
+            for (const std::size_t output : wiring.outputs) {
+                engine_.watch_for_foreign_sender(output, received.frame, received.at);
+            }
+        }
+    }
+    return status;
+}
+
 void Loop::read_port(Port& port, Instant now) {
     if (!port.link) {
         return;
     }
-    switch (port.link->read(reception_)) {
-        case ReadStatus::received:
-            if (port.wiring.input) {
-                engine_.receive(*port.wiring.input, reception_.view(), reception_.damaged, now);
-            }
+    ByteLink* bytes = port.link->as_bytes();
+    const ReadStatus status = bytes != nullptr ? read_bytes(port.wiring, *bytes, now)
+                                               : read_can(port.wiring, *port.link->as_can(), now);
+    if (status == ReadStatus::lost) {
+        lose(port);
+    }
+}
+
+namespace {
+
+WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent, Instant now) {
+    ByteLink* bytes = link.as_bytes();
+    return bytes != nullptr ? bytes->write(sent.bytes)
+                            : link.as_can()->write(lane, sent.can_frames, now);
+}
+
+void count(WriteStatus status, Output& output) {
+    switch (status) {
+        case WriteStatus::written:
+            output.written();
             break;
-        case ReadStatus::nothing:
+        case WriteStatus::busy:
+            output.dropped_busy();
             break;
-        case ReadStatus::lost:
-            lose(port);
+        case WriteStatus::unavailable:
+            output.dropped_unavailable();
+            break;
+        case WriteStatus::lost:
+            output.dropped_lost();
             break;
     }
 }
 
-void Loop::write_outputs() {
+}  // namespace
+
+void Loop::write_outputs(Instant now) {
     for (Port& port : ports_) {
-        if (!port.wiring.output) {
-            continue;
-        }
-        Output& output = engine_.output(*port.wiring.output);
-        const auto frame = output.take();
-        if (frame.empty()) {
-            continue;
-        }
-        const WriteStatus status = port.link ? port.link->write(frame) : WriteStatus::lost;
-        switch (status) {
-            case WriteStatus::written:
-                output.written();
-                break;
-            case WriteStatus::busy:
-                output.dropped_busy();
-                break;
-            case WriteStatus::lost:
-                output.dropped_lost();
-                if (port.link) {
-                    lose(port);
-                }
-                break;
+        for (std::size_t lane = 0; lane < port.wiring.outputs.size(); ++lane) {
+            Output& output = engine_.output(port.wiring.outputs[lane]);
+            const Transmission sent = output.take();
+            if (sent.empty()) {
+                continue;
+            }
+            const WriteStatus status =
+                port.link ? hand_over(*port.link, lane, sent, now) : WriteStatus::lost;
+            count(status, output);
+            if (status == WriteStatus::lost && port.link) {
+                lose(port);
+            }
         }
     }
+}
+
+Instant Loop::poll_can_links(Instant now) {
+    Instant next = kNever;
+    for (Port& port : ports_) {
+        if (port.link && port.link->as_can() != nullptr) {
+            next = std::min(next, port.link->as_can()->poll(now));
+        }
+    }
+    return next;
+}
+
+/// Runs and sends what is due; returns when something will be.
+Instant Loop::advance(Instant now) {
+    const Instant next = engine_.poll(now);
+    write_outputs(now);
+    return std::min(next, poll_can_links(now));
 }
 
 void Loop::publish(Instant now) {
@@ -193,6 +248,11 @@ void Loop::publish(Instant now) {
         status.stage = output.stage();
         output_status_[i].publish(status);
     }
+    for (Port& port : ports_) {
+        if (port.link && port.link->as_can() != nullptr) {
+            port.can_status.publish(port.link->as_can()->status());
+        }
+    }
 }
 
 std::size_t Loop::wait(Instant now, Instant until) {
@@ -222,8 +282,7 @@ void Loop::run() {
     Instant now = monotonic_now();
     engine_.start(now);
     std::optional<Instant> end_at;
-    Instant next = engine_.poll(now);
-    write_outputs();
+    Instant next = advance(now);
     while (!end_at || now < *end_at) {
         const std::size_t ready = wait(now, std::min(next, end_at.value_or(kNever)));
         now = monotonic_now();
@@ -234,8 +293,7 @@ void Loop::run() {
             read_port(ports_[ready_[i]], now);
         }
         if (!end_at || now < *end_at) {
-            next = engine_.poll(now);
-            write_outputs();
+            next = advance(now);
         }
         publish(now);
     }

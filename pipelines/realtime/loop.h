@@ -15,15 +15,17 @@
 #include "core/time.h"
 #include "pipelines/engine.h"
 #include "pipelines/realtime/snapshot.h"
+#include "transports/links/can_link.h"
 #include "transports/links/link.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
 
-/// How one port is joined to the engine. One serial device may serve an input and an output.
+/// How one port is joined to the engine. One serial device may serve an input and an output, one
+/// CAN interface many of each.
 struct PortWiring {
-    std::optional<std::size_t> input;
-    std::optional<std::size_t> output;
+    std::vector<std::size_t> inputs;
+    std::vector<std::size_t> outputs;
 };
 
 /// What the main thread may know of an input.
@@ -75,6 +77,8 @@ class Loop {
     /// Thread-safe.
     InputStatus input_status(std::size_t input) const { return input_status_[input].read(); }
     OutputStatus output_status(std::size_t output) const { return output_status_[output].read(); }
+    /// Of a port that is a CAN interface.
+    CanLinkStatus can_status(std::size_t port) const { return ports_[port].can_status.read(); }
 
   private:
     struct Port {
@@ -82,13 +86,19 @@ class Loop {
         std::unique_ptr<Link> link;
         std::atomic<Link*> lost{nullptr};
         std::atomic<Link*> given{nullptr};
+        Snapshot<CanLinkStatus> can_status;
     };
 
     void watch(std::size_t port);
     void lose(Port& port);
     void accept_given_links();
     void read_port(Port& port, Instant now);
-    void write_outputs();
+    ReadStatus read_bytes(const PortWiring& wiring, ByteLink& link, Instant now);
+    ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
+    void write_outputs(Instant now);
+    /// Returns when the links want to be called again.
+    Instant poll_can_links(Instant now);
+    Instant advance(Instant now);
     void publish(Instant now);
     /// Returns how many ports are ready; their numbers are in `ready_`.
     std::size_t wait(Instant now, Instant until);
@@ -102,6 +112,7 @@ class Loop {
     std::atomic<bool> end_requested_{false};
     std::array<std::size_t, kEventsPerWake> ready_{};
     Reception reception_;
+    CanReception can_reception_;
     Instant next_publish_{};
     std::deque<Snapshot<InputStatus>> input_status_;
     std::deque<Snapshot<OutputStatus>> output_status_;

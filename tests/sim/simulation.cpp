@@ -150,8 +150,8 @@ std::optional<Instant> Simulation::arrived_at(std::size_t sender, std::uint32_t 
     return arrivals[number];
 }
 
-void Simulation::wrote(std::size_t output, Instant at, std::span<const std::uint8_t> frame) {
-    std::span<const std::uint8_t> rest = frame;
+void Simulation::wrote(std::size_t output, Instant at, const Transmission& sent) {
+    std::span<const std::uint8_t> rest = sent.bytes;
     auto found = readers_[output]->next(rest, at);
     if (!found) {
         found = readers_[output]->finish();

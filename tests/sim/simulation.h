@@ -61,7 +61,7 @@ class Simulation final : public OutputObserver {
     /// Allocations inside the engine since it started.
     std::uint64_t allocations() const { return allocations_; }
 
-    void wrote(std::size_t output, Instant at, std::span<const std::uint8_t> frame) override;
+    void wrote(std::size_t output, Instant at, const Transmission& sent) override;
 
   private:
     struct Wire {

@@ -35,15 +35,27 @@ struct FrameDetail {
     bool list = false;
 };
 
-/// Bytes in, frames out. Pure: no descriptor, clock, log or heap; works in a fixed buffer.
-/// Thread-bound: one thread at a time.
-class Decoder {
+/// What every decoder tells of its work, whatever it decodes.
+class DecoderReport {
   public:
-    Decoder() = default;
-    Decoder(const Decoder&) = delete;
-    Decoder& operator=(const Decoder&) = delete;
-    virtual ~Decoder() = default;
+    DecoderReport() = default;
+    DecoderReport(const DecoderReport&) = delete;
+    DecoderReport& operator=(const DecoderReport&) = delete;
+    virtual ~DecoderReport() = default;
 
+    /// What was refused, by cause. Only ever incremented.
+    virtual std::span<const NamedCount> rejected() const = 0;
+    /// Bytes that belonged to no frame and no known part of the protocol.
+    virtual std::uint64_t skipped_bytes() const { return 0; }
+    /// What the protocol knows of the frame that was returned last. Valid until the next call.
+    virtual std::span<const FrameDetail> details() const { return {}; }
+};
+
+/// Bytes in, frames out. Pure: no descriptor, clock, log or heap; works in a fixed buffer.
+/// `rejected` counts under "damaged" the bytes that had a parity or framing error, each of which
+/// kills its frame. Thread-bound: one thread at a time.
+class Decoder : public DecoderReport {
+  public:
     /// Takes bytes off the front of `bytes` until a frame is complete, and returns it; call again
     /// with the rest. Returns nothing when all bytes are taken and no further frame is complete.
     /// `received` is the instant at which the bytes were read.
@@ -56,14 +68,6 @@ class Decoder {
 
     /// The recording ends here: returns a frame that only lacked what would have followed it.
     virtual std::optional<DecodedFrame> finish() = 0;
-
-    /// Rejected frames by cause, and under "damaged" the bytes that had a parity or framing error,
-    /// each of which kills its frame. Only ever incremented.
-    virtual std::span<const NamedCount> rejected() const = 0;
-    /// Bytes that belonged to no frame and no known part of the protocol.
-    virtual std::uint64_t skipped_bytes() const = 0;
-    /// What the protocol knows of the frame that `next` returned last. Valid until the next call.
-    virtual std::span<const FrameDetail> details() const { return {}; }
 };
 
 /// A frame in, bytes out. Pure and reentrant. Total: every frame has an encoding.

@@ -179,6 +179,7 @@ DecodedFrame IbusDecoder::take_frame(const Candidate& candidate, Instant receive
     frame.channels.frame_lost = false;
     frame.channels.failsafe = false;
     frame.channels.received = received;
+    frame.channels.origin = Origin::ibus;
     const std::size_t slots_at = candidate.kind == Kind::ia6 ? kIa6SlotsAt : kSlotsAt;
     const auto slots = buffer_.view(slots_at, candidate.length - slots_at - kChecksumBytes);
     const bool nibbles = slots_ == IbusSlots::nibbles;
@@ -296,7 +297,7 @@ const Protocol kIbusProtocol{
     .longest_frame = kLongestFrame,
     .default_period = std::chrono::milliseconds(7),
     .least_period = std::chrono::milliseconds(4),
-    .says_failsafe = false,
+    .says_failsafe = never_says_failsafe,
     .make_decoder = make_decoder,
     .make_encoder = make_encoder,
 };

@@ -250,6 +250,7 @@ DecodedFrame SbusDecoder::take_frame(Instant received) {
     frame.channels.frame_lost = wire.frame_lost;
     frame.channels.failsafe = wire.failsafe;
     frame.channels.received = received;
+    frame.channels.origin = Origin::sbus;
     raw_ = wire.raw;
     footer_[0] = wire.footer;
     slots_left_ = slots_follow(wire.footer) ? kSlotsPerFrame : 0;
@@ -371,7 +372,7 @@ const Protocol kSbusProtocol{
     .longest_frame = kSbusFrameLength,
     .default_period = std::chrono::milliseconds(14),
     .least_period = std::chrono::milliseconds(7),
-    .says_failsafe = true,
+    .says_failsafe = always_says_failsafe,
     .make_decoder = make_decoder,
     .make_encoder = make_encoder,
 };

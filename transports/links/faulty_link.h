@@ -47,9 +47,9 @@ class FaultInjector {
 
 /// Puts faults on both directions of another link, which must outlive it. Delays are the
 /// caller's, who has the time; a written byte cannot carry a parity error, only its wrong bit.
-class FaultyLink : public Link {
+class FaultyLink : public ByteLink {
   public:
-    FaultyLink(Link& link, const FaultSettings& settings, std::uint64_t seed)
+    FaultyLink(ByteLink& link, const FaultSettings& settings, std::uint64_t seed)
         : link_(link), injector_(settings, seed) {}
 
     ReadStatus read(Reception& reception) override;
@@ -57,7 +57,7 @@ class FaultyLink : public Link {
     int descriptor() const override { return link_.descriptor(); }
 
   private:
-    Link& link_;
+    ByteLink& link_;
     FaultInjector injector_;
 };
 

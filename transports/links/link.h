@@ -29,20 +29,33 @@ enum class ReadStatus : std::uint8_t {
 };
 
 enum class WriteStatus : std::uint8_t {
-    written,  ///< the whole frame is with the kernel, whose queue was empty before
-    busy,     ///< not written, or not wholly: the frame is dropped, a newer one follows
-    lost,     ///< the device is gone
+    written,      ///< with the kernel, whose queue had nothing of this sender before
+    busy,         ///< not written, or not wholly: dropped, something newer follows
+    unavailable,  ///< the line takes nothing now (a bus is down or off): dropped; it may come back
+    lost,         ///< the device is gone; it stays lost until it is opened again
 };
 
-/// A way for bytes in and out that knows nothing of protocols. Never blocks, never throws, never
-/// retries in a loop. Thread-bound: one thread at a time.
+class ByteLink;
+class CanLink;
+
+/// A way in and out that knows nothing of protocols. Never blocks, never throws, never retries in
+/// a loop. Thread-bound: one thread at a time.
 class Link {
   public:
     virtual ~Link() = default;
-    virtual ReadStatus read(Reception& reception) = 0;
-    virtual WriteStatus write(std::span<const std::uint8_t> frame) = 0;
     /// For epoll; -1 where there is none.
     virtual int descriptor() const = 0;
+    /// Its kind, the other one null.
+    virtual ByteLink* as_bytes() { return nullptr; }
+    virtual CanLink* as_can() { return nullptr; }
+};
+
+/// For protocols that are a stream of bytes.
+class ByteLink : public Link {
+  public:
+    virtual ReadStatus read(Reception& reception) = 0;
+    virtual WriteStatus write(std::span<const std::uint8_t> frame) = 0;
+    ByteLink* as_bytes() final { return this; }
 };
 
 }  // namespace tribus

@@ -11,7 +11,7 @@
 namespace tribus {
 
 /// A link whose far side is the caller: for simulation and tests. No descriptor and no heap.
-class MemoryLink : public Link {
+class MemoryLink : public ByteLink {
   public:
     /// Bytes that may stand in each direction: as much as a terminal's input buffer holds.
     static constexpr std::size_t kCapacity = 4096;

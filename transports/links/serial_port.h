@@ -17,7 +17,7 @@ namespace tribus {
 /// A serial device of Linux (UART, USB adapter, pty) as a link of raw bytes. Thread-bound.
 ///
 /// A byte with a parity or framing error arrives as a damaged one, a break as a damaged zero.
-class SerialPort : public Link {
+class SerialPort : public ByteLink {
   public:
     /// Opens `device`, a path (links as under /dev/serial/by-id are followed), for this program
     /// alone, sets the line and checks that the port really keeps it. What came in before is

@@ -132,7 +132,7 @@ TEST(IbusProtocol, ReadsNibblesAndWritesFourteenChannelsByDefault) {
 TEST(IbusProtocol, LeavesTimeForAWholeFrame) {
     EXPECT_LT(kIbusProtocol.line.bytes_time(kIbusProtocol.longest_frame),
               kIbusProtocol.least_period);
-    EXPECT_FALSE(kIbusProtocol.says_failsafe);
+    EXPECT_FALSE(kIbusProtocol.says_failsafe({}));
 }
 
 }  // namespace

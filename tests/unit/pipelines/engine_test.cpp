@@ -64,7 +64,8 @@ class Bench final : public OutputObserver {
           seen_(engine_.outputs().size()),
           loop_(engine_, *this, Instant{}) {}
 
-    void wrote(std::size_t output, Instant when, std::span<const std::uint8_t> frame) override {
+    void wrote(std::size_t output, Instant when, const Transmission& sent) override {
+        const auto frame = sent.bytes;
         seen_[output].push_back({when, parse_sbus(frame.first<kSbusFrameLength>())});
     }
 

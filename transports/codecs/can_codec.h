@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "core/can_frame.h"
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "transports/codecs/codec.h"
+
+namespace tribus {
+
+/// CAN frames in, snapshots of the channels out: only whole ones, whose parts belong together.
+/// Pure: no descriptor, clock, log or heap after construction. Thread-bound: one thread at a time.
+class CanDecoder : public DecoderReport {
+  public:
+    /// Some of its frames are FD. Constant.
+    virtual bool uses_fd() const { return false; }
+    /// The ids that it wants to see. Constant.
+    virtual std::span<const CanIdMatch> wanted() const = 0;
+
+    /// Takes one frame that arrived at `received`; ids that it does not want are passed over.
+    /// Returns the snapshot that the frame completes, if it does. `received` of the snapshot is
+    /// when its values were fresh: the arrival, or earlier where the sender tells their age.
+    virtual std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) = 0;
+};
+
+/// A snapshot of the channels in, CAN frames out. Pure; keeps counters only. Total: every snapshot
+/// has an encoding. Thread-bound: one thread at a time.
+class CanEncoder {
+  public:
+    CanEncoder() = default;
+    CanEncoder(const CanEncoder&) = delete;
+    CanEncoder& operator=(const CanEncoder&) = delete;
+    virtual ~CanEncoder() = default;
+
+    /// Some of its frames are FD. Constant.
+    virtual bool uses_fd() const { return false; }
+    /// The ids that it sends, and nobody else on the bus may. Constant.
+    virtual std::span<const CanIdMatch> sent() const = 0;
+
+    /// Writes the frames of one snapshot, in the order in which they go out, and returns how many.
+    /// `now` is when they go out: the age of the values is told where the format can.
+    virtual std::size_t encode(const ChannelFrame& snapshot, Instant now,
+                               std::span<CanFrame, kMostSnapshotFrames> frames) = 0;
+};
+
+}  // namespace tribus
