@@ -1,5 +1,6 @@
 #include "app/appliance.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace tribus {
@@ -73,6 +74,13 @@ std::vector<Appliance::DeviceEvent> Appliance::tend() {
         }
     }
     return events;
+}
+
+bool Appliance::uses_fd(const PortWiring& wiring) const {
+    const auto fd_input = [this](std::size_t i) { return engine_->inputs()[i].uses_fd(); };
+    const auto fd_output = [this](std::size_t i) { return engine_->outputs()[i].uses_fd(); };
+    return std::ranges::any_of(wiring.inputs, fd_input) ||
+           std::ranges::any_of(wiring.outputs, fd_output);
 }
 
 void Appliance::end() {

@@ -49,6 +49,12 @@ class Appliance {
     const std::vector<std::string>& missing_realtime() const { return missing_realtime_; }
     InputStatus input_status(std::size_t input) const { return loop_->input_status(input); }
     OutputStatus output_status(std::size_t output) const { return loop_->output_status(output); }
+    /// Devices and interfaces, each once.
+    const std::vector<PortPlan>& ports() const { return plans_; }
+    /// Of a port that is a CAN interface.
+    CanLinkStatus can_status(std::size_t port) const { return loop_->can_status(port); }
+    /// An input or output of that port has FD frames.
+    bool uses_fd(const PortWiring& wiring) const;
 
   private:
     explicit Appliance(Configuration configuration);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
@@ -12,7 +11,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,8 +18,6 @@
 #include "app/exit_status.h"
 #include "app/frame_json.h"
 #include "app/streams.h"
-#include "app/waveform.h"
-#include "transports/links/recording_writer.h"
 
 namespace tribus {
 namespace {
@@ -34,91 +30,15 @@ constexpr unsigned kMostMistakes = 20;
 const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::binary},
                                                    {"hex", EncodeFormat::hex},
                                                    {"timed", EncodeFormat::timed},
-                                                   {"vcd", EncodeFormat::vcd}};
+                                                   {"vcd", EncodeFormat::vcd},
+                                                   {"candump", EncodeFormat::candump}};
+
+/// Names of interfaces have at most 15 characters in Linux.
+constexpr std::size_t kLongestInterface = 15;
 
 /// What decode has read is written back whole; the configuration's default of 14 is for readers
 /// that know no more.
 const GivenSettings kEncodeDefaults{{"channels", "18"}};
-
-/// Writes encoded frames in one of the formats.
-class WireWriter {
-  public:
-    WireWriter(const ProtocolUse& use, EncodeFormat format, std::ostream& results)
-        : use_(use),
-          encoder_(use.protocol->make_encoder(use.settings)),
-          format_(format),
-          results_(results),
-          waveform_(use.line) {}
-
-    /// The error is what is wrong with the frame's time.
-    tl::expected<void, std::string> write(const WrittenFrame& written) {
-        const Duration start = written.start.value_or(
-            latest_ ? *latest_ + use_.protocol->default_period : Duration::zero());
-        if (latest_ && start < *latest_) {
-            return tl::unexpected<std::string>(
-                fmt::format("t_us is {}, before the {} of the frame ahead; times may not go back",
-                            whole_microseconds(start), whole_microseconds(*latest_)));
-        }
-        std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = encoder_->encode(written.channels, wire);
-        std::string text;
-        heading(text, start);
-        append(text, start, std::span(wire).first(length));
-        results_ << text;
-        latest_ = start;
-        return {};
-    }
-
-    void finish(std::ostream& talk) {
-        std::string text;
-        heading(text, Duration::zero());
-        if (format_ == EncodeFormat::vcd) {
-            waveform_.end(text);
-        }
-        results_ << text;
-        if (waveform_.delayed() > 0) {
-            talk << fmt::format(
-                "tribus: {} frames were moved back, because the one ahead was still on the wire\n",
-                waveform_.delayed());
-        }
-    }
-
-  private:
-    void heading(std::string& text, Duration first_start) {
-        if (std::exchange(heading_written_, true)) {
-            return;
-        }
-        if (format_ == EncodeFormat::timed) {
-            text += kTimedHeading;
-        } else if (format_ == EncodeFormat::vcd) {
-            waveform_.begin(text, first_start);
-        }
-    }
-    void append(std::string& text, Duration start, std::span<const std::uint8_t> frame) {
-        switch (format_) {
-            case EncodeFormat::binary:
-                text.append(frame.begin(), frame.end());
-                break;
-            case EncodeFormat::hex:
-                append_hex_line(text, frame);
-                break;
-            case EncodeFormat::timed:
-                append_timed_line(text, start, frame);
-                break;
-            case EncodeFormat::vcd:
-                waveform_.frame(text, start, frame);
-                break;
-        }
-    }
-
-    const ProtocolUse& use_;
-    std::unique_ptr<Encoder> encoder_;
-    EncodeFormat format_;
-    std::ostream& results_;
-    Waveform waveform_;
-    std::optional<Duration> latest_;
-    bool heading_written_ = false;
-};
 
 /// The next line, cut at the longest that is allowed; `too_long` says so.
 std::optional<std::string_view> next_line(std::istream& lines, std::vector<char>& buffer,
@@ -136,7 +56,8 @@ std::optional<std::string_view> next_line(std::istream& lines, std::vector<char>
 struct EncodeArguments {
     std::string file;
     std::string protocol;
-    std::string format = "binary";
+    std::string format;
+    std::string interface;
     GivenSettings given;
 };
 
@@ -156,6 +77,42 @@ GivenSettings with_defaults(const Protocol& protocol, GivenSettings given) {
     return given;
 }
 
+/// The format as given, or the usual one of the protocol; the error says what is allowed.
+tl::expected<EncodeFormat, std::string> choose_format(const Protocol& protocol,
+                                                      const EncodeArguments& arguments) {
+    const bool can = protocol.link == LinkKind::can;
+    if (arguments.format.empty()) {
+        return can ? EncodeFormat::candump : EncodeFormat::binary;
+    }
+    const EncodeFormat format = kFormats.at(arguments.format);
+    if (can == (format == EncodeFormat::candump)) {
+        return format;
+    }
+    return tl::unexpected(
+        can ? fmt::format("--format {}: {} goes over CAN; allowed: candump", arguments.format,
+                          protocol.name)
+            : fmt::format("--format candump: {} does not go over CAN; allowed: binary, hex, timed, "
+                          "vcd",
+                          protocol.name));
+}
+
+tl::expected<std::string, std::string> choose_interface(const Protocol& protocol,
+                                                        const std::string& given) {
+    if (given.empty()) {
+        return std::string(kDefaultInterface);
+    }
+    if (protocol.link != LinkKind::can) {
+        return tl::unexpected(
+            fmt::format("--interface: {} does not go over CAN; leave it out", protocol.name));
+    }
+    if (given.size() > kLongestInterface || given.find_first_of(" \t\r\n") != std::string::npos) {
+        return tl::unexpected(fmt::format(
+            "--interface {}: names of interfaces have at most {} characters and no blanks", given,
+            kLongestInterface));
+    }
+    return given;
+}
+
 int run_encode(const EncodeArguments& arguments) {
     const auto plain = choose_protocols(arguments.protocol, SettingScope::output, arguments.given);
     if (!plain) {
@@ -170,9 +127,17 @@ int run_encode(const EncodeArguments& arguments) {
     if (!use) {
         return fail(use.error(), kExitWrongUse);
     }
-    const EncodeFormat format = kFormats.at(arguments.format);
+    const auto format = choose_format(protocol, arguments);
+    if (!format) {
+        return fail(format.error(), kExitWrongUse);
+    }
+    const auto interface = choose_interface(protocol, arguments.interface);
+    if (!interface) {
+        return fail(interface.error(), kExitWrongUse);
+    }
     if (arguments.file.empty() || arguments.file == "-") {
-        return encode_lines(std::cin, "standard input", *use, format, std::cout, std::cerr);
+        return encode_lines(std::cin, "standard input", *use, *format, std::cout, std::cerr,
+                            *interface);
     }
     errno = 0;
     std::ifstream file(arguments.file, std::ios::binary);
@@ -181,14 +146,15 @@ int run_encode(const EncodeArguments& arguments) {
     if (nothing && errno != 0) {
         return fail(fmt::format("{}: {}", arguments.file, std::strerror(errno)), kExitFailed);
     }
-    return encode_lines(file, arguments.file, *use, format, std::cout, std::cerr);
+    return encode_lines(file, arguments.file, *use, *format, std::cout, std::cerr, *interface);
 }
 
 }  // namespace
 
 int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& use,
-                 EncodeFormat format, std::ostream& results, std::ostream& talk) {
-    WireWriter writer(use, format, results);
+                 EncodeFormat format, std::ostream& results, std::ostream& talk,
+                 std::string_view interface) {
+    const auto writer = make_frame_writer(use, format, interface, results);
     std::vector<char> buffer(kLongestLine);
     unsigned mistakes = 0;
     bool too_long = false;
@@ -206,7 +172,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         } else if (auto frame = parse_frame_json(*line); !frame) {
             mistake = frame.error();
         } else if (*frame) {
-            const auto written = writer.write(**frame);
+            const auto written = writer->write(**frame);
             mistake.text = written ? std::string() : written.error();
         }
         if (mistake.text.empty()) {
@@ -218,21 +184,24 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
             break;
         }
     }
-    writer.finish(talk);
+    writer->finish(talk);
     return mistakes == 0 ? kExitFine : kExitFailed;
 }
 
 void add_encode_command(CLI::App& app, int& status) {
-    CLI::App* const command =
-        app.add_subcommand("encode", "Frames, as decode --format json prints them, to bytes");
+    CLI::App* const command = app.add_subcommand(
+        "encode", "Frames, as decode --format json prints them, to bytes or CAN frames");
     const auto arguments = std::make_shared<EncodeArguments>();
     command->add_option("file", arguments->file, "JSON lines; absent or -: standard input");
     command->add_option("--protocol", arguments->protocol, protocol_list())->required();
     command
         ->add_option("--format", arguments->format,
-                     "timed: hex with microseconds in front; vcd: the level on the wire")
-        ->capture_default_str()
+                     "timed: hex with microseconds in front; vcd: the level on the wire; candump: "
+                     "the log of CAN protocols. Absent: binary, or candump for a CAN protocol")
         ->check(CLI::IsMember(kFormats));
+    command->add_option(
+        "--interface", arguments->interface,
+        fmt::format("The interface that a log of candump names; absent: {}", kDefaultInterface));
     for (const SettingOption& option : setting_options(SettingScope::output)) {
         const auto keep = [arguments, key = option.key](const std::string& text) {
             arguments->given.insert_or_assign(key, text);

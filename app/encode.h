@@ -1,26 +1,25 @@
 #pragma once
 
-#include <cstdint>
 #include <iosfwd>
 #include <string_view>
 
+#include "app/frame_writer.h"
 #include "app/protocol_use.h"
 
 namespace CLI {
 class App;
 }
 
-/// The subcommand `encode`: frames to bytes, or to the waveform on the wire.
+/// The subcommand `encode`: frames to bytes, to the waveform on the wire, or to CAN frames.
 namespace tribus {
 
-enum class EncodeFormat : std::uint8_t { binary, hex, timed, vcd };
-
-/// Reads frames as JSON lines and writes the bytes of each to `results` as soon as it is read.
+/// Reads frames as JSON lines and writes each to `results` as soon as it is read.
 /// Frames without t_us follow the one ahead after the protocol's default period. Lines that cannot
 /// be used are reported as `name:line:column: text` and left out. Returns the exit status: 1 if
 /// there was any.
 int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& use,
-                 EncodeFormat format, std::ostream& results, std::ostream& talk);
+                 EncodeFormat format, std::ostream& results, std::ostream& talk,
+                 std::string_view interface = kDefaultInterface);
 
 void add_encode_command(CLI::App& app, int& status);
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
 namespace tribus {
@@ -30,6 +31,15 @@ void append_detail(std::string& text, const FrameDetail& detail) {
     } else if (!detail.values.empty()) {
         fmt::format_to(std::back_inserter(text), ",\"{}\":{}", detail.name, detail.values.front());
     }
+}
+
+void append_rejected(std::string& text, std::span<const NamedCount> rejected) {
+    text += "\"rejected\":{";
+    for (const NamedCount& cause : rejected) {
+        fmt::format_to(std::back_inserter(text), "{}\"{}\":{}", text.back() == '{' ? "" : ",",
+                       cause.name, cause.count);
+    }
+    text += '}';
 }
 
 /// The library's exceptions end here.
@@ -134,14 +144,20 @@ void append_frame_json(std::string& text, const FoundFrame& found) {
 
 void append_summary_json(std::string& text, const Tally& tally, std::string_view input) {
     auto out = std::back_inserter(text);
-    fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"frames\":{},\"rejected\":{{", tally.bytes,
-                   tally.frames);
-    bool first = true;
-    for (const NamedCount& cause : tally.rejected) {
-        fmt::format_to(out, "{}\"{}\":{}", first ? "" : ",", cause.name, cause.count);
-        first = false;
-    }
-    fmt::format_to(out, "}},\"skipped_bytes\":{},\"input\":\"{}\"}}}}\n", tally.skipped_bytes,
+    fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"frames\":{},", tally.bytes, tally.frames);
+    append_rejected(text, tally.rejected);
+    fmt::format_to(out, ",\"skipped_bytes\":{},\"input\":\"{}\"}}}}\n", tally.skipped_bytes, input);
+}
+
+void append_can_summary_json(std::string& text, const CanTally& tally, std::string_view input) {
+    auto out = std::back_inserter(text);
+    fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"can_frames\":{},\"frames\":{},",
+                   tally.bytes, tally.can_frames, tally.frames);
+    append_rejected(text, tally.rejected);
+    fmt::format_to(out,
+                   ",\"other_can_frames\":{},\"error_frames\":{},\"log_start_us\":{},\"input\":"
+                   "\"{}\"}}}}\n",
+                   tally.other_can_frames, tally.error_frames, whole_microseconds(tally.log_start),
                    input);
 }
 

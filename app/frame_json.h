@@ -8,6 +8,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/can_frame_finder.h"
 #include "app/frame_finder.h"
 #include "core/channel_frame.h"
 #include "core/pulse.h"
@@ -28,6 +29,8 @@ void append_frame_json(std::string& text, const FoundFrame& found);
 
 /// Adds the closing object and a line end. `input` names the kind of the recording.
 void append_summary_json(std::string& text, const Tally& tally, std::string_view input);
+/// The same for CAN: `log_start_us` is what the log calls the time that is 0 here.
+void append_can_summary_json(std::string& text, const CanTally& tally, std::string_view input);
 
 /// What one line says about a frame.
 struct WrittenFrame {

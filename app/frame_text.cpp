@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
+#include <span>
 #include <string_view>
 
 #include "app/frame_json.h"
@@ -19,6 +21,20 @@ std::string_view link_text(const ChannelFrame& frame) {
         return "frame-lost";
     }
     return frame.frame_lost ? "frame-lost failsafe" : "failsafe";
+}
+
+/// `, rejected: 3 checksum, 1 damaged`
+void append_rejected(std::string& text, std::span<const NamedCount> rejected) {
+    text += ", rejected:";
+    bool any = false;
+    for (const NamedCount& cause : rejected) {
+        if (cause.count > 0) {
+            fmt::format_to(std::back_inserter(text), "{} {} {}", any ? "," : "", cause.count,
+                           cause.name);
+            any = true;
+        }
+    }
+    text += any ? "" : " none";
 }
 
 }  // namespace
@@ -58,17 +74,20 @@ void append_frame_text(std::string& text, const FoundFrame& found) {
 }
 
 void append_summary_text(std::string& text, const Tally& tally) {
+    fmt::format_to(std::back_inserter(text), "{} frames in {} bytes, {} bytes skipped",
+                   tally.frames, tally.bytes, tally.skipped_bytes);
+    append_rejected(text, tally.rejected);
+    text += '\n';
+}
+
+void append_can_summary_text(std::string& text, const CanTally& tally) {
     auto out = std::back_inserter(text);
-    fmt::format_to(out, "{} frames in {} bytes, {} bytes skipped, rejected:", tally.frames,
-                   tally.bytes, tally.skipped_bytes);
-    bool any = false;
-    for (const NamedCount& cause : tally.rejected) {
-        if (cause.count > 0) {
-            fmt::format_to(out, "{} {} {}", any ? "," : "", cause.count, cause.name);
-            any = true;
-        }
-    }
-    text += any ? "\n" : " none\n";
+    fmt::format_to(
+        out, "{} frames in {} CAN frames of {} bytes, {} other CAN frames, {} error frames",
+        tally.frames, tally.can_frames, tally.bytes, tally.other_can_frames, tally.error_frames);
+    append_rejected(text, tally.rejected);
+    const std::int64_t start = whole_microseconds(tally.log_start);
+    fmt::format_to(out, "; 0 is {}.{:06} of the log\n", start / 1'000'000, start % 1'000'000);
 }
 
 void append_csv_heading(std::string& text) {

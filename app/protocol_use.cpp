@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "config/document.h"
@@ -28,9 +30,8 @@ Value as_value(const Setting& setting, std::string_view text) {
     const bool bare = setting.type == SettingType::boolean ||
                       setting.type == SettingType::integer || setting.type == SettingType::number ||
                       setting.type == SettingType::pulse;
-    const bool table =
-        (setting.type == SettingType::scale || setting.type == SettingType::tree) &&
-        text.starts_with('{');
+    const bool table = (setting.type == SettingType::scale || setting.type == SettingType::tree) &&
+                       text.starts_with('{');
     if (bare || table) {
         const auto document = parse_toml(fmt::format("value = {}", text));
         const Entry* const entry = document ? document->find("value") : nullptr;
@@ -76,6 +77,23 @@ std::string as_option_message(const Setting& setting, const Mistakes& mistakes) 
     return text.starts_with(key) ? option + text.substr(key.size()) : option + ": " + text;
 }
 
+/// What the protocol finds wrong with values that are each sound: the first of it.
+std::string mistake_between(const Protocol& protocol, SettingScope direction,
+                            const SettingValues& settings) {
+    if (protocol.check == nullptr) {
+        return {};
+    }
+    const std::vector<SettingMistake> mistakes = protocol.check(settings, direction);
+    if (mistakes.empty()) {
+        return {};
+    }
+    const SettingMistake& first = mistakes.front();
+    if (first.path.empty()) {
+        return fmt::format("--protocol {}: {}", protocol.name, first.text);
+    }
+    return fmt::format("--{}: {}", fmt::join(first.path, "."), first.text);
+}
+
 }  // namespace
 
 tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
@@ -86,6 +104,30 @@ tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting
         return Refused(as_option_message(setting, mistakes));
     }
     return std::move(*value);
+}
+
+std::vector<ProtocolUse> of_link(std::span<const ProtocolUse> uses, LinkKind link) {
+    std::vector<ProtocolUse> found;
+    std::ranges::copy_if(uses, std::back_inserter(found),
+                         [link](const ProtocolUse& use) { return use.protocol->link == link; });
+    return found;
+}
+
+Duration usual_period(const ProtocolUse& use) {
+    const Protocol& protocol = *use.protocol;
+    const auto own =
+        protocol.own_period == nullptr ? std::nullopt : protocol.own_period(use.settings);
+    return own.value_or(protocol.default_period);
+}
+
+std::string protocol_list(LinkKind link) {
+    std::vector<std::string_view> names;
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->link == link) {
+            names.push_back(protocol->name);
+        }
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::string protocol_list() {
@@ -135,7 +177,13 @@ tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
             use.settings.set(setting.key, std::move(*value));
         } else if (!setting.fallback.empty()) {
             use.settings.set(setting.key, default_of(setting));
+        } else if (setting.required && applies(setting, direction)) {
+            return Refused(fmt::format("--{}: {} needs it: {}; allowed: {}", setting.key,
+                                       protocol.name, setting.help, allowed_values(setting)));
         }
+    }
+    if (auto mistake = mistake_between(protocol, direction, use.settings); !mistake.empty()) {
+        return Refused(std::move(mistake));
     }
     use.line.baud =
         static_cast<std::uint32_t>(use.settings.get_or<std::int64_t>("baud", protocol.line.baud));
@@ -165,11 +213,17 @@ tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string
         auto use = use_protocol(*protocol, direction, own);
         if (use) {
             uses.push_back(std::move(*use));
-        } else {
+        } else if (refused.empty() || !own.empty()) {
             refused = std::move(use.error());
         }
     }
-    if (uses.empty()) {
+    // What was said of a protocol that is left out must not go unheard.
+    const bool all_heard = std::ranges::all_of(given, [&](const auto& entry) {
+        return std::ranges::any_of(uses, [&](const ProtocolUse& use) {
+            return find_setting(*use.protocol, direction, entry.first) != nullptr;
+        });
+    });
+    if (uses.empty() || !all_heard) {
         return Refused(std::move(refused));
     }
     return uses;

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 
 #include "core/line_settings.h"
 #include "core/setting.h"
+#include "core/time.h"
 #include "transports/codecs/protocol.h"
 
 /// A protocol as the command line asks for it: settings of the protocol tables as options.
@@ -22,6 +24,13 @@ struct ProtocolUse {
     LineSettings line;
 };
 
+/// Those on one kind of link.
+std::vector<ProtocolUse> of_link(std::span<const ProtocolUse> uses, LinkKind link);
+
+/// Time from one frame to the next where nothing else says it: the protocol's own, which its
+/// settings may tell.
+Duration usual_period(const ProtocolUse& use);
+
 /// Values as they stand on the command line, by key.
 using GivenSettings = std::map<std::string, std::string, std::less<>>;
 
@@ -32,6 +41,8 @@ tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting
 
 /// `ibus, sbus`
 std::string protocol_list();
+/// Those of one kind of link.
+std::string protocol_list(LinkKind link);
 
 /// The keys of all protocols in that direction that mean something to recorded bytes.
 struct SettingOption {
@@ -40,13 +51,14 @@ struct SettingOption {
 };
 std::vector<SettingOption> setting_options(SettingScope direction);
 
-/// Every key in `given` must be one of the protocol's in that direction.
+/// Every key in `given` must be one of the protocol's in that direction, those that it requires
+/// must be there, and together they must make sense to it.
 tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
                                                     SettingScope direction,
                                                     const GivenSettings& given);
 
 /// The protocol of that name; for "auto" all that allow the values of those of `given` that they
-/// have. The error says what is allowed.
+/// have, and require no others: at least one for each of `given`. The error says what is allowed.
 tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string_view name,
                                                                      SettingScope direction,
                                                                      const GivenSettings& given);

@@ -82,8 +82,7 @@ int run(const std::string& path) {
     const sigset_t signals = handled_signals();
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::unique_ptr<Appliance> appliance = start_or_log(std::move(*configuration));
-    auto log = appliance ? std::make_unique<StateLog>(appliance->configuration(), monotonic_now())
-                         : nullptr;
+    auto log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
     while (appliance) {
         const int signal = ::sigtimedwait(&signals, nullptr, &kTendPeriod);
         if (signal == SIGTERM || signal == SIGINT) {
@@ -93,9 +92,7 @@ int run(const std::string& path) {
         }
         if (signal == SIGHUP) {
             appliance = reload(std::move(appliance), path);
-            log = appliance
-                      ? std::make_unique<StateLog>(appliance->configuration(), monotonic_now())
-                      : nullptr;
+            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
         } else {
             log->look(*appliance, monotonic_now());
         }

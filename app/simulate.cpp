@@ -4,14 +4,13 @@
 #include <array>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
-#include <optional>
-#include <sstream>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include <fmt/format.h>
@@ -20,11 +19,11 @@
 
 #include "app/exit_status.h"
 #include "app/load_or_explain.h"
+#include "app/simulate_inputs.h"
 #include "config/build.h"
 #include "config/mistakes.h"
 #include "config/values.h"
 #include "pipelines/virtual_loop.h"
-#include "transports/links/recording.h"
 #include "transports/links/recording_writer.h"
 
 namespace tribus {
@@ -38,47 +37,41 @@ struct Options {
     std::string tail = "2s";
 };
 
-/// One byte that arrives at an input, at the instant at which its last bit is there.
-struct Arrival {
-    Instant at;
-    std::size_t input = 0;
-    std::uint8_t byte = 0;
-    bool damaged = false;
-};
-
-/// Keeps what each output wrote, as text or bytes in the asked format.
+/// Keeps what each output wrote: CAN frames as a log of candump, bytes in the asked format.
 class Recorder final : public OutputObserver {
   public:
-    Recorder(std::size_t outputs, std::string_view format)
-        : texts_(outputs, format == "timed" ? std::string(kTimedHeading) : std::string()),
-          format_(format) {}
+    Recorder(const std::vector<OutputConfig>& outputs, std::string_view format)
+        : outputs_(outputs), texts_(outputs.size()), format_(format) {
+        for (std::size_t output = 0; output < outputs.size(); ++output) {
+            if (format_ == "timed" && outputs[output].protocol->link == LinkKind::serial) {
+                texts_[output] = kTimedHeading;
+            }
+        }
+    }
 
     void wrote(std::size_t output, Instant at, const Transmission& sent) override {
-        const auto frame = sent.bytes;
         std::string& text = texts_[output];
+        for (const CanFrame& frame : sent.can_frames) {
+            append_candump_line(text, at.time_since_epoch(), outputs_[output].port.device, frame);
+        }
+        if (sent.bytes.empty()) {
+            return;
+        }
         if (format_ == "timed") {
-            append_timed_line(text, at.time_since_epoch(), frame);
+            append_timed_line(text, at.time_since_epoch(), sent.bytes);
         } else if (format_ == "hex") {
-            append_hex_line(text, frame);
+            append_hex_line(text, sent.bytes);
         } else {
-            text.append(frame.begin(), frame.end());
+            text.append(sent.bytes.begin(), sent.bytes.end());
         }
     }
     const std::string& text(std::size_t output) const { return texts_[output]; }
 
   private:
+    const std::vector<OutputConfig>& outputs_;
     std::vector<std::string> texts_;
     std::string format_;
 };
-
-tl::expected<std::string, std::string> read_file(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream content;
-    if (!file || !(content << file.rdbuf()).good()) {
-        return tl::unexpected(path + ": cannot be read; is it there, and a file?");
-    }
-    return content.str();
-}
 
 /// `NAME=FILE` for each name at most once; the error says what is allowed.
 template <class Configs>
@@ -110,45 +103,15 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
     return files;
 }
 
-/// A recording without times is played with its bursts the protocol's usual period apart.
-void add_arrivals(std::vector<Arrival>& arrivals, const Recording& recording, std::size_t index,
-                  const InputConfig& input) {
-    Duration untimed{};
-    for (const Burst& burst : recording.bursts) {
-        const Duration start = burst.start.value_or(untimed);
-        for (std::size_t i = 0; i < burst.bytes.size(); ++i) {
-            arrivals.push_back({Instant(start + input.port.line.bytes_time(i + 1)), index,
-                                burst.bytes[i], burst.damaged[i]});
-        }
-        untimed += std::max(input.protocol->default_period,
-                            input.port.line.bytes_time(burst.bytes.size() + 1));
-    }
-}
-
-tl::expected<std::vector<Arrival>, std::string> load_arrivals(
-    const std::map<std::size_t, std::string>& files, const Configuration& configuration) {
-    std::vector<Arrival> arrivals;
-    for (const auto& [index, path] : files) {
-        const auto content = read_file(path);
-        if (!content) {
-            return tl::unexpected(content.error());
-        }
-        const auto recording = parse_recording(*content, path);
-        if (!recording) {
-            return tl::unexpected(recording.error());
-        }
-        add_arrivals(arrivals, *recording, index, configuration.inputs[index]);
-    }
-    std::stable_sort(arrivals.begin(), arrivals.end(),
-                     [](const Arrival& a, const Arrival& b) { return a.at < b.at; });
-    return arrivals;
-}
-
-void play(Engine& engine, Recorder& recorder, const std::vector<Arrival>& arrivals, Duration tail) {
+void play(Engine& engine, Recorder& recorder, const Arrivals& arrivals, Duration tail) {
     VirtualLoop loop(engine, recorder, Instant{});
-    for (const Arrival& arrival : arrivals) {
-        const std::array damaged{arrival.damaged};
-        loop.receive(arrival.input, std::span(&arrival.byte, 1), damaged, arrival.at);
+    for (const Arrival& arrival : arrivals.in_order) {
+        if (const auto* frame = std::get_if<ArrivedCanFrame>(&arrival.what)) {
+            loop.receive(arrival.input, arrivals.can_frames[frame->index], arrival.at);
+        } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
+            loop.receive(arrival.input, std::span(&byte->value, 1), std::array{byte->damaged},
+                         arrival.at);
+        }
     }
     loop.run_until(later(loop.now(), tail));
 }
@@ -216,7 +179,7 @@ int simulate(const Options& options) {
         return complain(arrivals.error(), kExitFailed);
     }
     const auto engine = build_engine(*configuration);
-    Recorder recorder(configuration->outputs.size(), options.format);
+    Recorder recorder(configuration->outputs, options.format);
     play(*engine, recorder, *arrivals, *tail);
     print_summary(*engine);
     return write_outputs(*out, recorder) ? kExitFine : kExitFailed;
@@ -229,19 +192,27 @@ void add_simulate_command(CLI::App& app, int& status) {
         app.add_subcommand("simulate", "Run a configuration over recorded inputs, in virtual time");
     auto options = std::make_shared<Options>();
     command->add_option("CONFIG", options->config, "Configuration file")->required();
-    command->add_option("--in", options->in, "NAME=FILE: recorded bytes of an input (repeatable)")
+    command
+        ->add_option("--in", options->in,
+                     "NAME=FILE: recorded bytes of an input, or the log of candump of a CAN "
+                     "input (repeatable)")
         ->type_name("NAME=FILE");
     command
         ->add_option("--out", options->out,
                      "NAME=FILE: where to put what an output writes, - for standard output "
                      "(repeatable)")
         ->type_name("NAME=FILE");
-    command->add_option("--format", options->format, "Form of the outputs")
+    command
+        ->add_option("--format", options->format,
+                     "Form of the outputs; those of CAN are always logs as of candump")
         ->check(CLI::IsMember({"timed", "hex", "binary"}))
         ->capture_default_str();
-    command->add_option("--tail", options->tail, "How long to go on after the last input byte")
+    command->add_option("--tail", options->tail, "How long to go on after the last input")
         ->capture_default_str();
-    command->footer("An input without --in stays silent. Nothing is opened but these files.");
+    command->footer(
+        "An input without --in stays silent. Nothing is opened but these files. Each recording "
+        "starts when the simulation does; what several CAN inputs heard at the same time belongs "
+        "into one log, with --in for each of them.");
     command->callback([options, &status] { status = simulate(*options); });
 }
 

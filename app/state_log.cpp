@@ -35,12 +35,15 @@ std::string_view stage_text(OutputStage stage) {
 
 }  // namespace
 
-StateLog::StateLog(const Configuration& configuration, Instant start) : start_(start) {
+StateLog::StateLog(const Appliance& appliance, Instant start) : start_(start), can_(appliance) {
+    const Configuration& configuration = appliance.configuration();
+    can_.start(appliance);
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
-        inputs_.push_back({false, false, limit()});
+        const bool on_can = configuration.inputs[i].port.link == LinkKind::can;
+        inputs_.push_back({on_can, false, false, limit()});
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        outputs_.push_back({OutputStage::failsafe, 0, limit()});
+        outputs_.push_back({OutputStage::failsafe, 0, 0, limit()});
     }
 }
 
@@ -72,7 +75,17 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
         return;
     }
     memory.silence_said = true;
-    if (status.counts.bytes == 0) {
+    if (status.counts.bytes == 0 && memory.on_can) {
+        spdlog::warn(
+            "input {}: not one frame with its ids yet; check the ids, the bit rate and that the "
+            "sender is on (candump shows what is on the bus)",
+            name);
+    } else if (status.counts.frames == 0 && memory.on_can) {
+        spdlog::warn(
+            "input {}: {} frames with its ids were refused; sender and receiver must agree on "
+            "format, id, fd and checksum (tribus decode tells why)",
+            name, status.rejected);
+    } else if (status.counts.bytes == 0) {
         spdlog::warn("input {}: not one byte yet; check wire, ground and power of the receiver",
                      name);
     } else if (status.counts.frames == 0) {
@@ -98,6 +111,21 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                         stage_text(status.stage), swallowed_note(*swallowed));
         }
     }
+    look_at_drops(name, status, memory, now);
+}
+
+void StateLog::look_at_drops(const std::string& name, const OutputStatus& status,
+                             OutputMemory& memory, Instant now) {
+    if (status.counts.foreign_frames != memory.foreign_frames) {
+        const std::uint64_t foreign = status.counts.foreign_frames - memory.foreign_frames;
+        if (const auto swallowed = memory.limit.pass(now)) {
+            spdlog::warn(
+                "output {}: another node sends frames with its ids ({} since the last look); give "
+                "one of the two other ids{}",
+                name, foreign, swallowed_note(*swallowed));
+            memory.foreign_frames = status.counts.foreign_frames;
+        }
+    }
     if (status.counts.busy_drops != memory.busy_drops) {
         const std::uint64_t dropped = status.counts.busy_drops - memory.busy_drops;
         if (const auto swallowed = memory.limit.pass(now)) {
@@ -117,6 +145,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
                         swallowed_note(*swallowed));
         }
     }
+    can_.look(appliance, now);
     const Configuration& configuration = appliance.configuration();
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputStatus status = appliance.input_status(i);

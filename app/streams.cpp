@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -34,6 +35,11 @@ tl::expected<InputFile, std::string> InputFile::open(std::string_view name) {
         return failure(name, errno);
     }
     return InputFile(std::move(descriptor), std::move(path));
+}
+
+bool InputFile::is_whole() const {
+    struct stat about {};
+    return ::fstat(descriptor_.get(), &about) == 0 && S_ISREG(about.st_mode);
 }
 
 tl::expected<std::string, std::string> InputFile::read_some() {

@@ -19,6 +19,8 @@ class InputFile {
 
     /// As messages call it.
     const std::string& name() const { return name_; }
+    /// All of it is there already: no pipe, terminal or device.
+    bool is_whole() const;
     /// What is there, at least one byte; nothing at the end.
     tl::expected<std::string, std::string> read_some();
     /// All up to the end.

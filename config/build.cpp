@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "transports/links/can_socket.h"
 #include "transports/links/serial_port.h"
 
 namespace tribus {
@@ -22,6 +23,29 @@ PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
         return plan.config.link == port.link && plan.config.device == port.device;
     });
     return shared != plans.end() ? *shared : plans.emplace_back(PortPlan{port, {}});
+}
+
+template <class Ids>
+void append(std::vector<CanIdMatch>& ids, const Ids& more) {
+    ids.insert(ids.end(), more.begin(), more.end());
+}
+
+tl::expected<std::unique_ptr<Link>, std::string> open_can(const Engine& engine,
+                                                          const PortPlan& plan) {
+    CanSocketSettings settings;
+    for (const std::size_t input : plan.wiring.inputs) {
+        append(settings.wanted, engine.inputs()[input].wanted_ids());
+        settings.fd = settings.fd || engine.inputs()[input].uses_fd();
+    }
+    for (const std::size_t output : plan.wiring.outputs) {
+        append(settings.sent, engine.outputs()[output].sent_ids());
+        settings.fd = settings.fd || engine.outputs()[output].uses_fd();
+    }
+    auto socket = CanSocket::open(plan.config.device, settings);
+    if (!socket) {
+        return tl::unexpected(socket.error());
+    }
+    return std::unique_ptr<Link>(std::move(*socket));
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_serial(const PortPlan& plan) {
@@ -77,9 +101,9 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
-                                                           [[maybe_unused]] const Engine& engine,
+                                                           const Engine& engine,
                                                            const PortPlan& plan) {
-    auto link = open_serial(plan);
+    auto link = plan.config.link == LinkKind::can ? open_can(engine, plan) : open_serial(plan);
     if (!link) {
         return tl::unexpected(fmt::format("{}:{}:{}: {}", configuration.file,
                                           plan.config.where.line, plan.config.where.column,

@@ -18,8 +18,11 @@ std::string path_inside(const Key& key, const std::string& path) {
     return key.kind == KeyKind::named_tables ? inside + ".NAME" : inside;
 }
 
-std::string home_in_protocols(std::string_view name, const Key& tables) {
+std::string home_in_protocols(std::string_view name, const Key& tables, std::string_view only) {
     for (const Protocol* protocol : protocols()) {
+        if (!only.empty() && protocol->name != only) {
+            continue;
+        }
         const auto keys = protocol_keys(*protocol, *tables.protocol_scope);
         if (std::any_of(keys.begin(), keys.end(),
                         [name](const Key& key) { return key.name() == name; })) {
@@ -31,16 +34,17 @@ std::string home_in_protocols(std::string_view name, const Key& tables) {
 }
 
 /// The key table is three levels deep.
-std::string home_in(std::string_view name, std::span<const Key> keys, const std::string& path) {
+std::string home_in(std::string_view name, std::span<const Key> keys, const std::string& path,
+                    std::string_view only) {
     for (const Key& key : keys) {
         if (key.name() == name && !path.empty()) {
             return fmt::format("[{}]", path);
         }
     }
     for (const Key& key : keys) {
-        std::string home = home_in(name, key.inside, path_inside(key, path));
+        std::string home = home_in(name, key.inside, path_inside(key, path), only);
         if (home.empty() && key.protocol_scope) {
-            home = home_in_protocols(name, key);
+            home = home_in_protocols(name, key, only);
         }
         if (!home.empty()) {
             return home;
@@ -51,8 +55,9 @@ std::string home_in(std::string_view name, std::span<const Key> keys, const std:
 
 }  // namespace
 
-std::string home_of_key(std::string_view name) {
-    return home_in(name, root_keys(), {});
+std::string home_of_key(std::string_view name, std::string_view protocol) {
+    const std::string home = home_in(name, root_keys(), {}, protocol);
+    return home.empty() ? home_in(name, root_keys(), {}, {}) : home;
 }
 
 }  // namespace tribus

@@ -54,6 +54,10 @@ PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope
     return port;
 }
 
+std::string_view name_of(const Protocol* protocol) {
+    return protocol == nullptr ? std::string_view{} : protocol->name;
+}
+
 SettingValues own_settings(const PortKeys& port, const TableContent& content) {
     SettingValues settings;
     if (port.protocol != nullptr) {
@@ -162,14 +166,20 @@ void check_period(const OutputConfig& output, const TableContent& content, Mista
     }
 }
 
-ScheduleSettings schedule_settings(const TableContent& content, const Protocol* protocol) {
+/// Where the user gives none.
+Duration own_period(const Protocol& protocol, const SettingValues& settings, bool sound) {
+    const auto own =
+        sound && protocol.own_period != nullptr ? protocol.own_period(settings) : std::nullopt;
+    return own.value_or(protocol.default_period);
+}
+
+ScheduleSettings schedule_settings(const TableContent& content, Duration fallback) {
     ScheduleSettings schedule;
     const SettingValues& values = content.values();
     schedule.kind = values.get_or<std::string>("schedule", {}) == "grid" ? ScheduleKind::grid
                                                                          : ScheduleKind::follow;
     schedule.phase =
         values.get_or<std::string>("phase", {}) == "locked" ? Phase::locked : Phase::free;
-    const Duration fallback = protocol == nullptr ? schedule.period : protocol->default_period;
     schedule.period = values.get_or("period", fallback);
     return schedule;
 }
@@ -189,7 +199,8 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
     const PortKeys port = port_keys(table, input_keys(), SettingScope::input);
     const std::string title = fmt::format("[input.{}]", entry.key);
     const TableContent content =
-        read_table({table, entry.value.where, title}, port.keys, reading, port.tolerated);
+        read_table({table, entry.value.where, title, name_of(port.protocol)}, port.keys, reading,
+                   port.tolerated);
     check_inverted(content, reading.mistakes);
     InputDraft draft;
     draft.where = entry.where;
@@ -215,7 +226,8 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     const PortKeys port = port_keys(table, output_keys(), SettingScope::output);
     const std::string title = fmt::format("[output.{}]", entry.key);
     const TableContent content =
-        read_table({table, entry.value.where, title}, port.keys, reading, port.tolerated);
+        read_table({table, entry.value.where, title, name_of(port.protocol)}, port.keys, reading,
+                   port.tolerated);
     check_inverted(content, reading.mistakes);
     OutputDraft draft;
     draft.where = entry.where;
@@ -230,7 +242,11 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     draft.config.yield_to_foreign_sender =
         content.values().get_or<std::string>("foreign_sender", {}) != "ignore";
     draft.config.port = port_config(port, content);
-    draft.config.schedule = schedule_settings(content, port.protocol);
+    const Duration period =
+        port.protocol == nullptr
+            ? ScheduleSettings{}.period
+            : own_period(*port.protocol, draft.config.settings, draft.settings_sound);
+    draft.config.schedule = schedule_settings(content, period);
     draft.config.force = content.values().get_or("force", false);
     const bool judged = port.protocol != nullptr && content.sound("protocol") &&
                         content.sound("period") && content.sound("baud") && content.sound("force");

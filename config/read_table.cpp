@@ -23,7 +23,7 @@ const Key* exact_key(std::string_view name, std::span<const Key> keys) {
 void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
                     Mistakes& mistakes) {
     const auto names = names_of(keys);
-    const std::string home = nearest(entry.key, names) ? "" : home_of_key(entry.key);
+    const std::string home = nearest(entry.key, names) ? "" : home_of_key(entry.key, ref.protocol);
     mistakes.add(entry.where, fmt::format("unknown {} {} in {}; {}{}",
                                           entry.value.as<Table>() == nullptr ? "key" : "table",
                                           in_quotes(entry.key), ref.title,

@@ -23,6 +23,8 @@ struct TableRef {
     const Table& table;
     Location where;
     std::string title;
+    /// Of an input or output, where it is known.
+    std::string_view protocol{};
 };
 
 /// A table held against its rows of the key table.

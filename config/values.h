@@ -4,15 +4,13 @@
 #include <string>
 #include <string_view>
 
+#include "core/quantity.h"
 #include "core/setting.h"
 #include "core/time.h"
 
 /// Values as they are written in the configuration, both ways. Pure.
 namespace tribus {
 
-/// "500us", "14ms", "1.5s": digits, perhaps a fraction, a unit, nothing else. Rounded to whole
-/// nanoseconds; nothing for anything else, and beyond a year.
-std::optional<Duration> parse_duration(std::string_view text);
 /// In the largest unit that needs no fraction: "14ms", "1500us". Parses back to the same.
 std::string format_duration(Duration duration);
 

@@ -7,7 +7,12 @@ set -eu
 build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-dev libspdlog-dev
     libtomlplusplus-dev ninja-build nlohmann-json3-dev"
 # And those that its tests need.
-test_packages="libgtest-dev librapidcheck-dev python3 python3-jsonschema sigrok-cli"
+test_packages="libgtest-dev librapidcheck-dev python3 python3-canmatrix python3-jsonschema sigrok-cli
+    tshark"
+# The laboratory (tests/lab): an emulator, and what its guests run from the host's files.
+lab_packages="can-utils cpio iproute2 kmod qemu-system-data qemu-system-x86 xz-utils"
+# Its full tier builds kernel modules.
+lab_full_packages="bc gcc-12 libelf1 make"
 
 as_root() {
     if [ "$(id -u)" = 0 ]; then

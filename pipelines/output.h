@@ -90,6 +90,7 @@ class Output {
 
     /// The ids that it sends; empty where it is not on CAN.
     std::span<const CanIdMatch> sent_ids() const;
+    bool uses_fd() const { return can_encoder_ && can_encoder_->uses_fd(); }
     /// Another node has sent one of them: from here on two sources pretend to be one.
     void foreign_frame_seen(Instant now);
 

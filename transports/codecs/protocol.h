@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -30,6 +31,8 @@ struct Protocol {
     /// Longest frame that an encoder of a serial protocol writes, in bytes.
     std::size_t longest_frame = 0;
     Duration default_period{};
+    /// The period that these settings themselves tell, if they do; null: they never do.
+    std::optional<Duration> (*own_period)(const SettingValues&) = nullptr;
     /// Shorter periods need `force = true`: readers in the field would lose frames.
     Duration least_period{};
     /// Whether the wire format, with these settings, can say "failsafe", so that a frame that says

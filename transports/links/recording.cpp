@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "transports/links/recording_candump.h"
 #include "transports/links/recording_text.h"
 
 namespace tribus {
@@ -53,7 +54,8 @@ std::optional<Duration> parse_seconds(std::string_view text) {
 }
 
 Recording parse_raw(std::string_view content) {
-    Recording recording{.kind = RecordingKind::raw, .timed = false, .bursts = {}};
+    Recording recording;
+    recording.kind = RecordingKind::raw;
     if (!content.empty()) {
         Burst& burst = recording.bursts.emplace_back();
         burst.bytes.assign(content.begin(), content.end());
@@ -81,7 +83,8 @@ tl::expected<Burst, std::string> parse_bytes(std::string_view file, const Line& 
 }
 
 tl::expected<Recording, std::string> parse_hex(std::string_view content, std::string_view file) {
-    Recording recording{.kind = RecordingKind::hex, .timed = false, .bursts = {}};
+    Recording recording;
+    recording.kind = RecordingKind::hex;
     Lines lines(content);
     Line line;
     while (lines.next(line)) {
@@ -97,7 +100,9 @@ tl::expected<Recording, std::string> parse_hex(std::string_view content, std::st
 }
 
 tl::expected<Recording, std::string> parse_timed(std::string_view content, std::string_view file) {
-    Recording recording{.kind = RecordingKind::timed, .timed = true, .bursts = {}};
+    Recording recording;
+    recording.kind = RecordingKind::timed;
+    recording.timed = true;
     Lines lines(content);
     Line line;
     while (lines.next(line)) {
@@ -169,7 +174,9 @@ void add_saleae_byte(Recording& recording, Duration start, std::uint8_t byte, bo
 }
 
 tl::expected<Recording, std::string> parse_saleae(std::string_view content, std::string_view file) {
-    Recording recording{.kind = RecordingKind::saleae, .timed = true, .bursts = {}};
+    Recording recording;
+    recording.kind = RecordingKind::saleae;
+    recording.timed = true;
     Lines lines(content);
     Line line;
     bool heading_seen = false;
@@ -227,6 +234,8 @@ tl::expected<Recording, std::string> parse_recording(std::string_view content,
             return parse_timed(content, file_name);
         case RecordingKind::saleae:
             return parse_saleae(content, file_name);
+        case RecordingKind::candump:
+            return parse_candump(content, file_name);
     }
     return parse_raw(content);
 }

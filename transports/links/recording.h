@@ -8,6 +8,7 @@
 
 #include <tl/expected.hpp>
 
+#include "core/can_frame.h"
 #include "core/time.h"
 
 namespace tribus {
@@ -21,19 +22,34 @@ struct Burst {
     std::vector<bool> damaged;
 };
 
-enum class RecordingKind : std::uint8_t {
-    raw,     ///< the bytes themselves: one burst
-    hex,     ///< `20 40 dc 05`, one burst a line, '#' starts a comment
-    timed,   ///< `1146 20 40 dc 05`: microseconds of the start, then as hex
-    saleae,  ///< CSV of an analyser's serial decoder; bytes that lie close together are one burst
+/// A frame on a CAN bus, as the machine that recorded it saw it.
+struct RecordedCanFrame {
+    Duration at{};          ///< when it had arrived, from the zero of the recording
+    std::string interface;  ///< that it came or went by: "can0"
+    CanFrame frame;
 };
 
-/// Recorded bytes, in the order of the wire. `timed`: every burst has a start, and none is before
-/// the one ahead of it.
+enum class RecordingKind : std::uint8_t {
+    raw,      ///< the bytes themselves: one burst
+    hex,      ///< `20 40 dc 05`, one burst a line, '#' starts a comment
+    timed,    ///< `1146 20 40 dc 05`: microseconds of the start, then as hex
+    saleae,   ///< CSV of an analyser's serial decoder; bytes that lie close together are one burst
+    candump,  ///< `(1436509052.249713) can0 123#1122`: CAN frames, as `candump -L` logs them
+};
+
+/// Recorded bytes or CAN frames, in the order of the wire. `timed`: every burst has a start, and
+/// none is before the one ahead of it.
 struct Recording {
     RecordingKind kind = RecordingKind::raw;
     bool timed = false;
     std::vector<Burst> bursts;
+    /// Of a candump log only; none is before the one ahead of it.
+    std::vector<RecordedCanFrame> can_frames;
+    /// What the log calls the zero of the recording, the time of its first line: since 1970,
+    /// mostly.
+    Duration log_start{};
+    /// Notes of the controller in the log, which are no frames of the bus and are left out.
+    std::uint64_t error_frames = 0;
 };
 
 /// Whether the first bytes of some input can only be raw bytes: one in 16 or more is none of text.
@@ -42,6 +58,7 @@ bool looks_raw(std::string_view beginning);
 /// The kind that the content shows:
 /// - raw, if `looks_raw`; a file with fewer such bytes is refused, because it may be damaged text;
 /// - saleae, if the first line starts with `Time [s]`;
+/// - candump, if the first line starts with `(`;
 /// - timed, if a comment above the data starts with `t_us`, or if every line starts with a decimal
 ///   number, each greater than the one before and not all of two digits;
 /// - hex otherwise, and for an empty file.

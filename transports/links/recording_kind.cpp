@@ -19,6 +19,7 @@ using recording_text::trimmed;
 
 constexpr std::string_view kTimedHeadingStart = "t_us";
 constexpr std::string_view kSaleaeStart = "Time [s]";
+constexpr char kCandumpStart = '(';
 
 /// One byte in so many must be none of text for the content to be taken as raw. Frames of the
 /// serial protocols are far above: i.Bus has a control character in every second byte.
@@ -80,6 +81,9 @@ tl::expected<RecordingKind, std::string> tell_recording_kind(std::string_view co
     Line line;
     while (lines.next(line)) {
         const std::string_view text = trimmed(line.text);
+        if (text.starts_with(kCandumpStart)) {
+            return RecordingKind::candump;
+        }
         if (!text.empty()) {
             return text.starts_with(kSaleaeStart) ? RecordingKind::saleae : hex_or_timed(content);
         }

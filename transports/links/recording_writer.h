@@ -5,9 +5,10 @@
 #include <string>
 #include <string_view>
 
+#include "core/can_frame.h"
 #include "core/time.h"
 
-/// Recorded bytes as text, in the forms that `parse_recording` reads. Pure.
+/// Recorded bytes and CAN frames as text, in the forms that `parse_recording` reads. Pure.
 namespace tribus {
 
 /// First line of every timed recording: tells its kind, whatever numbers follow.
@@ -19,5 +20,10 @@ void append_hex_line(std::string& text, std::span<const std::uint8_t> bytes);
 /// Adds the start, rounded to whole microseconds as every reader of the form expects, then the
 /// bytes as above.
 void append_timed_line(std::string& text, Duration start, std::span<const std::uint8_t> bytes);
+
+/// Adds `(0000000001.249713) can0 123#1122` and a line end, the time rounded to whole microseconds.
+/// `at` is not negative.
+void append_candump_line(std::string& text, Duration at, std::string_view interface,
+                         const CanFrame& frame);
 
 }  // namespace tribus

@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "transports/codecs/can_channels.h"
+#include "transports/codecs/dbc.h"
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
 
@@ -11,6 +13,8 @@ std::span<const Protocol* const> protocols() {
     static constexpr std::array kProtocols{
         &kIbusProtocol,
         &kSbusProtocol,
+        &kCanProtocol,
+        &kDbcProtocol,
     };
     return kProtocols;
 }

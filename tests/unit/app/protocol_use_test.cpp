@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/shell.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {
@@ -57,17 +59,67 @@ TEST(ProtocolUse, RefusesSettingsOfOtherProtocolsAndOfTheOtherDirection) {
 TEST(ProtocolUse, NamesTheProtocolThatWasMeant) {
     EXPECT_EQ(refusal("sbsu", {}),
               "--protocol: \"sbsu\" is no protocol that is known; did you mean \"sbus\"? Allowed: "
-              "\"ibus\", \"sbus\"");
+              "\"ibus\", \"sbus\", \"can\", \"dbc\"");
 }
 
+std::vector<std::string_view> names_of_auto(const GivenSettings& given) {
+    std::vector<std::string_view> names;
+    const auto uses = choose_protocols("auto", SettingScope::input, given);
+    EXPECT_TRUE(uses) << uses.error();
+    for (const ProtocolUse& use : uses.value_or(std::vector<ProtocolUse>{})) {
+        names.push_back(use.protocol->name);
+    }
+    return names;
+}
+
+using Names = std::vector<std::string_view>;
+
+// DBC has settings that it cannot be without.
 TEST(ProtocolUse, AutoIsEveryProtocolThatAllowsTheSettings) {
-    const auto all = choose_protocols("auto", SettingScope::input, {{"scale", "futaba"}});
-    ASSERT_TRUE(all) << all.error();
-    EXPECT_EQ(all->size(), protocols().size());
-    const auto at_115200 = choose_protocols("auto", SettingScope::input, {{"baud", "115200"}});
-    ASSERT_TRUE(at_115200) << at_115200.error();
-    ASSERT_EQ(at_115200->size(), 1U);
-    EXPECT_EQ(at_115200->front().protocol->name, "ibus");
+    EXPECT_EQ(names_of_auto({{"scale", "futaba"}}), (Names{"ibus", "sbus", "can"}));
+    EXPECT_EQ(names_of_auto({{"baud", "115200"}}), (Names{"ibus", "can"}));
+}
+
+TEST(ProtocolUse, AutoRefusesASettingThatNoProtocolAllows) {
+    EXPECT_EQ(refusal("auto", {{"scale", "futuba"}}).substr(0, 20), "--scale is \"futuba\";");
+    EXPECT_EQ(refusal("auto", {{"dbc", "/nonexistent/file.dbc"}, {"signals", "{}"}}).substr(0, 5),
+              "--dbc");
+}
+
+TEST(ProtocolUse, ListsTheProtocolsOfOneKindOfLink) {
+    EXPECT_EQ(protocol_list(LinkKind::serial), "ibus, sbus");
+    EXPECT_EQ(protocol_list(LinkKind::can), "can, dbc");
+}
+
+TEST(ProtocolUse, NumbersMayBeHexadecimal) {
+    const auto use = use_protocol(*find_protocol("can"), SettingScope::input, {{"id", "0x123"}});
+    ASSERT_TRUE(use) << use.error();
+    EXPECT_EQ(use->settings.get_or<std::int64_t>("id", 0), 0x123);
+}
+
+TEST(ProtocolUse, SettingsThatDoNotGoTogetherAreRefused) {
+    const std::string text = refusal("can", {{"fd", "true"}, {"crc", "p01"}});
+    EXPECT_EQ(text.substr(0, 41), "--crc: \"p01\" is for classic frames; FD fr");
+}
+
+TEST(ProtocolUse, SettingThatIsMissingIsNamed) {
+    EXPECT_EQ(refusal("dbc", {}).substr(0, 20), "--dbc: dbc needs it:");
+}
+
+// Two channels of 16 bits, as a program of a rover's maker might describe them.
+TEST(ProtocolUse, FileAndTreeMayBeGivenAsInTheConfiguration) {
+    const test::TemporaryFolder folder;
+    const std::string dbc = folder.write("sticks.dbc",
+                                         "BO_ 512 Sticks: 4 Node\n"
+                                         " SG_ Steer : 0|16@1+ (1,0) [0|65535] \"us\" Node\n"
+                                         " SG_ Speed : 16|16@1+ (1,0) [0|65535] \"us\" Node\n");
+    const auto use = use_protocol(*find_protocol("dbc"), SettingScope::input,
+                                  {{"dbc", dbc}, {"signals", "{ Sticks.Steer = 1 }"}});
+    ASSERT_TRUE(use) << use.error();
+    EXPECT_NE(use->settings.find_as<SettingFile>("dbc"), nullptr);
+    EXPECT_NE(use->settings.find_as<SettingTree>("signals"), nullptr);
+    EXPECT_EQ(refusal("dbc", {{"dbc", dbc}, {"signals", "{ Sticks.Stear = 1 }"}}).substr(0, 24),
+              "--signals.Sticks.Stear: ");
 }
 
 TEST(ProtocolUse, DeviceSettingsAreNoOptions) {

@@ -19,9 +19,11 @@ TEST(JsonSchema, OffersTheKeysOfAProtocolToItsTablesOnly) {
     const auto schema = nlohmann::json::parse(json_schema());
     const auto& input = schema.at("/properties/input/patternProperties"_json_pointer).front();
     for (const auto& branch : input.at("allOf")) {
-        const bool ibus = branch.at("/if/properties/protocol/const"_json_pointer) == "ibus";
-        EXPECT_EQ(branch.at("/then/properties/slots"_json_pointer).is_object(), ibus);
-        EXPECT_EQ(branch.at("/then/properties/scale"_json_pointer).is_object(), !ibus);
+        const auto& protocol = branch.at("/if/properties/protocol/const"_json_pointer);
+        EXPECT_EQ(branch.at("/then/properties/slots"_json_pointer).is_object(), protocol == "ibus");
+        EXPECT_EQ(branch.at("/then/properties/scale"_json_pointer).is_object(), protocol == "sbus");
+        EXPECT_EQ(branch.at("/then/properties/signals"_json_pointer).is_object(),
+                  protocol == "dbc");
     }
 }
 

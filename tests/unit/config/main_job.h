@@ -30,9 +30,10 @@ inline std::string main_job_with(std::size_t number, std::string_view replacemen
 }
 
 /// The mistakes as a user sees them; empty if the text is a valid configuration.
-inline std::vector<std::string> mistakes_in(std::string_view text) {
+inline std::vector<std::string> mistakes_in(std::string_view text,
+                                            std::string_view file_name = "t.toml") {
     std::vector<std::string> lines;
-    const auto configuration = load_configuration(text, "t.toml");
+    const auto configuration = load_configuration(text, file_name);
     if (!configuration) {
         for (const Mistake& mistake : configuration.error()) {
             lines.push_back(format_mistake(mistake));

@@ -1,0 +1,136 @@
+#include "app/can_report.h"
+
+#include <string_view>
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+#include "transports/links/can_interface.h"
+
+namespace tribus {
+namespace {
+
+constexpr unsigned kLinesPerWindow = 6;
+constexpr Duration kWindow = std::chrono::seconds(30);
+/// The kernel's own restart, where it is set up, comes well before.
+constexpr Duration kBusOffPatience = std::chrono::seconds(1);
+
+RateLimit limit() {
+    return {kLinesPerWindow, kWindow};
+}
+
+std::string_view state_text(CanBusState state) {
+    switch (state) {
+        case CanBusState::ready:
+            return "works";
+        case CanBusState::warning:
+            return "many errors on the bus; check bit rate, termination and wiring";
+        case CanBusState::passive:
+            return "error-passive: hardly a frame gets through; check bit rate, termination and "
+                   "wiring";
+        case CanBusState::stalled:
+            return "frames do not leave: no other node acknowledges them, or the bus is full; "
+                   "nothing old will be sent";
+        case CanBusState::bus_off:
+            return "bus-off: the controller has withdrawn after too many errors; check bit rate, "
+                   "termination and wiring";
+        case CanBusState::down:
+            return "is down; bring it up with: ip link set up";
+    }
+    return "";
+}
+
+std::string swallowed_note(std::uint64_t swallowed) {
+    return swallowed == 0 ? ""
+                          : fmt::format(" ({} changes before this were not logged)", swallowed);
+}
+
+void log_interface(const Appliance& appliance, const PortPlan& plan) {
+    const auto interface = query_can_interface(plan.config.device);
+    if (!interface) {
+        return;
+    }
+    spdlog::info("{}", summary(*interface));
+    const bool sends = !plan.wiring.outputs.empty();
+    for (const std::string& sentence : advice(*interface, sends, appliance.uses_fd(plan.wiring))) {
+        spdlog::warn("{}", sentence);
+    }
+}
+
+}  // namespace
+
+CanReport::CanReport(const Appliance& appliance) {
+    for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
+        if (appliance.ports()[port].config.link == LinkKind::can) {
+            ports_.emplace(port, Memory{{}, {}, limit(), limit()});
+        }
+    }
+}
+
+void CanReport::start(const Appliance& appliance) {
+    for (const auto& [port, memory] : ports_) {
+        log_interface(appliance, appliance.ports()[port]);
+    }
+}
+
+void CanReport::look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,
+                              Instant now) {
+    if (status.state == memory.status.state) {
+        return;
+    }
+    if (const auto swallowed = memory.limit.pass(now)) {
+        const bool fine = status.state == CanBusState::ready;
+        spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "interface {}: {}{}", name,
+                    state_text(status.state), swallowed_note(*swallowed));
+    }
+    memory.bus_off_since = status.state == CanBusState::bus_off ? std::optional(now) : std::nullopt;
+    memory.status.state = status.state;
+}
+
+void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& status,
+                                  Memory& memory, Instant now) {
+    const std::uint64_t lost =
+        status.counts.receive_overflows - memory.status.counts.receive_overflows;
+    if (lost == 0) {
+        return;
+    }
+    if (const auto swallowed = memory.overflow_limit.pass(now)) {
+        spdlog::warn("interface {}: {} frames lost because they came faster than they were read{}",
+                     name, lost, swallowed_note(*swallowed));
+    }
+    memory.status.counts = status.counts;
+}
+
+/// Where restart-ms is 0 the controller stays off for ever, unless somebody restarts it.
+void CanReport::end_bus_off(const std::string& name, Memory& memory, Instant now) {
+    if (!memory.bus_off_since || now - *memory.bus_off_since < kBusOffPatience) {
+        return;
+    }
+    memory.bus_off_since = now;
+    const auto interface = query_can_interface(name);
+    if (!interface || interface->state != CanControllerState::bus_off ||
+        interface->restart_ms.value_or(0) != 0) {
+        return;
+    }
+    const auto restarted = restart_can_interface(name);
+    if (const auto swallowed = memory.limit.pass(now)) {
+        if (restarted) {
+            spdlog::info("interface {}: restarted after bus-off{}", name,
+                         swallowed_note(*swallowed));
+        } else {
+            spdlog::warn("{}{}", restarted.error(), swallowed_note(*swallowed));
+        }
+    }
+}
+
+void CanReport::look(const Appliance& appliance, Instant now) {
+    for (auto& [port, memory] : ports_) {
+        const std::string& name = appliance.ports()[port].config.device;
+        const CanLinkStatus status = appliance.can_status(port);
+        look_at_state(name, status, memory, now);
+        look_at_overflows(name, status, memory, now);
+        end_bus_off(name, memory, now);
+    }
+}
+
+}  // namespace tribus

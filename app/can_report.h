@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "app/appliance.h"
+#include "core/rate_limit.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// What the log says of the CAN interfaces: how each is set up at the start, with what to change,
+/// and afterwards its changes of state. Ends a bus-off where the kernel does not. Thread-bound to
+/// the main thread.
+class CanReport {
+  public:
+    explicit CanReport(const Appliance& appliance);
+
+    /// Logs what the kernel tells of every interface.
+    void start(const Appliance& appliance);
+    void look(const Appliance& appliance, Instant now);
+
+  private:
+    struct Memory {
+        CanLinkStatus status;
+        std::optional<Instant> bus_off_since;
+        RateLimit limit;
+        RateLimit overflow_limit;
+    };
+
+    void look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,
+                       Instant now);
+    void look_at_overflows(const std::string& name, const CanLinkStatus& status, Memory& memory,
+                           Instant now);
+    void end_bus_off(const std::string& name, Memory& memory, Instant now);
+
+    std::map<std::size_t, Memory> ports_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/decode.h"
+#include "app/decode_can.h"
+#include "app/exit_status.h"
+#include "app/streams.h"
+
+namespace tribus {
+namespace {
+
+/// Two frames of any serial protocol: enough to tell raw bytes from text while more is to come.
+constexpr std::size_t kEnoughToTell = 64;
+
+const std::map<std::string, DecodeFormat> kFormats{
+    {"text", DecodeFormat::text}, {"json", DecodeFormat::json}, {"csv", DecodeFormat::csv}};
+const std::map<std::string, RecordingKind> kInputFormats{{"raw", RecordingKind::raw},
+                                                         {"hex", RecordingKind::hex},
+                                                         {"timed", RecordingKind::timed},
+                                                         {"saleae", RecordingKind::saleae},
+                                                         {"candump", RecordingKind::candump}};
+
+struct DecodeArguments {
+    std::string file;
+    std::string protocol = "auto";
+    std::string format = "text";
+    std::string input_format;
+    std::string interface;
+    GivenSettings given;
+
+    DecodeFormat decode_format() const { return kFormats.at(format); }
+    std::optional<RecordingKind> kind() const {
+        const auto named = kInputFormats.find(input_format);
+        return named == kInputFormats.end() ? std::nullopt : std::optional(named->second);
+    }
+};
+
+int fail(std::string_view message, int status) {
+    std::cerr << "tribus: " << message << '\n';
+    return status;
+}
+
+bool starts_as_candump(std::string_view beginning) {
+    const std::size_t first = beginning.find_first_not_of(" \t\r\n");
+    return first != std::string_view::npos && beginning[first] == '(';
+}
+
+/// What the first characters already show.
+std::optional<RecordingKind> early_kind(std::string_view beginning) {
+    if (looks_raw(beginning)) {
+        return RecordingKind::raw;
+    }
+    return starts_as_candump(beginning) ? std::optional(RecordingKind::candump) : std::nullopt;
+}
+
+bool only_can(std::span<const ProtocolUse> uses) {
+    return std::ranges::all_of(
+        uses, [](const ProtocolUse& use) { return use.protocol->link == LinkKind::can; });
+}
+
+/// Those protocols that such a recording can be of; the error says what is.
+tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const ProtocolUse> uses,
+                                                              RecordingKind kind,
+                                                              std::string_view file_name,
+                                                              std::string_view interface) {
+    const LinkKind link = kind == RecordingKind::candump ? LinkKind::can : LinkKind::serial;
+    if (link == LinkKind::serial && !interface.empty()) {
+        return tl::unexpected(fmt::format(
+            "--interface: {} is no log of candump, and only that has interfaces; leave it out",
+            file_name));
+    }
+    std::vector<ProtocolUse> suited = of_link(uses, link);
+    if (!suited.empty()) {
+        return suited;
+    }
+    const std::string_view asked = uses.front().protocol->name;
+    const std::string allowed = protocol_list(link);
+    return tl::unexpected(
+        link == LinkKind::can
+            ? fmt::format("{}: a log of CAN frames, and {} is no CAN protocol; allowed: {}",
+                          file_name, asked, allowed)
+            : fmt::format("{}: bytes of a serial line, but {} is read from CAN frames: lines such "
+                          "as (1436509052.249713) can0 123#1122, as candump -L writes them",
+                          file_name, asked));
+}
+
+/// What reads `file` in turn, from the `beginning` on that was read of it before.
+std::function<std::string()> reader_of(InputFile& file, std::string& beginning,
+                                       std::string& failed) {
+    return [&] {
+        if (!beginning.empty()) {
+            return std::exchange(beginning, {});
+        }
+        auto bytes = file.read_some();
+        failed = bytes ? std::string() : bytes.error();
+        return bytes.value_or(std::string());
+    };
+}
+
+int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse& use,
+                       const DecodeArguments& arguments) {
+    std::string failed;
+    const auto read = reader_of(file, beginning, failed);
+    int status = kExitFine;
+    if (use.protocol->link == LinkKind::can) {
+        FramePrinter printer(arguments.decode_format(), RecordingKind::candump, std::cout,
+                             std::cerr);
+        const CanLogSource source{read, file.name(), arguments.interface};
+        status = decode_can_stream(source, use, printer, std::cout, std::cerr);
+    } else {
+        FramePrinter printer(arguments.decode_format(), RecordingKind::raw, std::cout, std::cerr);
+        status = decode_stream(read, use, printer, std::cout);
+    }
+    return failed.empty() ? status : fail(failed, kExitFailed);
+}
+
+int decode_parsed(Recording recording, const std::string& name, std::span<const ProtocolUse> uses,
+                  const DecodeArguments& arguments) {
+    FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
+    if (recording.kind != RecordingKind::candump) {
+        return decode_recording(recording, uses, printer, std::cerr);
+    }
+    const auto taken = take_interface(std::move(recording), name, arguments.interface);
+    return taken ? decode_can_recording(*taken, uses, printer, std::cerr)
+                 : fail(taken.error(), kExitFailed);
+}
+
+/// `uses` are of CAN only or of serial lines only, unless the kind is still open.
+int decode_whole(std::string_view content, const std::string& name, std::vector<ProtocolUse> uses,
+                 std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
+    constexpr std::string_view kHint = "--input-format raw, hex, timed or saleae";
+    if (!kind) {
+        const auto told = tell_recording_kind(content, name);
+        if (!told) {
+            return fail(fmt::format("{} ({})", told.error(), kHint), kExitFailed);
+        }
+        // Whatever text a CAN protocol is given, the reader of the log says best what is wrong.
+        kind = only_can(uses) && *told != RecordingKind::raw ? RecordingKind::candump : *told;
+        auto suited = suited_to(uses, *kind, name, arguments.interface);
+        if (!suited) {
+            return fail(suited.error(), kExitWrongUse);
+        }
+        uses = std::move(*suited);
+    }
+    auto recording = parse_recording(content, name, *kind);
+    if (!recording && *kind == RecordingKind::candump) {
+        return fail(recording.error(), kExitFailed);
+    }
+    if (!recording) {
+        return fail(fmt::format("{} (read as {}; {} reads it otherwise)", recording.error(),
+                                recording_kind_name(*kind), kHint),
+                    kExitFailed);
+    }
+    return decode_parsed(std::move(*recording), name, uses, arguments);
+}
+
+/// Reads enough of the file to tell its kind, if that is possible before its end.
+tl::expected<std::string, std::string> read_beginning(InputFile& file) {
+    std::string beginning;
+    while (beginning.size() < kEnoughToTell && !starts_as_candump(beginning)) {
+        auto bytes = file.read_some();
+        if (!bytes || bytes->empty()) {
+            return bytes ? std::move(beginning) : std::move(bytes);
+        }
+        beginning += *bytes;
+    }
+    return beginning;
+}
+
+int run_decode(const DecodeArguments& arguments) {
+    auto uses = choose_protocols(arguments.protocol, SettingScope::input, arguments.given);
+    if (!uses) {
+        return fail(uses.error(), kExitWrongUse);
+    }
+    auto file = InputFile::open(arguments.file);
+    if (!file) {
+        return fail(file.error(), kExitFailed);
+    }
+    auto beginning = read_beginning(*file);
+    if (!beginning) {
+        return fail(beginning.error(), kExitFailed);
+    }
+    const auto given = arguments.kind();
+    const auto kind = given ? given : early_kind(*beginning);
+    if (kind) {
+        uses = suited_to(*uses, *kind, file->name(), arguments.interface);
+    }
+    if (!uses) {
+        return fail(uses.error(), kExitWrongUse);
+    }
+    const bool log = kind == RecordingKind::candump;
+    // A log that is there as a whole is judged as a whole, before anything is printed.
+    const bool flows = kind == RecordingKind::raw || (log && !file->is_whole());
+    if (flows && uses->size() == 1) {
+        return decode_as_it_comes(*file, std::move(*beginning), uses->front(), arguments);
+    }
+    const auto rest = file->read_all();
+    if (!rest) {
+        return fail(rest.error(), kExitFailed);
+    }
+    return decode_whole(*beginning + *rest, file->name(), std::move(*uses), kind, arguments);
+}
+
+}  // namespace
+
+void add_decode_command(CLI::App& app, int& status) {
+    CLI::App* const command =
+        app.add_subcommand("decode", "Bytes or CAN frames of a protocol to frames, one a line");
+    const auto arguments = std::make_shared<DecodeArguments>();
+    command->add_option("file", arguments->file,
+                        "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial "
+                        "decoder, or a log of candump; the content tells which. Absent or -: "
+                        "standard input, of which raw bytes of a named protocol, and the lines of "
+                        "candump -L, are decoded as they come");
+    command
+        ->add_option("--protocol", arguments->protocol,
+                     protocol_list() +
+                         "; auto: the one that finds the most frames, and lines that are one "
+                         "frame of another")
+        ->capture_default_str();
+    command->add_option("--format", arguments->format, "text shows whole microseconds")
+        ->capture_default_str()
+        ->check(CLI::IsMember(kFormats));
+    command
+        ->add_option("--input-format", arguments->input_format,
+                     "Kind of the input, where its content does not show it")
+        ->check(CLI::IsMember(kInputFormats));
+    command->add_option("--interface", arguments->interface,
+                        "Of a log of candump: the interface whose frames are decoded; needed only "
+                        "where it names several");
+    for (const SettingOption& option : setting_options(SettingScope::input)) {
+        const auto keep = [arguments, key = option.key](const std::string& text) {
+            arguments->given.insert_or_assign(key, text);
+        };
+        command->add_option_function<std::string>("--" + option.key, keep, option.help);
+    }
+    command->callback(
+        [arguments, &status] { status = finish_standard_output(run_decode(*arguments)); });
+}
+
+}  // namespace tribus

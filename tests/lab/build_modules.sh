@@ -1,0 +1,59 @@
+#!/bin/sh
+# Builds two drivers that Debian's kernel comes without, out of Debian's source of that kernel,
+# into the modules of a guest:
+#   gpio-sim   simulated GPIO banks; with irq_sim, which it needs and Debian's kernel lacks too
+#   ctucanfd   the CTU CAN FD controller, the emulator's only one for CAN FD
+#
+#   tests/lab/build_modules.sh KERNEL_FOLDER
+#
+# The headers are unpacked, not installed.
+set -eu
+PATH=$PATH:/usr/sbin:/sbin # depmod
+
+kernel=$(cd "$1" && pwd)
+version=$(cat "$kernel/ready")
+series=$(echo "$version" | cut -d . -f 1-2)
+[ ! -e "$kernel/modules-built" ] || exit 0
+
+work="$kernel/build"
+rm -rf "$work"
+mkdir -p "$work/gpio" "$work/can"
+cd "$work"
+common=linux-headers-${version%-amd64}-common
+echo "Laboratory: downloading headers and source of $version, and building gpio-sim, ctucanfd" >&2
+apt-get -q download "linux-headers-$version" "$common" "linux-kbuild-$series" \
+    "linux-source-$series" >apt.log 2>&1 || {
+    cat apt.log >&2
+    exit 1
+}
+for package in linux-headers-*.deb linux-kbuild-*.deb; do
+    dpkg-deb -x "$package" .
+done
+# It names the other half of the headers by where they are installed.
+echo "include $work/usr/src/$common/Makefile" >"usr/src/linux-headers-$version/Makefile"
+
+dpkg-deb --fsys-tarfile linux-source-*.deb |
+    tar -xO --wildcards './usr/src/linux-source-*.tar.xz' |
+    tar -xJ --strip-components=1 --wildcards '*/drivers/gpio/gpio-sim.c' \
+        '*/drivers/gpio/gpiolib.h' '*/kernel/irq/irq_sim.c' '*/drivers/net/can/ctucanfd/*'
+mv drivers/gpio/gpio-sim.c gpio/sim.c
+mv drivers/gpio/gpiolib.h kernel/irq/irq_sim.c gpio/
+# The kernel keeps irq_to_desc to itself; this is the same to a module.
+sed -i 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/' gpio/irq_sim.c
+mv drivers/net/can/ctucanfd/*.[ch] can/
+printf '%s\n' 'obj-m := gpio-sim.o' 'gpio-sim-y := sim.o irq_sim.o' >gpio/Kbuild
+printf '%s\n' 'obj-m := ctucanfd.o ctucanfd_pci.o' 'ctucanfd-y := ctucanfd_base.o' >can/Kbuild
+
+modules="$kernel/lib/modules/$version/updates"
+mkdir -p "$modules"
+for folder in gpio can; do
+    make -C "usr/src/linux-headers-$version" M="$work/$folder" CC=gcc-12 modules >make.log 2>&1 || {
+        cat make.log >&2
+        exit 1
+    }
+    strip --strip-debug "$folder"/*.ko
+    cp "$folder"/*.ko "$modules"
+done
+depmod --basedir "$kernel" "$version"
+rm -rf "$work"
+touch "$kernel/modules-built"

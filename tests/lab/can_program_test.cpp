@@ -1,0 +1,300 @@
+#include <csignal>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/lab/two_programs.h"
+
+/// Two built programs with a bus between them, and the faults that a bus can have.
+namespace tribus::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// The rows of the capture of a real 18-channel receiver.
+std::vector<Sticks> captured_sticks() {
+    std::ifstream file(std::string(TRIBUS_SHARED_DIR) +
+                       "/captures/ibus_servo18_afhds3.channels.csv");
+    std::vector<Sticks> rows;
+    std::string line;
+    std::getline(file, line);
+    while (std::getline(file, line)) {
+        std::istringstream cells(line);
+        Sticks sticks;
+        for (std::string cell; std::getline(cells, cell, ',');) {
+            sticks.push_back(std::stoi(cell));
+        }
+        rows.push_back(std::move(sticks));
+    }
+    return rows;
+}
+
+/// The sticks of every tenth row, so that a slow machine has them through in seconds; the stick
+/// movements of the capture are far slower.
+std::vector<Sticks> some_sticks() {
+    const auto all = captured_sticks();
+    std::vector<Sticks> some;
+    for (std::size_t i = 0; i < all.size(); i += 10) {
+        if (some.empty() || some.back() != all[i]) {
+            some.push_back(all[i]);
+        }
+    }
+    return some;
+}
+
+class Carrying : public TwoPrograms, public testing::WithParamInterface<std::string> {
+  protected:
+    VirtualBus bus_;
+    BusJob job_{.format = GetParam()};
+};
+
+INSTANTIATE_TEST_SUITE_P(Formats, Carrying,
+                         testing::Values("protocol = \"can\"", "protocol = \"can\"\nfd = true",
+                                         "protocol = \"can\"\ncrc = \"p01\"\nid = 0x1234500\n"
+                                         "extended = true"));
+
+TEST_P(Carrying, EverySticksOfTheCaptureComesOutExactly) {
+    Program& sender = start_sender(job_);
+    Program& reader = start_reader(job_);
+    ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
+    const auto rows = some_sticks();
+    ASSERT_GT(rows.size(), 20U) << "the captures are not there";
+    for (const Sticks& sticks : rows) {
+        const SbusSight wanted = sbus_sight_of(sticks);
+        Repeater repeater(receiver(), ibus_bytes(sticks));
+        ASSERT_TRUE(eventually([&] {
+            repeater.send_if_due();
+            const auto seen = servos().listen();
+            return std::ranges::any_of(seen, [&](const SbusSight& sight) {
+                return sight.good() && same_channels(sight, wanted);
+            });
+        })) << sender.errors()
+            << reader.errors();
+    }
+    EXPECT_EQ(servos().strays(), 0U);
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+class BusFault : public TwoPrograms {
+  protected:
+    /// Not sooner than the times that are set; how much later is told by the table, for an emulated
+    /// machine stands still now and then.
+    static void expect_times(const Outcome& outcome) {
+        constexpr milliseconds kPeriods{2 * 10};
+        EXPECT_GE(outcome.to_failsafe, kHold - kPeriods);
+        EXPECT_GE(outcome.to_control, kRecover - kPeriods);
+    }
+};
+
+TEST_F(BusFault, KilledSenderEndsInFailsafeAndComesBack) {
+    const VirtualBus bus;
+    Program* sender = &start_sender({});
+    Program& reader = start_reader({});
+    expect_times(expect_failsafe_and_recovery(
+        "sender killed, started again",
+        [&] {
+            sender->signal(SIGKILL);
+            sender->end();
+        },
+        [&] { sender = &start_sender({}); }));
+    expect_clean_end(*sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(BusFault, KilledReaderIsSilentAndComesBack) {
+    const VirtualBus bus;
+    Program& sender = start_sender({});
+    Program* reader = &start_reader({});
+    ASSERT_TRUE(carry_until_control());
+    reader->signal(SIGKILL);
+    reader->end();
+    servos().listen();
+    EXPECT_TRUE(carry_for(milliseconds(200)).empty());
+    reader = &start_reader({});
+    EXPECT_TRUE(carry_until_control());
+    expect_clean_end(sender);
+    expect_clean_end(*reader);
+}
+
+TEST_F(BusFault, InterfaceThatGoesDownEndsInFailsafeAndComesBack) {
+    const VirtualBus bus;
+    Program& sender = start_sender({});
+    Program& reader = start_reader({});
+    expect_times(expect_failsafe_and_recovery(
+        "interface down, up again", [&] { bus.down(); }, [&] { bus.up(); }));
+    EXPECT_TRUE(reader.says("interface vcan0: is down"));
+    EXPECT_TRUE(reader.says("interface vcan0: works"));
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(BusFault, InterfaceThatVanishesEndsInFailsafeAndComesBack) {
+    VirtualBus bus;
+    Program& sender = start_sender({});
+    Program& reader = start_reader({});
+    expect_times(expect_failsafe_and_recovery(
+        "interface removed, created again", [&] { bus.remove(); }, [&] { bus.create(); }));
+    EXPECT_TRUE(reader.says("vcan0: is back"));
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+/// A gateway in between that changes a bit of each payload, as a bad controller driver would.
+TEST_F(BusFault, CorruptedFramesEndInFailsafeAndComeBack) {
+    const VirtualBus near("vcan0");
+    const VirtualBus far("vcan1");
+    const BusJob job{.reader_interface = "vcan1"};
+    shell("modprobe can-gw");
+    const std::string route = "cangw -A -s vcan0 -d vcan1 -e";
+    shell(route);
+    Program& sender = start_sender(job);
+    Program& reader = start_reader(job);
+    expect_times(expect_failsafe_and_recovery(
+        "one bit of each frame wrong, right again",
+        [&] {
+            shell("cangw -F");
+            shell(route + " -m XOR:D:0.0.0000000000040000");
+        },
+        [&] {
+            shell("cangw -F");
+            shell(route);
+        }));
+    shell("cangw -F");
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(BusFault, SilentReceiverReachesTheServosAsFailsafe) {
+    const VirtualBus bus;
+    Program& sender = start_sender({});
+    Program& reader = start_reader({});
+    ASSERT_TRUE(carry_until_control());
+    EXPECT_TRUE(eventually([&] {
+        const auto seen = servos().listen();
+        return std::ranges::any_of(seen, &SbusSight::failsafe);
+    }));
+    EXPECT_TRUE(carry_until_control());
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(BusFault, ForeignSenderOfTheSameIdsEndsInFailsafeAndIsNamed) {
+    const VirtualBus bus;
+    Program& sender = start_sender({});
+    Program& reader = start_reader({});
+    ASSERT_TRUE(carry_until_control());
+    RawCan foreign("vcan0");
+    const CanFrame frame = make_frame(0x300, {0, 1, 2, 3, 4, 5, 6, 7});
+    EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
+        foreign.send(frame);
+        return sight.failsafe;
+    }));
+    EXPECT_TRUE(sender.says("another node sends frames with its ids"));
+    EXPECT_TRUE(carry_until_control());
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(BusFault, ControllerCardPulledOutAndPutBackEndsInFailsafeAndComesBack) {
+    ControllerPair pair;
+    const BusJob job{.sender_interface = pair.near(), .reader_interface = pair.far()};
+    Program& sender = start_sender(job);
+    Program& reader = start_reader(job);
+    ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
+    expect_times(expect_failsafe_and_recovery(
+        "controller card pulled out, put back", [&] { pair.unplug(); }, [&] { pair.plug(); }));
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+/// What a bus of 125 kbit/s shows of a stick that moves with every frame, among other traffic.
+class SlowBus : public TwoPrograms {
+  protected:
+    PacedBus bus_{125'000};
+    BusJob job_{.sender_interface = bus_.near(), .reader_interface = bus_.far()};
+    std::vector<Clock::time_point> sent_ = std::vector<Clock::time_point>(1000);
+
+    /// Moves the first stick a microsecond a frame, from 1001 us up, and notes when; 12 ms apart,
+    /// so that values do not come round before everything of them has passed.
+    void move_stick() {
+        const auto now = Clock::now();
+        if (now - moved_ < milliseconds(12)) {
+            return;
+        }
+        moved_ = now;
+        step_ = step_ % 900 + 1;
+        sent_[static_cast<std::size_t>(step_)] = now;
+        receiver().send(ibus_bytes(sticks_with_first(1000 + step_)));
+    }
+    /// How old the stick of a frame was when the servos saw it.
+    milliseconds age_of(const SbusSight& sight) const {
+        for (int step = 1; step <= 900; ++step) {
+            if (sbus_raw(1000 + step) == sight.raw[0]) {
+                return std::chrono::duration_cast<milliseconds>(
+                    sight.seen - sent_[static_cast<std::size_t>(step)]);
+            }
+        }
+        return milliseconds::max();
+    }
+
+  private:
+    Clock::time_point moved_{};
+    int step_ = 0;
+};
+
+TEST_F(SlowBus, OldValuesNeverPassAsGoodAmongCompetingTrafficAndAfterAnOutage) {
+    Program& sender = start_sender(job_);
+    Program& reader = start_reader(job_);
+    RawCan competitor(bus_.near());
+    const CanFrame other = make_frame(0x100, {1, 2, 3, 4, 5, 6, 7, 8});
+    auto next_other = Clock::now();
+    milliseconds oldest{};
+    std::size_t good = 0;
+    const auto carry = [&](milliseconds time) {
+        const auto end = Clock::now() + time;
+        while (Clock::now() < end) {
+            move_stick();
+            // Two in five of the frames that the bus can take.
+            if (Clock::now() >= next_other) {
+                next_other = Clock::now() + std::chrono::microseconds(2500);
+                competitor.send(other);
+            }
+            for (const SbusSight& sight : servos().listen()) {
+                if (sight.good()) {
+                    ++good;
+                    oldest = std::max(oldest, age_of(sight));
+                }
+            }
+        }
+    };
+    ASSERT_TRUE(eventually([&] {
+        carry(milliseconds(50));
+        return good > 100;
+    })) << sender.errors()
+        << reader.errors();
+    // The timeout and a period of each side; the values of one outage are ten times older.
+    const milliseconds bound = 2 * kTimeout + milliseconds(100);
+    EXPECT_LT(oldest, bound);
+
+    bus_.stall();
+    carry(milliseconds(5000));
+    EXPECT_TRUE(sender.says("frames do not leave")) << sender.errors();
+    good = 0;
+    bus_.flow();
+    ASSERT_TRUE(eventually([&] {
+        carry(milliseconds(50));
+        return good > 100;
+    }));
+    EXPECT_LT(oldest, bound);
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+}  // namespace
+}  // namespace tribus::test

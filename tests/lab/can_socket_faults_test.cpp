@@ -1,0 +1,269 @@
+#include <linux/can/error.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/lab/can_link_driver.h"
+#include "tests/lab/guest.h"
+#include "transports/links/can_socket.h"
+
+/// The SocketCAN link while its bus fails, and afterwards.
+namespace tribus::test {
+namespace {
+
+/// Records for the table of recovery times how long it took.
+void record(Duration time) {
+    testing::Test::RecordProperty("recovery_us", static_cast<int>(time / 1us));
+}
+
+std::ptrdiff_t count(const std::vector<WriteStatus>& fates, WriteStatus fate) {
+    return std::ranges::count(fates, fate);
+}
+
+/// Offers until a snapshot is taken, and how long that took.
+Duration time_to_next_written(LinkDriver& driver) {
+    const Instant start = now();
+    EXPECT_TRUE(driver.run_until([&] { return driver.write() == WriteStatus::written; }));
+    return now() - start;
+}
+
+TEST(LabCanFaults, AfterAnOutageOfTheBusOneOldFrameArrivesAtMost) {
+    const PacedBus bus(125'000);
+    RawCan listener(bus.far());
+    const auto link = open_link(bus.near());
+    LinkDriver driver(*link);
+    driver.stream_for(100ms);
+    bus.stall();
+    const auto fates = driver.stream_for(5s);
+    EXPECT_EQ(driver.status().state, CanBusState::stalled);
+    EXPECT_GE(driver.counts().stalls, 1U);
+    EXPECT_GT(count(fates, WriteStatus::unavailable), 100);
+    EXPECT_EQ(driver.counts().queue_full, 0U);
+    listener.receive_all();
+
+    const Instant back = now();
+    bus.flow();
+    record(time_to_next_written(driver));
+    driver.stream_for(200ms);
+    const auto sights = listener.receive_all();
+    EXPECT_GT(sights.size(), 20U);
+    const auto old = std::ranges::count_if(
+        sights, [&](const CanSight& sight) { return offered_at(sight.frame) < back; });
+    EXPECT_LE(old, 1);
+    EXPECT_EQ(driver.status().state, CanBusState::ready);
+}
+
+TEST(LabCanFaults, AnInterfaceThatGoesDownAndUpWorksAgainWithTheSameSocket) {
+    const VirtualBus bus;
+    RawCan listener(bus.name());
+    const auto link = open_link(bus.name());
+    LinkDriver driver(*link);
+    driver.stream_for(50ms);
+    bus.down();
+    ASSERT_TRUE(driver.run_until_state(CanBusState::down));
+    EXPECT_EQ(driver.counts().downs, 1U);
+    EXPECT_EQ(driver.write(), WriteStatus::unavailable);
+    listener.receive_all();  // its own notice that the bus is down
+    listener.receive_all();
+    bus.up();
+    record(time_to_next_written(driver));
+    driver.run_for(50ms);
+    for (std::size_t number = 0; number < kSnapshotFrames; ++number) {
+        EXPECT_TRUE(listener.receive()) << number;
+    }
+    ASSERT_EQ(listener.send(make_frame(0x123, {})), 0);
+    EXPECT_TRUE(driver.run_until([&] { return !driver.received().empty(); }));
+}
+
+TEST(LabCanFaults, AControllerThatGoesDownAndUpWorksAgain) {
+    const ControllerPair pair;
+    RawCan listener(pair.far());
+    const auto link = open_link(pair.near());
+    LinkDriver driver(*link);
+    driver.stream_for(50ms);
+    set_link_down(pair.near());
+    ASSERT_TRUE(driver.run_until_state(CanBusState::down));
+    driver.stream_for(100ms);
+    listener.receive_all();
+    const Instant back = now();
+    set_link_up(pair.near());
+    record(time_to_next_written(driver));
+    ASSERT_TRUE(driver.run_until([&] { return driver.status().state == CanBusState::ready; }));
+    driver.stream_for(100ms);
+    const auto sights = listener.receive_all();
+    EXPECT_GT(sights.size(), kSnapshotFrames);
+    EXPECT_TRUE(std::ranges::none_of(
+        sights, [&](const CanSight& sight) { return offered_at(sight.frame) < back; }));
+}
+
+TEST(LabCanFaults, AReaderAloneNoticesDownAndUp) {
+    const VirtualBus bus;
+    const auto link = open_link(bus.name(), {.wanted = {standard_id(0x123)}, .sent = {}});
+    LinkDriver driver(*link);
+    bus.down();
+    ASSERT_TRUE(driver.run_until_state(CanBusState::down));
+    bus.up();
+    EXPECT_TRUE(driver.run_until_state(CanBusState::ready));
+}
+
+TEST(LabCanFaults, WaitingOnAnInterfaceThatIsDownDoesNotSpin) {
+    const VirtualBus bus;
+    const auto link = open_link(bus.name());
+    LinkDriver driver(*link);
+    bus.down();
+    ASSERT_TRUE(driver.run_until_state(CanBusState::down));
+    const int before = driver.wakes();
+    driver.run_for(500ms);
+    // Once each kRecheckPeriod.
+    EXPECT_LT(driver.wakes() - before, 40);
+}
+
+TEST(LabCanFaults, APeerThatIsDownIsAnInterfaceThatIsDown) {
+    const PacedBus bus(125'000);
+    const auto link = open_link(bus.near());
+    LinkDriver driver(*link);
+    EXPECT_EQ(driver.write(), WriteStatus::written);
+    set_link_down(bus.far());
+    EXPECT_TRUE(driver.run_until([&] { return driver.write() == WriteStatus::unavailable; }));
+    EXPECT_EQ(driver.status().state, CanBusState::down);
+    set_link_up(bus.far());
+    record(time_to_next_written(driver));
+}
+
+TEST(LabCanFaults, ADeviceThatIsRemovedIsLostAndCanBeOpenedAgain) {
+    VirtualBus bus;
+    auto link = open_link(bus.name());
+    LinkDriver driver(*link);
+    bus.remove();
+    EXPECT_TRUE(driver.run_until([&] { return driver.latest_read() == ReadStatus::lost; }));
+    EXPECT_EQ(driver.write(), WriteStatus::lost);
+    EXPECT_FALSE(CanSocket::open(bus.name(), usual_settings()));
+    bus.create();
+    EXPECT_EQ(driver.write(), WriteStatus::lost) << "it is another device now";
+    link = open_link(bus.name());
+    LinkDriver again(*link);
+    EXPECT_EQ(again.write(), WriteStatus::written);
+}
+
+TEST(LabCanFaults, ADeviceThatIsRemovedIsLostForASenderThatNeverReads) {
+    VirtualBus bus;
+    const auto link = open_link(bus.name());
+    LinkDriver driver(*link);
+    bus.remove();
+    EXPECT_EQ(driver.write(), WriteStatus::lost);
+}
+
+TEST(LabCanFaults, AControllerThatIsUnpluggedIsLostAndCanBeOpenedAgain) {
+    ControllerPair pair;
+    auto link = open_link(pair.near());
+    LinkDriver driver(*link);
+    driver.stream_for(50ms);
+    pair.unplug();
+    EXPECT_TRUE(driver.run_until([&] { return driver.latest_read() == ReadStatus::lost; }));
+    EXPECT_EQ(driver.write(), WriteStatus::lost);
+    pair.plug();
+    RawCan listener(pair.far());
+    link = open_link(pair.near());
+    LinkDriver again(*link);
+    EXPECT_EQ(again.write(1), WriteStatus::written);
+    EXPECT_TRUE(again.run_until([&] { return again.counts().confirmed == 1; }));
+    EXPECT_TRUE(listener.receive());
+}
+
+TEST(LabCanFaults, ErrorFramesBecomeStates) {
+    SlcanAdapter adapter;
+    const auto link = open_link(adapter.name());
+    LinkDriver driver(*link);
+    EXPECT_EQ(driver.status().state, CanBusState::ready);
+    adapter.error_warning();
+    EXPECT_TRUE(driver.run_until_state(CanBusState::warning));
+    adapter.error_passive();
+    EXPECT_TRUE(driver.run_until_state(CanBusState::passive));
+    EXPECT_EQ(driver.write(1), WriteStatus::written);
+    adapter.error_active();
+    EXPECT_TRUE(driver.run_until_state(CanBusState::ready));
+    adapter.missing_acknowledge();
+    EXPECT_TRUE(driver.run_until([&] { return driver.counts().missing_acknowledges == 1; }));
+    EXPECT_GE(driver.counts().error_frames, 4U);
+    EXPECT_EQ(driver.status().state, CanBusState::ready);
+}
+
+TEST(LabCanFaults, InBusOffNothingIsSentUntilTheControllerIsRestarted) {
+    SlcanAdapter adapter;
+    const auto link = open_link(adapter.name());
+    LinkDriver driver(*link);
+    EXPECT_EQ(driver.write(1), WriteStatus::written);
+    EXPECT_TRUE(eventually([&] { return adapter.heard().back().starts_with("t300"); }));
+    adapter.bus_off();
+    ASSERT_TRUE(driver.run_until_state(CanBusState::bus_off));
+    EXPECT_EQ(driver.counts().bus_offs, 1U);
+    const std::size_t heard = adapter.heard().size();
+    const auto sent = driver.counts().sent;
+    const auto fates = driver.stream_for(CanTransmitter::kProbePeriod + 1500ms);
+    EXPECT_EQ(count(fates, WriteStatus::unavailable), std::ssize(fates));
+    EXPECT_EQ(driver.status().state, CanBusState::bus_off);
+    EXPECT_EQ(adapter.heard().size(), heard);
+    EXPECT_EQ(driver.counts().sent, sent) << "the kernel would take it and swallow it";
+
+    set_link_down(adapter.name());
+    set_link_up(adapter.name());
+    record(time_to_next_written(driver));
+    driver.stream_for(100ms);
+    EXPECT_EQ(driver.status().state, CanBusState::ready);
+    EXPECT_TRUE(eventually([&] { return adapter.heard().back().starts_with("t303"); }));
+}
+
+TEST(LabCanFaults, ARestartFrameEndsABusOff) {
+    const VirtualBus bus;
+    RawCan injector(bus.name());
+    const auto link = open_link(bus.name());
+    LinkDriver driver(*link);
+    ASSERT_EQ(injector.send_error(CAN_ERR_BUSOFF), 0);
+    ASSERT_TRUE(driver.run_until_state(CanBusState::bus_off));
+    EXPECT_EQ(driver.write(), WriteStatus::unavailable);
+    ASSERT_EQ(injector.send_error(CAN_ERR_RESTARTED), 0);
+    EXPECT_TRUE(driver.run_until_state(CanBusState::ready));
+    record(time_to_next_written(driver));
+}
+
+TEST(LabCanFaults, ABusOffWhoseEndNobodyTellsIsProbed) {
+    const VirtualBus bus;
+    RawCan injector(bus.name());
+    const auto link = open_link(bus.name());
+    LinkDriver driver(*link);
+    ASSERT_EQ(injector.send_error(CAN_ERR_BUSOFF), 0);
+    ASSERT_TRUE(driver.run_until_state(CanBusState::bus_off));
+    const Duration time = time_to_next_written(driver);
+    record(time);
+    EXPECT_GT(time, CanTransmitter::kProbePeriod - 100ms);
+    EXPECT_LT(time, CanTransmitter::kProbePeriod + 2s);
+    EXPECT_EQ(driver.status().state, CanBusState::ready);
+}
+
+TEST(LabCanFaults, AnAdapterThatTakesNothingIsAStallAndItsQueueHoldsFewOldFrames) {
+    SlcanAdapter adapter;
+    const auto link = open_link(adapter.name());
+    LinkDriver driver(*link);
+    driver.stream_for(50ms);
+    adapter.block();
+    ASSERT_TRUE(driver.run_until([&] {
+        driver.write();
+        return driver.status().state == CanBusState::stalled;
+    }));
+    const std::size_t heard = adapter.heard().size();
+    const auto sent = driver.counts().sent;
+    driver.stream_for(500ms);
+    EXPECT_EQ(driver.counts().sent, sent);
+    EXPECT_EQ(driver.counts().queue_full, 0U);
+    adapter.unblock();
+    record(time_to_next_written(driver));
+    EXPECT_EQ(driver.status().state, CanBusState::ready);
+    EXPECT_TRUE(eventually([&] { return adapter.heard().size() > heard; }));
+}
+
+}  // namespace
+}  // namespace tribus::test

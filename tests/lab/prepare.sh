@@ -1,0 +1,116 @@
+#!/bin/sh
+# Prepares the laboratory's guests: Debian's own kernels, downloaded and unpacked but never
+# installed. Does only what is still missing; delete the folder to get newer kernels.
+#
+#   tests/lab/prepare.sh [fast|full [FOLDER]]
+#
+# fast: the stock kernel. full: the PREEMPT_RT kernel too, and two drivers that Debian's kernel
+# comes without, built from Debian's kernel source: gpio-sim and CTU CAN FD.
+#
+# FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/; FOLDER is build/lab if not given.
+tier=${1:-fast}
+here=$(cd "$(dirname "$0")" && pwd)
+mkdir -p "${2:-$here/../../build/lab}"
+folder=$(cd "${2:-$here/../../build/lab}" && pwd)
+. "$here/../../deploy/prepare.sh"
+PATH=$PATH:/usr/sbin:/sbin # depmod, modprobe
+
+say() {
+    echo "Laboratory: $*" >&2
+}
+
+fail() {
+    say "$*"
+    exit 1
+}
+
+# download PACKAGE...: their .deb files, into the current folder.
+download() {
+    say "downloading $*"
+    # apt's own user cannot write into this folder, which apt mentions each time.
+    apt-get -q download "$@" >apt.log 2>&1 || {
+        cat apt.log >&2
+        fail "cannot download $*"
+    }
+}
+
+# package_behind METAPACKAGE: the one with the kernel that the metapackage now stands for.
+package_behind() {
+    apt-cache depends "$1" | sed -n 's/^ *Depends: \(linux-[a-z]*-[0-9].*\)/\1/p' | head -n 1
+}
+
+# unpack_vmlinux VMLINUZ VMLINUX: decompressed once, here; the emulator would need two seconds
+# for it at each boot.
+unpack_vmlinux() {
+    offset=$(LC_ALL=C grep -aboF "$(printf '\3757zXZ')" "$1" | head -n 1 | cut -d : -f 1)
+    [ -n "$offset" ] || fail "$1 is not compressed with xz"
+    # What follows the kernel in the file is not part of it, which xz calls an error.
+    tail -c "+$((offset + 1))" "$1" | xz -dc --single-stream >"$2" 2>/dev/null || [ -s "$2" ]
+}
+
+# make_initrd KERNEL_FOLDER: busybox, and the modules it takes to reach the host's files.
+make_initrd() (
+    root=$(mktemp -d)
+    trap 'rm -rf "$root"' EXIT
+    mkdir "$root/bin" "$root/modules"
+    cp "$1/busybox" "$root/bin"
+    cp "$here/guest_init" "$root/init"
+    for module in virtio_pci 9pnet_virtio 9p overlay; do
+        modprobe --dirname "$1" --set-version "$(cat "$1/ready")" --show-depends "$module"
+    done | sed -n 's/^insmod \([^ ]*\).*/\1/p' >"$root/files"
+    number=100
+    while read -r file; do
+        cp "$file" "$root/modules/$number-$(basename "$file")"
+        number=$((number + 1))
+    done <"$root/files"
+    cd "$root"
+    find . | cpio --quiet -o -H newc -R 0:0 | gzip -1 >"$1/initrd.new"
+    mv "$1/initrd.new" "$1/initrd.gz"
+)
+
+# prepare_kernel NAME METAPACKAGE: into FOLDER/NAME.
+prepare_kernel() {
+    kernel="$folder/$1"
+    if [ ! -e "$kernel/ready" ]; then
+        rm -rf "$kernel"
+        mkdir -p "$kernel/lib"
+        (cd "$kernel" && unpack_kernel "$2")
+    fi
+    if [ ! -e "$kernel/initrd.gz" ] ||
+        [ -n "$(find "$here/guest_init" -newer "$kernel/initrd.gz")" ]; then
+        make_initrd "$kernel"
+    fi
+}
+
+unpack_kernel() {
+    # A list of packages that is older than the archive names files that are gone.
+    as_root apt-get -q update >&2
+    # Not installed: it would take the place of the package busybox.
+    download "$(package_behind "$1")" busybox-static
+    for package in *.deb; do
+        dpkg-deb -x "$package" unpacked
+    done
+    mv unpacked/bin/busybox .
+    version=$(ls unpacked/lib/modules)
+    unpack_vmlinux "unpacked/boot/vmlinuz-$version" vmlinux
+    # Two thirds of the modules, for hardware that no guest has.
+    (cd "unpacked/lib/modules/$version/kernel" &&
+        rm -rf sound drivers/gpu drivers/media drivers/infiniband drivers/scsi drivers/staging \
+            drivers/iio drivers/net/ethernet drivers/net/wireless)
+    mv unpacked/lib/modules lib/modules
+    depmod --basedir . "$version"
+    rm -rf unpacked ./*.deb apt.log
+    echo "$version" >ready
+    say "kernel $version is ready"
+}
+
+[ "$(dpkg --print-architecture)" = amd64 ] || fail "it runs on amd64 machines only"
+# shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
+install_packages $lab_packages
+prepare_kernel stock linux-image-amd64
+if [ "$tier" = full ]; then
+    # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
+    install_packages $lab_full_packages
+    prepare_kernel rt linux-image-rt-amd64
+    "$here/build_modules.sh" "$folder/stock"
+fi

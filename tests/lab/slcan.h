@@ -1,0 +1,63 @@
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "transports/links/unique_fd.h"
+
+namespace tribus::test {
+
+/// A CAN adapter that speaks SLCAN, played by the test on the master of a pty, with the kernel's
+/// own driver (slcan) in between: the one controller whose faults can be had at will (lab.md 3).
+///
+/// Classic CAN. Not the same as real hardware: in bus-off the kernel takes frames and drops them,
+/// restart-ms is not supported (`set_link_down` and `set_link_up` restart it), and nothing is
+/// acknowledged unless the test says so.
+class SlcanAdapter {
+  public:
+    /// Attached, with a bit rate of 1 Mbit/s, and up.
+    SlcanAdapter();
+    SlcanAdapter(const SlcanAdapter&) = delete;
+    SlcanAdapter& operator=(const SlcanAdapter&) = delete;
+    ~SlcanAdapter();
+
+    /// Name of its interface, as can2.
+    const std::string& name() const { return name_; }
+
+    /// Says something as the adapter, without the carriage return at its end.
+    void say(const std::string& line);
+    void error_warning() { say("sw100000"); }
+    void error_passive() { say("sp130000"); }
+    void bus_off() { say("sb255000"); }
+    void error_active() { say("sa000000"); }
+    void missing_acknowledge() { say("e1a"); }
+    /// A frame of another node: `t1232AABB` is id 123 with two bytes.
+    void frame(const std::string& line) { say(line); }
+
+    /// What the driver has sent so far: the set-up ("C", "S8", "O"), then frames as `t1232AABB`.
+    std::vector<std::string> heard() const;
+    /// The adapter stops taking frames (a dead bus), and goes on.
+    void block() { blocked_ = true; }
+    void unblock() { blocked_ = false; }
+
+    /// The adapter is pulled out: its interface vanishes. And plugged in again, as after `new`.
+    void unplug();
+    void plug();
+
+  private:
+    void listen(const std::stop_token& stop);
+
+    std::string name_;
+    UniqueFd master_;
+    UniqueFd slave_;
+    mutable std::mutex mutex_;  // of heard_ and partial_
+    std::vector<std::string> heard_;
+    std::string partial_;
+    std::atomic<bool> blocked_ = false;
+    std::jthread listener_;
+};
+
+}  // namespace tribus::test

@@ -1,0 +1,122 @@
+#include "tests/lab/two_programs.h"
+
+#include <cstdlib>
+#include <fstream>
+
+namespace tribus::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+milliseconds since(Clock::time_point start, Clock::time_point at) {
+    return std::chrono::duration_cast<milliseconds>(at - start);
+}
+
+/// The laboratory keeps what stands in its folder of results; recovery.md is made from it.
+void add_to_table(const std::string& name, milliseconds frame_lost, milliseconds failsafe,
+                  milliseconds control) {
+    if (std::filesystem::is_directory("/lab")) {
+        std::ofstream("/lab/recovery.md", std::ios::app)
+            << "| " << name << " | " << frame_lost.count() << " | " << failsafe.count() << " | "
+            << control.count() << " |\n";
+    }
+}
+
+}  // namespace
+
+Program& TwoPrograms::start_side(const std::string& name, const std::string& text) {
+    return run(write_config(text, name + ".toml"));
+}
+
+Program& TwoPrograms::start_sender(const BusJob& job) {
+    return start_side("sender", R"([input.receiver]
+protocol = "ibus"
+device   = "@receiver"
+timeout  = "400ms"
+[output.bus]
+interface = ")" + job.sender_interface +
+                                    "\"\n" + job.format + R"(
+[pipeline.main]
+from = "receiver"
+to   = "bus"
+[pipeline.main.failsafe]
+hold    = "300ms"
+recover = "300ms"
+)");
+}
+
+Program& TwoPrograms::start_reader(const BusJob& job) {
+    return start_side("reader", R"([input.bus]
+interface = ")" + job.reader_interface +
+                                    "\"\n" + job.format + R"(
+timeout = "400ms"
+[output.servos]
+protocol = "sbus"
+device   = "@servos"
+period   = "7ms"
+[pipeline.main]
+from = "bus"
+to   = "servos"
+[pipeline.main.failsafe]
+hold    = "300ms"
+preset  = { 1 = 1000, 3 = 988, other = 1500 }
+recover = "300ms"
+)");
+}
+
+bool TwoPrograms::carry_until(const std::function<bool(const SbusSight&)>& done) {
+    return eventually([&] {
+        repeater_.send_if_due();
+        bool found = false;
+        for (const SbusSight& sight : bank_.listen()) {
+            found = found || done(sight);
+        }
+        return found;
+    });
+}
+
+bool TwoPrograms::carry_until_control() {
+    return carry_until([](const SbusSight& sight) { return sight.good(); });
+}
+
+bool TwoPrograms::carry_until_failsafe() {
+    return carry_until([](const SbusSight& sight) { return sight.failsafe; });
+}
+
+std::vector<SbusSight> TwoPrograms::carry_for(milliseconds time) {
+    std::vector<SbusSight> all;
+    const auto end = Clock::now() + time;
+    while (Clock::now() < end) {
+        repeater_.send_if_due();
+        for (const SbusSight& sight : bank_.listen()) {
+            all.push_back(sight);
+        }
+    }
+    return all;
+}
+
+TwoPrograms::Outcome TwoPrograms::expect_failsafe_and_recovery(
+    const std::string& name, const std::function<void()>& fault,
+    const std::function<void()>& end_of_fault) {
+    Outcome outcome;
+    EXPECT_TRUE(carry_until_control()) << name;
+    const auto start = Clock::now();
+    fault();
+    EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
+        if (sight.frame_lost && outcome.to_frame_lost == milliseconds::zero()) {
+            outcome.to_frame_lost = since(start, sight.seen);
+        }
+        outcome.to_failsafe = since(start, sight.seen);
+        return sight.failsafe;
+    })) << name;
+    const auto end = Clock::now();
+    end_of_fault();
+    EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
+        outcome.to_control = since(end, sight.seen);
+        return sight.good();
+    })) << name;
+    add_to_table(name, outcome.to_frame_lost, outcome.to_failsafe, outcome.to_control);
+    return outcome;
+}
+
+}  // namespace tribus::test

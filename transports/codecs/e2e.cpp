@@ -1,0 +1,101 @@
+#include "transports/codecs/e2e.h"
+
+#include <array>
+#include <limits>
+
+namespace tribus {
+namespace {
+
+/// What each value of the top byte does to the rest, for a CRC that starts with the top bit.
+template <class Crc>
+constexpr std::array<Crc, 256> crc_table(Crc polynomial) {
+    constexpr int kShift = std::numeric_limits<Crc>::digits - 8;
+    constexpr unsigned kTopBit = 1U << (std::numeric_limits<Crc>::digits - 1);
+    std::array<Crc, 256> table{};
+    for (std::size_t byte = 0; byte < table.size(); ++byte) {
+        unsigned crc = static_cast<unsigned>(byte) << kShift;
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = (crc & kTopBit) != 0 ? (crc << 1U) ^ polynomial : crc << 1U;
+        }
+        table[byte] = static_cast<Crc>(crc);
+    }
+    return table;
+}
+
+constexpr auto kTable1d = crc_table<std::uint8_t>(0x1D);
+constexpr auto kTable2f = crc_table<std::uint8_t>(0x2F);
+constexpr auto kTable1021 = crc_table<std::uint16_t>(0x1021);
+
+std::uint8_t crc8(const std::array<std::uint8_t, 256>& table, std::uint8_t crc,
+                  std::span<const std::uint8_t> bytes) {
+    for (const std::uint8_t byte : bytes) {
+        crc = table[crc ^ byte];
+    }
+    return crc;
+}
+
+constexpr std::uint8_t low_byte(std::uint16_t word) {
+    return static_cast<std::uint8_t>(word);
+}
+constexpr std::uint8_t high_byte(std::uint16_t word) {
+    return static_cast<std::uint8_t>(word >> 8);
+}
+
+// The AUTOSAR library's CRC-8 starts with FF and ends with an XOR of FF; profile 1 calls it so that
+// both cancel, profile 22 keeps them.
+constexpr std::uint8_t kP01Start = 0x00;
+constexpr std::uint8_t kP22StartAndXor = 0xFF;
+constexpr std::uint16_t kP05Start = 0xFFFF;
+
+std::uint8_t p01_id_crc(std::uint16_t data_id, P01DataId mode, bool odd_counter) {
+    const std::uint8_t low = low_byte(data_id);
+    const std::uint8_t high = high_byte(data_id);
+    switch (mode) {
+        case P01DataId::both:
+            return crc8_1d(kP01Start, std::array{low, high});
+        case P01DataId::alternating:
+            return crc8_1d(kP01Start, std::array{odd_counter ? high : low});
+        case P01DataId::nibble:
+            return crc8_1d(kP01Start, std::array{low, std::uint8_t{0}});
+        case P01DataId::low:
+            break;
+    }
+    return crc8_1d(kP01Start, std::array{low});
+}
+
+}  // namespace
+
+std::uint8_t crc8_1d(std::uint8_t start, std::span<const std::uint8_t> bytes) {
+    return crc8(kTable1d, start, bytes);
+}
+
+std::uint8_t crc8_2f(std::uint8_t start, std::span<const std::uint8_t> bytes) {
+    return crc8(kTable2f, start, bytes);
+}
+
+std::uint16_t crc16_1021(std::uint16_t start, std::span<const std::uint8_t> bytes) {
+    std::uint16_t crc = start;
+    for (const std::uint8_t byte : bytes) {
+        crc = static_cast<std::uint16_t>((crc << 8) ^ kTable1021[high_byte(crc) ^ byte]);
+    }
+    return crc;
+}
+
+std::uint8_t p01_crc(std::span<const std::uint8_t> payload, std::uint16_t data_id, P01DataId mode) {
+    const bool odd_counter = (payload[kE2eCounterAt] & 1U) != 0;
+    return crc8_1d(p01_id_crc(data_id, mode, odd_counter), payload.subspan(kCrc8At + 1));
+}
+
+std::uint8_t p22_crc(std::span<const std::uint8_t> payload, std::uint8_t listed_id) {
+    const std::uint8_t crc = crc8_2f(kP22StartAndXor, payload.subspan(kCrc8At + 1));
+    return crc8_2f(crc, std::array{listed_id}) ^ kP22StartAndXor;
+}
+
+std::uint16_t p05_crc(std::span<const std::uint8_t> payload, std::uint16_t data_id,
+                      std::size_t offset) {
+    std::uint16_t crc = crc16_1021(kP05Start, payload.first(offset));
+    crc = crc16_1021(crc, payload.subspan(offset + sizeof crc));
+    return crc16_1021(crc, std::array{low_byte(data_id), high_byte(data_id)});
+}
+
+}  // namespace tribus

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+/// AUTOSAR end-to-end protection, profiles 1, 5 and 22 (can.md 4.4, e2e_vectors.json): a counter
+/// and a CRC inside the payload, the CRC also over an id that is not sent, so that a frame of
+/// another sender does not pass for ours. All functions are pure and reentrant.
+namespace tribus {
+
+/// CRC-8, polynomial 0x1D, most significant bit first, no final XOR.
+std::uint8_t crc8_1d(std::uint8_t start, std::span<const std::uint8_t> bytes);
+/// CRC-8, polynomial 0x2F, likewise. It sees all errors of 1 to 3 bits in up to 127 bits, which
+/// 0x1D does not.
+std::uint8_t crc8_2f(std::uint8_t start, std::span<const std::uint8_t> bytes);
+/// CRC-16, polynomial 0x1021, likewise.
+std::uint16_t crc16_1021(std::uint16_t start, std::span<const std::uint8_t> bytes);
+
+/// Which part of the 16-bit data id enters the CRC of profile 1.
+enum class P01DataId : std::uint8_t {
+    both,         ///< the low byte, then the high byte
+    alternating,  ///< the low byte where the counter is even, the high byte where it is odd
+    low,          ///< the low byte
+    nibble,       ///< the low byte and a zero; the payload holds the high byte's low nibble
+};
+
+inline constexpr std::size_t kCrc8At = 0;        ///< profiles 1 and 22: the CRC's byte
+inline constexpr std::size_t kE2eCounterAt = 1;  ///< and the counter's, in the low nibble
+
+/// The CRC of profile 1, for all bytes but byte 0. Needs at least 2 bytes. The counter goes from 0
+/// to 14.
+std::uint8_t p01_crc(std::span<const std::uint8_t> payload, std::uint16_t data_id,
+                     P01DataId mode = P01DataId::both);
+
+/// The CRC of profile 22, for all bytes but byte 0. Needs at least 1 byte. `listed_id` is the entry
+/// of the data id list for the counter of this payload, which goes from 0 to 15.
+std::uint8_t p22_crc(std::span<const std::uint8_t> payload, std::uint8_t listed_id);
+
+/// The CRC of profile 5, for all bytes but the two at `offset`, where it stands low byte first. The
+/// counter is the byte behind it and goes from 0 to 255. Needs at least `offset` + 2 bytes.
+std::uint16_t p05_crc(std::span<const std::uint8_t> payload, std::uint16_t data_id,
+                      std::size_t offset = 0);
+
+}  // namespace tribus
