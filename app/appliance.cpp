@@ -60,16 +60,16 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
 std::vector<Appliance::DeviceEvent> Appliance::tend() {
     std::vector<DeviceEvent> events;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
-        const std::string& device = plans_[port].config.device;
+        const PortConfig& config = plans_[port].config;
         if (loop_->take_lost(port)) {
             missing_[port] = true;
-            events.push_back({device, false});
+            events.push_back({&config, false});
         }
         if (missing_[port]) {
             if (auto link = open_port(configuration_, *engine_, plans_[port])) {
                 loop_->give(port, std::move(*link));
                 missing_[port] = false;
-                events.push_back({device, true});
+                events.push_back({&config, true});
             }
         }
     }

@@ -33,9 +33,9 @@ class Appliance {
     Appliance(const Appliance&) = delete;
     Appliance& operator=(const Appliance&) = delete;
 
-    /// A change of one device: it is gone, or it is back.
+    /// A change of one device or interface: it is gone, or it is back.
     struct DeviceEvent {
-        std::string device;
+        const PortConfig* port = nullptr;
         bool back = false;
     };
     /// Closes devices that vanished and opens those that are back. Call a few times a second.

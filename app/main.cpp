@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/check.h"
+#include "app/dbc_command.h"
 #include "app/decode.h"
 #include "app/demo.h"
 #include "app/encode.h"
@@ -46,6 +47,7 @@ int run_command_line(int argc, char** argv) {
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);
     tribus::add_simulate_command(app, status);
+    tribus::add_dbc_command(app, status);
     tribus::add_schema_command(app);
     if (argc > 1 && explain_unknown_command(app, argv[1])) {
         return tribus::kExitWrongUse;

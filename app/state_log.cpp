@@ -138,10 +138,11 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
 
 void StateLog::look(Appliance& appliance, Instant now) {
     for (const Appliance::DeviceEvent& event : appliance.tend()) {
-        RateLimit& device_limit = devices_.try_emplace(event.device, limit()).first->second;
+        RateLimit& device_limit = devices_.try_emplace(event.port->device, limit()).first->second;
         if (const auto swallowed = device_limit.pass(now)) {
-            spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "device {}: {}{}",
-                        event.device, event.back ? "is back" : "is gone; waiting for it",
+            spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "{} {}: {}{}",
+                        event.port->link == LinkKind::can ? "interface" : "device",
+                        event.port->device, event.back ? "is back" : "is gone; waiting for it",
                         swallowed_note(*swallowed));
         }
     }

@@ -118,6 +118,23 @@ void check_timeout(const InputDraft& input, const PipelineConfig& pipeline, cons
                     in_quotes(format_duration(slowest->config.schedule.period))));
 }
 
+/// Where the protocol tells how often its frames come.
+void check_cycle(const InputDraft& input, Mistakes& mistakes) {
+    const InputConfig& config = input.config;
+    const bool judged = config.protocol != nullptr && config.protocol->own_period != nullptr &&
+                        input.settings_sound && input.timeout_sound;
+    const auto cycle = judged ? config.protocol->own_period(config.settings) : std::nullopt;
+    if (cycle && config.timeout <= *cycle) {
+        mistakes.add(
+            input.timeout.value_or(input.where),
+            fmt::format("the timeout of input {} is {}{}, but its messages come every {}: each "
+                        "pause between two would be judged a loss; allowed: a longer timeout, "
+                        "best three times as long",
+                        in_quotes(config.name), in_quotes(format_duration(config.timeout)),
+                        input.timeout ? "" : " by default", in_quotes(format_duration(*cycle))));
+    }
+}
+
 }  // namespace
 
 void check_across(const Draft& draft, Reading reading) {
@@ -132,6 +149,9 @@ void check_across(const Draft& draft, Reading reading) {
         return;
     }
     check_unused(draft, reading);
+    for (const InputDraft& input : draft.inputs) {
+        check_cycle(input, reading.mistakes);
+    }
     for (const PipelineConfig& pipeline : draft.pipelines) {
         for (const std::size_t index : pipeline.inputs) {
             check_timeout(draft.inputs[index], pipeline, draft, reading.mistakes);

@@ -1,4 +1,6 @@
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -113,10 +115,25 @@ TEST_P(Help, GoesToStandardOutputAndEndsWithZero) {
 INSTANTIATE_TEST_SUITE_P(Everywhere, Help,
                          testing::Values(Words{}, Words{"run"}, Words{"check"}, Words{"schema"},
                                          Words{"demo"}, Words{"simulate"}, Words{"decode"},
-                                         Words{"encode"}),
+                                         Words{"encode"}, Words{"dbc"}),
                          [](const auto& words) {
                              return words.param.empty() ? "program" : words.param.front();
                          });
+
+TEST_F(Loopback, DbcOfTheNativeFormatIsTheShippedFile) {
+    Program& program = start({"dbc"});
+    EXPECT_EQ(program.end(), 0);
+    std::ifstream shipped(std::string(TRIBUS_SOURCE_DIR) + "/deploy/can/native.dbc");
+    const std::string text{std::istreambuf_iterator<char>(shipped), {}};
+    EXPECT_EQ(program.output(), text);
+}
+
+TEST_F(Loopback, DbcTakesTheIdsOfTheConfiguration) {
+    Program& program = start({"dbc", "--id", "0x1234500", "--extended"});
+    EXPECT_EQ(program.end(), 0);
+    // 29-bit ids have bit 31 set in a DBC file.
+    EXPECT_NE(program.output().find("BO_ 2166572288 RcA: 8"), std::string::npos);
+}
 
 class WrongUse : public Loopback, public testing::WithParamInterface<Words> {};
 
@@ -131,6 +148,8 @@ INSTANTIATE_TEST_SUITE_P(Arguments, WrongUse,
                          testing::Values(Words{}, Words{"fly"}, Words{"run"},
                                          Words{"run", "a.toml", "b.toml"},
                                          Words{"run", "/nonexistent/tribus.toml"},
+                                         Words{"dbc", "--id", "0x7FF"},
+                                         Words{"dbc", "--id", "first"},
                                          Words{"check", "--format", "xml", "a.toml"},
                                          Words{"demo", "--seconds", "soon"},
                                          Words{"demo", "--seconds", "0"}, Words{"simulate"}));

@@ -19,7 +19,7 @@ constexpr int kMostMissedCycles = 3;
 /// And where the file gives no cycle time: as long as drive units wait for commands (can.md 2.3).
 constexpr Duration kGuardWithoutCycle = std::chrono::milliseconds(500);
 /// After so long without a frame a counter may have come round, and what comes first may have
-/// waited in a sender's queue for the bus to come back (can.md 3.2).
+/// waited in a sender's queue for the bus to come back (can.md 3.3).
 constexpr Duration kSilence = std::chrono::milliseconds(250);
 /// Longer than the period of any J1939 message with channels.
 constexpr Duration kSenderMemory = std::chrono::seconds(1);

@@ -55,7 +55,7 @@ class SignalMapper {
         if (!use || mistakes_.size() > before) {
             return std::nullopt;
         }
-        return DbcMappedSignal{&signal_, path_, conditions_, std::move(*use)};
+        return DbcMappedSignal{&signal_, path_, conditions_, *use};
     }
 
   private:

@@ -15,7 +15,34 @@ void append(std::uint8_t byte, bool damaged, Reception& out) {
     ++out.count;
 }
 
+std::uint8_t random_bit(FaultDice& dice) {
+    return static_cast<std::uint8_t>(1U << (dice.next() % 8));
+}
+
 }  // namespace
+
+std::uint64_t FaultDice::next() {
+    // SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed is good.
+    state_ += 0x9E3779B97F4A7C15U;
+    std::uint64_t mixed = state_;
+    mixed = (mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9U;
+    mixed = (mixed ^ (mixed >> 27)) * 0x94D049BB133111EBU;
+    return mixed ^ (mixed >> 31);
+}
+
+bool FaultDice::happens(double probability) {
+    // The upper 53 bits as a fraction: exact in a double, so equal on every machine.
+    constexpr double kFraction = 1.0 / 9007199254740992.0;
+    return static_cast<double>(next() >> 11) * kFraction < probability;
+}
+
+Duration FaultDice::delay(Duration most) {
+    if (most <= Duration::zero()) {
+        return Duration::zero();
+    }
+    const auto choices = static_cast<std::uint64_t>(most.count()) + 1;
+    return Duration(static_cast<std::int64_t>(next() % choices));
+}
 
 void FaultInjector::apply(std::span<const std::uint8_t> in, Reception& out) {
     for (const std::uint8_t byte : in) {
@@ -29,49 +56,40 @@ void FaultInjector::apply(const Reception& in, Reception& out) {
     }
 }
 
-Duration FaultInjector::next_delay() {
-    if (settings_.most_delay <= Duration::zero()) {
-        return Duration::zero();
-    }
-    const auto choices = static_cast<std::uint64_t>(settings_.most_delay.count()) + 1;
-    return Duration(static_cast<std::int64_t>(next() % choices));
-}
-
 void FaultInjector::apply_byte(std::uint8_t byte, bool damaged, Reception& out) {
-    if (happens(settings_.add_byte)) {
-        append(static_cast<std::uint8_t>(next()), false, out);
+    if (dice_.happens(settings_.add_byte)) {
+        append(static_cast<std::uint8_t>(dice_.next()), false, out);
     }
-    if (happens(settings_.lose_byte)) {
+    if (dice_.happens(settings_.lose_byte)) {
         return;
     }
     std::uint8_t wire = byte;
-    if (happens(settings_.flip_bit)) {
-        wire ^= random_bit();
+    if (dice_.happens(settings_.flip_bit)) {
+        wire ^= random_bit(dice_);
     }
-    if (happens(settings_.damage_byte)) {
-        append(wire ^ random_bit(), true, out);
+    if (dice_.happens(settings_.damage_byte)) {
+        append(wire ^ random_bit(dice_), true, out);
         return;
     }
     append(wire, damaged, out);
 }
 
-std::uint8_t FaultInjector::random_bit() {
-    return static_cast<std::uint8_t>(1U << (next() % 8));
-}
-
-bool FaultInjector::happens(double probability) {
-    // The upper 53 bits as a fraction: exact in a double, so equal on every machine.
-    constexpr double kFraction = 1.0 / 9007199254740992.0;
-    return static_cast<double>(next() >> 11) * kFraction < probability;
-}
-
-std::uint64_t FaultInjector::next() {
-    // SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed is good.
-    state_ += 0x9E3779B97F4A7C15U;
-    std::uint64_t mixed = state_;
-    mixed = (mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9U;
-    mixed = (mixed ^ (mixed >> 27)) * 0x94D049BB133111EBU;
-    return mixed ^ (mixed >> 31);
+void CanFaultInjector::apply(const ReceivedCanFrame& in, CanReception& out) {
+    if (dice_.happens(settings_.lose_frame)) {
+        return;
+    }
+    const int copies = dice_.happens(settings_.duplicate_frame) ? 2 : 1;
+    for (int copy = 0; copy < copies && out.count < out.frames.size(); ++copy) {
+        ReceivedCanFrame& wire = out.frames[out.count];
+        wire = in;
+        if (wire.frame.length > 0 && dice_.happens(settings_.flip_bit)) {
+            wire.frame.data[dice_.next() % wire.frame.length] ^= random_bit(dice_);
+        }
+        if (dice_.happens(settings_.late_frame)) {
+            wire.at += dice_.delay(settings_.most_delay);
+        }
+        ++out.count;
+    }
 }
 
 ReadStatus FaultyLink::read(Reception& reception) {

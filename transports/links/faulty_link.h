@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/time.h"
+#include "transports/links/can_link.h"
 #include "transports/links/link.h"
 
 namespace tribus {
@@ -18,12 +19,26 @@ struct FaultSettings {
     Duration most_delay{};   ///< bursts come late by nothing up to this
 };
 
+/// Chances from a seed: the same on every machine. Pure. Thread-bound.
+class FaultDice {
+  public:
+    explicit FaultDice(std::uint64_t seed) : state_(seed) {}
+
+    std::uint64_t next();
+    bool happens(double probability);
+    /// Nothing up to this.
+    Duration delay(Duration most);
+
+  private:
+    std::uint64_t state_;
+};
+
 /// Makes faults from a seed: the same seed and the same calls give the same faults on every
 /// machine. Pure: no clock, no heap. Thread-bound.
 class FaultInjector {
   public:
     FaultInjector(const FaultSettings& settings, std::uint64_t seed)
-        : settings_(settings), state_(seed) {}
+        : settings_(settings), dice_(seed) {}
 
     /// Appends `in` with faults of single bytes to `out`; what `out` has no room for is lost.
     void apply(std::span<const std::uint8_t> in, Reception& out);
@@ -31,18 +46,40 @@ class FaultInjector {
     void apply(const Reception& in, Reception& out);
 
     /// How late the next burst is.
-    Duration next_delay();
+    Duration next_delay() { return dice_.delay(settings_.most_delay); }
     /// Whether the next burst is gone as a whole.
-    bool drop_frame() { return happens(settings_.drop_frame); }
+    bool drop_frame() { return dice_.happens(settings_.drop_frame); }
 
   private:
     void apply_byte(std::uint8_t byte, bool damaged, Reception& out);
-    std::uint8_t random_bit();
-    bool happens(double probability);
-    std::uint64_t next();
 
     FaultSettings settings_;
-    std::uint64_t state_;
+    FaultDice dice_;
+};
+
+/// What goes wrong on a bad bus, or in the gateways and drivers on the way. Probabilities from 0 to
+/// 1, each for one frame.
+struct CanFaultSettings {
+    double lose_frame = 0;
+    double duplicate_frame = 0;
+    double flip_bit = 0;    ///< one bit of its data reads wrong and the bus does not notice
+    double late_frame = 0;  ///< it comes later than the frames around it
+    Duration most_delay{};  ///< of a late frame: by nothing up to this
+};
+
+/// The same for CAN frames.
+class CanFaultInjector {
+  public:
+    CanFaultInjector(const CanFaultSettings& settings, std::uint64_t seed)
+        : settings_(settings), dice_(seed) {}
+
+    /// Appends the frame to `out`: not at all, once, or twice; what `out` has no room for is lost.
+    /// A late one has a later `at`, so they may no longer stand in the order of arrival.
+    void apply(const ReceivedCanFrame& in, CanReception& out);
+
+  private:
+    CanFaultSettings settings_;
+    FaultDice dice_;
 };
 
 /// Puts faults on both directions of another link, which must outlive it. Delays are the
