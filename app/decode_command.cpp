@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/configured_use.h"
 #include "app/decode.h"
 #include "app/decode_can.h"
 #include "app/exit_status.h"
@@ -40,6 +41,7 @@ struct DecodeArguments {
     std::string format = "text";
     std::string input_format;
     std::string interface;
+    std::string as;
     GivenSettings given;
 
     DecodeFormat decode_format() const { return kFormats.at(format); }
@@ -181,8 +183,21 @@ tl::expected<std::string, std::string> read_beginning(InputFile& file) {
     return beginning;
 }
 
+/// The protocols that come into question.
+tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArguments& arguments) {
+    if (arguments.as.empty()) {
+        return choose_protocols(arguments.protocol, SettingScope::input, arguments.given);
+    }
+    if (arguments.protocol != "auto" || !arguments.given.empty()) {
+        return tl::unexpected(std::string(kAsAlone));
+    }
+    return configured_use(arguments.as, SettingScope::input).map([](ProtocolUse use) {
+        return std::vector{std::move(use)};
+    });
+}
+
 int run_decode(const DecodeArguments& arguments) {
-    auto uses = choose_protocols(arguments.protocol, SettingScope::input, arguments.given);
+    auto uses = asked_for(arguments);
     if (!uses) {
         return fail(uses.error(), kExitWrongUse);
     }
@@ -232,6 +247,7 @@ void add_decode_command(CLI::App& app, int& status) {
                          "; auto: the one that finds the most frames, and lines that are one "
                          "frame of another")
         ->capture_default_str();
+    command->add_option("--as", arguments->as, kAsHelp)->type_name("FILE:NAME");
     command->add_option("--format", arguments->format, "text shows whole microseconds")
         ->capture_default_str()
         ->check(CLI::IsMember(kFormats));

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "app/configured_use.h"
 #include "app/exit_status.h"
 #include "app/frame_json.h"
 #include "app/streams.h"
@@ -58,6 +59,7 @@ struct EncodeArguments {
     std::string protocol;
     std::string format;
     std::string interface;
+    std::string as;
     GivenSettings given;
 };
 
@@ -113,20 +115,35 @@ tl::expected<std::string, std::string> choose_interface(const Protocol& protocol
     return given;
 }
 
-int run_encode(const EncodeArguments& arguments) {
+/// The one protocol to write.
+tl::expected<ProtocolUse, std::string> asked_for(const EncodeArguments& arguments) {
+    if (!arguments.as.empty()) {
+        if (!arguments.protocol.empty() || !arguments.given.empty()) {
+            return tl::unexpected(std::string(kAsAlone));
+        }
+        return configured_use(arguments.as, SettingScope::output);
+    }
+    if (arguments.protocol.empty()) {
+        return tl::unexpected(
+            fmt::format("--protocol is required, or --as; allowed: {}", protocol_list()));
+    }
     const auto plain = choose_protocols(arguments.protocol, SettingScope::output, arguments.given);
     if (!plain) {
-        return fail(plain.error(), kExitWrongUse);
+        return tl::unexpected(plain.error());
     }
     if (plain->size() != 1) {
-        return fail("--protocol: encode needs one protocol, not auto", kExitWrongUse);
+        return tl::unexpected(std::string("--protocol: encode needs one protocol, not auto"));
     }
     const Protocol& protocol = *plain->front().protocol;
-    const auto use =
-        use_protocol(protocol, SettingScope::output, with_defaults(protocol, arguments.given));
+    return use_protocol(protocol, SettingScope::output, with_defaults(protocol, arguments.given));
+}
+
+int run_encode(const EncodeArguments& arguments) {
+    const auto use = asked_for(arguments);
     if (!use) {
         return fail(use.error(), kExitWrongUse);
     }
+    const Protocol& protocol = *use->protocol;
     const auto format = choose_format(protocol, arguments);
     if (!format) {
         return fail(format.error(), kExitWrongUse);
@@ -193,7 +210,8 @@ void add_encode_command(CLI::App& app, int& status) {
         "encode", "Frames, as decode --format json prints them, to bytes or CAN frames");
     const auto arguments = std::make_shared<EncodeArguments>();
     command->add_option("file", arguments->file, "JSON lines; absent or -: standard input");
-    command->add_option("--protocol", arguments->protocol, protocol_list())->required();
+    command->add_option("--protocol", arguments->protocol, protocol_list());
+    command->add_option("--as", arguments->as, kAsHelp)->type_name("FILE:NAME");
     command
         ->add_option("--format", arguments->format,
                      "timed: hex with microseconds in front; vcd: the level on the wire; candump: "

@@ -176,5 +176,47 @@ TEST_F(ProgramCan, InterfaceThatLinuxCouldNotHaveIsRefused) {
               "blanks\n");
 }
 
+/// A configuration whose bus output has other settings than the defaults.
+constexpr const char* kTwoSides = R"([input.receiver]
+protocol = "ibus"
+device   = "/dev/ttyA"
+[output.bus]
+protocol  = "can"
+interface = "can0"
+id        = 0x123450
+extended  = true
+[pipeline.main]
+from = "receiver"
+to   = "bus"
+)";
+
+TEST_F(ProgramCan, ProtocolAndSettingsMayBeThoseOfAConfiguration) {
+    folder.write("robot.toml", kTwoSides);
+    folder.write("frames.json", frames());
+    const Ended encoded = run("\"$TRIBUS\" encode --as robot.toml:bus frames.json");
+    EXPECT_EQ(encoded.status, 0) << encoded.output;
+    EXPECT_NE(encoded.output.find(" can0 00123450#"), std::string::npos) << encoded.output;
+    folder.write("bus.log", encoded.output);
+    const Ended decoded = run("\"$TRIBUS\" decode --as robot.toml:bus --format json bus.log");
+    EXPECT_EQ(decoded.status, 0);
+    const Ended named =
+        run("\"$TRIBUS\" decode --protocol can --id 0x123450 --extended true --format json "
+            "bus.log");
+    EXPECT_EQ(decoded.output, named.output);
+}
+
+TEST_F(ProgramCan, UnknownNameOfAConfigurationIsToldWithThoseThatThereAre) {
+    folder.write("robot.toml", kTwoSides);
+    const Ended decoded = run("\"$TRIBUS\" decode --as robot.toml:buss /dev/null");
+    EXPECT_EQ(decoded.status, 2);
+    EXPECT_NE(decoded.output.find("did you mean \"bus\"?"), std::string::npos) << decoded.output;
+}
+
+TEST_F(ProgramCan, SettingsBesideThoseOfAConfigurationAreRefused) {
+    folder.write("robot.toml", kTwoSides);
+    EXPECT_EQ(run("\"$TRIBUS\" decode --as robot.toml:bus --fd true /dev/null").status, 2);
+    EXPECT_EQ(run("\"$TRIBUS\" encode --as robot.toml:bus --protocol can /dev/null").status, 2);
+}
+
 }  // namespace
 }  // namespace tribus
