@@ -1,25 +1,19 @@
 #include "app/can_report.h"
 
-#include <string_view>
 #include <utility>
 
 #include <spdlog/spdlog.h>
 
+#include "app/log_limit.h"
 #include "transports/links/can_interface.h"
 
 namespace tribus {
 namespace {
 
-constexpr unsigned kLinesPerWindow = 6;
-constexpr Duration kWindow = std::chrono::seconds(30);
 /// The kernel's own restart, where it is set up, comes well before.
 constexpr Duration kBusOffPatience = std::chrono::seconds(1);
 
-RateLimit limit() {
-    return {kLinesPerWindow, kWindow};
-}
-
-std::string_view state_text(CanBusState state) {
+std::string state_text(CanBusState state, const std::string& name) {
     switch (state) {
         case CanBusState::ready:
             return "works";
@@ -35,14 +29,9 @@ std::string_view state_text(CanBusState state) {
             return "bus-off: the controller has withdrawn after too many errors; check bit rate, "
                    "termination and wiring";
         case CanBusState::down:
-            return "is down; bring it up with: ip link set up";
+            return fmt::format("is down; `ip link set {} up` brings it up", name);
     }
     return "";
-}
-
-std::string swallowed_note(std::uint64_t swallowed) {
-    return swallowed == 0 ? ""
-                          : fmt::format(" ({} changes before this were not logged)", swallowed);
 }
 
 void log_interface(const Appliance& appliance, const PortPlan& plan) {
@@ -62,7 +51,7 @@ void log_interface(const Appliance& appliance, const PortPlan& plan) {
 CanReport::CanReport(const Appliance& appliance) {
     for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
         if (appliance.ports()[port].config.link == LinkKind::can) {
-            ports_.emplace(port, Memory{{}, {}, limit(), limit()});
+            ports_.emplace(port, Memory{{}, {}, log_limit(), log_limit()});
         }
     }
 }
@@ -81,7 +70,7 @@ void CanReport::look_at_state(const std::string& name, const CanLinkStatus& stat
     if (const auto swallowed = memory.limit.pass(now)) {
         const bool fine = status.state == CanBusState::ready;
         spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "interface {}: {}{}", name,
-                    state_text(status.state), swallowed_note(*swallowed));
+                    state_text(status.state, name), swallowed_note(*swallowed));
     }
     memory.bus_off_since = status.state == CanBusState::bus_off ? std::optional(now) : std::nullopt;
     memory.status.state = status.state;

@@ -4,22 +4,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include "app/log_limit.h"
+
 namespace tribus {
 namespace {
 
-constexpr unsigned kLinesPerWindow = 6;
-constexpr Duration kWindow = std::chrono::seconds(30);
 /// A receiver that is on has sent hundreds of frames by then.
 constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
-
-RateLimit limit() {
-    return {kLinesPerWindow, kWindow};
-}
-
-std::string swallowed_note(std::uint64_t swallowed) {
-    return swallowed == 0 ? ""
-                          : fmt::format(" ({} changes before this were not logged)", swallowed);
-}
 
 std::string_view stage_text(OutputStage stage) {
     switch (stage) {
@@ -40,10 +31,10 @@ StateLog::StateLog(const Appliance& appliance, Instant start) : start_(start), c
     can_.start(appliance);
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
         const bool on_can = configuration.inputs[i].port.link == LinkKind::can;
-        inputs_.push_back({on_can, false, false, limit()});
+        inputs_.push_back({on_can, false, false, log_limit()});
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        outputs_.push_back({OutputStage::failsafe, 0, 0, limit()});
+        outputs_.push_back({OutputStage::failsafe, 0, 0, log_limit()});
     }
 }
 
@@ -138,7 +129,8 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
 
 void StateLog::look(Appliance& appliance, Instant now) {
     for (const Appliance::DeviceEvent& event : appliance.tend()) {
-        RateLimit& device_limit = devices_.try_emplace(event.port->device, limit()).first->second;
+        RateLimit& device_limit =
+            devices_.try_emplace(event.port->device, log_limit()).first->second;
         if (const auto swallowed = device_limit.pass(now)) {
             spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "{} {}: {}{}",
                         event.port->link == LinkKind::can ? "interface" : "device",
