@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -63,8 +64,12 @@ class Input {
 
     /// Whether its frames count at `at`, which may lie a little ahead.
     bool alive(Instant at) const { return ever_good_ && !failsafe_ && at < lost_at(); }
-    /// When it was lost, or will be if nothing more comes. Only where it was ever good.
-    Instant lost_at() const { return failsafe_ ? failsafe_since_ : good_.received + timeout_; }
+    /// When it was lost, or will be if nothing more comes. Only where it was ever good. A sender
+    /// that says failsafe after the timeout tells nothing new.
+    Instant lost_at() const {
+        const Instant too_old = good_.received + timeout_;
+        return failsafe_ ? std::min(failsafe_since_, too_old) : too_old;
+    }
     bool ever_good() const { return ever_good_; }
     /// Start of the unbroken run of good frames.
     Instant run_start() const { return run_start_; }

@@ -50,8 +50,11 @@ void Output::foreign_frame_seen(Instant now) {
 }
 
 bool Output::must_yield(Instant now) const {
-    return ending_ || (yield_to_foreign_sender_ && foreign_seen_ &&
-                       now < later(*foreign_seen_, kForeignSenderMemory));
+    // Afterwards `recover` is due, as after any failsafe; the input was never lost, so `select`
+    // would not ask for it.
+    return ending_ ||
+           (yield_to_foreign_sender_ && foreign_seen_ &&
+            now < later(later(*foreign_seen_, kForeignSenderMemory), failsafe_.recover));
 }
 
 std::optional<std::size_t> Output::controlling_input() const {

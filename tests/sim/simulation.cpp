@@ -18,6 +18,7 @@ namespace {
 
 constexpr std::uint32_t kDigit = 1000;
 constexpr std::size_t kMostFrames = 200'000;
+constexpr std::size_t kMostSnapshots = 10'000;
 constexpr Instant kDropped = kNever;
 
 }  // namespace
@@ -56,12 +57,15 @@ ChannelFrame numbered_frame(std::uint32_t number) {
     ChannelFrame frame;
     frame.frame_lost = false;
     frame.failsafe = false;
-    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        frame.set(channel, kCentrePulse);
-    }
     frame.set(0, Pulse::from_microseconds(1000 + low));
     frame.set(1, Pulse::from_microseconds(1000 + high));
     frame.set(2, Pulse::from_microseconds(1000 + (7 * low + 3 * high) % kDigit));
+    for (std::size_t channel = 3; channel < 16; ++channel) {
+        const auto place = static_cast<std::uint32_t>(channel);
+        frame.set(channel, Pulse::from_microseconds(1000 + (low + 61 * place + high) % kDigit));
+    }
+    frame.set(16, number % 2 == 0 ? kSwitchOffPulse : kSwitchOnPulse);
+    frame.set(17, number / 2 % 2 == 0 ? kSwitchOffPulse : kSwitchOnPulse);
     return frame;
 }
 
@@ -84,8 +88,10 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
                        std::uint64_t seed)
     : engine_(build_engine(configuration)) {
     for (const OutputConfig& output : configuration.outputs) {
-        readers_.push_back(output.protocol->make_decoder(output.settings));
-        written_.emplace_back().reserve(kMostFrames);
+        const bool can = output.port.link == LinkKind::can;
+        readers_.push_back(can ? nullptr : output.protocol->make_decoder(output.settings));
+        written_.emplace_back().reserve(can ? 0 : kMostFrames);
+        written_to_can_.emplace_back().reserve(can ? kMostSnapshots : 0);
     }
     for (Sender& sender : senders) {
         const Protocol* protocol = find_protocol(sender.protocol);
@@ -142,6 +148,12 @@ void Simulation::run_until(Instant until) {
     allocations_ += trap.allocations();
 }
 
+void Simulation::receive(std::size_t input, const CanFrame& frame, Instant at) {
+    HeapTrap trap;
+    loop_->receive(input, frame, at);
+    allocations_ += trap.allocations();
+}
+
 std::optional<Instant> Simulation::arrived_at(std::size_t sender, std::uint32_t number) const {
     const std::vector<Instant>& arrivals = wires_[sender].arrivals;
     if (number >= arrivals.size() || arrivals[number] == kDropped) {
@@ -151,6 +163,13 @@ std::optional<Instant> Simulation::arrived_at(std::size_t sender, std::uint32_t 
 }
 
 void Simulation::wrote(std::size_t output, Instant at, const Transmission& sent) {
+    if (!sent.can_frames.empty()) {
+        WrittenToCan& snapshot = written_to_can_[output].emplace_back();
+        snapshot.at = at;
+        snapshot.count = sent.can_frames.size();
+        std::ranges::copy(sent.can_frames, snapshot.frames.begin());
+        return;
+    }
     std::span<const std::uint8_t> rest = sent.bytes;
     auto found = readers_[output]->next(rest, at);
     if (!found) {

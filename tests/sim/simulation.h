@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "config/schema.h"
+#include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "pipelines/engine.h"
@@ -41,8 +43,16 @@ struct Written {
     std::optional<std::uint32_t> number;
 };
 
+/// One snapshot that an output wrote to a CAN interface.
+struct WrittenToCan {
+    Instant at;
+    std::array<CanFrame, kMostSnapshotFrames> frames{};
+    std::size_t count = 0;
+};
+
 /// A frame with its number in the first three channels, the third a check of the others, so that
-/// a number that was made up by faults is not taken for one.
+/// a number that was made up by faults is not taken for one. Channels 4 to 18 differ from frame to
+/// frame too, so that no part of one passes for that of another.
 ChannelFrame numbered_frame(std::uint32_t number);
 std::optional<std::uint32_t> number_of(const ChannelFrame& frame);
 
@@ -52,9 +62,14 @@ class Simulation final : public OutputObserver {
     Simulation(const Configuration& configuration, std::vector<Sender> senders, std::uint64_t seed);
 
     void run_until(Instant until);
+    /// A CAN frame arrives at an input, after all that comes before `at`.
+    void receive(std::size_t input, const CanFrame& frame, Instant at);
 
     const Engine& engine() const { return *engine_; }
     const std::vector<Written>& written(std::size_t output = 0) const { return written_[output]; }
+    const std::vector<WrittenToCan>& written_to_can(std::size_t output = 0) const {
+        return written_to_can_[output];
+    }
     /// When the last byte of a sender's frame arrived; nothing if it was dropped or not yet sent.
     std::optional<Instant> arrived_at(std::size_t sender, std::uint32_t number) const;
     std::uint32_t frames_sent(std::size_t sender) const { return wires_[sender].next_number; }
@@ -82,6 +97,7 @@ class Simulation final : public OutputObserver {
     std::unique_ptr<Engine> engine_;
     std::vector<std::unique_ptr<Decoder>> readers_;
     std::vector<std::vector<Written>> written_;
+    std::vector<std::vector<WrittenToCan>> written_to_can_;
     std::vector<Wire> wires_;
     std::uint64_t allocations_ = 0;
     std::optional<VirtualLoop> loop_;

@@ -237,6 +237,8 @@ class CanChannelsDecoder final : public CanDecoder {
     unsigned reference_counter_ = 0;
     Instant reference_received_{};
     Payloads reference_{};
+    /// When the values that were published last were fresh.
+    Instant published_received_ = kNever;
     unsigned proof_ = 0;
 
     std::array<NamedCount, kCauses> rejected_{{{"length"},

@@ -209,6 +209,12 @@ ChannelFrame CanChannelsDecoder::publish(Instant received) {
     if (origin.age < age.not_available) {
         channels.received -= origin.age * std::chrono::microseconds(age.step_microseconds);
     }
+    // The greatest age also stands for every greater one. Values that were fresh since the snapshot
+    // before would have told less, so these are at least as old as those.
+    if (origin.age == age.not_available - 1) {
+        channels.received = std::min(channels.received, published_received_);
+    }
+    published_received_ = channels.received;
     channels.link_quality =
         origin.link_quality <= kMostLinkQuality ? origin.link_quality : kNoLinkQuality;
     channels.origin = source_from_wire(origin.source);

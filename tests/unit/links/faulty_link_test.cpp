@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cstddef>
@@ -215,6 +216,79 @@ TEST(FaultyLinkTest, ReportsALostAndABusyLinkAsItIs) {
     Reception reception;
     EXPECT_EQ(link.read(reception), ReadStatus::lost);
     EXPECT_EQ(link.write(some_burst), WriteStatus::lost);
+}
+
+ReceivedCanFrame some_can_frame() {
+    ReceivedCanFrame received{.frame = {}, .at = Instant(5s)};
+    received.frame.id = 0x300;
+    received.frame.length = 4;
+    received.frame.data = {0x20, 0x40, 0xDC, 0x05};
+    return received;
+}
+
+CanReception injected_can(const CanFaultSettings& settings, std::uint64_t seed) {
+    CanFaultInjector injector(settings, seed);
+    CanReception out;
+    injector.apply(some_can_frame(), out);
+    return out;
+}
+
+TEST(CanFaultInjectorTest, ChangesNothingWithoutFaults) {
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        const CanReception out = injected_can({.most_delay = 5ms}, seed);
+        ASSERT_EQ(out.count, 1U);
+        ASSERT_EQ(out.frames[0].frame, some_can_frame().frame);
+        ASSERT_EQ(out.frames[0].at, some_can_frame().at);
+    }
+}
+
+TEST(CanFaultInjectorTest, LosesOrDoublesEveryFrameIfAsked) {
+    EXPECT_EQ(injected_can({.lose_frame = 1, .duplicate_frame = 1}, 1).count, 0U);
+    const CanReception twice = injected_can({.duplicate_frame = 1}, 1);
+    ASSERT_EQ(twice.count, 2U);
+    EXPECT_EQ(twice.frames[0].frame, twice.frames[1].frame);
+}
+
+TEST(CanFaultInjectorTest, FlipsExactlyOneBitOfTheDataIfAsked) {
+    for (std::uint64_t seed = 0; seed < 100; ++seed) {
+        const CanReception out = injected_can({.flip_bit = 1}, seed);
+        ASSERT_EQ(out.count, 1U);
+        const CanFrame sound = some_can_frame().frame;
+        int flipped = 0;
+        for (std::size_t i = 0; i < sound.data.size(); ++i) {
+            const auto difference =
+                static_cast<unsigned>(sound.data[i] ^ out.frames[0].frame.data[i]);
+            flipped += std::popcount(difference);
+            ASSERT_TRUE(difference == 0 || i < sound.length);
+        }
+        ASSERT_EQ(flipped, 1);
+    }
+}
+
+TEST(CanFaultInjectorTest, DelaysALateFrameUpToTheMost) {
+    Duration most{};
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        const CanReception out = injected_can({.late_frame = 1, .most_delay = 5ms}, seed);
+        const Duration delay = out.frames[0].at - some_can_frame().at;
+        ASSERT_GE(delay, 0ms);
+        ASSERT_LE(delay, 5ms);
+        most = std::max(most, delay);
+    }
+    EXPECT_GT(most, 4900us);
+}
+
+TEST(CanFaultInjectorTest, LosesWhatThereIsNoRoomFor) {
+    CanFaultInjector injector({.duplicate_frame = 1}, 1);
+    CanReception out;
+    out.count = out.frames.size() - 1;
+    injector.apply(some_can_frame(), out);
+    EXPECT_EQ(out.count, out.frames.size());
+}
+
+TEST(CanFaultInjectorTest, LosesAboutAsManyFramesAsAsked) {
+    const int lost = count_in_10000_seeds(
+        [](std::uint64_t seed) { return injected_can({.lose_frame = 0.2}, seed).count == 0; });
+    EXPECT_NEAR(lost, 2000, 200);
 }
 
 }  // namespace
