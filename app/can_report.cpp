@@ -42,7 +42,7 @@ void log_interface(const Appliance& appliance, const PortPlan& plan) {
     spdlog::info("{}", summary(*interface));
     const bool sends = !plan.wiring.outputs.empty();
     for (const std::string& sentence : advice(*interface, sends, appliance.uses_fd(plan.wiring))) {
-        spdlog::warn("{}", sentence);
+        spdlog::warn("{}: {}", interface->name, sentence);
     }
 }
 

@@ -81,16 +81,7 @@ TEST_P(Carrying, EverySticksOfTheCaptureComesOutExactly) {
     expect_clean_end(reader);
 }
 
-class BusFault : public TwoPrograms {
-  protected:
-    /// Not sooner than the times that are set; how much later is told by the table, for an emulated
-    /// machine stands still now and then.
-    static void expect_times(const Outcome& outcome) {
-        constexpr milliseconds kPeriods{2 * 10};
-        EXPECT_GE(outcome.to_failsafe, kHold - kPeriods);
-        EXPECT_GE(outcome.to_control, kRecover - kPeriods);
-    }
-};
+class BusFault : public TwoPrograms {};
 
 TEST_F(BusFault, KilledSenderEndsInFailsafeAndComesBack) {
     const VirtualBus bus;

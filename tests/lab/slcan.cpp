@@ -9,8 +9,10 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <string_view>
 
@@ -83,9 +85,10 @@ void SlcanAdapter::say(const std::string& line) {
     EXPECT_EQ(::write(master_.get(), bytes.data(), bytes.size()), std::ssize(bytes)) << line;
 }
 
-std::vector<std::string> SlcanAdapter::heard() const {
+std::vector<std::string> SlcanAdapter::heard(std::size_t known) const {
     const std::lock_guard lock(mutex_);
-    return heard_;
+    return {heard_.begin() + static_cast<std::ptrdiff_t>(std::min(known, heard_.size())),
+            heard_.end()};
 }
 
 void SlcanAdapter::listen(const std::stop_token& stop) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -37,8 +38,9 @@ class SlcanAdapter {
     /// A frame of another node: `t1232AABB` is id 123 with two bytes.
     void frame(const std::string& line) { say(line); }
 
-    /// What the driver has sent so far: the set-up ("C", "S8", "O"), then frames as `t1232AABB`.
-    std::vector<std::string> heard() const;
+    /// What the driver has sent so far: the set-up ("C", "S8", "O"), then frames as `t1232AABB`;
+    /// without the first lines, if so many are known already.
+    std::vector<std::string> heard(std::size_t known = 0) const;
     /// The adapter stops taking frames (a dead bus), and goes on.
     void block() { blocked_ = true; }
     void unblock() { blocked_ = false; }

@@ -99,10 +99,15 @@ TwoPrograms::Outcome TwoPrograms::expect_failsafe_and_recovery(
     const std::string& name, const std::function<void()>& fault,
     const std::function<void()>& end_of_fault) {
     Outcome outcome;
+    const SbusSight sticks = sbus_sight_of(sticks_with_first(1234));
+    const auto expect_true_sticks = [&](const SbusSight& sight) {
+        EXPECT_TRUE(!sight.good() || same_channels(sight, sticks)) << name;
+    };
     EXPECT_TRUE(carry_until_control()) << name;
     const auto start = Clock::now();
     fault();
     EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
+        expect_true_sticks(sight);
         if (sight.frame_lost && outcome.to_frame_lost == milliseconds::zero()) {
             outcome.to_frame_lost = since(start, sight.seen);
         }
@@ -112,11 +117,18 @@ TwoPrograms::Outcome TwoPrograms::expect_failsafe_and_recovery(
     const auto end = Clock::now();
     end_of_fault();
     EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
+        expect_true_sticks(sight);
         outcome.to_control = since(end, sight.seen);
         return sight.good();
     })) << name;
     add_to_table(name, outcome.to_frame_lost, outcome.to_failsafe, outcome.to_control);
     return outcome;
+}
+
+void TwoPrograms::expect_times(const Outcome& outcome) {
+    constexpr milliseconds kPeriods{2 * 10};
+    EXPECT_GE(outcome.to_failsafe, kHold - kPeriods);
+    EXPECT_GE(outcome.to_control, kRecover - kPeriods);
 }
 
 }  // namespace tribus::test

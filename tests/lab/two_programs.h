@@ -49,11 +49,15 @@ class TwoPrograms : public Loopback {
         std::chrono::milliseconds to_failsafe{};
         std::chrono::milliseconds to_control{};
     };
-    /// Brings the fault about, waits for the failsafe, ends it, waits for control. Every frame that
-    /// does not say what it is, control or not, fails the test. Adds a line to the table.
+    /// Brings the fault about, waits for the failsafe, ends it, waits for control. A frame
+    /// that passes as good with other sticks than the receiver's fails the test. Adds a line to the
+    /// table.
     Outcome expect_failsafe_and_recovery(const std::string& name,
                                          const std::function<void()>& fault,
                                          const std::function<void()>& end_of_fault);
+    /// Not sooner than the times that are set; how much later is told by the table, for an emulated
+    /// machine stands still now and then.
+    static void expect_times(const Outcome& outcome);
 
   private:
     Program& start_side(const std::string& name, const std::string& text);
