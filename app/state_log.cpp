@@ -29,8 +29,8 @@ std::string_view stage_text(OutputStage stage) {
 StateLog::StateLog(const Appliance& appliance, Instant start) : start_(start), can_(appliance) {
     const Configuration& configuration = appliance.configuration();
     can_.start(appliance);
-    for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
-        const bool on_can = configuration.inputs[i].port.link == LinkKind::can;
+    for (const InputConfig& input : configuration.inputs) {
+        const bool on_can = input.port.link == LinkKind::can;
         inputs_.push_back({on_can, false, false, log_limit()});
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
