@@ -8,6 +8,9 @@ namespace {
 
 /// Longer than the period of any sender that a reader would mistake for this one.
 constexpr Duration kForeignSenderMemory = std::chrono::seconds(1);
+/// Fewer are no sender: what a program that has just ended left in the controller, or somebody's
+/// experiment. Readers of a protected format see through them.
+constexpr int kForeignSenderFrames = 3;
 
 }  // namespace
 
@@ -46,15 +49,18 @@ std::span<const CanIdMatch> Output::sent_ids() const {
 
 void Output::foreign_frame_seen(Instant now) {
     ++counts_.foreign_frames;
+    const bool goes_on = foreign_run_ > 0 && now < later(foreign_seen_, kForeignSenderMemory);
+    foreign_run_ = goes_on ? std::min(foreign_run_ + 1, kForeignSenderFrames) : 1;
     foreign_seen_ = now;
+    if (foreign_run_ == kForeignSenderFrames) {
+        // Afterwards `recover` is due, as after any failsafe; the input was never lost, so `select`
+        // would not ask for it.
+        yield_until_ = later(later(now, kForeignSenderMemory), failsafe_.recover);
+    }
 }
 
 bool Output::must_yield(Instant now) const {
-    // Afterwards `recover` is due, as after any failsafe; the input was never lost, so `select`
-    // would not ask for it.
-    return ending_ ||
-           (yield_to_foreign_sender_ && foreign_seen_ &&
-            now < later(later(*foreign_seen_, kForeignSenderMemory), failsafe_.recover));
+    return ending_ || (yield_to_foreign_sender_ && now < yield_until_);
 }
 
 std::optional<std::size_t> Output::controlling_input() const {

@@ -26,7 +26,7 @@ struct OutputSettings {
     /// One of the two, as the protocol is.
     std::unique_ptr<Encoder> encoder;
     std::unique_ptr<CanEncoder> can_encoder{};
-    /// CAN only: while another node sends frames with the ids of this output, it says failsafe.
+    /// CAN only: while another node goes on sending with the ids of this output, it says failsafe.
     bool yield_to_foreign_sender = true;
     ScheduleSettings schedule;
     /// What its pipeline feeds it from: indices of inputs, the preferred first.
@@ -91,7 +91,7 @@ class Output {
     /// The ids that it sends; empty where it is not on CAN.
     std::span<const CanIdMatch> sent_ids() const;
     bool uses_fd() const { return can_encoder_ && can_encoder_->uses_fd(); }
-    /// Another node has sent one of them: from here on two sources pretend to be one.
+    /// Another node has sent one of them. One that goes on doing so pretends to be this output.
     void foreign_frame_seen(Instant now);
 
     const std::string& name() const { return name_; }
@@ -120,7 +120,9 @@ class Output {
 
     OutputStage stage_ = OutputStage::failsafe;
     bool ending_ = false;
-    std::optional<Instant> foreign_seen_;
+    Instant foreign_seen_{};
+    int foreign_run_ = 0;  ///< frames of others, each soon after the one before
+    Instant yield_until_{};
     /// The input that is, or before `holding` was, in control.
     std::optional<std::size_t> current_;
     std::optional<ChannelFrame> held_;

@@ -103,20 +103,46 @@ CanFrame foreign_frame(std::uint32_t id = kOutputFormat.base_id) {
     return frame;
 }
 
+/// As many as tell a sender from a stray frame.
+void foreign_frames(Bench& bench, Instant when, std::size_t output = 0,
+                    std::uint32_t id = kOutputFormat.base_id) {
+    for (int i = 0; i < 3; ++i) {
+        bench.loop().watch_for_foreign_sender(output, foreign_frame(id), when);
+    }
+}
+
+TEST(EngineForeignSender, two_frames_only_count) {
+    Bench bench(list(can_output()));
+    bench.snapshots(at(0ms), at(200ms));
+    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
+    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
+    EXPECT_FALSE(bench.said(at(210ms)).failsafe());
+    EXPECT_EQ(bench.output_counts().foreign_frames, 2U);
+}
+
+TEST(EngineForeignSender, frames_a_second_apart_are_no_sender) {
+    Bench bench(list(can_output()));
+    for (int i = 1; i <= 5; ++i) {
+        bench.snapshots(at((i - 1) * 1s), at(i * 1s));
+        bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(i * 1s));
+    }
+    EXPECT_EQ(bench.output_counts().failsafe_entries, 0U);
+}
+
 TEST(EngineForeignSender, puts_the_output_into_failsafe_with_its_next_snapshot_and_without_hold) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(200ms));
     EXPECT_FALSE(bench.said(at(200ms)).failsafe());
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
+    foreign_frames(bench, at(205ms));
     EXPECT_TRUE(bench.said(at(210ms)).failsafe());
-    EXPECT_EQ(bench.output_counts().foreign_frames, 1U);
+    EXPECT_EQ(bench.output_counts().foreign_frames, 3U);
     EXPECT_EQ(bench.output_counts().failsafe_entries, 1U);
 }
 
 TEST(EngineForeignSender, keeps_it_there_for_a_second_after_its_last_frame) {
     Bench bench(list(can_output({.recover = 0ms})));
     bench.snapshots(at(0ms), at(205ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
+    foreign_frames(bench, at(205ms));
     bench.snapshots(at(210ms), at(700ms));
     bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(700ms));
     bench.snapshots(at(700ms), at(2s));
@@ -127,7 +153,7 @@ TEST(EngineForeignSender, keeps_it_there_for_a_second_after_its_last_frame) {
 TEST(EngineForeignSender, after_that_second_control_waits_for_recover) {
     Bench bench(list(can_output({.recover = 500ms})));
     bench.snapshots(at(0ms), at(200ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(200ms));
+    foreign_frames(bench, at(200ms));
     bench.snapshots(at(200ms), at(2s));
     EXPECT_TRUE(bench.said(at(1690ms)).failsafe());
     EXPECT_FALSE(bench.said(at(1700ms)).failsafe());
@@ -137,7 +163,7 @@ TEST(EngineForeignSender, after_that_second_control_waits_for_recover) {
 TEST(EngineForeignSender, gets_the_bus_for_itself_if_the_action_is_silence) {
     Bench bench(list(can_output({.action = FailsafeAction::silence})));
     bench.snapshots(at(0ms), at(200ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
+    foreign_frames(bench, at(205ms));
     const std::size_t before = bench.seen().size();
     bench.snapshots(at(210ms), at(1200ms));
     bench.run_until(at(1200ms));
@@ -149,9 +175,9 @@ TEST(EngineForeignSender, with_foreign_sender_ignore_only_counts) {
     settings.yield_to_foreign_sender = false;
     Bench bench(list(std::move(settings)));
     bench.snapshots(at(0ms), at(200ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
+    foreign_frames(bench, at(205ms));
     EXPECT_FALSE(bench.said(at(210ms)).failsafe());
-    EXPECT_EQ(bench.output_counts().foreign_frames, 1U);
+    EXPECT_EQ(bench.output_counts().foreign_frames, 3U);
     EXPECT_EQ(bench.output_counts().failsafe_entries, 0U);
 }
 
@@ -165,15 +191,15 @@ TEST(EngineForeignSender, any_of_the_ids_of_the_output_and_no_other_is_meant) {
     }
     EXPECT_FALSE(bench.said(at(210ms)).failsafe());
     EXPECT_EQ(bench.output_counts().foreign_frames, 0U);
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(0x404), at(215ms));
+    foreign_frames(bench, at(215ms), 0, 0x404);
     EXPECT_TRUE(bench.said(at(220ms)).failsafe());
 }
 
 TEST(EngineForeignSender, does_not_reach_the_other_outputs_of_the_pipeline) {
     Bench bench(list(can_output(), sbus_output()));
     bench.snapshots(at(0ms), at(200ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
-    bench.loop().watch_for_foreign_sender(1, foreign_frame(), at(205ms));
+    foreign_frames(bench, at(205ms), 0);
+    foreign_frames(bench, at(205ms), 1);
     EXPECT_TRUE(bench.said(at(210ms), 0).failsafe());
     EXPECT_FALSE(bench.said(at(210ms), 1).failsafe());
 }
