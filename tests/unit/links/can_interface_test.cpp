@@ -8,7 +8,9 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -42,7 +44,7 @@ Bytes bytes_of(const char* text) {
 }
 
 void append(Bytes& bytes, const Bytes& more) {
-    bytes.insert(bytes.end(), more.begin(), more.end());
+    std::ranges::copy(more, std::back_inserter(bytes));
 }
 
 Bytes attribute(unsigned type, const Bytes& payload) {
