@@ -144,15 +144,13 @@ TEST_P(WrongUse, IsExplainedOnStandardErrorAndEndsWithTwo) {
     EXPECT_EQ(program.output(), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Arguments, WrongUse,
-                         testing::Values(Words{}, Words{"fly"}, Words{"run"},
-                                         Words{"run", "a.toml", "b.toml"},
-                                         Words{"run", "/nonexistent/tribus.toml"},
-                                         Words{"dbc", "--id", "0x7FF"},
-                                         Words{"dbc", "--id", "first"},
-                                         Words{"check", "--format", "xml", "a.toml"},
-                                         Words{"demo", "--seconds", "soon"},
-                                         Words{"demo", "--seconds", "0"}, Words{"simulate"}));
+INSTANTIATE_TEST_SUITE_P(
+    Arguments, WrongUse,
+    testing::Values(Words{}, Words{"fly"}, Words{"run"}, Words{"run", "a.toml", "b.toml"},
+                    Words{"run", "/nonexistent/tribus.toml"}, Words{"dbc", "--id", "0x7FF"},
+                    Words{"dbc", "--id", "first"}, Words{"check", "--format", "xml", "a.toml"},
+                    Words{"demo", "--seconds", "soon"}, Words{"demo", "--seconds", "0"},
+                    Words{"simulate"}));
 
 }  // namespace
 }  // namespace tribus::test
