@@ -210,9 +210,9 @@ TEST(CanPorts, SayFailsafeSoTheDefaultActionIsPreset) {
               FailsafeAction::preset);
 }
 
-/// What the output of that configuration does when a foreign frame comes in the middle of good
+/// What the output of that configuration does when foreign frames come in the middle of good
 /// snapshots.
-OutputStage stage_after_foreign_frame(const Configuration& configuration) {
+OutputStage stage_after_foreign_frames(const Configuration& configuration) {
     const auto engine = build_engine(configuration);
     CanChannelsEncoder sender;
     Instant now{std::chrono::seconds(1)};
@@ -228,9 +228,11 @@ OutputStage stage_after_foreign_frame(const Configuration& configuration) {
     EXPECT_EQ(engine->outputs()[0].stage(), OutputStage::control);
     CanFrame foreign;
     foreign.id = 0x302;
-    engine->watch_for_foreign_sender(0, foreign, now);
+    for (int frame = 0; frame < 3; ++frame) {
+        engine->watch_for_foreign_sender(0, foreign, now);
+    }
     engine->poll(now + milliseconds(20));
-    EXPECT_EQ(engine->outputs()[0].counts().foreign_frames, 1U);
+    EXPECT_EQ(engine->outputs()[0].counts().foreign_frames, 3U);
     return engine->outputs()[0].stage();
 }
 
@@ -240,8 +242,8 @@ TEST(CanPorts, AreBuiltIntoAnEngineThatYieldsToForeignSendersUnlessToldOtherwise
         loaded(bus_job_with(6, "interface = \"can1\"\nforeign_sender = \"ignore\""));
     ASSERT_EQ(yielding.outputs.size(), 2U);
     ASSERT_EQ(ignoring.outputs.size(), 2U);
-    EXPECT_EQ(stage_after_foreign_frame(yielding), OutputStage::failsafe);
-    EXPECT_EQ(stage_after_foreign_frame(ignoring), OutputStage::control);
+    EXPECT_EQ(stage_after_foreign_frames(yielding), OutputStage::failsafe);
+    EXPECT_EQ(stage_after_foreign_frames(ignoring), OutputStage::control);
 }
 
 TEST(CanPlan, AllInputsAndOutputsOfOneInterfaceShareOnePort) {
