@@ -10,7 +10,7 @@ build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-de
 test_packages="libgtest-dev librapidcheck-dev python3 python3-canmatrix python3-jsonschema sigrok-cli
     tshark"
 # The laboratory (tests/lab): an emulator, and what its guests run from the host's files.
-lab_packages="can-utils cpio iproute2 kmod qemu-system-data qemu-system-x86 xz-utils"
+lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
 # Its full tier builds kernel modules.
 lab_full_packages="bc gcc-12 libelf1 make"
 
