@@ -14,6 +14,7 @@
 #include "transports/codecs/can_channels_layout.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/counter_watch.h"
 #include "transports/codecs/protocol.h"
 
 /// The native CAN format (can.md 4.4): a snapshot of the channels in four or five classic frames or
@@ -173,7 +174,7 @@ class CanChannelsDecoder final : public CanDecoder {
     /// Three snapshots: two senders in turn never bring it about, since of the steps from one to
     /// the other and back, k and 1 - k, only one can be 1 to 3. Nor does what the usual transmit
     /// queue of 10 frames held over an outage: two snapshots.
-    static constexpr unsigned kProof = 2;
+    static constexpr unsigned kProof = CounterWatch::kProof;
 
     explicit CanChannelsDecoder(const CanChannelsFormat& format = {});
 
@@ -233,13 +234,10 @@ class CanChannelsDecoder final : public CanDecoder {
     std::optional<unsigned> interrupted_;
     Payloads parts_{};
 
-    bool has_reference_ = false;
-    unsigned reference_counter_ = 0;
-    Instant reference_received_{};
+    CounterWatch watch_;
     Payloads reference_{};
     /// When the values that were published last were fresh.
     Instant published_received_ = kNever;
-    unsigned proof_ = 0;
 
     std::array<NamedCount, kCauses> rejected_{{{"length"},
                                                {"checksum"},

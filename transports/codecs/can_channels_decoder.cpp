@@ -9,7 +9,9 @@ namespace tribus {
 using namespace can_channels;
 
 CanChannelsDecoder::CanChannelsDecoder(const CanChannelsFormat& format)
-    : format_(format), ids_(can_channels_ids(format)) {}
+    : format_(format),
+      ids_(can_channels_ids(format)),
+      watch_({.values = format.counter_values(), .most_step = kMostAdvance, .silence = kSilence}) {}
 
 std::optional<ChannelFrame> CanChannelsDecoder::next(const CanFrame& frame, Instant received) {
     const auto ids = wanted();
@@ -84,7 +86,7 @@ bool CanChannelsDecoder::take_first(const CanFrame& frame, Instant received) {
             ++rejected_[kStray].count;
         } else if (!same_as_taken(frame, 0)) {
             spoil(kConflict);
-            proof_ = 0;
+            watch_.doubt();
         }
         // Else the bus repeated it: an error in its last bit, which only the sender saw.
         return false;
@@ -108,7 +110,7 @@ bool CanChannelsDecoder::take_further(const CanFrame& frame, std::size_t part) {
         // Another snapshot goes on inside this one, or behind the one that cut it short: a second
         // sender.
         if (collection_ == Collection::running || counter_of(frame) == interrupted_) {
-            proof_ = 0;
+            watch_.doubt();
         }
         return false;
     }
@@ -119,7 +121,7 @@ bool CanChannelsDecoder::take_further(const CanFrame& frame, std::size_t part) {
     if (part < taken_) {
         if (!same_as_taken(frame, part)) {
             spoil(kConflict);
-            proof_ = 0;
+            watch_.doubt();
         }
         return false;
     }
@@ -128,36 +130,26 @@ bool CanChannelsDecoder::take_further(const CanFrame& frame, std::size_t part) {
 }
 
 bool CanChannelsDecoder::continues(Instant received) {
-    const bool silent = !has_reference_ || received - reference_received_ > kSilence;
-    const unsigned advance =
-        (counter_ + format_.counter_values() - reference_counter_) % format_.counter_values();
     // Unused bytes and parts are zero in both.
     const bool same = parts_ == reference_;
-    has_reference_ = true;
-    reference_counter_ = counter_;
-    reference_received_ = received;
     reference_ = parts_;
-    if (silent) {
-        proof_ = 0;
-        ++rejected_[kUnconfirmed].count;
-        return false;
+    switch (watch_.take(counter_, same, received)) {
+        case CounterWatch::Verdict::good:
+            return true;
+        case CounterWatch::Verdict::unconfirmed:
+            ++rejected_[kUnconfirmed].count;
+            break;
+        case CounterWatch::Verdict::repeated:
+            ++rejected_[kRepeated].count;
+            break;
+        case CounterWatch::Verdict::conflict:
+            ++rejected_[kConflict].count;
+            break;
+        case CounterWatch::Verdict::jump:
+            ++rejected_[kCounterJump].count;
+            break;
     }
-    if (advance == 0) {
-        ++rejected_[same ? kRepeated : kConflict].count;
-        proof_ = same ? proof_ : 0;
-        return false;
-    }
-    if (advance > kMostAdvance) {
-        proof_ = 0;
-        ++rejected_[kCounterJump].count;
-        return false;
-    }
-    proof_ = std::min(proof_ + 1, kProof);
-    if (proof_ < kProof) {
-        ++rejected_[kUnconfirmed].count;
-        return false;
-    }
-    return true;
+    return false;
 }
 
 void CanChannelsDecoder::read_classic(ChannelFrame& channels, CanChannelsOrigin& origin) const {

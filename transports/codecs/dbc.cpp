@@ -12,8 +12,6 @@ namespace {
 
 /// Two lost frames in a row are still an advance (can.md 4.4).
 constexpr std::uint64_t kMostCounterStep = 3;
-/// So often in a row the counter must go on before a frame is believed.
-constexpr unsigned kProof = 2;
 /// A message that is not waited for may miss so many cycles.
 constexpr int kMostMissedCycles = 3;
 /// And where the file gives no cycle time: as long as drive units wait for commands (can.md 2.3).
@@ -26,8 +24,8 @@ constexpr Duration kSenderMemory = std::chrono::seconds(1);
 constexpr std::uint32_t kSourceAddress = 0xFF;
 
 /// Going back by one must not pass for going on, or two senders in turn would.
-std::uint64_t most_step(std::uint64_t cycle) {
-    return std::clamp<std::uint64_t>((cycle - 1) / 2, 1, kMostCounterStep);
+std::uint64_t most_step(std::uint64_t values) {
+    return std::clamp<std::uint64_t>((values - 1) / 2, 1, kMostCounterStep);
 }
 
 /// A message this much slower than the quickest is not waited for.
@@ -40,7 +38,22 @@ bool slow(Duration cycle, Duration quickest) {
 DbcDecoder::DbcDecoder(DbcMap map)
     : map_(std::move(map)), messages_(map_.messages.size()), parts_(map_.parts.size()) {
     std::ranges::transform(map_.messages, std::back_inserter(wanted_), &DbcMappedMessage::id);
+    watch_counters();
     describe_parts();
+}
+
+void DbcDecoder::watch_counters() {
+    for (std::size_t i = 0; i < messages_.size(); ++i) {
+        const DbcMappedMessage& mapped = map_.messages[i];
+        if (mapped.counter) {
+            const std::uint64_t values = mapped.counter->most + 1;
+            const Duration cycle = mapped.cycle.value_or(Duration::zero());
+            messages_[i].watch.emplace(
+                CounterWatch::Limits{.values = values,
+                                     .most_step = most_step(values),
+                                     .silence = std::max(kSilence, cycle * kMostMissedCycles)});
+        }
+    }
 }
 
 void DbcDecoder::describe_parts() {
@@ -97,48 +110,25 @@ bool DbcDecoder::same_sender(std::size_t message, const CanFrame& frame, Instant
 
 bool DbcDecoder::counter_holds(std::size_t message, std::span<const std::uint8_t> data,
                                Instant received) {
-    const auto& counter = map_.messages[message].counter;
-    if (!counter) {
+    MessageState& state = messages_[message];
+    if (!state.watch) {
         return true;
     }
-    MessageState& state = messages_[message];
-    const std::uint64_t count = counter->layout.raw_bits(data);
-    const Duration cycle = map_.messages[message].cycle.value_or(Duration::zero());
-    if (received - state.counted > std::max(kSilence, cycle * kMostMissedCycles)) {
-        state.count.reset();
-    }
-    const bool advances = counter_advances(
-        message, count, std::ranges::equal(data, std::span(state.data).first(data.size())));
+    const bool same = std::ranges::equal(data, std::span(state.data).first(data.size()));
     std::ranges::copy(data, state.data.begin());
-    state.counted = received;
-    return advances;
-}
-
-bool DbcDecoder::counter_advances(std::size_t message, std::uint64_t count, bool same_data) {
-    MessageState& state = messages_[message];
-    const std::uint64_t cycle = map_.messages[message].counter->most + 1;
-    const auto previous =
-        std::exchange(state.count, count < cycle ? std::optional(count) : std::nullopt);
-    if (!state.count) {
-        state.proof = 0;
-        return refuse(kCounterJump);
+    const std::uint64_t count = map_.messages[message].counter->layout.raw_bits(data);
+    switch (state.watch->take(count, same, received)) {
+        case CounterWatch::Verdict::good:
+            return true;
+        case CounterWatch::Verdict::unconfirmed:
+            return refuse(kUnconfirmed);
+        case CounterWatch::Verdict::repeated:
+        case CounterWatch::Verdict::conflict:
+            return refuse(kRepeated);
+        case CounterWatch::Verdict::jump:
+            break;
     }
-    if (!previous) {
-        state.proof = 0;
-        return refuse(kUnconfirmed);
-    }
-    const std::uint64_t step = (count + cycle - *previous) % cycle;
-    if (step == 0) {
-        // The same frame may come twice after an error that only its sender saw.
-        state.proof = same_data ? state.proof : 0;
-        return refuse(kRepeated);
-    }
-    if (step > most_step(cycle)) {
-        state.proof = 0;
-        return refuse(kCounterJump);
-    }
-    state.proof = std::min(state.proof + 1, kProof);
-    return state.proof == kProof || refuse(kUnconfirmed);
+    return refuse(kCounterJump);
 }
 
 bool DbcDecoder::holds(const DbcPart& part, std::span<const std::uint8_t> data) const {

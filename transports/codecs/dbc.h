@@ -11,6 +11,7 @@
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "transports/codecs/can_codec.h"
+#include "transports/codecs/counter_watch.h"
 #include "transports/codecs/dbc_map.h"
 #include "transports/codecs/protocol.h"
 
@@ -58,11 +59,8 @@ class DbcDecoder final : public CanDecoder {
     struct MessageState {
         std::optional<Instant> received;
         std::uint32_t id = 0;
-        /// Of the last frame with a counter that can be.
-        std::optional<std::uint64_t> count;
-        Instant counted{};
-        std::array<std::uint8_t, kMostFdBytes> data{};
-        unsigned proof = 0;  ///< so often in a row the counter went on rightly
+        std::optional<CounterWatch> watch;              ///< of a message with a counter
+        std::array<std::uint8_t, kMostFdBytes> data{};  ///< of its last frame
     };
     struct PartState {
         bool awaited = true;
@@ -74,11 +72,11 @@ class DbcDecoder final : public CanDecoder {
         bool frame_lost = false;
     };
 
+    void watch_counters();
     void describe_parts();
     bool sound(std::size_t message, const CanFrame& frame, Instant received);
     bool same_sender(std::size_t message, const CanFrame& frame, Instant received);
     bool counter_holds(std::size_t message, std::span<const std::uint8_t> data, Instant received);
-    bool counter_advances(std::size_t message, std::uint64_t count, bool same_data);
     bool refuse(RejectCause cause);
     bool holds(const DbcPart& part, std::span<const std::uint8_t> data) const;
     void take(std::size_t part, std::span<const std::uint8_t> data, Instant received);
