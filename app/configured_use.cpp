@@ -10,6 +10,7 @@
 #include "app/load_or_explain.h"
 #include "config/mistakes.h"
 #include "config/schema.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {

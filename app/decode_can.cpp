@@ -13,6 +13,7 @@
 #include "app/can_frame_finder.h"
 #include "app/exit_status.h"
 #include "config/mistakes.h"
+#include "core/quotes.h"
 #include "transports/links/recording_candump.h"
 
 namespace tribus {

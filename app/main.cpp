@@ -18,6 +18,7 @@
 #include "app/run.h"
 #include "app/simulate.h"
 #include "config/mistakes.h"
+#include "core/quotes.h"
 
 namespace {
 
@@ -31,7 +32,7 @@ bool explain_unknown_command(CLI::App& app, std::string_view word) {
     if (word.starts_with('-') || std::find(allowed.begin(), allowed.end(), word) != allowed.end()) {
         return false;
     }
-    fmt::print(stderr, "tribus: \"{}\" is no command; {}\n", word,
+    fmt::print(stderr, "tribus: {} is no command; {}\n", tribus::in_quotes(word),
                tribus::suggestion(word, allowed));
     return true;
 }

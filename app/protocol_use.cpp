@@ -15,6 +15,7 @@
 #include "config/parse_toml.h"
 #include "config/read_value.h"
 #include "config/values.h"
+#include "core/quotes.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {

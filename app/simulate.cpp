@@ -23,6 +23,7 @@
 #include "config/build.h"
 #include "config/mistakes.h"
 #include "config/values.h"
+#include "core/quotes.h"
 #include "pipelines/virtual_loop.h"
 #include "transports/links/recording_writer.h"
 
@@ -91,13 +92,13 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
         const std::string_view name = std::string_view(pair).substr(0, equals);
         const auto found = std::find(names.begin(), names.end(), name);
         if (found == names.end()) {
-            return tl::unexpected(fmt::format("{} {}: the configuration has no \"{}\"; {}", option,
-                                              pair, name, suggestion(name, names)));
+            return tl::unexpected(fmt::format("{} {}: the configuration has no {}; {}", option,
+                                              pair, in_quotes(name), suggestion(name, names)));
         }
         const auto index = static_cast<std::size_t>(found - names.begin());
         if (!files.emplace(index, pair.substr(equals + 1)).second) {
             return tl::unexpected(
-                fmt::format("{} {}: \"{}\" was given before", option, pair, name));
+                fmt::format("{} {}: {} was given before", option, pair, in_quotes(name)));
         }
     }
     return files;

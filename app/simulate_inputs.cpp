@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "config/mistakes.h"
+#include "core/quotes.h"
 #include "transports/links/recording.h"
 #include "transports/links/recording_candump.h"
 

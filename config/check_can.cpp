@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/quotes.h"
 #include "transports/links/can_link.h"
 
 namespace tribus {

@@ -7,6 +7,7 @@
 
 #include "config/check_can.h"
 #include "config/values.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {

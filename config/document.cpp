@@ -4,8 +4,8 @@
 
 #include <cstddef>
 
-#include "config/mistakes.h"
 #include "config/values.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {
@@ -20,17 +20,6 @@ struct Overloaded : Ts... {
 template <class... Ts>
 Overloaded(Ts...) -> Overloaded<Ts...>;
 
-std::string quote_text(const std::string& text) {
-    if (text.size() <= kLongestQuote) {
-        return in_quotes(text);
-    }
-    std::size_t end = kLongestQuote;
-    while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0U) == 0x80U) {
-        --end;  // not in the middle of a UTF-8 character
-    }
-    return in_quotes(text.substr(0, end)) + "...";
-}
-
 }  // namespace
 
 std::string describe(const Value& value) {
@@ -38,7 +27,7 @@ std::string describe(const Value& value) {
                           [](bool truth) -> std::string { return truth ? "true" : "false"; },
                           [](std::int64_t number) { return fmt::format("{}", number); },
                           [](double number) { return format_number(number); },
-                          [](const std::string& text) { return quote_text(text); },
+                          [](const std::string& text) { return in_quotes(text, kLongestQuote); },
                           [](const DateOrTime&) -> std::string { return "a date or time"; },
                           [](const List&) -> std::string { return "a list"; },
                           [](const Table&) -> std::string { return "a table"; },

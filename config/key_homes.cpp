@@ -6,7 +6,7 @@
 #include <span>
 
 #include "config/keys.h"
-#include "config/mistakes.h"
+#include "core/quotes.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {

@@ -15,6 +15,7 @@
 #include "config/read_pipeline.h"
 #include "config/read_ports.h"
 #include "config/read_table.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {

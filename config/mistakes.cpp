@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "config/nearest.h"
+#include "core/quotes.h"
 
 namespace tribus {
 
@@ -28,31 +29,6 @@ std::vector<Mistake> Mistakes::sorted() const {
         return std::tie(a.where.line, a.where.column) < std::tie(b.where.line, b.where.column);
     });
     return sorted;
-}
-
-std::string in_quotes(std::string_view text) {
-    std::string result = "\"";
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            result += '\\';
-            result += c;
-        } else if (code < 0x20 || code == 0x7F) {
-            result += fmt::format("\\u{:04x}", code);
-        } else {
-            result += c;
-        }
-    }
-    return result + '"';
-}
-
-std::string in_quotes_all(std::span<const std::string_view> names) {
-    std::string result;
-    for (const std::string_view name : names) {
-        result += result.empty() ? "" : ", ";
-        result += in_quotes(name);
-    }
-    return result;
 }
 
 std::string suggestion(std::string_view wrong, std::span<const std::string_view> allowed) {

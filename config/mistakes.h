@@ -38,11 +38,6 @@ class Mistakes {
     std::vector<Mistake> mistakes_;
 };
 
-/// In double quotes, on one line: control characters are escaped as TOML and JSON do.
-std::string in_quotes(std::string_view text);
-/// `"a", "b", "c"`
-std::string in_quotes_all(std::span<const std::string_view> names);
-
 /// What may stand in the place of `wrong`: `did you mean "x"? Allowed: "x", "y"` or `allowed: ...`.
 std::string suggestion(std::string_view wrong, std::span<const std::string_view> allowed);
 

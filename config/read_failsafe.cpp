@@ -10,6 +10,7 @@
 
 #include "config/nearest.h"
 #include "config/read_rules.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {

@@ -7,6 +7,7 @@
 
 #include "config/read_value.h"
 #include "config/values.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {

@@ -9,6 +9,7 @@
 #include "config/nearest.h"
 #include "config/read_value.h"
 #include "config/values.h"
+#include "core/quotes.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {

@@ -11,6 +11,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/quotes.h"
+
 namespace tribus {
 namespace {
 

@@ -11,6 +11,7 @@
 #include "config/read_scale.h"
 #include "config/read_tree.h"
 #include "config/values.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {

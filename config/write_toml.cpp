@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "config/mistakes.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {

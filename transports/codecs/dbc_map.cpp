@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "core/quantity.h"
+#include "core/quotes.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/dbc_message_map.h"
 #include "transports/codecs/dbc_roles.h"
@@ -21,7 +22,7 @@ using Mistakes = std::vector<SettingMistake>;
 std::string dbc_keys(const SettingTree::Table& table) {
     std::string text;
     for (const SettingEntry& entry : table) {
-        text += (text.empty() ? "" : ", ") + in_dbc_quotes(entry.key);
+        text += (text.empty() ? "" : ", ") + in_quotes(entry.key);
     }
     return text;
 }
@@ -41,7 +42,7 @@ void read_cycles(const SettingValues& settings, const SettingTree::Table& messag
         const auto cycle = text == nullptr ? std::nullopt : parse_duration(*text);
         if (std::ranges::find(messages, entry.key, &SettingEntry::key) == messages.end()) {
             mistakes.push_back({{"cycles", entry.key},
-                                "no signal of message " + in_dbc_quotes(entry.key) +
+                                "no signal of message " + in_quotes(entry.key) +
                                     " is mapped; allowed: " + dbc_keys(messages)});
         } else if (!cycle || *cycle < kLeastCycle || *cycle > kMostCycle) {
             mistakes.push_back({{"cycles", entry.key},
@@ -76,7 +77,7 @@ void check_channels(const DbcMap& map, const SettingTree::Table& messages, Setti
             if (!first) {
                 mistakes.push_back({{"signals", message.key, signal.key},
                                     "channel " + std::to_string(channel->channel + 1) +
-                                        " comes from " + in_dbc_quotes(source->second) +
+                                        " comes from " + in_quotes(source->second) +
                                         " already; allowed: one signal for each channel"});
             }
         }
@@ -90,7 +91,7 @@ void check_ids(const DbcMap& map, Mistakes& mistakes) {
             if (map.messages[i].id.overlaps(map.messages[j].id)) {
                 mistakes.push_back({{"signals", map.messages[i].name},
                                     "a frame of this message may also be one of " +
-                                        in_dbc_quotes(map.messages[j].name) +
+                                        in_quotes(map.messages[j].name) +
                                         ", as their ids differ in the priority only, or one of "
                                         "them comes from any source (0xFE); allowed: one of the "
                                         "two"});
@@ -115,7 +116,7 @@ void read_messages(const DbcFile& file, const SettingTree::Table& messages, Sett
         const auto* roles = entry.value.as<SettingTree::Table>();
         if (message == nullptr) {
             mistakes.push_back({{"signals", entry.key},
-                                "the DBC file has no message " + in_dbc_quotes(entry.key) +
+                                "the DBC file has no message " + in_quotes(entry.key) +
                                     "; allowed: " + dbc_names(file.messages)});
         } else if (message->multi_packet) {
             mistakes.push_back({{"signals", entry.key},

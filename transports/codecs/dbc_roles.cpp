@@ -4,8 +4,10 @@
 #include <cmath>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/channel_frame.h"
+#include "core/quotes.h"
 
 namespace tribus {
 namespace {
@@ -47,7 +49,7 @@ template <class Rows>
 std::string names(const Rows& rows) {
     std::string text;
     for (const auto& row : rows) {
-        text += (text.empty() ? "\"" : ", \"") + std::string(row.name) + "\"";
+        text += (text.empty() ? "" : ", ") + in_quotes(row.name);
     }
     return text;
 }
@@ -103,11 +105,9 @@ class RoleTable {
     void refuse_others() {
         for (const SettingEntry& entry : table_) {
             if (std::ranges::find(known_, entry.key) == known_.end()) {
-                std::string allowed;
-                for (const std::string& key : known_) {
-                    allowed += (allowed.empty() ? "\"" : ", \"") + key + "\"";
-                }
-                complain(entry.key, "unknown key \"" + entry.key + "\"; allowed here: " + allowed);
+                const std::vector<std::string_view> known(known_.begin(), known_.end());
+                complain(entry.key, "unknown key " + in_quotes(entry.key) +
+                                        "; allowed here: " + in_quotes_all(known));
             }
         }
     }
@@ -139,8 +139,8 @@ class RoleTable {
         }
         std::optional<Result> result = reader(*tree);
         if (!result) {
-            complain(key, "\"" + std::string(key) +
-                              "\" is not what it can be; allowed: " + std::string(allowed));
+            complain(key,
+                     in_quotes(key) + " is not what it can be; allowed: " + std::string(allowed));
         }
         return result;
     }
@@ -201,7 +201,8 @@ std::optional<DbcRole> read_flag(RoleTable& table) {
     const auto* row = std::ranges::find(kFlags, name, &NamedFlag::name);
     if (row == kFlags.end()) {
         if (!name.empty()) {
-            table.complain("flag", "there is no flag \"" + name + "\"; allowed: " + names(kFlags));
+            table.complain("flag",
+                           "there is no flag " + in_quotes(name) + "; allowed: " + names(kFlags));
         }
         return std::nullopt;
     }
@@ -237,8 +238,8 @@ std::optional<DbcRole> read_checksum(RoleTable& table) {
     const auto* row = std::ranges::find(kChecksums, name, &NamedChecksum::name);
     if (row == kChecksums.end()) {
         if (!name.empty()) {
-            table.complain("checksum",
-                           "there is no checksum \"" + name + "\"; allowed: " + names(kChecksums));
+            table.complain("checksum", "there is no checksum " + in_quotes(name) +
+                                           "; allowed: " + names(kChecksums));
         }
         return std::nullopt;
     }
@@ -247,8 +248,8 @@ std::optional<DbcRole> read_checksum(RoleTable& table) {
         return std::nullopt;
     }
     if (role.data_id && !is_profile(row->kind)) {
-        table.complain("data_id", "\"" + name +
-                                      "\" covers no data id; allowed: with \"p01\" and "
+        table.complain("data_id", in_quotes(name) +
+                                      " covers no data id; allowed: with \"p01\" and "
                                       "\"p05\" only");
         return std::nullopt;
     }

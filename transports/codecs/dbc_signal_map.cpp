@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/quotes.h"
 #include "transports/codecs/dbc_roles.h"
 #include "transports/codecs/dbc_signal.h"
 
@@ -106,7 +107,7 @@ class SignalMapper {
         const double step = integer() ? std::abs(signal_.factor) : std::abs(role.value);
         constexpr double kRounding = 1e-3;
         if (std::abs(layout_.physical(bits) - role.value) > step * kRounding) {
-            complain_at("fixed", in_dbc_quotes(signal_.name) + " cannot be " + shown(role.value) +
+            complain_at("fixed", in_quotes(signal_.name) + " cannot be " + shown(role.value) +
                                      "; the nearest that it can be is " +
                                      shown(layout_.physical(bits)));
             return std::nullopt;
@@ -125,8 +126,8 @@ class SignalMapper {
         const std::uint64_t fits = (std::uint64_t{1} << signal_.bit_length) - 1;
         const auto most = role.most ? static_cast<std::uint64_t>(*role.most) : fits;
         if (most > fits) {
-            complain_at("most", in_dbc_quotes(signal_.name) +
-                                    " cannot count so far; allowed: 1 to " + std::to_string(fits));
+            complain_at("most", in_quotes(signal_.name) + " cannot count so far; allowed: 1 to " +
+                                    std::to_string(fits));
             return std::nullopt;
         }
         return DbcCounter{layout_, most};
@@ -176,7 +177,7 @@ class SignalMapper {
             const double most = signal_.maximum;
             return std::array{role.negative.empty() ? signal_.minimum : -most, most};
         }
-        complain("the file gives no range of " + in_dbc_quotes(signal_.name) +
+        complain("the file gives no range of " + in_quotes(signal_.name) +
                  ", so its values mean no pulse; allowed: "
                  "{ channel = 1, value = [-100, 100], us = [1000, 2000] }");
         return std::nullopt;
@@ -193,7 +194,7 @@ class SignalMapper {
                                       (value < signal_.minimum || value > signal_.maximum);
             if (beyond_range || !can_hold(value)) {
                 complain_at(key,
-                            in_dbc_quotes(signal_.name) + " cannot be " + shown(value) +
+                            in_quotes(signal_.name) + " cannot be " + shown(value) +
                                 (beyond_range ? "; the file allows " + shown(signal_.minimum) +
                                                     " to " + shown(signal_.maximum)
                                               : "; allowed: values that fit into its " +
@@ -209,7 +210,7 @@ class SignalMapper {
         if (raw && !bits) {
             complain_at(key, std::to_string(*raw) + " does not fit into the " +
                                  std::to_string(signal_.bit_length) + " bits of " +
-                                 in_dbc_quotes(signal_.name) + "; allowed: a raw value that does");
+                                 in_quotes(signal_.name) + "; allowed: a raw value that does");
         }
         return bits;
     }
@@ -220,16 +221,16 @@ class SignalMapper {
         }
         const DbcSignal* other = message_.find(name);
         if (other == nullptr) {
-            complain_at(key, "message " + in_dbc_quotes(message_.name) + " has no signal " +
-                                 in_dbc_quotes(name) + "; allowed: " + dbc_names(message_.signals));
+            complain_at(key, "message " + in_quotes(message_.name) + " has no signal " +
+                                 in_quotes(name) + "; allowed: " + dbc_names(message_.signals));
             return std::nullopt;
         }
         const auto needed = conditions_of(message_, *other);
         const bool with_it = needed.size() <= conditions_.size() &&
                              std::equal(needed.begin(), needed.end(), conditions_.begin());
         if (other->bit_length > kMostStatusBits || !with_it || other == &signal_) {
-            complain_at(key, in_dbc_quotes(name) + " cannot tell the direction of " +
-                                 in_dbc_quotes(signal_.name) +
+            complain_at(key, in_quotes(name) + " cannot tell the direction of " +
+                                 in_quotes(signal_.name) +
                                  "; allowed: another signal of 1 or 2 bits that each frame with "
                                  "it has");
             return std::nullopt;
@@ -247,17 +248,13 @@ class SignalMapper {
 
 }  // namespace
 
-std::string in_dbc_quotes(std::string_view text) {
-    return "\"" + std::string(text) + "\"";
-}
-
 std::optional<DbcMappedSignal> map_dbc_signal(const DbcMessage& message, const SettingEntry& entry,
                                               const std::vector<std::string>& path,
                                               Mistakes& mistakes) {
     const DbcSignal* signal = message.find(entry.key);
     if (signal == nullptr) {
-        mistakes.push_back({path, "message " + in_dbc_quotes(message.name) + " has no signal " +
-                                      in_dbc_quotes(entry.key) +
+        mistakes.push_back({path, "message " + in_quotes(message.name) + " has no signal " +
+                                      in_quotes(entry.key) +
                                       "; allowed: " + dbc_names(message.signals)});
         return std::nullopt;
     }

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/quotes.h"
 #include "core/setting.h"
 #include "transports/codecs/dbc_file.h"
 #include "transports/codecs/dbc_map.h"
@@ -14,15 +15,13 @@
 /// reentrant.
 namespace tribus {
 
-std::string in_dbc_quotes(std::string_view text);
-
 /// The names of messages or signals for a message to a person; long lists help nobody.
 template <class Rows>
 std::string dbc_names(const Rows& rows) {
     constexpr std::size_t kMostNames = 12;
     std::string text;
     for (std::size_t i = 0; i < rows.size() && i < kMostNames; ++i) {
-        text += (i == 0 ? "" : ", ") + in_dbc_quotes(rows[i].name);
+        text += (i == 0 ? "" : ", ") + in_quotes(rows[i].name);
     }
     return rows.size() > kMostNames ? text + ", ..." : text;
 }

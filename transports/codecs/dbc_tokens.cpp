@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/quotes.h"
+
 namespace tribus {
 namespace {
 
@@ -27,7 +29,7 @@ std::string shown(const DbcToken& token) {
         case DbcTokenKind::end:
             return "the end of the file";
         case DbcTokenKind::string:
-            return "the text \"" + utf8_from_dbc(token.text.substr(0, kLongestShown)) + "\"";
+            return "the text " + in_quotes(utf8_from_dbc(token.text), kLongestShown);
         default:
             return "'" + utf8_from_dbc(token.text.substr(0, kLongestShown)) + "'";
     }

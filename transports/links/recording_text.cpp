@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/quotes.h"
+
 namespace tribus::recording_text {
 namespace {
 
@@ -35,9 +37,7 @@ Mistake mistake_at(std::string_view file, unsigned line, unsigned column, std::s
 
 std::string quoted(std::string_view text) {
     constexpr std::size_t kLongest = 24;
-    std::string result = "\"";
-    result.append(text.substr(0, kLongest)).append(text.size() > kLongest ? "...\"" : "\"");
-    return result;
+    return in_quotes(text, kLongest);
 }
 
 std::string_view trimmed(std::string_view text, std::string_view blanks) {

@@ -125,6 +125,22 @@ TEST_F(DbcSettings, UnknownNamesAreToldWhereTheyStandWithThoseThatExist) {
                      "\"Heartbeat\""}));
 }
 
+TEST_F(DbcSettings, AKeyWithALineBreakIsToldOnOneLine) {
+    EXPECT_EQ(mistakes("dbc = \"bus.dbc\"\n"
+                       "[output.bus.signals.Command]\n"
+                       "\"Sp\\need\" = 1\n"
+                       "Speed = { channel = 1, \"neg\\native\" = 2 }\n"
+                       "[output.bus.signals.\"Com\\nmand\"]\n"
+                       "Speed = 3\n"),
+              (Lines{"13:13: message \"Command\" has no signal \"Sp\\u000aeed\"; allowed: "
+                     "\"Speed\", \"Good\"",
+                     "14:39: unknown key \"neg\\u000aative\"; allowed here: \"channel\", "
+                     "\"value\", \"us\", \"not_available\", \"error\", \"optional\", \"negative\", "
+                     "\"positive\", \"neutral\"",
+                     "15:1: the DBC file has no message \"Com\\u000amand\"; allowed: "
+                     "\"Command\", \"Heartbeat\""}));
+}
+
 TEST_F(DbcSettings, WrongTypesAreToldWhereTheyStand) {
     EXPECT_EQ(mistakes("dbc = \"bus.dbc\"\n"
                        "[output.bus.signals.Command]\n"
