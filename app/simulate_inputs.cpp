@@ -1,29 +1,19 @@
 #include "app/simulate_inputs.h"
 
 #include <algorithm>
-#include <fstream>
 #include <optional>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "app/streams.h"
 #include "core/quotes.h"
 #include "transports/links/recording.h"
 #include "transports/links/recording_candump.h"
 
 namespace tribus {
 namespace {
-
-tl::expected<std::string, std::string> read_file(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream content;
-    if (!file || !(content << file.rdbuf()).good()) {
-        return tl::unexpected(path + ": cannot be read; is it there, and a file?");
-    }
-    return content.str();
-}
 
 bool is_empty(const Recording& recording) {
     return recording.bursts.empty() && recording.can_frames.empty();
@@ -32,7 +22,11 @@ bool is_empty(const Recording& recording) {
 /// The recording, if it is of the input's kind of link. An empty one is of both.
 tl::expected<Recording, std::string> load_recording(const std::string& path,
                                                     const InputConfig& input) {
-    const auto content = read_file(path);
+    auto file = InputFile::open_path(path);
+    if (!file) {
+        return tl::unexpected(std::move(file.error()));
+    }
+    const auto content = file->read_all();
     if (!content) {
         return tl::unexpected(content.error());
     }

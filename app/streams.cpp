@@ -29,12 +29,16 @@ tl::expected<InputFile, std::string> InputFile::open(std::string_view name) {
     if (name.empty() || name == "-") {
         return InputFile(UniqueFd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)), "standard input");
     }
-    std::string path(name);
-    UniqueFd descriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
+    return open_path(name);
+}
+
+tl::expected<InputFile, std::string> InputFile::open_path(std::string_view path) {
+    std::string name(path);
+    UniqueFd descriptor(::open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
     if (!descriptor.valid()) {
         return failure(name, errno);
     }
-    return InputFile(std::move(descriptor), std::move(path));
+    return InputFile(std::move(descriptor), std::move(name));
 }
 
 bool InputFile::is_whole() const {

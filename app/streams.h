@@ -16,6 +16,8 @@ namespace tribus {
 class InputFile {
   public:
     static tl::expected<InputFile, std::string> open(std::string_view name);
+    /// Never standard input, whatever the name.
+    static tl::expected<InputFile, std::string> open_path(std::string_view path);
 
     /// As messages call it.
     const std::string& name() const { return name_; }

@@ -3,15 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 #include <string>
-#include <system_error>
 #include <utility>
 
 #include "config/cross_checks.h"
+#include "config/read_file.h"
 #include "config/read_pipeline.h"
 #include "config/read_ports.h"
 #include "config/read_table.h"
@@ -153,26 +150,15 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
     const std::filesystem::path& path) {
-    const auto refuse = [&path](std::string_view reason) {
+    const auto text = read_file(path, kMostConfigurationBytes + 1);
+    if (!text) {
         return tl::unexpected(std::vector<Mistake>{
             {path.string(),
              {},
-             fmt::format("cannot be read: {}; give the path of a configuration "
-                         "file",
-                         reason)}});
-    };
-    std::error_code error;
-    if (std::filesystem::is_directory(path, error)) {
-        return refuse("it is a folder");
+             fmt::format("cannot be read: {}; give the path of a configuration file",
+                         text.error())}});
     }
-    std::ifstream file(path, std::ios::binary);
-    if (!file) {
-        return refuse(std::strerror(errno));
-    }
-    std::string text(kMostConfigurationBytes + 1, '\0');
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(file.gcount()));
-    return load_configuration(text, path.string());
+    return load_configuration(*text, path.string());
 }
 
 }  // namespace tribus

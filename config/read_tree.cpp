@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <system_error>
 #include <type_traits>
 #include <utility>
 
+#include "config/read_file.h"
 #include "core/quotes.h"
 
 namespace tribus {
@@ -95,18 +93,15 @@ std::optional<SettingFile> read_named_file(std::string_view key, const Value& va
     if (!std::filesystem::is_regular_file(path, error)) {
         return refuse(error ? error.message() : "not a file");
     }
-    std::ifstream file(path, std::ios::binary);
-    if (!file) {
-        return refuse(std::strerror(errno));
+    auto content = read_file(path, kMostFileBytes + 1);
+    if (!content) {
+        return refuse(content.error());
     }
-    SettingFile result{*name, std::string(kMostFileBytes + 1, '\0')};
-    file.read(result.content.data(), static_cast<std::streamsize>(result.content.size()));
-    result.content.resize(static_cast<std::size_t>(file.gcount()));
-    if (result.content.size() > kMostFileBytes) {
+    if (content->size() > kMostFileBytes) {
         return refuse("larger than 16 MiB");
     }
-    result.content.shrink_to_fit();
-    return result;
+    content->shrink_to_fit();
+    return SettingFile{*name, std::move(*content)};
 }
 
 }  // namespace tribus

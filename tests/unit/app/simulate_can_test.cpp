@@ -68,6 +68,16 @@ class SimulateCan : public testing::Test {
     TemporaryFolder folder;
 };
 
+TEST_F(SimulateCan, RecordingThatCannotBeReadIsToldWithTheReason) {
+    const Ended missing =
+        run("\"$TRIBUS\" simulate to_can.toml --in receiver=none.txt --out bus=can.log");
+    EXPECT_EQ(missing.status, 1);
+    EXPECT_EQ(missing.output, "none.txt: No such file or directory\n");
+    const Ended inside = run("\"$TRIBUS\" simulate to_can.toml --in receiver=. --out bus=can.log");
+    EXPECT_EQ(inside.status, 1);
+    EXPECT_EQ(inside.output, ".: Is a directory\n");
+}
+
 TEST_F(SimulateCan, OutputIsALogOfItsInterface) {
     const Ended result =
         run("\"$TRIBUS\" encode --protocol ibus --format timed 1234.json > ibus.txt && "
