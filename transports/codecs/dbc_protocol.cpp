@@ -44,7 +44,9 @@ bool says_failsafe(const SettingValues& settings) {
 std::optional<Duration> own_period(const SettingValues& settings) {
     // Whichever way they are for: each direction allows what the other does not.
     auto map = build_dbc_map(settings, SettingScope::output);
-    map = map ? std::move(map) : build_dbc_map(settings, SettingScope::input);
+    if (!map) {
+        map = build_dbc_map(settings, SettingScope::input);
+    }
     const auto cycle = map ? map->shortest_cycle() : std::nullopt;
     return cycle ? std::optional(std::clamp(*cycle, kLeastPeriod, kMostPeriod)) : std::nullopt;
 }
