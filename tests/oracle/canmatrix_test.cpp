@@ -1,5 +1,3 @@
-#include <stdlib.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -7,11 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
-#include <memory>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -22,6 +16,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/shell.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/dbc_file.h"
 #include "transports/codecs/dbc_signal.h"
@@ -34,41 +29,13 @@ namespace {
 using nlohmann::json;
 using test::Bytes;
 using test::Random;
+using test::run_in_shell;
+using test::TemporaryFolder;
 
 // Debian's own: another python3 in front of it does not see Debian's packages.
 constexpr std::string_view kPython = "/usr/bin/python3";
 constexpr unsigned kMessages = 300;
 constexpr unsigned kFramesPerMessage = 6;
-
-class TemporaryFolder {
-  public:
-    TemporaryFolder() { EXPECT_NE(::mkdtemp(name_.data()), nullptr); }
-    TemporaryFolder(const TemporaryFolder&) = delete;
-    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() { std::filesystem::remove_all(name_); }
-    std::string write(const std::string& file, const std::string& content) const {
-        std::string path = name_ + "/" + file;
-        std::ofstream(path, std::ios::binary) << content;
-        return path;
-    }
-
-  private:
-    std::string name_ = testing::TempDir() + "tribus-dbc-XXXXXX";
-};
-
-struct ClosePipe {
-    void operator()(std::FILE* pipe) const { ::pclose(pipe); }
-};
-
-std::string output_of(const std::string& command) {
-    const std::unique_ptr<std::FILE, ClosePipe> pipe(::popen(command.c_str(), "r"));
-    std::string output;
-    std::array<char, 4096> buffer{};
-    while (pipe && std::fgets(buffer.data(), buffer.size(), pipe.get()) != nullptr) {
-        output += buffer.data();
-    }
-    return output;
-}
 
 /// A DBC text that grows by random messages.
 class RandomDbc {
@@ -257,7 +224,7 @@ class Canmatrix : public testing::TestWithParam<std::uint32_t> {
   protected:
     void SetUp() override {
         const std::string answer =
-            output_of(fmt::format("{} -c 'import canmatrix; print(\"found\")' 2>&1", kPython));
+            run_in_shell(fmt::format("{} -c 'import canmatrix; print(\"found\")'", kPython)).output;
         ASSERT_NE(answer.find("found"), std::string::npos)
             << "canmatrix is missing (Debian: python3-canmatrix): " << answer;
     }
@@ -282,9 +249,11 @@ TEST_P(Canmatrix, DecodesRandomFramesOfRandomTextsToTheSameValues) {
                                    fmt::join(frames.back().second, ""));
     }
     const TemporaryFolder folder;
-    const std::string output = output_of(fmt::format(
-        "{} '{}/tests/oracle/canmatrix_decode.py' '{}' '{}' 2>&1", kPython, TRIBUS_SOURCE_DIR,
-        folder.write("network.dbc", dbc.text()), folder.write("frames.txt", frame_lines)));
+    const std::string output =
+        run_in_shell(fmt::format("{} '{}/tests/oracle/canmatrix_decode.py' '{}' '{}'", kPython,
+                                 TRIBUS_SOURCE_DIR, folder.write("network.dbc", dbc.text()),
+                                 folder.write("frames.txt", frame_lines)))
+            .output;
     std::istringstream lines(output);
     std::size_t read = 0;
     for (std::string line; std::getline(lines, line) && read < frames.size();) {

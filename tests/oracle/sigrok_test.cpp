@@ -1,14 +1,7 @@
-#include <stdlib.h>
-#include <unistd.h>
-
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <fstream>
 #include <iostream>
-#include <memory>
 #include <random>
 #include <sstream>
 #include <string>
@@ -22,44 +15,17 @@
 #include "app/exit_status.h"
 #include "app/protocol_use.h"
 #include "app/waveform.h"
+#include "tests/support/shell.h"
 
 /// An independent reader judges what goes on the wire: the uart decoder of sigrok reads the
 /// waveform that `encode --format vcd` draws, and must see the bytes that `encode` puts out.
 namespace tribus {
 namespace {
 
+using test::run_in_shell;
+using test::TemporaryFolder;
+
 using Bytes = std::vector<std::uint8_t>;
-
-class TemporaryFile {
-  public:
-    explicit TemporaryFile(const std::string& content) {
-        const int descriptor = ::mkstemp(name_.data());
-        EXPECT_GE(descriptor, 0);
-        ::close(descriptor);
-        std::ofstream(name_, std::ios::binary) << content;
-    }
-    TemporaryFile(const TemporaryFile&) = delete;
-    TemporaryFile& operator=(const TemporaryFile&) = delete;
-    ~TemporaryFile() { ::unlink(name_.c_str()); }
-    const std::string& name() const { return name_; }
-
-  private:
-    std::string name_ = testing::TempDir() + "tribus-wave-XXXXXX";
-};
-
-struct ClosePipe {
-    void operator()(std::FILE* pipe) const { ::pclose(pipe); }
-};
-
-std::string output_of(const std::string& command) {
-    const std::unique_ptr<std::FILE, ClosePipe> pipe(::popen(command.c_str(), "r"));
-    std::string output;
-    std::array<char, 4096> buffer{};
-    while (pipe && std::fgets(buffer.data(), buffer.size(), pipe.get()) != nullptr) {
-        output += buffer.data();
-    }
-    return output;
-}
 
 struct Heard {
     Bytes bytes;
@@ -68,12 +34,15 @@ struct Heard {
 
 /// Sampled at 10 MHz, which is 50 samples of the shortest bit and much quicker than each unit.
 Heard hear(const std::string& dump, const LineSettings& line) {
-    const TemporaryFile file(dump);
-    std::istringstream lines(output_of(
-        fmt::format("sigrok-cli -I vcd:downsample=10 -i '{}' -P uart:rx=wire:baudrate={}:parity={}:"
-                    "stop_bits=1.0:invert_rx={} -A uart=rx-data:rx-parity-err:rx-warnings 2>&1",
-                    file.name(), line.baud, line.parity == Parity::even ? "even" : "none",
-                    line.inverted_wire ? "yes" : "no")));
+    const TemporaryFolder folder;
+    std::istringstream lines(
+        run_in_shell(
+            fmt::format(
+                "sigrok-cli -I vcd:downsample=10 -i '{}' -P uart:rx=wire:baudrate={}:parity={}:"
+                "stop_bits=1.0:invert_rx={} -A uart=rx-data:rx-parity-err:rx-warnings",
+                folder.write("wave.vcd", dump), line.baud,
+                line.parity == Parity::even ? "even" : "none", line.inverted_wire ? "yes" : "no"))
+            .output);
     Heard heard;
     for (std::string text; std::getline(lines, text);) {
         constexpr std::string_view kPrefix = "uart-1: ";
@@ -146,7 +115,7 @@ std::string ibus_frames() {
 class Sigrok : public testing::Test {
   protected:
     void SetUp() override {
-        if (output_of("sigrok-cli --version 2>/dev/null").empty()) {
+        if (run_in_shell("command -v sigrok-cli").status != 0) {
             GTEST_SKIP() << "sigrok-cli is not installed (Debian: sigrok-cli)";
         }
     }

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "app/exit_status.h"
+#include "tests/support/outcome.h"
 #include "tests/support/tiny_can.h"
 #include "transports/links/recording.h"
 
@@ -17,6 +18,8 @@ namespace {
 
 using test::kOtherTinyCan;
 using test::kTinyCan;
+using test::Outcome;
+using test::outcome_of;
 using test::use_of;
 
 // 0x05DC is 1500, 0x03E8 is 1000.
@@ -30,21 +33,6 @@ constexpr std::string_view kTwoInterfaces =
     "(1.000000) can0 123#05DC\n"
     "(1.010000) can1 123#03E8\n";
 
-struct Outcome {
-    int status = -1;
-    std::string results;
-    std::string talk;
-
-    std::vector<std::string> lines() const {
-        std::vector<std::string> lines;
-        std::istringstream text(results);
-        for (std::string line; std::getline(text, line);) {
-            lines.push_back(line);
-        }
-        return lines;
-    }
-};
-
 Recording recording_of(std::string_view log) {
     const auto recording = parse_recording(log, "can.log");
     EXPECT_TRUE(recording) << recording.error();
@@ -52,37 +40,27 @@ Recording recording_of(std::string_view log) {
 }
 
 Outcome decoded(std::string_view log, const std::vector<ProtocolUse>& uses, DecodeFormat format) {
-    std::ostringstream results;
-    std::ostringstream talk;
-    FramePrinter printer(format, RecordingKind::candump, results, talk);
-    Outcome outcome;
-    outcome.status = decode_can_recording(recording_of(log), uses, printer, talk);
-    outcome.results = results.str();
-    outcome.talk = talk.str();
-    return outcome;
+    return outcome_of([&](std::ostream& results, std::ostream& talk) {
+        FramePrinter printer(format, RecordingKind::candump, results, talk);
+        return decode_can_recording(recording_of(log), uses, printer, talk);
+    });
 }
 
 /// The log comes in the given pieces; `after` sees the results behind each of them.
 Outcome streamed(const std::vector<std::string>& pieces, const std::string& interface = "",
                  std::vector<std::string>* after = nullptr) {
-    std::ostringstream results;
-    std::ostringstream talk;
-    FramePrinter printer(DecodeFormat::csv, RecordingKind::candump, results, talk);
-    std::size_t next = 0;
-    const CanLogSource source{.read =
-                                  [&] {
-                                      if (next > 0 && after != nullptr) {
-                                          after->push_back(results.str());
-                                      }
-                                      return next < pieces.size() ? pieces[next++] : std::string();
-                                  },
-                              .name = "standard input",
-                              .interface = interface};
-    Outcome outcome;
-    outcome.status = decode_can_stream(source, use_of(kTinyCan), printer, results, talk);
-    outcome.results = results.str();
-    outcome.talk = talk.str();
-    return outcome;
+    return outcome_of([&](std::ostringstream& results, std::ostream& talk) {
+        FramePrinter printer(DecodeFormat::csv, RecordingKind::candump, results, talk);
+        std::size_t next = 0;
+        const auto read = [&] {
+            if (next > 0 && after != nullptr) {
+                after->push_back(results.str());
+            }
+            return next < pieces.size() ? pieces[next++] : std::string();
+        };
+        const CanLogSource source{.read = read, .name = "standard input", .interface = interface};
+        return decode_can_stream(source, use_of(kTinyCan), printer, results, talk);
+    });
 }
 
 std::string error_of(const tl::expected<Recording, std::string>& taken) {

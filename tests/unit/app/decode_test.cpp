@@ -8,9 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "app/exit_status.h"
+#include "tests/support/outcome.h"
 
 namespace tribus {
 namespace {
+
+using test::Outcome;
+using test::outcome_of;
 
 // i.Bus, 14 channels (IBusBM, comment in its source).
 constexpr std::string_view kIbus14 =
@@ -26,33 +30,14 @@ constexpr std::string_view kSbus =
 constexpr std::string_view kSbusLost =
     "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c 0c 00";
 
-struct Outcome {
-    int status = -1;
-    std::string results;
-    std::string talk;
-
-    std::vector<std::string> lines() const {
-        std::vector<std::string> lines;
-        std::istringstream text(results);
-        for (std::string line; std::getline(text, line);) {
-            lines.push_back(line);
-        }
-        return lines;
-    }
-};
-
 Outcome decoded(const std::string& content, std::string_view protocol, DecodeFormat format) {
     const auto recording = parse_recording(content, "bytes.txt");
     const auto uses = choose_protocols(protocol, SettingScope::input, {});
     EXPECT_TRUE(recording && uses);
-    std::ostringstream results;
-    std::ostringstream talk;
-    FramePrinter printer(format, recording->kind, results, talk);
-    Outcome outcome;
-    outcome.status = decode_recording(*recording, *uses, printer, talk);
-    outcome.results = results.str();
-    outcome.talk = talk.str();
-    return outcome;
+    return outcome_of([&](std::ostream& results, std::ostream& talk) {
+        FramePrinter printer(format, recording->kind, results, talk);
+        return decode_recording(*recording, *uses, printer, talk);
+    });
 }
 
 std::string lines_of(std::initializer_list<std::string_view> lines) {

@@ -5,30 +5,23 @@
 
 #include "app/encode.h"
 #include "app/exit_status.h"
+#include "tests/support/outcome.h"
 #include "tests/support/tiny_can.h"
 
 namespace tribus {
 namespace {
 
 using test::kTinyCan;
+using test::Outcome;
+using test::outcome_of;
 using test::use_of;
-
-struct Outcome {
-    int status = -1;
-    std::string results;
-    std::string talk;
-};
 
 Outcome encoded(const std::string& lines, const std::string& interface = "can0") {
     std::istringstream input(lines);
-    std::ostringstream results;
-    std::ostringstream talk;
-    Outcome outcome;
-    outcome.status = encode_lines(input, "frames.json", use_of(kTinyCan), EncodeFormat::candump,
-                                  results, talk, interface);
-    outcome.results = results.str();
-    outcome.talk = talk.str();
-    return outcome;
+    return outcome_of([&](std::ostream& results, std::ostream& talk) {
+        return encode_lines(input, "frames.json", use_of(kTinyCan), EncodeFormat::candump, results,
+                            talk, interface);
+    });
 }
 
 // 1500 is 0x05DC, 1000 is 0x03E8.

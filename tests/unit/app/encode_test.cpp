@@ -7,28 +7,22 @@
 #include <gtest/gtest.h>
 
 #include "app/exit_status.h"
+#include "tests/support/outcome.h"
 
 namespace tribus {
 namespace {
 
-struct Outcome {
-    int status = -1;
-    std::string results;
-    std::string talk;
-};
+using test::Outcome;
+using test::outcome_of;
 
 Outcome encoded(const std::string& lines, std::string_view protocol, EncodeFormat format,
                 const GivenSettings& given = {}) {
     const auto uses = choose_protocols(protocol, SettingScope::output, given);
     EXPECT_TRUE(uses) << uses.error();
     std::istringstream input(lines);
-    std::ostringstream results;
-    std::ostringstream talk;
-    Outcome outcome;
-    outcome.status = encode_lines(input, "frames.json", uses->front(), format, results, talk);
-    outcome.results = results.str();
-    outcome.talk = talk.str();
-    return outcome;
+    return outcome_of([&](std::ostream& results, std::ostream& talk) {
+        return encode_lines(input, "frames.json", uses->front(), format, results, talk);
+    });
 }
 
 constexpr std::string_view kCentred =

@@ -1,33 +1,15 @@
-#include <sys/wait.h>
-
-#include <array>
-#include <cstdio>
 #include <string>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/shell.h"
 
 /// The built program, as a shell starts it: what only shows from outside.
 namespace tribus {
 namespace {
 
-struct Ended {
-    int status = -1;
-    std::string output;
-};
-
-/// `command` is shell text in which $TRIBUS is the program; errors are part of the output.
-Ended run(const std::string& command) {
-    const std::string script = "exec 2>&1; TRIBUS='" TRIBUS_PROGRAM "'; " + command;
-    std::FILE* const pipe = ::popen(script.c_str(), "r");
-    Ended result;
-    std::array<char, 4096> buffer{};
-    while (pipe != nullptr && std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) {
-        result.output += buffer.data();
-    }
-    const int status = pipe == nullptr ? -1 : ::pclose(pipe);
-    result.status = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return result;
-}
+using test::Ended;
+using test::run_in_shell;
 
 // i.Bus, 14 channels (IBusBM, comment in its source).
 const std::string kHex =
@@ -35,9 +17,9 @@ const std::string kHex =
     "f3";
 
 TEST(Program, DecodePipedIntoEncodeGivesTheSameBytes) {
-    const Ended result = run("echo '" + kHex +
-                             "' | \"$TRIBUS\" decode --protocol ibus --format json"
-                             " | \"$TRIBUS\" encode --protocol ibus --format hex");
+    const Ended result = run_in_shell("echo '" + kHex +
+                                      "' | \"$TRIBUS\" decode --protocol ibus --format json"
+                                      " | \"$TRIBUS\" encode --protocol ibus --format hex");
     EXPECT_EQ(result.status, 0);
     EXPECT_EQ(result.output, kHex + "\n");
 }
@@ -46,32 +28,33 @@ TEST(Program, EncodesEighteenChannelsUnlessToldOtherwise) {
     const std::string frame =
         "echo '{\"channels\":[1500,1500,1500,null,null,null,null,null,null,null,null,null,null,"
         "null,1500]}' | \"$TRIBUS\" encode --protocol ibus --format hex";
-    EXPECT_EQ(run(frame).output.substr(0, 17), "20 40 dc c5 dc d5");
-    EXPECT_EQ(run(frame + " --channels 14").output.substr(0, 17), "20 40 dc 05 dc 05");
+    EXPECT_EQ(run_in_shell(frame).output.substr(0, 17), "20 40 dc c5 dc d5");
+    EXPECT_EQ(run_in_shell(frame + " --channels 14").output.substr(0, 17), "20 40 dc 05 dc 05");
 }
 
 TEST(Program, ReaderThatGoesAwayIsNoFailure) {
-    const Ended result = run("{ for i in $(seq 20000); do echo '" + kHex +
-                             "'; done; } | \"$TRIBUS\" decode --protocol ibus | head -n 1");
+    const Ended result =
+        run_in_shell("{ for i in $(seq 20000); do echo '" + kHex +
+                     "'; done; } | \"$TRIBUS\" decode --protocol ibus | head -n 1");
     EXPECT_EQ(result.status, 0);
     EXPECT_EQ(result.output.find("tribus:"), std::string::npos) << result.output;
 }
 
 TEST(Program, FullDeviceIsAFailure) {
-    const Ended result = run("echo '" + kHex + "' | \"$TRIBUS\" decode > /dev/full");
+    const Ended result = run_in_shell("echo '" + kHex + "' | \"$TRIBUS\" decode > /dev/full");
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.output, "tribus: standard output could not be written\n");
 }
 
 TEST(Program, FileThatCannotBeReadEndsWithOne) {
-    const Ended result = run("\"$TRIBUS\" decode /nonexistent/file");
+    const Ended result = run_in_shell("\"$TRIBUS\" decode /nonexistent/file");
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.output, "tribus: /nonexistent/file: No such file or directory\n");
-    EXPECT_EQ(run("\"$TRIBUS\" encode --protocol sbus /").status, 1);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" encode --protocol sbus /").status, 1);
 }
 
 TEST(Program, MistakeInAFileEndsWithOneAndSaysHowItWasRead) {
-    const Ended result = run("echo '20 4x' | \"$TRIBUS\" decode");
+    const Ended result = run_in_shell("echo '20 4x' | \"$TRIBUS\" decode");
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.output,
               "tribus: standard input:1:4: \"4x\" is no byte; a byte is two hex digits, bytes "
@@ -80,16 +63,16 @@ TEST(Program, MistakeInAFileEndsWithOneAndSaysHowItWasRead) {
 }
 
 TEST(Program, WrongUseEndsWithTwo) {
-    EXPECT_EQ(run("\"$TRIBUS\"").status, 2);
-    EXPECT_EQ(run("\"$TRIBUS\" decode --format xml").status, 2);
-    EXPECT_EQ(run("\"$TRIBUS\" decode --protocol nonsense < /dev/null").status, 2);
-    EXPECT_EQ(run("\"$TRIBUS\" encode < /dev/null").status, 2);
-    EXPECT_EQ(run("\"$TRIBUS\" encode --protocol auto < /dev/null").status, 2);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\"").status, 2);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" decode --format xml").status, 2);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" decode --protocol nonsense < /dev/null").status, 2);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" encode < /dev/null").status, 2);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" encode --protocol auto < /dev/null").status, 2);
 }
 
 TEST(Program, HelpEndsWithZero) {
-    EXPECT_EQ(run("\"$TRIBUS\" --help").status, 0);
-    EXPECT_EQ(run("\"$TRIBUS\" decode --help").status, 0);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" --help").status, 0);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" decode --help").status, 0);
 }
 
 }  // namespace

@@ -54,10 +54,15 @@ BA_ "GenMsgCycleTime" BO_ 305 50;
 SIG_VALTYPE_ 306 Float : 1;
 )";
 
+Lines mistakes_in(std::string_view dbc, std::string_view signals,
+                  SettingScope scope = SettingScope::output, std::string_view cycles = {}) {
+    const auto map = build_dbc_map(dbc_settings(dbc, signals, cycles), scope);
+    return map ? Lines{} : told(map.error());
+}
+
 Lines mistakes(std::string_view signals, SettingScope scope = SettingScope::output,
                std::string_view cycles = {}) {
-    const auto map = build_dbc_map(dbc_settings(kBus, signals, cycles), scope);
-    return map ? Lines{} : told(map.error());
+    return mistakes_in(kBus, signals, scope, cycles);
 }
 
 DbcMap map_of(std::string_view signals, SettingScope scope = SettingScope::output,
@@ -133,11 +138,9 @@ TEST(DbcMap, AJ1939IdMatchesAnyPriorityAndWithAddressFEAnySource) {
 }
 
 TEST(DbcMap, ReportsAMistakeOfTheFileWithItsPlace) {
-    const auto map = build_dbc_map(
-        dbc_settings("BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B", R"({"M": {"S": 1}})"),
-        SettingScope::input);
-    ASSERT_FALSE(map);
-    EXPECT_EQ(told(map.error()).at(0).substr(0, 15), "dbc: bus.dbc:2:");
+    const Lines found = mistakes_in("BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B",
+                                    R"({"M": {"S": 1}})", SettingScope::input);
+    EXPECT_EQ(found.at(0).substr(0, 15), "dbc: bus.dbc:2:");
 }
 
 TEST(DbcMap, TellsAllMistakesAtOnce) {
@@ -151,9 +154,24 @@ TEST(DbcMap, AMistakeInAMessageMakesNoneInItsCycle) {
               1U);
 }
 
+// What several mistakes have in common behind their places.
+const std::string kNoChannel =
+    ": no signal carries a channel; allowed: at least one, such as SIGNAL = 1 below the name of "
+    "its message";
+const std::string kOverlap =
+    ": its bits are those of another signal that is sent in the same frame; allowed: signals that "
+    "do not overlap";
+const std::string kNoCycle =
+    ": a cycle time is a duration, text with a unit; allowed: \"1ms\" to \"60s\"";
+const std::string kCannotCount =
+    ": this cannot count; allowed: an unsigned signal of up to 32 bits that every frame of the "
+    "message has";
+const std::string kNoWholeByte =
+    ": this cannot hold that checksum; allowed: one whole byte that every frame of the message has";
+
 struct Wrong {
     std::string_view signals;
-    std::string_view expected;
+    std::string expected;
     SettingScope scope = SettingScope::output;
     std::string_view cycles = {};
 };
@@ -162,8 +180,7 @@ class WrongDbcMap : public testing::TestWithParam<Wrong> {};
 
 TEST_P(WrongDbcMap, IsToldWithItsPlaceAndWhatIsAllowed) {
     const Wrong& wrong = GetParam();
-    EXPECT_EQ(mistakes(wrong.signals, wrong.scope, wrong.cycles),
-              Lines{std::string(wrong.expected)});
+    EXPECT_EQ(mistakes(wrong.signals, wrong.scope, wrong.cycles), Lines{wrong.expected});
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -180,12 +197,8 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"({"Command": {"Speed": 1}, "Wide": {}})",
               "signals.Wide: no signal of the message has a role; allowed: at least one, such as "
               "SIGNAL = 1 or SIGNAL = { fixed = 5 }"},
-        Wrong{"{}",
-              "signals: no signal carries a channel; allowed: at least one, such as "
-              "SIGNAL = 1 below the name of its message"},
-        Wrong{R"({"Command": {"Mode": {"fixed": 1}}})",
-              "signals: no signal carries a channel; allowed: at least one, such as SIGNAL = 1 "
-              "below the name of its message"},
+        Wrong{"{}", "signals" + kNoChannel},
+        Wrong{R"({"Command": {"Mode": {"fixed": 1}}})", "signals" + kNoChannel},
         Wrong{R"({"Long": {"L": 1}})",
               "signals.Long: the message is longer than a frame; allowed: messages of one frame"},
         Wrong{R"({"Joystick": {"X": 1}})",
@@ -201,26 +214,18 @@ INSTANTIATE_TEST_SUITE_P(
               "signal for each channel",
               SettingScope::input},
         Wrong{R"({"Command": {"Pulse": 1, "Short": {"fixed": 0}}})",
-              "signals.Command.Short: its bits are those of another signal that is sent in the "
-              "same frame; allowed: signals that do not overlap"},
-        Wrong{R"({"Paged": {"First": 1, "Page": {"fixed": 0}}})",
-              "signals.Paged.Page: its bits are those of another signal that is sent in the same "
-              "frame; allowed: signals that do not overlap"},
+              "signals.Command.Short" + kOverlap},
+        Wrong{R"({"Paged": {"First": 1, "Page": {"fixed": 0}}})", "signals.Paged.Page" + kOverlap},
         Wrong{R"({"Command": {"Magnitude": {"channel": 1, "negative": "Minus"},
                               "Minus": {"fixed": 0}}})",
-              "signals.Command.Minus: its bits are those of another signal that is sent in the "
-              "same frame; allowed: signals that do not overlap"},
+              "signals.Command.Minus" + kOverlap},
         Wrong{R"({"Command": {"Speed": 1}})",
               "cycles.Wide: no signal of message \"Wide\" is mapped; allowed: \"Command\"",
               SettingScope::output, R"({"Wide": "1s"})"},
-        Wrong{R"({"Command": {"Speed": 1}})",
-              "cycles.Command: a cycle time is a duration, text with a unit; allowed: \"1ms\" to "
-              "\"60s\"",
-              SettingScope::output, R"({"Command": 20})"},
-        Wrong{R"({"Command": {"Speed": 1}})",
-              "cycles.Command: a cycle time is a duration, text with a unit; allowed: \"1ms\" to "
-              "\"60s\"",
-              SettingScope::output, R"({"Command": "61s"})"}));
+        Wrong{R"({"Command": {"Speed": 1}})", "cycles.Command" + kNoCycle, SettingScope::output,
+              R"({"Command": 20})"},
+        Wrong{R"({"Command": {"Speed": 1}})", "cycles.Command" + kNoCycle, SettingScope::output,
+              R"({"Command": "61s"})"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Values, WrongDbcMap,
@@ -261,14 +266,11 @@ INSTANTIATE_TEST_SUITE_P(
     Protection, WrongDbcMap,
     testing::Values(
         Wrong{R"({"Command": {"Pulse": 1, "Speed": {"counter": true}}})",
-              "signals.Command.Speed: this cannot count; allowed: an unsigned signal of up to 32 "
-              "bits that every frame of the message has"},
+              "signals.Command.Speed" + kCannotCount},
         Wrong{R"({"Paged": {"First": 1, "Second": {"counter": true}}})",
-              "signals.Paged.Second: this cannot count; allowed: an unsigned signal of up to 32 "
-              "bits that every frame of the message has"},
+              "signals.Paged.Second" + kCannotCount},
         Wrong{R"({"Wide": {"Value": 1, "Float": {"counter": true}}})",
-              "signals.Wide.Float: this cannot count; allowed: an unsigned signal of up to 32 bits "
-              "that every frame of the message has"},
+              "signals.Wide.Float" + kCannotCount},
         Wrong{R"({"Command": {"Speed": 1, "Count": {"counter": true, "most": 64}}})",
               "signals.Command.Count.most: \"Count\" cannot count so far; allowed: 1 to 63"},
         Wrong{
@@ -278,11 +280,9 @@ INSTANTIATE_TEST_SUITE_P(
                               "Mode": {"checksum": "sum"}}})",
               "signals.Command.Mode: the message has a checksum already; allowed: one"},
         Wrong{R"({"Command": {"Speed": 1, "Count": {"checksum": "sum"}}})",
-              "signals.Command.Count: this cannot hold that checksum; allowed: one whole byte that "
-              "every frame of the message has"},
+              "signals.Command.Count" + kNoWholeByte},
         Wrong{R"({"Paged": {"First": 1, "SecondCheck": {"checksum": "sum"}}})",
-              "signals.Paged.SecondCheck: this cannot hold that checksum; allowed: one whole byte "
-              "that every frame of the message has"},
+              "signals.Paged.SecondCheck" + kNoWholeByte},
         Wrong{R"({"Command": {"Speed": 1, "Check": {"checksum": "p01", "data_id": 1}}})",
               "signals.Command.Check: this cannot hold that checksum; allowed: byte 0 (0|8@1+), "
               "and data behind it"},
@@ -302,9 +302,8 @@ TEST(DbcMap, AnOutputSendsAtMost16Frames) {
                " : 0|8@1+ (1,0) [0|9] \"\" B\n";
         signals += (i == 1 ? "" : ", ") + ("\"M" + number + "\": {\"S" + number + "\": 1}");
     }
-    const auto map = build_dbc_map(dbc_settings(dbc, signals + "}"), SettingScope::output);
-    ASSERT_FALSE(map);
-    EXPECT_EQ(told(map.error()), Lines{"signals: they lie in 17 frames; allowed: at most 16"});
+    EXPECT_EQ(mistakes_in(dbc, signals + "}"),
+              Lines{"signals: they lie in 17 frames; allowed: at most 16"});
 }
 
 }  // namespace

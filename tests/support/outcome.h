@@ -1,0 +1,36 @@
+#pragma once
+
+#include <ostream>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+/// What a subcommand does with its two streams.
+namespace tribus::test {
+
+struct Outcome {
+    int status = -1;
+    std::string results;
+    std::string talk;
+
+    std::vector<std::string> lines() const {
+        std::vector<std::string> lines;
+        std::istringstream text(results);
+        for (std::string line; std::getline(text, line);) {
+            lines.push_back(line);
+        }
+        return lines;
+    }
+};
+
+/// `command(results, talk)` returns the exit status.
+template <class Command>
+Outcome outcome_of(Command command) {
+    std::ostringstream results;
+    std::ostringstream talk;
+    const int status = command(results, talk);
+    return {status, std::move(results).str(), std::move(talk).str()};
+}
+
+}  // namespace tribus::test
