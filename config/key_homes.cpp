@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 #include "config/keys.h"
 #include "core/quotes.h"
@@ -55,9 +56,15 @@ std::string home_in(std::string_view name, std::span<const Key> keys, const std:
 
 }  // namespace
 
-std::string home_of_key(std::string_view name, std::string_view protocol) {
-    const std::string home = home_in(name, root_keys(), {}, protocol);
-    return home.empty() ? home_in(name, root_keys(), {}, {}) : home;
+std::string home_of_key(std::string_view name, std::string_view side, std::string_view protocol) {
+    const std::span<const Key> all = root_keys();
+    const std::span<const Key> own = side.empty() ? all : std::span(&key_named(all, side), 1);
+    std::string home = home_in(name, own, {}, protocol);
+    for (const auto& [keys, only] : {std::pair(all, protocol), std::pair(own, std::string_view{}),
+                                     std::pair(all, std::string_view{})}) {
+        home = home.empty() ? home_in(name, keys, {}, only) : home;
+    }
+    return home;
 }
 
 }  // namespace tribus

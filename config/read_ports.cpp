@@ -200,8 +200,8 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
     const PortKeys port = port_keys(table, input_keys(), SettingScope::input);
     const std::string title = fmt::format("[input.{}]", entry.key);
     const TableContent content =
-        read_table({table, entry.value.where, title, name_of(port.protocol)}, port.keys, reading,
-                   port.tolerated);
+        read_table({table, entry.value.where, title, "input", name_of(port.protocol)}, port.keys,
+                   reading, port.tolerated);
     check_inverted(content, reading.mistakes);
     InputDraft draft;
     draft.where = entry.where;
@@ -227,8 +227,8 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     const PortKeys port = port_keys(table, output_keys(), SettingScope::output);
     const std::string title = fmt::format("[output.{}]", entry.key);
     const TableContent content =
-        read_table({table, entry.value.where, title, name_of(port.protocol)}, port.keys, reading,
-                   port.tolerated);
+        read_table({table, entry.value.where, title, "output", name_of(port.protocol)}, port.keys,
+                   reading, port.tolerated);
     check_inverted(content, reading.mistakes);
     OutputDraft draft;
     draft.where = entry.where;

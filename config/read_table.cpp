@@ -21,10 +21,28 @@ const Key* exact_key(std::string_view name, std::span<const Key> keys) {
     return key == keys.end() ? nullptr : &*key;
 }
 
+/// Where the name is that of the place of another kind of link, such as "device" on a CAN bus: the
+/// key of the right place.
+const Key* place_instead(std::string_view name, const TableRef& ref, std::span<const Key> keys) {
+    const Protocol* own = find_protocol(ref.protocol);
+    const bool is_place = std::ranges::any_of(protocols(), [name](const Protocol* protocol) {
+        return place_key(protocol->link).name() == name;
+    });
+    return own != nullptr && is_place ? exact_key(place_key(own->link).name(), keys) : nullptr;
+}
+
+void report_other_link(const TableRef& ref, const Entry& entry, const Key& place,
+                       Mistakes& mistakes) {
+    mistakes.add(entry.where, fmt::format("unknown key {} in {}; protocol {} has {} instead: {}",
+                                          in_quotes(entry.key), ref.title, in_quotes(ref.protocol),
+                                          in_quotes(place.name()), place.setting.help));
+}
+
 void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
                     Mistakes& mistakes) {
     const auto names = names_of(keys);
-    const std::string home = nearest(entry.key, names) ? "" : home_of_key(entry.key, ref.protocol);
+    const std::string home =
+        nearest(entry.key, names) ? "" : home_of_key(entry.key, ref.side, ref.protocol);
     mistakes.add(entry.where, fmt::format("unknown {} {} in {}; {}{}",
                                           entry.value.as<Table>() == nullptr ? "key" : "table",
                                           in_quotes(entry.key), ref.title,
@@ -49,12 +67,17 @@ std::vector<TableContent::Item> match(const TableRef& ref, std::span<const Key> 
         if (is_tolerated || exact_key(entry.key, keys) != nullptr) {
             continue;
         }
-        report_unknown(ref, entry, keys, mistakes);
-        const Key* meant = meant_key(entry.key, keys);
+        const Key* place = place_instead(entry.key, ref, keys);
+        const Key* meant = place != nullptr ? place : meant_key(entry.key, keys);
         const bool taken = std::any_of(items.begin(), items.end(),
                                        [meant](const auto& item) { return item.key == meant; });
+        if (place != nullptr) {
+            report_other_link(ref, entry, *place, mistakes);
+        } else {
+            report_unknown(ref, entry, keys, mistakes);
+        }
         if (meant != nullptr && !taken) {
-            items.push_back({meant, &entry});
+            items.push_back({meant, &entry, place == nullptr, place != nullptr});
         }
     }
     return items;
@@ -119,7 +142,7 @@ TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading 
             } else if (!key.setting.fallback.empty()) {
                 values.set(key.name(), default_of(key.setting));
             }
-        } else if (has_value(key)) {
+        } else if (has_value(key) && !item->other_link) {
             auto value = key.kind == KeyKind::protocol
                              ? read_protocol_name(item->entry->value, reading.mistakes)
                              : read_value(key.setting, item->entry->value, reading.mistakes);

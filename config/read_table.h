@@ -23,7 +23,8 @@ struct TableRef {
     const Table& table;
     Location where;
     std::string title;
-    /// Of an input or output, where it is known.
+    /// Of an input or output: which of the two, and its protocol, where that is known.
+    std::string_view side{};
     std::string_view protocol{};
 };
 
@@ -34,6 +35,8 @@ class TableContent {
         const Key* key = nullptr;
         const Entry* entry = nullptr;
         bool sound = true;
+        /// The entry names the place of another kind of link; its value is not judged.
+        bool other_link = false;
     };
 
     TableContent(Location where, std::vector<Item> items, SettingValues values)

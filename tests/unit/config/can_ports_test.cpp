@@ -125,9 +125,9 @@ foreign_sender = "ignore")",
      R"("force", "schedule", "phase", "baud", "scale", "inverted")"},
     {"id_of_a_serial_output", 9, R"(device = "/dev/ttyB"
 id = 0x300)",
-     R"(t.toml:10:1: unknown key "id" in [output.servos]; it belongs in [input.NAME] )"
-     R"(with protocol "can"; allowed: "protocol", "device", "period", "force", )"
-     R"("schedule", "phase", "baud", "scale", "inverted")"},
+     R"(t.toml:10:1: unknown key "id" in [output.servos]; it belongs in )"
+     R"([output.NAME] with protocol "can"; allowed: "protocol", "device", "period", )"
+     R"("force", "schedule", "phase", "baud", "scale", "inverted")"},
     {"period_below_what_readers_follow", 6, R"(interface = "can1"
 period = "1999us")",
      R"(t.toml:7:10: "period" is "1999us", shorter than readers of "can" can follow; )"
@@ -147,23 +147,28 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInCanPorts, ::testing::ValuesIn(kMista
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 TEST(CanPorts, ABusHasNoDevice) {
-    EXPECT_EQ(
-        mistakes_in(bus_job_with(3, "device = \"can0\"")),
-        (Lines{R"(t.toml:1:1: [input.cockpit] lacks "interface"; required: CAN interface, such as )"
-               R"("can0")",
-               R"(t.toml:3:1: unknown key "device" in [input.cockpit]; it belongs in [input.NAME] )"
-               R"(with protocol "ibus"; allowed: "protocol", "interface", "timeout", )"
-               R"("failsafe_when", "id", "extended", "fd", "crc", "channels")"}));
+    EXPECT_EQ(mistakes_in(bus_job_with(3, "device = \"can0\"")),
+              (Lines{R"(t.toml:3:1: unknown key "device" in [input.cockpit]; protocol "can" has )"
+                     R"("interface" instead: CAN interface, such as "can0")"}));
 }
 
 TEST(CanPorts, ASerialLineHasNoInterface) {
     EXPECT_EQ(
         mistakes_in(bus_job_with(9, "interface = \"/dev/ttyB\"")),
-        (Lines{R"(t.toml:7:1: [output.servos] lacks "device"; required: Serial device, such as )"
-               R"("/dev/ttyAMA2" or a stable name under /dev/serial/by-id)",
-               R"(t.toml:9:1: unknown key "interface" in [output.servos]; it belongs in )"
-               R"([input.NAME] with protocol "can"; allowed: "protocol", "device", "period", )"
-               R"("force", "schedule", "phase", "baud", "scale", "inverted")"}));
+        (Lines{R"(t.toml:9:1: unknown key "interface" in [output.servos]; protocol "sbus" has )"
+               R"("device" instead: Serial device, such as "/dev/ttyAMA2" or a stable name under )"
+               R"(/dev/serial/by-id)"}));
+}
+
+TEST(CanPorts, ADeviceBesidesTheInterfaceIsOneMistakeAndTheInterfaceIsStillJudged) {
+    EXPECT_EQ(mistakes_in(bus_job_with(3, "device = \"/dev/ttyA\"\ninterface = 0")),
+              (Lines{R"(t.toml:3:1: unknown key "device" in [input.cockpit]; protocol "can" has )"
+                     R"("interface" instead: CAN interface, such as "can0")",
+                     R"(t.toml:4:13: "interface" is 0; allowed: text in quotes, not empty)"}));
+}
+
+TEST(CanPorts, WhatIsWrittenAsTheWrongPlaceIsNotJudgedAsTheRightOne) {
+    EXPECT_EQ(mistakes_in(bus_job_with(3, "device = 0")).size(), 1U);
 }
 
 TEST(CanPorts, HaveTheDefaultsOfTheNativeFormat) {
