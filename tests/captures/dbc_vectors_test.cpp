@@ -16,8 +16,8 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/streams.h"
-#include "transports/codecs/dbc_file.h"
-#include "transports/codecs/dbc_signal.h"
+#include "transports/codecs/dbc/file.h"
+#include "transports/codecs/dbc/signal.h"
 
 /// Frames that cantools decoded, with the DBC texts that describe them (dbc_vectors.json).
 namespace tribus {

@@ -18,8 +18,8 @@
 
 #include "tests/support/shell.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/dbc_file.h"
-#include "transports/codecs/dbc_signal.h"
+#include "transports/codecs/dbc/file.h"
+#include "transports/codecs/dbc/signal.h"
 
 /// An independent reader of DBC judges ours: canmatrix (Debian: python3-canmatrix) reads the same
 /// random text and decodes the same random frames.

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/streams.h"
-#include "transports/codecs/dbc_file.h"
-#include "transports/codecs/dbc_signal.h"
+#include "transports/codecs/dbc/file.h"
+#include "transports/codecs/dbc/signal.h"
 
 /// Whatever a text holds, it is either refused at a place within it or safe to use.
 namespace tribus {

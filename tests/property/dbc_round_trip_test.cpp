@@ -8,7 +8,7 @@
 
 #include "tests/support/dbc_maps.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/dbc.h"
+#include "transports/codecs/dbc/dbc.h"
 
 /// Random maps over random signals: what is encoded decodes to the same, to the signal's step.
 namespace tribus {

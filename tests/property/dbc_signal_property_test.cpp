@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/streams.h"
-#include "transports/codecs/dbc_file.h"
-#include "transports/codecs/dbc_signal.h"
+#include "transports/codecs/dbc/file.h"
+#include "transports/codecs/dbc/signal.h"
 
 /// Every signal that fits into the longest frame: each start, each length, both byte orders.
 namespace tribus {

@@ -19,7 +19,7 @@
 #include "core/setting.h"
 #include "core/time.h"
 #include "transports/codecs/can_codec.h"
-#include "transports/codecs/dbc_map.h"
+#include "transports/codecs/dbc/map.h"
 
 /// Maps of DBC signals, written as JSON where a user writes TOML.
 namespace tribus::test {

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "transports/codecs/can_channels.h"
-#include "transports/codecs/dbc.h"
+#include "transports/codecs/dbc/dbc.h"
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
 

@@ -1,0 +1,310 @@
+#include "transports/codecs/dbc/map.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/dbc_maps.h"
+
+namespace tribus {
+namespace {
+
+using namespace test;
+using Lines = std::vector<std::string>;
+
+constexpr std::string_view kBus = R"(
+BO_ 304 Command: 8 A
+ SG_ Mode : 0|8@1+ (1,0) [0|0] "" B
+ SG_ Speed : 16|8@1- (1,0) [-100|100] "%" B
+ SG_ Pulse : 24|12@1+ (1,0) [0|0] "us" B
+ SG_ Short : 24|8@1+ (1,0) [0|0] "us" B
+ SG_ Plain : 36|4@1+ (1,0) [0|0] "" B
+ SG_ Magnitude : 40|8@1+ (1,0) [0|100] "%" B
+ SG_ Minus : 48|2@1+ (1,0) [0|0] "" B
+ SG_ Count : 50|6@1+ (1,0) [0|0] "" B
+ SG_ Check : 56|8@1+ (1,0) [0|0] "" B
+BO_ 305 Paged: 8 A
+ SG_ Page M : 0|8@1+ (1,0) [0|0] "" B
+ SG_ First m0 : 8|8@1+ (1,0) [0|100] "" B
+ SG_ Second m1 : 8|8@1+ (1,0) [0|100] "" B
+ SG_ SecondSign m1 : 16|1@1+ (1,0) [0|0] "" B
+ SG_ SecondCheck m1 : 24|8@1+ (1,0) [0|0] "" B
+BO_ 306 Wide: 8 A
+ SG_ Intel16 : 0|16@1+ (1,0) [0|0] "" B
+ SG_ Motorola16 : 7|16@0+ (1,0) [0|0] "" B
+ SG_ Byte0 : 0|8@1+ (1,0) [0|0] "" B
+ SG_ Value : 16|8@1+ (1,0) [0|100] "" B
+ SG_ Float : 32|32@1- (1,0) [0|0] "" B
+BO_ 2365512958 Joystick: 8 A
+ SG_ X : 0|8@1+ (1,0) [0|100] "" B
+BO_ 2365512755 OneJoystick: 8 A
+ SG_ X1 : 0|8@1+ (1,0) [0|100] "" B
+BO_ 2566852608 Long: 20 A
+ SG_ L : 0|8@1+ (1,0) [0|100] "" B
+BA_DEF_ BO_ "VFrameFormat" ENUM "StandardCAN","ExtendedCAN","reserved","J1939PG";
+BA_DEF_ BO_ "GenMsgCycleTime" INT 0 60000;
+BA_ "VFrameFormat" BO_ 2365512958 3;
+BA_ "VFrameFormat" BO_ 2365512755 3;
+BA_ "VFrameFormat" BO_ 2566852608 3;
+BA_ "GenMsgCycleTime" BO_ 304 20;
+BA_ "GenMsgCycleTime" BO_ 305 50;
+SIG_VALTYPE_ 306 Float : 1;
+)";
+
+Lines mistakes_in(std::string_view dbc, std::string_view signals,
+                  SettingScope scope = SettingScope::output, std::string_view cycles = {}) {
+    const auto map = build_dbc_map(dbc_settings(dbc, signals, cycles), scope);
+    return map ? Lines{} : told(map.error());
+}
+
+Lines mistakes(std::string_view signals, SettingScope scope = SettingScope::output,
+               std::string_view cycles = {}) {
+    return mistakes_in(kBus, signals, scope, cycles);
+}
+
+DbcMap map_of(std::string_view signals, SettingScope scope = SettingScope::output,
+              std::string_view cycles = {}) {
+    return dbc_map(dbc_settings(kBus, signals, cycles), scope);
+}
+
+const DbcChannel& only_channel(const DbcMap& map) {
+    return map.parts.at(0).channels.at(0);
+}
+
+TEST(DbcMap, WithoutValueTheRangeOfTheFileIsTheTravel) {
+    const DbcMap map = map_of(R"({"Command": {"Speed": 3}})");
+    EXPECT_EQ(only_channel(map).channel, 2U);
+    EXPECT_EQ(only_channel(map).value, (std::array{-100.0, 100.0}));
+    EXPECT_EQ(only_channel(map).microseconds, (std::array{1000.0, 2000.0}));
+}
+
+TEST(DbcMap, WithoutValueMicrosecondsArePulses) {
+    const DbcMap map = map_of(R"({"Command": {"Pulse": 3}})");
+    EXPECT_EQ(only_channel(map).value, only_channel(map).microseconds);
+}
+
+TEST(DbcMap, TheRangeOfAMagnitudeGoesBothWays) {
+    const DbcMap map = map_of(R"({"Command": {"Magnitude": {"channel": 1, "negative": "Minus"}}})");
+    EXPECT_EQ(only_channel(map).value, (std::array{-100.0, 100.0}));
+}
+
+TEST(DbcMap, CycleTimesComeFromTheFileOrTheUser) {
+    const std::string_view both = R"({"Command": {"Speed": 1}, "Paged": {"First": 2}})";
+    EXPECT_EQ(map_of(both).shortest_cycle(), milliseconds(20));
+    EXPECT_EQ(map_of(both, SettingScope::output, R"({"Command": "1.5s"})").shortest_cycle(),
+              milliseconds(50));
+    EXPECT_EQ(map_of(R"({"Wide": {"Value": 1}})").shortest_cycle(), std::nullopt);
+}
+
+TEST(DbcMap, OnlyMessagesWithChannelsSetThePace) {
+    EXPECT_EQ(
+        map_of(R"({"Command": {"Mode": {"fixed": 1}}, "Paged": {"First": 2}})").shortest_cycle(),
+        milliseconds(50));
+}
+
+TEST(DbcMap, SaysFailsafeByAFlagOrACodeInEachChannel) {
+    EXPECT_FALSE(map_of(R"({"Command": {"Speed": 1}})").says_failsafe());
+    EXPECT_FALSE(
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "frame_lost"}}})").says_failsafe());
+    EXPECT_TRUE(
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}})").says_failsafe());
+    EXPECT_TRUE(map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "good"}}})").says_failsafe());
+    EXPECT_TRUE(map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}}})").says_failsafe());
+    EXPECT_FALSE(map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}, "Pulse": 2}})")
+                     .says_failsafe());
+}
+
+TEST(DbcMap, EachPageIsAFrameThatIsSent) {
+    const DbcMap map = map_of(R"({"Paged": {"First": 1, "Second": 2}})");
+    ASSERT_EQ(map.parts.size(), 2U);
+    EXPECT_EQ(map.parts[0].selectors.at(0).sent, 0U);
+    EXPECT_EQ(map.parts[1].selectors.at(0).sent, 1U);
+}
+
+TEST(DbcMap, AnOutputMaySendAChannelTwice) {
+    EXPECT_EQ(mistakes(R"({"Command": {"Speed": 1, "Pulse": 1}})"), Lines{});
+}
+
+TEST(DbcMap, AJ1939IdMatchesAnyPriorityAndWithAddressFEAnySource) {
+    const DbcMap open = map_of(R"({"Joystick": {"X": 1}})", SettingScope::input);
+    EXPECT_TRUE(open.messages[0].id.matches(extended_frame(0x18FEDC17, {})));
+    EXPECT_FALSE(open.messages[0].id.matches(extended_frame(0x18FEDD17, {})));
+    const DbcMap one = map_of(R"({"OneJoystick": {"X1": 1}})", SettingScope::input);
+    EXPECT_TRUE(one.messages[0].id.matches(extended_frame(0x18FEDC33, {})));
+    EXPECT_FALSE(one.messages[0].id.matches(extended_frame(0x18FEDC17, {})));
+}
+
+TEST(DbcMap, ReportsAMistakeOfTheFileWithItsPlace) {
+    const Lines found = mistakes_in("BO_ 1 M: 8 A\n SG_ S : 60|8@1+ (1,0) [0|0] \"\" B",
+                                    R"({"M": {"S": 1}})", SettingScope::input);
+    EXPECT_EQ(found.at(0).substr(0, 15), "dbc: bus.dbc:2:");
+}
+
+TEST(DbcMap, TellsAllMistakesAtOnce) {
+    EXPECT_EQ(mistakes(R"({"Command": {"Sped": 1, "Speed": 19}, "Comand": {"Speed": 1}})").size(),
+              3U);
+}
+
+TEST(DbcMap, AMistakeInAMessageMakesNoneInItsCycle) {
+    EXPECT_EQ(mistakes(R"({"Command": {"Sped": 1}})", SettingScope::input, R"({"Command": "10ms"})")
+                  .size(),
+              1U);
+}
+
+// What several mistakes have in common behind their places.
+const std::string kNoChannel =
+    ": no signal carries a channel; allowed: at least one, such as SIGNAL = 1 below the name of "
+    "its message";
+const std::string kOverlap =
+    ": its bits are those of another signal that is sent in the same frame; allowed: signals that "
+    "do not overlap";
+const std::string kNoCycle =
+    ": a cycle time is a duration, text with a unit; allowed: \"1ms\" to \"60s\"";
+const std::string kCannotCount =
+    ": this cannot count; allowed: an unsigned signal of up to 32 bits that every frame of the "
+    "message has";
+const std::string kNoWholeByte =
+    ": this cannot hold that checksum; allowed: one whole byte that every frame of the message has";
+
+struct Wrong {
+    std::string_view signals;
+    std::string expected;
+    SettingScope scope = SettingScope::output;
+    std::string_view cycles = {};
+};
+
+class WrongDbcMap : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongDbcMap, IsToldWithItsPlaceAndWhatIsAllowed) {
+    const Wrong& wrong = GetParam();
+    EXPECT_EQ(mistakes(wrong.signals, wrong.scope, wrong.cycles), Lines{wrong.expected});
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Names, WrongDbcMap,
+    testing::Values(
+        Wrong{R"({"Comand": {"Speed": 1}})",
+              "signals.Comand: the DBC file has no message \"Comand\"; allowed: \"Command\", "
+              "\"Paged\", \"Wide\", \"Joystick\", \"OneJoystick\", \"Long\""},
+        Wrong{R"({"Wide": {"Speed": 1}})",
+              "signals.Wide.Speed: message \"Wide\" has no signal \"Speed\"; allowed: \"Intel16\", "
+              "\"Motorola16\", \"Byte0\", \"Value\", \"Float\""},
+        Wrong{R"({"Command": 1})",
+              "signals.Command: a message has signals; allowed: MESSAGE.SIGNAL = 1"},
+        Wrong{R"({"Command": {"Speed": 1}, "Wide": {}})",
+              "signals.Wide: no signal of the message has a role; allowed: at least one, such as "
+              "SIGNAL = 1 or SIGNAL = { fixed = 5 }"},
+        Wrong{"{}", "signals" + kNoChannel},
+        Wrong{R"({"Command": {"Mode": {"fixed": 1}}})", "signals" + kNoChannel},
+        Wrong{R"({"Long": {"L": 1}})",
+              "signals.Long: the message is longer than a frame; allowed: messages of one frame"},
+        Wrong{R"({"Joystick": {"X": 1}})",
+              "signals.Joystick: the id of the message has the source address 0xFE, from which "
+              "nobody may send; allowed: the address of this node in the id of the DBC file"},
+        Wrong{R"({"Joystick": {"X": 1}, "OneJoystick": {"X1": 2}})",
+              "signals.OneJoystick: a frame of this message may also be one of \"Joystick\", as "
+              "their ids differ in the priority only, or one of them comes from any source (0xFE); "
+              "allowed: one of the two",
+              SettingScope::input},
+        Wrong{R"({"Command": {"Speed": 1, "Pulse": 1}})",
+              "signals.Command.Pulse: channel 1 comes from \"Command.Speed\" already; allowed: one "
+              "signal for each channel",
+              SettingScope::input},
+        Wrong{R"({"Command": {"Pulse": 1, "Short": {"fixed": 0}}})",
+              "signals.Command.Short" + kOverlap},
+        Wrong{R"({"Paged": {"First": 1, "Page": {"fixed": 0}}})", "signals.Paged.Page" + kOverlap},
+        Wrong{R"({"Command": {"Magnitude": {"channel": 1, "negative": "Minus"},
+                              "Minus": {"fixed": 0}}})",
+              "signals.Command.Minus" + kOverlap},
+        Wrong{R"({"Command": {"Speed": 1}})",
+              "cycles.Wide: no signal of message \"Wide\" is mapped; allowed: \"Command\"",
+              SettingScope::output, R"({"Wide": "1s"})"},
+        Wrong{R"({"Command": {"Speed": 1}})", "cycles.Command" + kNoCycle, SettingScope::output,
+              R"({"Command": 20})"},
+        Wrong{R"({"Command": {"Speed": 1}})", "cycles.Command" + kNoCycle, SettingScope::output,
+              R"({"Command": "61s"})"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Values, WrongDbcMap,
+    testing::Values(
+        Wrong{R"({"Command": {"Plain": 1}})",
+              "signals.Command.Plain: the file gives no range of \"Plain\", so its values mean no "
+              "pulse; allowed: { channel = 1, value = [-100, 100], us = [1000, 2000] }"},
+        Wrong{R"({"Command": {"Plain": {"channel": 1, "value": [-7, 7]}}})",
+              "signals.Command.Plain.value: \"Plain\" cannot be -7; allowed: values that fit into "
+              "its 4 bits"},
+        Wrong{R"({"Command": {"Speed": {"channel": 1, "value": [-100, 100.5]}}})",
+              "signals.Command.Speed.value: \"Speed\" cannot be 100.5; the file allows -100 to "
+              "100"},
+        Wrong{R"({"Command": {"Short": 1}})",
+              "signals.Command.Short.channel: \"Short\" cannot be 1000; allowed: values that fit "
+              "into its 8 bits"},
+        Wrong{R"({"Command": {"Speed": {"channel": 1, "error": 128}}})",
+              "signals.Command.Speed.error: 128 does not fit into the 8 bits of \"Speed\"; "
+              "allowed: a raw value that does"},
+        Wrong{R"({"Command": {"Speed": 1, "Plain": {"fixed": 16}}})",
+              "signals.Command.Plain.fixed: \"Plain\" cannot be 16; the nearest that it can be is "
+              "15"},
+        Wrong{R"({"Command": {"Speed": 1, "Plain": {"fixed": 1.5}}})",
+              "signals.Command.Plain.fixed: \"Plain\" cannot be 1.5; the nearest that it can be is "
+              "2"},
+        Wrong{R"({"Command": {"Magnitude": {"channel": 1, "negative": "Sign"}}})",
+              "signals.Command.Magnitude.negative: message \"Command\" has no signal \"Sign\"; "
+              "allowed: \"Mode\", \"Speed\", \"Pulse\", \"Short\", \"Plain\", \"Magnitude\", "
+              "\"Minus\", \"Count\", \"Check\""},
+        Wrong{R"({"Command": {"Magnitude": {"channel": 1, "negative": "Count"}}})",
+              "signals.Command.Magnitude.negative: \"Count\" cannot tell the direction of "
+              "\"Magnitude\"; allowed: another signal of 1 or 2 bits that each frame with it has"},
+        Wrong{R"({"Paged": {"First": {"channel": 1, "negative": "SecondSign"}}})",
+              "signals.Paged.First.negative: \"SecondSign\" cannot tell the direction of "
+              "\"First\"; allowed: another signal of 1 or 2 bits that each frame with it has"}));
+
+INSTANTIATE_TEST_SUITE_P(
+    Protection, WrongDbcMap,
+    testing::Values(
+        Wrong{R"({"Command": {"Pulse": 1, "Speed": {"counter": true}}})",
+              "signals.Command.Speed" + kCannotCount},
+        Wrong{R"({"Paged": {"First": 1, "Second": {"counter": true}}})",
+              "signals.Paged.Second" + kCannotCount},
+        Wrong{R"({"Wide": {"Value": 1, "Float": {"counter": true}}})",
+              "signals.Wide.Float" + kCannotCount},
+        Wrong{R"({"Command": {"Speed": 1, "Count": {"counter": true, "most": 64}}})",
+              "signals.Command.Count.most: \"Count\" cannot count so far; allowed: 1 to 63"},
+        Wrong{
+            R"({"Command": {"Speed": 1, "Count": {"counter": true}, "Plain": {"counter": true}}})",
+            "signals.Command.Plain: the message has a counter already; allowed: one"},
+        Wrong{R"({"Command": {"Speed": 1, "Check": {"checksum": "xor"},
+                              "Mode": {"checksum": "sum"}}})",
+              "signals.Command.Mode: the message has a checksum already; allowed: one"},
+        Wrong{R"({"Command": {"Speed": 1, "Count": {"checksum": "sum"}}})",
+              "signals.Command.Count" + kNoWholeByte},
+        Wrong{R"({"Paged": {"First": 1, "SecondCheck": {"checksum": "sum"}}})",
+              "signals.Paged.SecondCheck" + kNoWholeByte},
+        Wrong{R"({"Command": {"Speed": 1, "Check": {"checksum": "p01", "data_id": 1}}})",
+              "signals.Command.Check: this cannot hold that checksum; allowed: byte 0 (0|8@1+), "
+              "and data behind it"},
+        Wrong{R"({"Wide": {"Value": 1, "Motorola16": {"checksum": "p05", "data_id": 1}}})",
+              "signals.Wide.Motorola16: this cannot hold that checksum; allowed: bytes 0 and 1, "
+              "low byte first (0|16@1+), and data behind them"},
+        Wrong{R"({"Wide": {"Value": 1, "Byte0": {"checksum": "p01"}}})",
+              "signals.Wide.Byte0: the profile needs the data id of the message; allowed: "
+              "data_id = 0 to 65535, or the attribute RcE2eDataId in the DBC file"}));
+
+TEST(DbcMap, AnOutputSendsAtMost16Frames) {
+    std::string dbc;
+    std::string signals = "{";
+    for (int i = 1; i <= 17; ++i) {
+        const std::string number = std::to_string(i);
+        dbc += "BO_ " + number + " M" + number + ": 1 A\n SG_ S" + number +
+               " : 0|8@1+ (1,0) [0|9] \"\" B\n";
+        signals += (i == 1 ? "" : ", ") + ("\"M" + number + "\": {\"S" + number + "\": 1}");
+    }
+    EXPECT_EQ(mistakes_in(dbc, signals + "}"),
+              Lines{"signals: they lie in 17 frames; allowed: at most 16"});
+}
+
+}  // namespace
+}  // namespace tribus

@@ -1,0 +1,143 @@
+#include "transports/codecs/dbc/roles.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "tests/support/dbc_maps.h"
+
+namespace tribus {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+template <class Role>
+Role role(std::string_view json) {
+    std::vector<SettingMistake> mistakes;
+    const auto read = read_dbc_role(test::setting_tree(json), {"signals", "M", "S"}, mistakes);
+    EXPECT_EQ(test::told(mistakes), Lines{});
+    const Role* found = read ? std::get_if<Role>(&*read) : nullptr;
+    EXPECT_NE(found, nullptr) << json;
+    return found == nullptr ? Role{} : *found;
+}
+
+Lines mistakes_in(std::string_view json) {
+    std::vector<SettingMistake> mistakes;
+    read_dbc_role(test::setting_tree(json), {"signals", "M", "S"}, mistakes);
+    return test::told(mistakes);
+}
+
+TEST(DbcRole, ANumberIsAChannel) {
+    EXPECT_EQ(role<DbcChannelRole>("18").channel, 17U);
+    EXPECT_FALSE(role<DbcChannelRole>("18").value);
+    EXPECT_EQ(role<DbcChannelRole>("18").microseconds, (std::array{1000.0, 2000.0}));
+}
+
+TEST(DbcRole, AChannelMayTellAllOfItself) {
+    const auto channel = role<DbcChannelRole>(
+        R"({"channel": 2, "value": [-1.5, 2], "us": [2000, 1000.5], "not_available": -1,
+            "error": 254, "optional": true, "negative": "N", "positive": "P", "neutral": "Z"})");
+    EXPECT_EQ(channel.channel, 1U);
+    EXPECT_EQ(channel.value, (std::array{-1.5, 2.0}));
+    EXPECT_EQ(channel.microseconds, (std::array{2000.0, 1000.5}));
+    EXPECT_EQ(channel.not_available, -1);
+    EXPECT_EQ(channel.error, 254);
+    EXPECT_TRUE(channel.optional);
+    EXPECT_EQ(channel.negative, "N");
+    EXPECT_EQ(channel.positive, "P");
+    EXPECT_EQ(channel.neutral, "Z");
+}
+
+TEST(DbcRole, FlagsHaveThreeMeanings) {
+    EXPECT_EQ(role<DbcFlagRole>(R"({"flag": "failsafe"})").meaning, DbcFlagMeaning::failsafe);
+    EXPECT_EQ(role<DbcFlagRole>(R"({"flag": "frame_lost"})").meaning, DbcFlagMeaning::frame_lost);
+    EXPECT_EQ(role<DbcFlagRole>(R"({"flag": "good"})").meaning, DbcFlagMeaning::good);
+}
+
+TEST(DbcRole, FixedCounterAndChecksum) {
+    EXPECT_EQ(role<DbcFixedRole>(R"({"fixed": -2.5})").value, -2.5);
+    EXPECT_EQ(role<DbcCounterRole>(R"({"counter": true})").most, std::nullopt);
+    EXPECT_EQ(role<DbcCounterRole>(R"({"counter": true, "most": 14})").most, 14);
+    const auto checksum = role<DbcChecksumRole>(R"({"checksum": "p05", "data_id": 65535})");
+    EXPECT_EQ(checksum.kind, DbcChecksumKind::p05);
+    EXPECT_EQ(checksum.data_id, 65535);
+}
+
+struct Wrong {
+    std::string_view json;
+    std::string_view expected;
+};
+
+class WrongDbcRole : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongDbcRole, IsToldWithWhatIsAllowed) {
+    EXPECT_EQ(mistakes_in(GetParam().json), Lines{std::string(GetParam().expected)});
+}
+
+constexpr std::string_view kUnclear =
+    "signals.M.S: it is not clear what this signal is for; allowed: a channel number, or one of "
+    "{ channel = 1 }, { flag = \"failsafe\" }, { fixed = 0 }, { counter = true }, "
+    "{ checksum = \"xor\" }";
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongDbcRole,
+    testing::Values(
+        Wrong{"0", "signals.M.S: there is no channel 0; allowed: 1 to 18"},
+        Wrong{"19", "signals.M.S: there is no channel 19; allowed: 1 to 18"},
+        Wrong{"1.5", kUnclear}, Wrong{"\"Speed\"", kUnclear}, Wrong{"[1]", kUnclear},
+        Wrong{"{}", kUnclear}, Wrong{R"({"value": [0, 1]})", kUnclear},
+        Wrong{R"({"channel": 19})",
+              "signals.M.S.channel: there is no channel 19; allowed: 1 to 18"},
+        Wrong{R"({"channel": "1"})",
+              "signals.M.S.channel: \"channel\" is not what it can be; allowed: a channel number "
+              "from 1 to 18"},
+        Wrong{R"({"channel": 1, "value": [1, 1]})",
+              "signals.M.S.value: \"value\" is not what it can be; allowed: two different numbers, "
+              "such as [-100, 100]"},
+        Wrong{R"({"channel": 1, "us": [1000]})",
+              "signals.M.S.us: \"us\" is not what it can be; allowed: two different numbers, such "
+              "as [-100, 100]"},
+        Wrong{R"({"channel": 1, "us": [-1, 2000]})",
+              "signals.M.S.us: no servo knows such a pulse; allowed: 0 to 4000 microseconds"},
+        Wrong{R"({"channel": 1, "error": 1.5})",
+              "signals.M.S.error: \"error\" is not what it can be; allowed: a raw value, a whole "
+              "number"},
+        Wrong{R"({"channel": 1, "error": 3, "not_available": 3})",
+              "signals.M.S.error: this is the code of \"not_available\" already; allowed: another "
+              "raw value, or one of the two keys"},
+        Wrong{R"({"channel": 1, "optional": 1})",
+              "signals.M.S.optional: \"optional\" is not what it can be; allowed: true or false"},
+        Wrong{R"({"channel": 1, "negative": ""})",
+              "signals.M.S.negative: \"negative\" is not what it can be; allowed: the name of a "
+              "signal of the same message"},
+        Wrong{R"({"channel": 1, "neutral": "Z"})",
+              "signals.M.S.channel: \"positive\" and \"neutral\" tell the direction of a magnitude "
+              "together with \"negative\"; allowed: all of them, or \"negative\" alone"},
+        Wrong{R"({"channel": 1, "flag": "good"})",
+              "signals.M.S.flag: unknown key \"flag\"; allowed here: \"channel\", \"value\", "
+              "\"us\", \"not_available\", \"error\", \"optional\", \"negative\", \"positive\", "
+              "\"neutral\""},
+        Wrong{R"({"flag": "godo"})",
+              "signals.M.S.flag: there is no flag \"godo\"; allowed: \"failsafe\", "
+              "\"frame_lost\", \"good\""},
+        Wrong{R"({"fixed": true})",
+              "signals.M.S.fixed: \"fixed\" is not what it can be; allowed: a number"},
+        Wrong{R"({"counter": false})",
+              "signals.M.S.counter: what this signal is for instead is not said; allowed: true, or "
+              "no entry for the signal"},
+        Wrong{R"({"counter": true, "most": 0})",
+              "signals.M.S.most: a counter that stands still protects nothing; allowed: 1 or more"},
+        Wrong{R"({"checksum": "crc"})",
+              "signals.M.S.checksum: there is no checksum \"crc\"; allowed: \"xor\", \"sum\", "
+              "\"agilex\", \"crc8_j1850\", \"crc8_2f\", \"p01\", \"p05\""},
+        Wrong{R"({"checksum": "p01", "data_id": 65536})",
+              "signals.M.S.data_id: a data id has 16 bits; allowed: 0 to 65535"},
+        Wrong{R"({"checksum": "xor", "data_id": 1})",
+              "signals.M.S.data_id: \"xor\" covers no data id; allowed: with \"p01\" and \"p05\" "
+              "only"}));
+
+}  // namespace
+}  // namespace tribus

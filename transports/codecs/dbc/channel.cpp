@@ -1,0 +1,143 @@
+#include "transports/codecs/dbc/channel.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace tribus {
+namespace {
+
+/// The status codes of J1939: no, yes, error, not available.
+enum Status : std::uint64_t { kNo = 0, kYes = 1, kError = 2, kNotAvailable = 3 };
+
+double along(double at, const std::array<double, 2>& from, const std::array<double, 2>& to) {
+    return to[0] + (at - from[0]) * (to[1] - to[0]) / (from[1] - from[0]);
+}
+
+/// What a direction status says; nothing where it is an error or not available.
+std::optional<bool> read_status(const std::optional<DbcLayout>& layout,
+                                std::span<const std::uint8_t> data) {
+    const std::uint64_t bits = layout ? layout->raw_bits(data) : kNo;
+    return bits <= kYes ? std::optional(bits == kYes) : std::nullopt;
+}
+
+/// The magnitude with its direction. Nothing where what tells it contradicts itself: two
+/// directions, a direction in neutral, or none at all with the stick out of neutral.
+std::optional<double> read_signed(const DbcChannel& channel, double magnitude,
+                                  std::span<const std::uint8_t> data) {
+    const auto negative = read_status(channel.negative, data);
+    const auto positive = read_status(channel.positive, data);
+    const auto neutral = read_status(channel.neutral, data);
+    if (!negative || !positive || !neutral || int{*negative} + *positive + *neutral > 1) {
+        return std::nullopt;
+    }
+    const bool undirected = channel.positive && !*negative && !*positive && !*neutral;
+    if (undirected && magnitude != 0) {
+        return std::nullopt;
+    }
+    if (*neutral) {
+        return 0.0;
+    }
+    return *negative ? -magnitude : magnitude;
+}
+
+/// Whether the file allows what the bits say, to within their rounding.
+bool in_range(const DbcChannel& channel, std::uint64_t bits, double value) {
+    if (!channel.range) {
+        return true;
+    }
+    const double allowed = std::clamp(value, (*channel.range)[0], (*channel.range)[1]);
+    return allowed == value || channel.layout.bits_from_physical(allowed) == bits;
+}
+
+void write_status(const std::optional<DbcLayout>& layout, std::uint64_t status,
+                  std::span<std::uint8_t> data) {
+    if (layout) {
+        layout->set_raw_bits(data, status);
+    }
+}
+
+void write_code(const DbcChannel& channel, std::uint64_t code, std::span<std::uint8_t> data) {
+    const std::uint64_t status = code == channel.error ? kError : kNotAvailable;
+    channel.layout.set_raw_bits(data, code);
+    write_status(channel.negative, status, data);
+    write_status(channel.positive, status, data);
+    write_status(channel.neutral, status, data);
+}
+
+bool is_code(const DbcChannel& channel, std::uint64_t bits) {
+    return bits == channel.error || bits == channel.not_available;
+}
+
+/// A value must not come out as the code of an error: then the nearest one that is none. Never
+/// round at the other end of what the bits can hold, which would be full travel the other way.
+std::uint64_t value_bits(const DbcChannel& channel, double value) {
+    if (channel.range) {
+        value = std::clamp(value, (*channel.range)[0], (*channel.range)[1]);
+    }
+    const DbcLayout& layout = channel.layout;
+    const std::uint64_t wanted = layout.bits_from_physical(value);
+    if (!is_code(channel, wanted)) {
+        return wanted;
+    }
+    std::uint64_t nearest = wanted;
+    double least_distance = std::numeric_limits<double>::infinity();
+    const auto raw = static_cast<std::uint64_t>(layout.raw_value(wanted));
+    // Two codes may stand side by side.
+    for (const std::uint64_t near : {raw - 1, raw + 1, raw - 2, raw + 2}) {
+        const auto bits = layout.bits_from_raw(static_cast<std::int64_t>(near));
+        if (!bits || is_code(channel, *bits)) {
+            continue;
+        }
+        const double physical = layout.physical(*bits);
+        const double distance = std::abs(physical - value);
+        if (distance < least_distance && in_range(channel, *bits, physical)) {
+            nearest = *bits;
+            least_distance = distance;
+        }
+    }
+    return nearest;
+}
+
+}  // namespace
+
+std::optional<Pulse> read_dbc_channel(const DbcChannel& channel,
+                                      std::span<const std::uint8_t> data) {
+    const std::uint64_t bits = channel.layout.raw_bits(data);
+    if (is_code(channel, bits)) {
+        return std::nullopt;
+    }
+    std::optional<double> value = channel.layout.physical(bits);
+    if (!std::isfinite(*value) || !in_range(channel, bits, *value)) {
+        return std::nullopt;
+    }
+    if (channel.negative) {
+        value = read_signed(channel, *value, data);
+    }
+    if (!value) {
+        return std::nullopt;
+    }
+    return Pulse::from_fractional_microseconds(along(*value, channel.value, channel.microseconds));
+}
+
+void write_dbc_channel(const DbcChannel& channel, std::optional<Pulse> pulse, bool failsafe,
+                       std::span<std::uint8_t> data) {
+    const auto code = failsafe && channel.error ? channel.error
+                      : channel.not_available   ? channel.not_available
+                                                : channel.error;
+    if (code && (failsafe || !pulse)) {
+        write_code(channel, *code, data);
+        return;
+    }
+    const double microseconds = pulse.value_or(kCentrePulse).microseconds();
+    const double value = along(microseconds, channel.microseconds, channel.value);
+    const std::uint64_t bits = value_bits(channel, channel.negative ? std::abs(value) : value);
+    channel.layout.set_raw_bits(data, bits);
+    const bool centred = channel.layout.physical(bits) == 0;
+    write_status(channel.neutral, centred ? kYes : kNo, data);
+    write_status(channel.negative, !centred && value < 0 ? kYes : kNo, data);
+    write_status(channel.positive, !centred && value > 0 ? kYes : kNo, data);
+}
+
+}  // namespace tribus

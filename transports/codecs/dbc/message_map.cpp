@@ -1,0 +1,254 @@
+#include "transports/codecs/dbc/message_map.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include "transports/codecs/dbc/signal.h"
+#include "transports/codecs/dbc/signal_map.h"
+
+namespace tribus {
+namespace {
+
+using Path = std::vector<std::string>;
+using Mistakes = std::vector<SettingMistake>;
+using Data = std::array<std::uint8_t, kMostFdBytes>;
+
+constexpr std::uint32_t kWithoutPriority = 0x03FF'FFFF;
+constexpr std::uint32_t kWithoutSource = 0x03FF'FF00;
+constexpr std::uint32_t kSourceAddress = 0xFF;
+/// Nobody may send from it; in such files it stands for "whoever sends it".
+constexpr std::uint32_t kNullAddress = 0xFE;
+
+bool any_source(const DbcMessage& message) {
+    return message.j1939 && (message.id & kSourceAddress) == kNullAddress;
+}
+
+/// The values that a sender gives the selectors: the first one of each that selects.
+using Page = std::vector<std::pair<const DbcSignal*, std::uint64_t>>;
+
+Page page_of(const DbcConditions& conditions) {
+    Page page;
+    for (const DbcCondition& condition : conditions) {
+        page.emplace_back(condition.selector, condition.selected_by.front().first);
+    }
+    return page;
+}
+
+bool starts_with(const Page& page, const Page& beginning) {
+    return beginning.size() < page.size() &&
+           std::equal(beginning.begin(), beginning.end(), page.begin());
+}
+
+/// Builds the plan of one message from the roles of its signals.
+class MessageBuilder {
+  public:
+    MessageBuilder(const DbcMessage& message, SettingScope scope, DbcMap& map, Mistakes& mistakes)
+        : message_(message), scope_(scope), map_(map), mistakes_(mistakes) {}
+
+    void build(const SettingTree::Table& roles, const Path& path) {
+        const std::size_t before = mistakes_.size();
+        for (const SettingEntry& entry : roles) {
+            Path signal_path = path;
+            signal_path.push_back(entry.key);
+            if (auto mapped = map_dbc_signal(message_, entry, signal_path, mistakes_)) {
+                mapped_.push_back(std::move(*mapped));
+            }
+        }
+        check_message(roles, path);
+        if (mistakes_.size() > before) {
+            return;
+        }
+        const DbcMappedMessage described = describe();
+        for (DbcPart& part : scope_ == SettingScope::output ? sent_parts() : received_parts()) {
+            map_.parts.push_back(std::move(part));
+        }
+        map_.messages.push_back(described);
+    }
+
+  private:
+    void complain(const Path& path, std::string text) {
+        mistakes_.push_back({path, std::move(text)});
+    }
+
+    void check_message(const SettingTree::Table& roles, const Path& path) {
+        if (roles.empty()) {
+            complain(path,
+                     "no signal of the message has a role; allowed: at least one, such as "
+                     "SIGNAL = 1 or SIGNAL = { fixed = 5 }");
+        }
+        if (scope_ == SettingScope::output && any_source(message_)) {
+            complain(path,
+                     "the id of the message has the source address 0xFE, from which nobody "
+                     "may send; allowed: the address of this node in the id of the DBC file");
+        }
+        check_alone<DbcCounter>("the message has a counter already; allowed: one");
+        check_alone<DbcChecksum>("the message has a checksum already; allowed: one");
+    }
+
+    template <class Use>
+    void check_alone(const char* text) {
+        bool found = false;
+        for (const DbcMappedSignal& signal : mapped_) {
+            if (std::holds_alternative<Use>(signal.use) && std::exchange(found, true)) {
+                complain(signal.path, text);
+            }
+        }
+    }
+
+    DbcMappedMessage describe() const {
+        DbcMappedMessage mapped;
+        mapped.name = message_.name;
+        mapped.sent_id = message_.id;
+        mapped.id = {.id = message_.id, .extended = message_.extended};
+        if (message_.j1939) {
+            mapped.id.mask = any_source(message_) ? kWithoutSource : kWithoutPriority;
+        }
+        mapped.fd = message_.fd;
+        mapped.bit_rate_switch = message_.bit_rate_switch;
+        mapped.length = static_cast<std::uint8_t>(message_.length);
+        mapped.fill = fill();
+        mapped.cycle = message_.cycle_time;
+        for (const DbcMappedSignal& signal : mapped_) {
+            if (const auto* counter = std::get_if<DbcCounter>(&signal.use)) {
+                mapped.counter = *counter;
+            } else if (const auto* checksum = std::get_if<DbcChecksum>(&signal.use)) {
+                mapped.checksum = *checksum;
+            }
+        }
+        return mapped;
+    }
+
+    /// Unused bits of J1939 are ones: "not available".
+    std::uint8_t fill() const { return message_.j1939 ? 0xFF : 0x00; }
+
+    std::vector<DbcPart> received_parts() const {
+        std::vector<DbcPart> parts;
+        std::vector<DbcConditions> known;
+        for (const DbcMappedSignal& signal : mapped_) {
+            auto at = std::ranges::find(known, signal.conditions);
+            if (at == known.end()) {
+                known.push_back(signal.conditions);
+                at = known.end() - 1;
+                parts.push_back(empty_part(page_of(signal.conditions)));
+                for (std::size_t i = 0; i < signal.conditions.size(); ++i) {
+                    parts.back().selectors[i].selected_by = signal.conditions[i].selected_by;
+                }
+            }
+            add(signal, parts[static_cast<std::size_t>(at - known.begin())]);
+        }
+        return parts;
+    }
+
+    std::vector<DbcPart> sent_parts() {
+        std::vector<DbcPart> parts;
+        for (const Page& page : pages()) {
+            parts.push_back(sent_part(page));
+        }
+        return parts;
+    }
+
+    /// The deepest pages: what stands further out is in each page below it.
+    std::vector<Page> pages() const {
+        std::vector<Page> pages;
+        for (const DbcMappedSignal& signal : mapped_) {
+            Page page = page_of(signal.conditions);
+            const bool deeper = std::ranges::any_of(mapped_, [&](const DbcMappedSignal& other) {
+                return starts_with(page_of(other.conditions), page);
+            });
+            if (!deeper && std::ranges::find(pages, page) == pages.end()) {
+                pages.push_back(std::move(page));
+            }
+        }
+        return pages;
+    }
+
+    DbcPart empty_part(const Page& page) const {
+        DbcPart part;
+        part.message = map_.messages.size();
+        for (const auto& [selector, value] : page) {
+            part.selectors.push_back({DbcLayout(*selector), {{value, value}}, value});
+        }
+        return part;
+    }
+
+    /// With every mapped signal that a reader of this frame will find in it: one that is left out
+    /// would be read as whatever its bits happen to be.
+    DbcPart sent_part(const Page& page) {
+        DbcPart part = empty_part(page);
+        Data data;
+        data.fill(fill());
+        Data taken{};
+        for (const DbcSelector& selector : part.selectors) {
+            selector.layout.set_raw_bits(data, selector.sent);
+            selector.layout.set_raw_bits(taken, ~std::uint64_t{0});
+        }
+        const auto frame = std::span(data).first(message_.length);
+        for (const DbcMappedSignal& signal : mapped_) {
+            if (present(message_, *signal.signal, frame)) {
+                add(signal, part);
+                take_bits(signal, taken);
+            }
+        }
+        return part;
+    }
+
+    void take_bits(const DbcMappedSignal& signal, Data& taken) {
+        bool free = take_bits(DbcLayout(*signal.signal), taken);
+        if (const auto* channel = std::get_if<DbcChannel>(&signal.use)) {
+            for (const auto& status : {channel->negative, channel->positive, channel->neutral}) {
+                free = (!status || take_bits(*status, taken)) && free;
+            }
+        }
+        const bool told =
+            std::ranges::find(mistakes_, signal.path, &SettingMistake::path) != mistakes_.end();
+        if (!free && !told) {
+            complain(signal.path,
+                     "its bits are those of another signal that is sent in the same "
+                     "frame; allowed: signals that do not overlap");
+        }
+    }
+
+    /// Whether all of them were free.
+    static bool take_bits(const DbcLayout& layout, Data& taken) {
+        Data own{};
+        layout.set_raw_bits(own, ~std::uint64_t{0});
+        bool free = true;
+        for (std::size_t i = 0; i < own.size(); ++i) {
+            free = free && (taken[i] & own[i]) == 0;
+            taken[i] |= own[i];
+        }
+        return free;
+    }
+
+    static void add(const DbcMappedSignal& signal, DbcPart& part) {
+        if (const auto* channel = std::get_if<DbcChannel>(&signal.use)) {
+            part.channels.push_back(*channel);
+        } else if (const auto* flag = std::get_if<DbcFlag>(&signal.use)) {
+            part.flags.push_back(*flag);
+        } else if (const auto* fixed = std::get_if<DbcFixed>(&signal.use)) {
+            part.fixed.push_back(*fixed);
+        }
+    }
+
+    const DbcMessage& message_;
+    SettingScope scope_;
+    DbcMap& map_;
+    Mistakes& mistakes_;
+    std::vector<DbcMappedSignal> mapped_;
+};
+
+}  // namespace
+
+void map_dbc_message(const DbcMessage& message, const SettingTree::Table& roles,
+                     const std::vector<std::string>& path, SettingScope scope, DbcMap& map,
+                     std::vector<SettingMistake>& mistakes) {
+    MessageBuilder(message, scope, map, mistakes).build(roles, path);
+}
+
+}  // namespace tribus

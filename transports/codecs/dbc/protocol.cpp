@@ -1,0 +1,83 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "transports/codecs/dbc/dbc.h"
+#include "transports/codecs/dbc/map.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::array kSettings{
+    Setting{.key = "dbc",
+            .type = SettingType::file,
+            .required = true,
+            .help = "DBC file that describes the messages, from the folder of this file"},
+    Setting{.key = "signals",
+            .type = SettingType::tree,
+            .required = true,
+            .help = "What the signals are for: MESSAGE.SIGNAL = channel number, or a table with "
+                    "channel, flag, fixed, counter or checksum"},
+    Setting{.key = "cycles",
+            .type = SettingType::tree,
+            .help = "Cycle times that differ from those of the DBC file: MESSAGE = \"100ms\""},
+};
+
+constexpr Duration kLeastPeriod = std::chrono::milliseconds(1);
+/// The longest that the key `period` allows.
+constexpr Duration kMostPeriod = std::chrono::seconds(1);
+
+std::vector<SettingMistake> check(const SettingValues& settings, SettingScope scope) {
+    auto map = build_dbc_map(settings, scope);
+    return map ? std::vector<SettingMistake>{} : std::move(map.error());
+}
+
+bool says_failsafe(const SettingValues& settings) {
+    const auto map = build_dbc_map(settings, SettingScope::output);
+    return map && map->says_failsafe();
+}
+
+std::optional<Duration> own_period(const SettingValues& settings) {
+    // Whichever way they are for: each direction allows what the other does not.
+    auto map = build_dbc_map(settings, SettingScope::output);
+    if (!map) {
+        map = build_dbc_map(settings, SettingScope::input);
+    }
+    const auto cycle = map ? map->shortest_cycle() : std::nullopt;
+    return cycle ? std::optional(std::clamp(*cycle, kLeastPeriod, kMostPeriod)) : std::nullopt;
+}
+
+std::unique_ptr<CanDecoder> make_decoder(const SettingValues& settings) {
+    auto map = build_dbc_map(settings, SettingScope::input);
+    return std::make_unique<DbcDecoder>(map ? std::move(*map) : DbcMap{});
+}
+
+std::unique_ptr<CanEncoder> make_encoder(const SettingValues& settings) {
+    auto map = build_dbc_map(settings, SettingScope::output);
+    return std::make_unique<DbcEncoder>(map ? std::move(*map) : DbcMap{});
+}
+
+}  // namespace
+
+// Period where neither the user nor the file tells one: J1939 joysticks and drive units of rovers
+// are sent every 20 ms at the quickest (can.md 2.2, 2.3).
+const Protocol kDbcProtocol{
+    .name = "dbc",
+    .description = "messages that a DBC file describes",
+    .link = LinkKind::can,
+    .line = {},
+    .settings = kSettings,
+    .default_period = std::chrono::milliseconds(20),
+    .own_period = own_period,
+    .least_period = kLeastPeriod,
+    .says_failsafe = says_failsafe,
+    .check = check,
+    .make_can_decoder = make_decoder,
+    .make_can_encoder = make_encoder,
+};
+
+}  // namespace tribus

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "transports/codecs/dbc/file.h"
+#include "transports/codecs/dbc/lexer.h"
+
+/// The statements of a DBC text, each checked by itself, not yet put together: whatever names
+/// another may stand before it. Names point into the text.
+namespace tribus {
+
+/// Bit 31 of an id in the file.
+inline constexpr std::uint32_t kDbcExtendedFlag = 0x80000000U;
+
+/// Whose attribute, value text...: a message by its id as in the file, maybe one of its signals.
+struct DbcReference {
+    std::uint32_t message = 0;
+    std::string_view signal;
+};
+
+struct DbcMessageStatement {
+    /// The signals still lack selector, kind, value texts; `selected_by` has what mN says.
+    DbcMessage message;
+    std::uint32_t file_id = 0;
+    std::string_view name;
+    DbcPlace name_place;
+    DbcPlace length_place;
+    std::vector<std::string_view> signal_names;
+    std::vector<DbcPlace> signal_places;
+};
+
+struct DbcKindStatement {
+    DbcReference of;
+    DbcPlace place;
+    DbcValueKind kind = DbcValueKind::integer;
+};
+
+struct DbcSelectorStatement {
+    DbcReference of;
+    std::string_view selector;
+    DbcPlace selector_place;
+    std::vector<DbcSelectorRange> ranges;
+};
+
+struct DbcValueTextStatement {
+    DbcReference of;
+    std::vector<DbcValueText> texts;
+};
+
+/// The attributes that matter here; all others are skipped.
+enum class DbcAttribute : std::uint8_t {
+    cycle_time,
+    frame_format,
+    bit_rate_switch,
+    e2e_data_id,
+    message_long_name,
+    signal_long_name,
+};
+inline constexpr std::size_t kDbcAttributes = 6;
+
+struct DbcAttributeValue {
+    /// Number with its sign, or what the quotes hold.
+    std::string text;
+    bool quoted = false;
+    DbcPlace place;
+};
+
+struct DbcAttributeStatement {
+    DbcAttribute attribute = DbcAttribute::cycle_time;
+    DbcReference of;
+    DbcAttributeValue value;
+};
+
+struct DbcAttributeDefinition {
+    /// Of an ENUM; empty for every other type.
+    std::vector<std::string> choices;
+    std::optional<DbcAttributeValue> by_default;
+};
+
+struct DbcStatements {
+    std::vector<DbcMessageStatement> messages;
+    std::vector<DbcKindStatement> kinds;
+    std::vector<DbcSelectorStatement> selectors;
+    std::vector<DbcValueTextStatement> value_texts;
+    std::vector<DbcAttributeStatement> attributes;
+    std::vector<DbcAttributeDefinition> definitions =
+        std::vector<DbcAttributeDefinition>(kDbcAttributes);
+};
+
+/// The first mistake of form, or all statements that matter.
+tl::expected<DbcStatements, DbcMistake> read_dbc_statements(std::string_view text);
+
+}  // namespace tribus
