@@ -25,7 +25,8 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
         links.push_back(link ? std::move(*link) : nullptr);
     }
     if (errors.empty()) {
-        loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links));
+        loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links),
+                                       LoopSettings{.spin = configuration_.runtime.spin});
     }
     return errors;
 }

@@ -22,7 +22,14 @@ PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
     const auto shared = std::find_if(plans.begin(), plans.end(), [&](const PortPlan& plan) {
         return plan.config.link == port.link && plan.config.device == port.device;
     });
-    return shared != plans.end() ? *shared : plans.emplace_back(PortPlan{port, {}});
+    if (shared != plans.end()) {
+        return *shared;
+    }
+    PortPlan& plan = plans.emplace_back(PortPlan{port, {}});
+    if (port.link == LinkKind::serial) {
+        plan.wiring.byte_time = port.line.bytes_time(1);
+    }
+    return plan;
 }
 
 template <class Ids>

@@ -26,6 +26,7 @@ SettingValues runtime_values(const RuntimeConfig& runtime) {
     if (runtime.cpu) {
         values.set("cpu", std::int64_t{*runtime.cpu});
     }
+    values.set("spin", runtime.spin);
     return values;
 }
 

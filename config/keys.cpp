@@ -54,6 +54,13 @@ constexpr std::array kRuntimeKeys{
          .least = 0,
          .most = 1023,
          .help = "Processor that the data thread is pinned to; absent: no pinning"}},
+    Key{{.key = "spin",
+         .type = duration,
+         .fallback = "\"0us\"",
+         .least = 0,
+         .most = 0.0002,
+         .help = "So long before a deadline the data thread stays awake for it: less jitter of "
+                 "`grid`, for that much CPU time a frame; 60us is plenty"}},
 };
 
 constexpr std::array kLossRuleKeys{

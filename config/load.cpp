@@ -81,6 +81,7 @@ RuntimeConfig read_runtime(const Entry* entry, Reading reading) {
     if (const auto* cpu = content.values().find_as<std::int64_t>("cpu")) {
         runtime.cpu = static_cast<int>(*cpu);
     }
+    runtime.spin = content.values().get_or<Duration>("spin", Duration::zero());
     return runtime;
 }
 

@@ -27,6 +27,8 @@ struct RuntimeConfig {
     Realtime realtime = Realtime::automatic;
     int priority = 80;
     std::optional<int> cpu;
+    /// So long before a deadline the data thread stays awake for it.
+    Duration spin{};
 };
 
 /// The serial device or CAN interface that an input or output uses.

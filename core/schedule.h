@@ -35,12 +35,22 @@ class ArrivalClock {
     /// When the next frame should be here, with a quarter of an interval for its jitter; the past
     /// where frames have stopped.
     Instant next_expected_by() const { return latest_ + interval_ + interval_ / 4; }
+    /// When the latest frame was due by the rhythm of those before it: its arrival without jitter.
+    Instant rhythm() const { return rhythm_; }
+    /// How long behind its place in the rhythm a late frame comes; about one in twenty comes later.
+    Duration lateness() const { return lateness_; }
 
   private:
+    void follow_rhythm(Instant now);
+    Duration without_stall(Duration error) const;
+
     Instant latest_{};
     Duration interval_{};
     int outliers_ = 0;
     bool ever_ = false;
+    Instant rhythm_{};
+    Duration lateness_{};
+    int off_beat_ = 0;
 };
 
 /// Decides when an output is due. Pure arithmetic on absolute instants; thread-bound.
@@ -67,11 +77,15 @@ class Schedule {
 
   private:
     Instant repeat_due(Instant now) const;
+    Duration least_step() const;
     std::optional<Duration> locked_step() const;
     Duration steering(Instant planned, Duration step) const;
+    Instant locked_due() const;
 
     ScheduleSettings settings_;
     Instant due_ = kNever;
+    /// The latest point of the grid, which is not written before.
+    Instant point_ = kNever;
     std::optional<Instant> latest_write_;
     ArrivalClock arrivals_;
     std::uint64_t overruns_ = 0;

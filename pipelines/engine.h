@@ -23,18 +23,15 @@ class Engine {
 
     /// Bytes of one input, read at `now`. `damaged` answers [position] with whether the line
     /// damaged that byte.
+    /// Returns whether a frame came out of them.
     template <class DamagedMarks>
-    void receive(std::size_t input, std::span<const std::uint8_t> bytes,
+    bool receive(std::size_t input, std::span<const std::uint8_t> bytes,
                  const DamagedMarks& damaged, Instant now) {
-        if (inputs_[input].receive(bytes, damaged, now)) {
-            announce(input);
-        }
+        return announce(input, inputs_[input].receive(bytes, damaged, now));
     }
     /// A CAN frame that arrived at `at` on the interface of one input.
-    void receive(std::size_t input, const CanFrame& frame, Instant at) {
-        if (inputs_[input].receive(frame, at)) {
-            announce(input);
-        }
+    bool receive(std::size_t input, const CanFrame& frame, Instant at) {
+        return announce(input, inputs_[input].receive(frame, at));
     }
     /// A CAN frame of another node on the interface of one output.
     void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at);
@@ -43,6 +40,8 @@ class Engine {
     /// Runs every output that is due at `now`, each at most once. Returns when to call next at the
     /// latest; an arriving frame may ask for it sooner, so call it after `receive` too.
     Instant poll(Instant now);
+    /// The outputs that the last `poll` ran. A silent one has made nothing.
+    std::span<const std::size_t> ran() const { return ran_; }
 
     /// Puts every output into failsafe for good: the program is about to end. Poll and write on
     /// until the returned instant, so that readers get several of the last frames.
@@ -53,10 +52,15 @@ class Engine {
     Output& output(std::size_t index) { return outputs_[index]; }
 
   private:
-    void announce(std::size_t input);
+    bool announce(std::size_t input, bool frame_came);
 
     std::vector<Input> inputs_;
     std::vector<Output> outputs_;
+    /// For each input, the outputs that it may feed.
+    std::vector<std::vector<std::size_t>> fed_by_;
+    /// When each output is due: side by side, for every wake looks through all of them.
+    std::vector<Instant> due_;
+    std::vector<std::size_t> ran_;
 };
 
 }  // namespace tribus

@@ -85,6 +85,7 @@ class Input {
     const DecoderReport& decoder() const;
     /// The CAN ids that it listens to; empty where it is not on CAN.
     std::span<const CanIdMatch> wanted_ids() const;
+    bool on_can() const { return can_decoder_ != nullptr; }
     bool uses_fd() const { return can_decoder_ && can_decoder_->uses_fd(); }
     const std::string& name() const { return name_; }
 

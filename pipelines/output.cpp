@@ -25,9 +25,8 @@ Output::Output(OutputSettings settings)
       failsafe_(settings.failsafe) {}
 
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
-    const bool mine = std::find(inputs_.begin(), inputs_.end(), index) != inputs_.end();
     const bool standby = stage_ == OutputStage::control && index != current_;
-    if (mine && !standby) {
+    if (!standby) {
         schedule_.frame_arrived(arrivals);
     }
 }
@@ -136,6 +135,7 @@ void Output::run(Instant now, std::span<const Input> inputs) {
     const std::optional<ChannelFrame> frame = make_frame(now, inputs);
     if (frame) {
         latest_ = *frame;
+        latest_due_ = schedule_.due();
         if (can_encoder_) {
             can_frame_count_ = can_encoder_->encode(*frame, now, can_frames_);
         } else {

@@ -72,7 +72,7 @@ class Output {
     explicit Output(OutputSettings settings);
 
     void start(Instant now) { schedule_.start(now); }
-    /// A frame of input `index` has arrived.
+    /// A frame of input `index`, which is one of `inputs()`, has arrived.
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
     Instant due() const { return schedule_.due(); }
     /// Makes the next frame; call when due. Silence makes none.
@@ -90,14 +90,19 @@ class Output {
 
     /// The ids that it sends; empty where it is not on CAN.
     std::span<const CanIdMatch> sent_ids() const;
+    bool on_can() const { return can_encoder_ != nullptr; }
     bool uses_fd() const { return can_encoder_ && can_encoder_->uses_fd(); }
     /// Another node has sent one of them. One that goes on doing so pretends to be this output.
     void foreign_frame_seen(Instant now);
 
     const std::string& name() const { return name_; }
+    /// Indices of the inputs that may feed it, the preferred first.
+    std::span<const std::size_t> inputs() const { return inputs_; }
     OutputStage stage() const { return stage_; }
     /// The latest frame that it made; a default one before the first.
     const ChannelFrame& latest() const { return latest_; }
+    /// When its latest frame was due.
+    Instant latest_due() const { return latest_due_; }
     std::optional<std::size_t> controlling_input() const;
     const OutputCounts& counts() const { return counts_; }
     std::uint64_t overruns() const { return schedule_.overruns(); }
@@ -127,6 +132,7 @@ class Output {
     std::optional<std::size_t> current_;
     std::optional<ChannelFrame> held_;
     ChannelFrame latest_;
+    Instant latest_due_{};
     std::array<std::uint8_t, kLongestSerialFrame> wire_{};
     std::size_t wire_length_ = 0;
     std::array<CanFrame, kMostSnapshotFrames> can_frames_{};

@@ -12,7 +12,7 @@ VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start
 
 void VirtualLoop::poll(Instant at) {
     next_ = engine_.poll(at);
-    for (std::size_t output = 0; output < engine_.outputs().size(); ++output) {
+    for (const std::size_t output : engine_.ran()) {
         const Transmission sent = engine_.output(output).take();
         if (!sent.empty()) {
             engine_.output(output).written();

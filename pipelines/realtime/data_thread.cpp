@@ -1,15 +1,8 @@
 #include "pipelines/realtime/data_thread.h"
 
-#include <cstddef>
 #include <cstring>
 
 namespace tribus {
-namespace {
-
-/// Locked memory counts the whole stack, and the default is 8 MB.
-constexpr std::size_t kStackBytes = std::size_t{256} * 1024;
-
-}  // namespace
 
 DataThread::~DataThread() {
     if (!started_) {
@@ -25,7 +18,7 @@ DataThread::~DataThread() {
 
 void* DataThread::main(void* self) {
     auto& thread = *static_cast<DataThread*>(self);
-    thread.missing_ = make_realtime(thread.scheduling_);
+    thread.got_ = make_realtime(thread.scheduling_);
     thread.prepared_.release();
     thread.go_.acquire();
     if (!thread.cancelled_) {
@@ -37,7 +30,7 @@ void* DataThread::main(void* self) {
 tl::expected<std::vector<std::string>, std::string> DataThread::prepare() {
     pthread_attr_t attributes;
     ::pthread_attr_init(&attributes);
-    ::pthread_attr_setstacksize(&attributes, kStackBytes);
+    ::pthread_attr_setstacksize(&attributes, kRealtimeStackBytes);
     const int error = ::pthread_create(&thread_, &attributes, &DataThread::main, this);
     ::pthread_attr_destroy(&attributes);
     if (error != 0) {
@@ -45,7 +38,7 @@ tl::expected<std::vector<std::string>, std::string> DataThread::prepare() {
     }
     started_ = true;
     prepared_.acquire();
-    return missing_;
+    return got_.missing;
 }
 
 void DataThread::run() {

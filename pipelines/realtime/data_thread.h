@@ -36,7 +36,7 @@ class DataThread {
 
     Loop& loop_;
     SchedulingSettings scheduling_;
-    std::vector<std::string> missing_;
+    Scheduling got_;
     std::binary_semaphore prepared_{0};
     std::binary_semaphore go_{0};
     bool cancelled_ = false;

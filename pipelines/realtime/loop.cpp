@@ -27,16 +27,35 @@ std::string error_text(const char* what) {
     return std::string(what) + " failed: " + std::strerror(errno);
 }
 
+bool is_can(const Engine& engine, const PortWiring& wiring) {
+    return std::ranges::any_of(wiring.inputs,
+                               [&](std::size_t i) { return engine.inputs()[i].on_can(); }) ||
+           std::ranges::any_of(wiring.outputs,
+                               [&](std::size_t i) { return engine.outputs()[i].on_can(); });
+}
+
 }  // namespace
 
-Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::unique_ptr<Link>> links)
+Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::unique_ptr<Link>> links,
+           LoopSettings settings)
     : engine_(engine),
+      settings_(settings),
+      routes_(engine.outputs().size()),
       input_status_(engine.inputs().size()),
-      output_status_(engine.outputs().size()) {
+      output_status_(engine.outputs().size()),
+      input_timing_(engine.inputs().size()),
+      output_timing_(engine.outputs().size()) {
     for (std::size_t i = 0; i < wiring.size(); ++i) {
         Port& port = ports_.emplace_back();
         port.wiring = wiring[i];
         port.link = std::move(links[i]);
+        port.pacer = ReadPacer(wiring[i].byte_time);
+        for (std::size_t lane = 0; lane < wiring[i].outputs.size(); ++lane) {
+            routes_[wiring[i].outputs[lane]] = {.port = i, .lane = lane};
+        }
+        if (is_can(engine, wiring[i])) {
+            can_ports_.push_back(i);
+        }
     }
 }
 
@@ -84,7 +103,18 @@ void Loop::watch(std::size_t port) {
     }
 }
 
+void Loop::set_watched(std::size_t port, bool watched) {
+    epoll_event event{};
+    event.events = watched ? EPOLLIN : 0U;
+    event.data.u64 = port;
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, ports_[port].link->descriptor(), &event);
+}
+
 void Loop::lose(Port& port) {
+    if (port.quiet_until != kNever) {
+        port.quiet_until = kNever;
+        --quiet_ports_;
+    }
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
     for (const std::size_t input : port.wiring.inputs) {
         engine_.device_lost(input);
@@ -121,12 +151,23 @@ void Loop::accept_given_links() {
     }
 }
 
-ReadStatus Loop::read_bytes(const PortWiring& wiring, ByteLink& link, Instant now) {
+ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
     const ReadStatus status = link.read(reception_);
-    if (status == ReadStatus::received) {
-        for (const std::size_t input : wiring.inputs) {
-            engine_.receive(input, reception_.view(), reception_.damaged, now);
+    if (status != ReadStatus::received) {
+        return status;
+    }
+    bool frame_came = false;
+    for (const std::size_t input : ports_[port].wiring.inputs) {
+        if (engine_.receive(input, reception_.view(), reception_.damaged, now)) {
+            input_timing_[input].frame_came(now);
+            frame_came = true;
         }
+    }
+    const Instant read_next = ports_[port].pacer.delivered(reception_.count, frame_came, now);
+    if (read_next > now) {
+        set_watched(port, false);
+        ports_[port].quiet_until = read_next;
+        ++quiet_ports_;
     }
     return status;
 }
@@ -136,7 +177,9 @@ ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) 
     if (status == ReadStatus::received) {
         for (const ReceivedCanFrame& received : can_reception_.view()) {
             for (const std::size_t input : wiring.inputs) {
-                engine_.receive(input, received.frame, received.at);
+                if (engine_.receive(input, received.frame, received.at)) {
+                    input_timing_[input].frame_came(received.at);
+                }
             }
             for (const std::size_t output : wiring.outputs) {
                 engine_.watch_for_foreign_sender(output, received.frame, received.at);
@@ -146,15 +189,29 @@ ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) 
     return status;
 }
 
-void Loop::read_port(Port& port, Instant now) {
+void Loop::read_port(std::size_t index, Instant now) {
+    Port& port = ports_[index];
     if (!port.link) {
         return;
     }
+    if (port.quiet_until != kNever) {
+        port.quiet_until = kNever;
+        --quiet_ports_;
+        set_watched(index, true);
+    }
     ByteLink* bytes = port.link->as_bytes();
-    const ReadStatus status = bytes != nullptr ? read_bytes(port.wiring, *bytes, now)
+    const ReadStatus status = bytes != nullptr ? read_bytes(index, *bytes, now)
                                                : read_can(port.wiring, *port.link->as_can(), now);
     if (status == ReadStatus::lost) {
         lose(port);
+    }
+}
+
+void Loop::read_quiet_ports(Instant now) {
+    for (std::size_t port = 0; quiet_ports_ > 0 && port < ports_.size(); ++port) {
+        if (ports_[port].quiet_until <= now) {
+            read_port(port, now);
+        }
     }
 }
 
@@ -186,28 +243,35 @@ void count(WriteStatus status, Output& output) {
 }  // namespace
 
 void Loop::write_outputs(Instant now) {
-    for (Port& port : ports_) {
-        for (std::size_t lane = 0; lane < port.wiring.outputs.size(); ++lane) {
-            Output& output = engine_.output(port.wiring.outputs[lane]);
-            const Transmission sent = output.take();
-            if (sent.empty()) {
-                continue;
-            }
-            const WriteStatus status =
-                port.link ? hand_over(*port.link, lane, sent, now) : WriteStatus::lost;
-            count(status, output);
-            if (status == WriteStatus::lost && port.link) {
-                lose(port);
-            }
+    for (const std::size_t index : engine_.ran()) {
+        Output& output = engine_.output(index);
+        const Transmission sent = output.take();
+        if (sent.empty()) {
+            continue;
+        }
+        const auto [port_index, lane] = routes_[index];
+        Port& port = ports_[port_index];
+        const WriteStatus status =
+            port.link ? hand_over(*port.link, lane, sent, now) : WriteStatus::lost;
+        clock_ = monotonic_now();
+        count(status, output);
+        if (status == WriteStatus::written) {
+            output_timing_[index].frame_went({.due = output.latest_due(),
+                                              .taken = now,
+                                              .handed_over = clock_,
+                                              .read = output.latest().received,
+                                              .period = output.period()});
+        } else if (status == WriteStatus::lost && port.link) {
+            lose(port);
         }
     }
 }
 
 Instant Loop::poll_can_links(Instant now) {
     Instant next = kNever;
-    for (Port& port : ports_) {
-        if (port.link && port.link->as_can() != nullptr) {
-            next = std::min(next, port.link->as_can()->poll(now));
+    for (const std::size_t port : can_ports_) {
+        if (ports_[port].link) {
+            next = std::min(next, ports_[port].link->as_can()->poll(now));
         }
     }
     return next;
@@ -215,9 +279,16 @@ Instant Loop::poll_can_links(Instant now) {
 
 /// Runs and sends what is due; returns when something will be.
 Instant Loop::advance(Instant now) {
-    const Instant next = engine_.poll(now);
+    Instant next = engine_.poll(now);
     write_outputs(now);
-    return std::min(next, poll_can_links(now));
+    next = std::min(next, poll_can_links(now));
+    for (std::size_t port = 0, left = quiet_ports_; left > 0; ++port) {
+        if (ports_[port].quiet_until != kNever) {
+            next = std::min(next, ports_[port].quiet_until);
+            --left;
+        }
+    }
+    return next;
 }
 
 void Loop::publish(Instant now) {
@@ -248,15 +319,24 @@ void Loop::publish(Instant now) {
         status.stage = output.stage();
         output_status_[i].publish(status);
     }
-    for (Port& port : ports_) {
-        if (port.link && port.link->as_can() != nullptr) {
-            port.can_status.publish(port.link->as_can()->status());
+    for (const std::size_t port : can_ports_) {
+        if (ports_[port].link) {
+            ports_[port].can_status.publish(ports_[port].link->as_can()->status());
         }
     }
 }
 
-std::size_t Loop::wait(Instant now, Instant until) {
-    const Duration sleep = std::clamp(until - now, Duration::zero(), kLongestWait);
+std::size_t Loop::wait(Instant until) {
+    const std::size_t ready = wait_for_events(until - std::min(settings_.spin, until - clock_));
+    clock_ = monotonic_now();
+    while (ready == 0 && clock_ < until && until - clock_ <= settings_.spin) {
+        clock_ = monotonic_now();
+    }
+    return ready;
+}
+
+std::size_t Loop::wait_for_events(Instant until) {
+    const Duration sleep = std::clamp(until - clock_, Duration::zero(), kLongestWait);
     const auto seconds = std::chrono::floor<std::chrono::seconds>(sleep);
     timespec timeout{};
     timeout.tv_sec = seconds.count();
@@ -279,19 +359,21 @@ std::size_t Loop::wait(Instant now, Instant until) {
 void Loop::run() {
     // From here on this thread allocates nothing; the tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
-    Instant now = monotonic_now();
-    engine_.start(now);
+    clock_ = monotonic_now();
+    engine_.start(clock_);
     std::optional<Instant> end_at;
-    Instant next = advance(now);
+    Instant next = advance(clock_);
+    Instant now = clock_;
     while (!end_at || now < *end_at) {
-        const std::size_t ready = wait(now, std::min(next, end_at.value_or(kNever)));
-        now = monotonic_now();
+        const std::size_t ready = wait(std::min(next, end_at.value_or(kNever)));
+        now = clock_;
         if (!end_at && end_requested_.load(std::memory_order_acquire)) {
             end_at = engine_.end(now);
         }
         for (std::size_t i = 0; i < ready; ++i) {
-            read_port(ports_[ready_[i]], now);
+            read_port(ready_[i], now);
         }
+        read_quiet_ports(now);
         if (!end_at || now < *end_at) {
             next = advance(now);
         }

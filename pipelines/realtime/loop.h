@@ -14,7 +14,9 @@
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "pipelines/engine.h"
+#include "pipelines/read_pacer.h"
 #include "pipelines/realtime/snapshot.h"
+#include "pipelines/realtime/timing.h"
 #include "transports/links/can_link.h"
 #include "transports/links/link.h"
 #include "transports/links/unique_fd.h"
@@ -26,6 +28,13 @@ namespace tribus {
 struct PortWiring {
     std::vector<std::size_t> inputs;
     std::vector<std::size_t> outputs;
+    /// Of one byte on its wire; zero where that is not known or has no meaning.
+    Duration byte_time{};
+};
+
+struct LoopSettings {
+    /// So long before a deadline the thread stays awake for it, instead of being woken at it.
+    Duration spin{};
 };
 
 /// What the main thread may know of an input.
@@ -47,14 +56,16 @@ struct OutputStatus {
     OutputStage stage = OutputStage::failsafe;
 };
 
-/// Drives an engine in real time: waits for bytes and deadlines, reads the clock once a wake, reads
-/// all that is ready, lets the engine run, and writes what is due. One thread, the data thread,
+/// Drives an engine in real time: waits for bytes and deadlines, reads all that is ready, lets the
+/// engine run, and writes what is due. It reads the clock once a wake, and once behind each write,
+/// which tells the latency and what is left until the next deadline. One thread, the data thread,
 /// calls `run` and owns every link that is in use; it never waits for another thread and does not
 /// allocate. The rest is for the main thread, as each function says.
 class Loop {
   public:
     /// Wants a link for each wiring; none where the device is missing and will be given.
-    Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::unique_ptr<Link>> links);
+    Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::unique_ptr<Link>> links,
+         LoopSettings settings = {});
     Loop(const Loop&) = delete;
     Loop& operator=(const Loop&) = delete;
     ~Loop();
@@ -77,6 +88,8 @@ class Loop {
     /// Thread-safe.
     InputStatus input_status(std::size_t input) const { return input_status_[input].read(); }
     OutputStatus output_status(std::size_t output) const { return output_status_[output].read(); }
+    const InputTiming& input_timing(std::size_t input) const { return input_timing_[input]; }
+    const OutputTiming& output_timing(std::size_t output) const { return output_timing_[output]; }
     /// Of a port that is a CAN interface.
     CanLinkStatus can_status(std::size_t port) const { return ports_[port].can_status.read(); }
 
@@ -87,35 +100,55 @@ class Loop {
         std::atomic<Link*> lost{nullptr};
         std::atomic<Link*> given{nullptr};
         Snapshot<CanLinkStatus> can_status;
+        ReadPacer pacer{Duration::zero()};
+        /// Not watched until then; `kNever`: it is watched.
+        Instant quiet_until = kNever;
+    };
+    /// Where the frames of an output go.
+    struct Route {
+        std::size_t port = 0;
+        std::size_t lane = 0;
     };
 
     void watch(std::size_t port);
+    void set_watched(std::size_t port, bool watched);
     void lose(Port& port);
     void accept_given_links();
-    void read_port(Port& port, Instant now);
-    ReadStatus read_bytes(const PortWiring& wiring, ByteLink& link, Instant now);
+    void read_port(std::size_t port, Instant now);
+    void read_quiet_ports(Instant now);
+    ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
     void write_outputs(Instant now);
     /// Returns when the links want to be called again.
     Instant poll_can_links(Instant now);
     Instant advance(Instant now);
     void publish(Instant now);
-    /// Returns how many ports are ready; their numbers are in `ready_`.
-    std::size_t wait(Instant now, Instant until);
+    /// Returns how many ports are ready; their numbers are in `ready_`. Reads the clock.
+    std::size_t wait(Instant until);
+    std::size_t wait_for_events(Instant until);
 
     static constexpr std::size_t kEventsPerWake = 64;
 
     Engine& engine_;
+    LoopSettings settings_;
     std::deque<Port> ports_;
+    std::vector<Route> routes_;
+    /// Ports that are CAN interfaces.
+    std::vector<std::size_t> can_ports_;
+    std::size_t quiet_ports_ = 0;
     UniqueFd epoll_;
     UniqueFd wake_up_;
     std::atomic<bool> end_requested_{false};
     std::array<std::size_t, kEventsPerWake> ready_{};
+    /// The latest reading of the clock.
+    Instant clock_{};
     Reception reception_;
     CanReception can_reception_;
     Instant next_publish_{};
     std::deque<Snapshot<InputStatus>> input_status_;
     std::deque<Snapshot<OutputStatus>> output_status_;
+    std::deque<InputTiming> input_timing_;
+    std::deque<OutputTiming> output_timing_;
 };
 
 }  // namespace tribus

@@ -1,21 +1,36 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "transports/links/unique_fd.h"
 
 namespace tribus {
 
 struct SchedulingSettings {
     int priority = 80;
     std::optional<int> cpu;
-    /// SCHED_FIFO and locked memory; pinning alone if false.
+    /// All of real time; pinning alone if false.
     bool realtime = true;
 };
 
-/// Gives the calling thread real-time scheduling: SCHED_FIFO at `priority`, the process's memory
-/// locked, pinned to `cpu`. Returns what could not be had, each as a sentence that says how to get
-/// it; empty when all is well. Call on the data thread before it starts.
-std::vector<std::string> make_realtime(const SchedulingSettings& settings);
+/// The stack of a thread that is made real-time: locked memory counts all of it, and the default
+/// is 8 MB.
+inline constexpr std::size_t kRealtimeStackBytes = std::size_t{128} * 1024;
+
+/// What a thread got of real time.
+struct Scheduling {
+    /// What could not be had, each as a sentence that says how to get it; empty when all is well.
+    std::vector<std::string> missing;
+    /// While it is open, no processor sleeps so deeply that waking takes long.
+    UniqueFd wide_awake;
+};
+
+/// Gives the calling thread real-time scheduling: SCHED_FIFO at `priority`, timers without slack,
+/// the process's memory locked, its own stack in memory, processors that wake at once, pinned to
+/// `cpu`. Call on the data thread before it starts; its stack has `kRealtimeStackBytes`.
+Scheduling make_realtime(const SchedulingSettings& settings);
 
 }  // namespace tribus

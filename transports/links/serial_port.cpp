@@ -187,10 +187,11 @@ tl::expected<std::unique_ptr<SerialPort>, std::string> SerialPort::open(
     if (::isatty(fd->get()) == 0) {
         return failed(settings_problem(errno));
     }
-    if (const auto why = claim(fd->get(), is_pseudo_terminal(major(node.st_rdev)))) {
+    const bool pseudo_terminal = is_pseudo_terminal(major(node.st_rdev));
+    if (const auto why = claim(fd->get(), pseudo_terminal)) {
         return failed(*why);
     }
-    std::unique_ptr<SerialPort> port(new SerialPort(std::move(*fd)));
+    std::unique_ptr<SerialPort> port(new SerialPort(std::move(*fd), pseudo_terminal));
     const auto facts = set_line(port->descriptor(), node.st_rdev, settings);
     if (!facts) {
         return failed(facts.error());
@@ -245,7 +246,7 @@ ReadStatus SerialPort::read(Reception& reception) {
 
 WriteStatus SerialPort::write(std::span<const std::uint8_t> frame) {
     int queued = 0;
-    if (!lost_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
+    if (!lost_ && tells_queue_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
         lost_ = gone(errno);
         queued = 0;  // a driver that cannot tell: let the write decide
     }

@@ -45,9 +45,12 @@ class SerialPort : public ByteLink {
     static constexpr int kMostDrainMilliseconds = 20;
 
   private:
-    explicit SerialPort(UniqueFd fd) : fd_(std::move(fd)) {}
+    SerialPort(UniqueFd fd, bool pseudo_terminal)
+        : fd_(std::move(fd)), tells_queue_(!pseudo_terminal) {}
 
     UniqueFd fd_;
+    /// A pty always says that its queue is empty: asking is a system call for nothing.
+    bool tells_queue_;
     ParityMarks marks_;
     bool lost_ = false;
 };

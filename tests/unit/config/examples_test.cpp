@@ -40,6 +40,7 @@ TEST(EffectiveConfiguration, ShowsEveryDefaultOfTheNineLines) {
     EXPECT_EQ(effective_toml(*configuration), R"([runtime]
 realtime = "auto"
 priority = 80
+spin = "0ms"
 
 [input.receiver]
 protocol = "ibus"
@@ -90,6 +91,7 @@ timeout = "1500us"
 realtime = "require"
 priority = 50
 cpu = 3
+spin = "60us"
 
 [input.a]
 protocol = "sbus"

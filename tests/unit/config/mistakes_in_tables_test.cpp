@@ -70,7 +70,7 @@ cpu = -1)",
      R"([runtime]
 prioritty = 80)",
      R"(t.toml:11:1: unknown key "prioritty" in [runtime]; did you mean "priority"? )"
-     R"(Allowed: "realtime", "priority", "cpu")"},
+     R"(Allowed: "realtime", "priority", "cpu", "spin")"},
     {"runtime_that_is_a_date", 10,
      R"([runtime]
 cpu = 2024-02-29)",

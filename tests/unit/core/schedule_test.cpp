@@ -30,7 +30,35 @@ TEST(ArrivalClock, knows_no_interval_before_the_second_frame) {
 TEST(ArrivalClock, smooths_jitter) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
     arrivals.arrived(arrivals.latest() + 9300us);
-    EXPECT_EQ(arrivals.interval(), 7800us);
+    EXPECT_EQ(arrivals.interval(), 7'730'078ns);
+}
+
+TEST(ArrivalClock, the_rhythm_goes_through_the_middle_of_arrivals_that_jitter) {
+    ArrivalClock arrivals;
+    for (int i = 0; i < 1000; ++i) {
+        arrivals.arrived(at(i * 7700us + (i % 2 == 0 ? 0us : 200us)));
+    }
+    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - at(999 * 7700us)).count()), 100e3, 20e3);
+    EXPECT_NEAR(static_cast<double>(arrivals.lateness().count()), 100e3, 20e3);
+}
+
+TEST(ArrivalClock, the_rhythm_follows_a_sender_that_starts_anew_within_a_few_frames) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
+    const Instant anew = arrivals.latest() + 3 * 7700us + 3ms;
+    for (int i = 0; i < 4; ++i) {
+        arrivals.arrived(anew + i * 7700us);
+    }
+    EXPECT_EQ(arrivals.rhythm(), arrivals.latest());
+}
+
+TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
+    ArrivalClock arrivals;
+    arrivals.arrived(at(5ms));
+    arrivals.arrived(at(5ms));
+    EXPECT_EQ(arrivals.interval(), 0ms);
+    EXPECT_EQ(arrivals.rhythm(), at(5ms));
+    arrivals.arrived(at(12ms));
+    EXPECT_EQ(arrivals.interval(), 7ms);
 }
 
 TEST(ArrivalClock, one_missing_frame_does_not_change_the_interval) {
@@ -169,6 +197,83 @@ INSTANTIATE_TEST_SUITE_P(Receivers, LockedGrid,
                          testing::Values(Duration(4ms), Duration(7ms), Duration(7700us),
                                          Duration(9ms), Duration(14ms), Duration(13998us),
                                          Duration(20ms)));
+
+/// A locked grid of 7 ms behind a receiver of 7.7 ms whose frames come late by what `lateness`
+/// says, until it stands well.
+struct LockedWriter {
+    Schedule schedule{{.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked}};
+    ArrivalClock arrivals;
+    int frames = 0;
+    Instant latest_write{};
+
+    explicit LockedWriter(Duration late = 0us) {
+        schedule.start(at(0ms));
+        for (int i = 0; i < 1000; ++i) {
+            write(i % 50 == 0 ? late : Duration(0us));
+        }
+    }
+    /// One input frame and the writes up to the one that should carry it. Returns the age of the
+    /// newest values in the last of these.
+    Duration write(Duration late) {
+        const Instant arrival = at(1ms + frames * 7700us + late);
+        const Instant next_arrival = at(1ms + (frames + 1) * 7700us);
+        ++frames;
+        Duration age{};
+        bool arrived = false;
+        while (schedule.due() < next_arrival || !arrived) {
+            if (!arrived && arrival <= schedule.due()) {
+                arrived = true;
+                arrivals.arrived(arrival);
+                schedule.frame_arrived(arrivals);
+                continue;
+            }
+            latest_write = schedule.due();
+            age = latest_write - arrivals.latest();
+            schedule.done(latest_write, true);
+        }
+        return age;
+    }
+};
+
+TEST(LockedGridSchedule, stands_a_twentieth_of_a_millisecond_behind_frames_that_come_on_the_beat) {
+    LockedWriter writer;
+    for (int i = 0; i < 100; ++i) {
+        EXPECT_NEAR(static_cast<double>(writer.write(0us).count()), 50e3, 5e3);
+    }
+}
+
+TEST(LockedGridSchedule, waits_a_moment_for_a_frame_that_is_late) {
+    LockedWriter writer;
+    EXPECT_EQ(writer.write(400us), 0us);
+}
+
+TEST(LockedGridSchedule, is_written_without_a_frame_that_is_later_than_that) {
+    LockedWriter writer;
+    const Instant before = writer.latest_write;
+    const Instant missing = writer.arrivals.latest() + 7700us;
+    while (writer.schedule.due() < missing + 5ms) {
+        writer.latest_write = writer.schedule.due();
+        writer.schedule.done(writer.schedule.due(), true);
+    }
+    EXPECT_NEAR(static_cast<double>((writer.latest_write - before).count()), 7700e3 + 481e3, 10e3);
+}
+
+TEST(LockedGridSchedule, one_stall_of_the_machine_does_not_push_the_grid_back) {
+    LockedWriter writer;
+    writer.write(3ms);
+    writer.write(0us);
+    EXPECT_LT(writer.write(0us), 250us);
+}
+
+TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period) {
+    LockedWriter writer(450us);
+    Instant before = writer.latest_write;
+    for (int i = 0; i < 1000; ++i) {
+        writer.write(std::chrono::microseconds(i * 37 % 450));
+        EXPECT_GE(writer.latest_write - before, 7ms - 70us);
+        before = writer.latest_write;
+    }
+}
 
 TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
