@@ -151,8 +151,9 @@ void DemoPeers::listen(Instant now) {
         return;
     }
     std::span<const std::uint8_t> bytes(buffer.data(), static_cast<std::size_t>(count));
-    while (const auto frame = decoder_.next(bytes, now)) {
-        note(frame->channels, now);
+    DecodedFrame frame;
+    while (decoder_.next(bytes, now, frame)) {
+        note(frame.channels, now);
     }
 }
 

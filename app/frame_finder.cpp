@@ -30,8 +30,9 @@ void FrameFinder::report(const DecodedFrame& frame) {
 
 void FrameFinder::feed_run(std::span<const std::uint8_t> bytes, Instant received) {
     bytes_ += bytes.size();
-    while (const auto frame = decoder_->next(bytes, received)) {
-        report(*frame);
+    DecodedFrame frame;
+    while (decoder_->next(bytes, received, frame)) {
+        report(frame);
     }
 }
 

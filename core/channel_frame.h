@@ -43,6 +43,11 @@ class ChannelFrame {
     bool good() const { return !frame_lost && !failsafe; }
 
     bool has(std::size_t channel) const { return ((present_ >> channel) & 1U) != 0; }
+    /// Whether none of the first `count` channels is absent.
+    bool has_first(std::size_t count) const {
+        const std::uint32_t first = (1U << count) - 1;
+        return (present_ & first) == first;
+    }
     std::optional<Pulse> channel(std::size_t channel) const {
         return has(channel) ? std::optional(pulses_[channel]) : std::nullopt;
     }
@@ -60,10 +65,23 @@ class ChannelFrame {
             remove(channel);
         }
     }
+    /// The first `Count` channels at once, in eighths of a microsecond. There may be more numbers,
+    /// which are 0: channels that are absent before.
+    template <std::size_t Count, std::size_t Numbers>
+    void set_first(const std::array<std::int16_t, Numbers>& eighths) {
+        static_assert(Count <= Numbers && Numbers <= kChannelCount);
+        for (std::size_t channel = 0; channel < Numbers; ++channel) {
+            pulses_[channel] = Pulse::from_eighths(eighths[channel]);
+        }
+        present_ |= (1U << Count) - 1;
+    }
     void remove(std::size_t channel) {
         pulses_[channel] = Pulse{};
         present_ &= ~(1U << channel);
     }
+
+    /// Of all channels; those of absent ones mean nothing.
+    const std::array<Pulse, kChannelCount>& pulses() const { return pulses_; }
 
     /// Same channels and flags; where and when it came from does not count.
     bool same_content(const ChannelFrame& other) const {

@@ -16,8 +16,8 @@ Input::Input(InputSettings settings, std::uint8_t index)
 
 bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
     bool any = false;
-    while (const auto frame = decoder_->next(bytes, now)) {
-        take(frame->channels, now);
+    while (decoder_->next(bytes, now, decoded_)) {
+        take(decoded_.channels, now);
         any = true;
     }
     return any;

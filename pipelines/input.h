@@ -97,6 +97,7 @@ class Input {
     std::string name_;
     std::unique_ptr<Decoder> decoder_;
     std::unique_ptr<CanDecoder> can_decoder_;
+    DecodedFrame decoded_;
     Duration timeout_;
     std::vector<LossRule> failsafe_when_;
     std::uint8_t index_;

@@ -122,7 +122,8 @@ TEST(SbusStreamProperty, SurvivesADamagedLine) {
     std::span<const std::uint8_t> nothing;
     for (int count = 0; count < 1000; ++count) {
         decoder.damaged_byte();
-        ASSERT_FALSE(decoder.next(nothing, {}));
+        DecodedFrame frame;
+        ASSERT_FALSE(decoder.next(nothing, {}, frame));
     }
     const FrameStream stream = test::sbus_stream(
         test::still("all 992", test::payload_of("e0 03 1f f8 c0 07 3e f0 81 0f 7c")), 0, 5);

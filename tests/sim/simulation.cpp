@@ -171,8 +171,8 @@ void Simulation::wrote(std::size_t output, Instant at, const Transmission& sent)
         return;
     }
     std::span<const std::uint8_t> rest = sent.bytes;
-    auto found = readers_[output]->next(rest, at);
-    if (!found) {
+    std::optional<DecodedFrame> found = DecodedFrame{};
+    if (!readers_[output]->next(rest, at, *found)) {
         found = readers_[output]->finish();
     }
     if (!found || !rest.empty()) {

@@ -110,8 +110,9 @@ inline void feed_into(std::vector<DecodedFrame>& frames, Decoder& decoder,
                             : 1 + random.below(static_cast<std::uint32_t>(split.longest));
         std::span<const std::uint8_t> piece = bytes.first(std::min(wanted, bytes.size()));
         bytes = bytes.subspan(piece.size());
-        while (const auto frame = decoder.next(piece, received)) {
-            frames.push_back(*frame);
+        DecodedFrame frame;
+        while (decoder.next(piece, received, frame)) {
+            frames.push_back(frame);
         }
         if (!piece.empty()) {
             ADD_FAILURE() << "the decoder returned nothing and left " << piece.size() << " bytes";
@@ -222,8 +223,9 @@ inline void expect_no_frame_over_damage(Decoder& decoder, const Bytes& bytes, Ra
             decoder.damaged_byte();
             damaged[at++] = true;
             std::span<const std::uint8_t> nothing;
-            while (const auto frame = decoder.next(nothing, {})) {
-                frames.push_back(*frame);
+            DecodedFrame frame;
+            while (decoder.next(nothing, {}, frame)) {
+                frames.push_back(frame);
             }
         }
     }

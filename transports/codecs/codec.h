@@ -8,6 +8,7 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
+#include "transports/codecs/line_buffer.h"
 
 namespace tribus {
 
@@ -51,23 +52,33 @@ class DecoderReport {
     virtual std::span<const FrameDetail> details() const { return {}; }
 };
 
-/// Bytes in, frames out. Pure: no descriptor, clock, log or heap; works in a fixed buffer.
-/// `rejected` counts under "damaged" the bytes that had a parity or framing error, each of which
-/// kills its frame. Thread-bound: one thread at a time.
+/// Bytes in, frames out. Pure: no descriptor, clock, log or heap; works in the bytes that it is
+/// given and keeps what it cannot judge yet in a fixed buffer. `rejected` counts under "damaged"
+/// the bytes that had a parity or framing error, each of which kills its frame. Thread-bound: one
+/// thread at a time.
 class Decoder : public DecoderReport {
   public:
-    /// Takes bytes off the front of `bytes` until a frame is complete, and returns it; call again
-    /// with the rest. Returns nothing when all bytes are taken and no further frame is complete.
-    /// `received` is the instant at which the bytes were read.
-    virtual std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes,
-                                             Instant received) = 0;
+    /// Takes bytes off the front of `bytes` until a frame is complete, fills `frame` with it and
+    /// says so; call again with the rest. False when all bytes are taken and no further frame is
+    /// complete. `received` is the instant at which the bytes were read.
+    bool next(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame) {
+        return !buffer_.keep(bytes) && decode(bytes, received, frame);
+    }
 
     /// A byte stood here in the stream, but it came with a parity or framing error. Call `next`
-    /// until it returns nothing before this.
+    /// until it returns false before this.
     virtual void damaged_byte() = 0;
 
     /// The recording ends here: returns a frame that only lacked what would have followed it.
     virtual std::optional<DecodedFrame> finish() = 0;
+
+  protected:
+    LineBuffer buffer_;
+
+  private:
+    /// As `next`, with bytes that decide something together with those that are kept.
+    virtual bool decode(std::span<const std::uint8_t>& bytes, Instant received,
+                        DecodedFrame& frame) = 0;
 };
 
 /// A frame in, bytes out. Pure and reentrant. Total: every frame has an encoding.

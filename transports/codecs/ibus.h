@@ -33,8 +33,6 @@ class IbusDecoder final : public Decoder {
   public:
     explicit IbusDecoder(IbusSlots slots = IbusSlots::nibbles) : slots_(slots) {}
 
-    std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes,
-                                     Instant received) override;
     void damaged_byte() override;
     std::optional<DecodedFrame> finish() override { return std::nullopt; }
     std::span<const NamedCount> rejected() const override { return rejected_; }
@@ -48,14 +46,21 @@ class IbusDecoder final : public Decoder {
     };
     enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2 };
 
+    bool decode(std::span<const std::uint8_t>& bytes, Instant received,
+                DecodedFrame& frame) override;
+    bool may_begin(std::uint8_t first) const;
+    void pass_noise(std::span<const std::uint8_t>& bytes);
+    bool decode_pieces(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
+    bool search(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
     Candidate candidate() const;
     bool checksum_holds(const Candidate& candidate) const;
     void judge_bad(const Candidate& candidate);
     void skip(std::size_t count);
-    DecodedFrame take_frame(const Candidate& candidate, Instant received);
+    /// The next frame in the buffer; nothing when all bytes are judged or wait for more.
+    Candidate find_frame();
+    void read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at, Instant received,
+                    DecodedFrame& frame);
 
-    /// One byte more than the longest candidate, so that a damaged byte always finds room.
-    LineBuffer<kLongestSerialFrame> buffer_;
     IbusSlots slots_;
     bool frame_seen_ = false;
     std::array<NamedCount, 3> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}}};
@@ -72,6 +77,9 @@ class IbusEncoder final : public Encoder {
                        std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
 
   private:
+    std::size_t encode_filled(const ChannelFrame& frame,
+                              std::span<std::uint8_t, kLongestSerialFrame> wire) const;
+
     std::size_t channel_count_;
 };
 

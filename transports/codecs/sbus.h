@@ -19,11 +19,10 @@ namespace tribus {
 extern const Protocol kSbusProtocol;
 
 inline constexpr std::size_t kSbusFrameLength = 25;
-inline constexpr std::size_t kSbusChannels = 16;
 
 /// What one frame says, in its own terms (3.2).
 struct SbusFrame {
-    std::array<std::uint16_t, kSbusChannels> raw{};  ///< 0 to 2047
+    SbusRaw raw{};  ///< 0 to 2047
     bool channel_17 = false;
     bool channel_18 = false;
     bool frame_lost = false;
@@ -52,8 +51,6 @@ class SbusDecoder final : public Decoder {
   public:
     explicit SbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
 
-    std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes,
-                                     Instant received) override;
     void damaged_byte() override;
     std::optional<DecodedFrame> finish() override;
     std::span<const NamedCount> rejected() const override { return rejected_; }
@@ -63,6 +60,13 @@ class SbusDecoder final : public Decoder {
   private:
     enum class State : std::uint8_t { unlocked, locked, recovering };
     enum class Verdict : std::uint8_t { no, undecided, yes };
+    struct Judgement {
+        Verdict verdict = Verdict::no;
+        std::size_t wanted = 0;  ///< while undecided: bytes that would tell more
+    };
+    /// What one step came to: a frame stands at the front, or not yet, or more bytes are needed.
+    enum class Step : std::uint8_t { again, frame, wait };
+    using Wire = std::span<const std::uint8_t, kSbusFrameLength>;
     enum RejectCause : std::size_t { kFraming, kDamaged };
 
     /// Where a bad frame may end, the likeliest first: one byte of it was lost (a UART overruns, it
@@ -78,27 +82,41 @@ class SbusDecoder final : public Decoder {
     static constexpr std::size_t kSlotsLength = kSlotLength * kSlotsPerFrame;
     /// A bad frame with one byte added, then a frame and a second one as proof, each with slots in
     /// front; and room for a damaged byte.
-    static constexpr std::size_t kCapacity =
-        (kSbusFrameLength + 1) + 2 * (kSlotsLength + kSbusFrameLength) + 1;
+    static_assert((kSbusFrameLength + 1) + 2 * (kSlotsLength + kSbusFrameLength) + 1 <=
+                  LineBuffer::kCapacity);
 
+    bool decode(std::span<const std::uint8_t>& bytes, Instant received,
+                DecodedFrame& frame) override;
+    void pass_noise(std::span<const std::uint8_t>& bytes);
+    bool decode_pieces(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
+    bool decode_in_steps(std::span<const std::uint8_t>& bytes, Instant received,
+                         DecodedFrame& frame);
     bool well_formed(std::size_t start) const;
     bool only_damaged(std::size_t start) const;
     std::size_t after_slots(std::size_t start) const;
-    Verdict judge(std::size_t start) const;
+    Judgement judge(std::size_t start) const;
     int likeness(std::size_t start) const;
 
-    /// Each does one step and says whether it could; if not, more bytes are needed.
-    bool step_unlocked();
-    bool step_locked();
-    bool step_recovering();
+    Step step();
+    Step step_unlocked();
+    Step step_locked();
+    Step step_recovering();
+    Step step_recovering_among_slots();
+    void give_up_recovering();
     void skip(std::size_t count);
     void lock_onto(std::size_t start);
-    DecodedFrame take_frame(Instant received);
+    void read_frame(Wire wire, Instant received, DecodedFrame& frame);
+    Wire front() const { return buffer_.view(0, kSbusFrameLength).first<kSbusFrameLength>(); }
 
-    LineBuffer<kCapacity> buffer_;
     State state_ = State::unlocked;
-    bool frame_ready_ = false;
     std::size_t slots_left_ = 0;
+    /// How far the search among slots has come: each end is judged once, in the order of `kEnds`.
+    struct Search {
+        std::size_t judged = 0;
+        std::optional<std::size_t> found;
+        int found_likeness = 0;
+    };
+    Search search_;
     std::array<std::uint8_t, kSbusFrameLength> latest_{};
     /// The frame before the latest: beyond doubt, for the latest stood in its place behind it.
     std::array<std::uint8_t, kSbusFrameLength> trusted_{};
@@ -106,7 +124,7 @@ class SbusDecoder final : public Decoder {
     std::array<NamedCount, 2> rejected_{{{"framing"}, {"damaged"}}};
     std::uint64_t skipped_bytes_ = 0;
 
-    std::array<std::uint16_t, kSbusChannels> raw_{};
+    SbusRaw raw_{};
     std::array<std::uint16_t, 1> footer_{};
     std::array<FrameDetail, 2> details_{{{"raw", raw_, true}, {"footer", footer_, false}}};
 };
@@ -120,6 +138,9 @@ class SbusEncoder final : public Encoder {
                        std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
 
   private:
+    std::size_t encode_any(const ChannelFrame& frame,
+                           std::span<std::uint8_t, kLongestSerialFrame> wire) const;
+
     SbusScale scale_;
 };
 

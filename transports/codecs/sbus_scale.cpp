@@ -36,7 +36,54 @@ SbusScale::SbusScale(double slope_eighths, double offset_eighths)
       decode_offset_(std::llround(std::ldexp(offset_eighths + 0.5, kFractionBits))),
       encode_slope_(std::llround(std::ldexp(1.0 / slope_eighths, kFractionBits))),
       encode_offset_(
-          std::llround(std::ldexp(0.5 - offset_eighths / slope_eighths, kFractionBits))) {}
+          std::llround(std::ldexp(0.5 - offset_eighths / slope_eighths, kFractionBits))) {
+    constexpr double kLeastStep = 2;
+    constexpr double kMostStep = 31;  // 2047 of them fit 16 bits
+    if (slope_eighths < kLeastStep || slope_eighths > kMostStep) {
+        return;
+    }
+    const auto step = static_cast<std::uint16_t>(slope_eighths);
+    const std::int32_t least = decode(0).eighths();
+    whole_.step.fill(step);
+    whole_.per_step.fill(static_cast<std::uint16_t>(0x10000 / step + 1));
+    whole_.least.fill(static_cast<std::int16_t>(least));
+    whole_.most.fill(static_cast<std::int16_t>(decode(kSbusRawMost).eighths()));
+    whole_.rounding.fill(static_cast<std::uint16_t>(step / 2 - least));
+    whole_steps_ = whole_steps_are_exact();
+}
+
+bool SbusScale::whole_steps_are_exact() const {
+    for (std::uint16_t raw = 0; raw <= kSbusRawMost; ++raw) {
+        if (decode_whole(0, raw) != decode(raw).eighths()) {
+            return false;
+        }
+    }
+    const std::int32_t least = whole_.least[0];
+    const std::int32_t most = whole_.most[0];
+    for (std::int32_t eighths = least; eighths <= most; ++eighths) {
+        const auto exact = encode(Pulse::from_eighths(eighths));
+        if (encode_whole(0, static_cast<std::int16_t>(eighths)) != exact) {
+            return false;
+        }
+    }
+    // Beyond both ends, too, they are as at the ends.
+    return encode(Pulse::from_eighths(least)) == 0 &&
+           encode(Pulse::from_eighths(most)) == kSbusRawMost;
+}
+
+void SbusScale::decode_each(const SbusRaw& raw, ChannelFrame& channels) const {
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        channels.set(channel, decode(raw[channel]));
+    }
+}
+
+SbusRaw SbusScale::encode_each(const ChannelFrame& channels) const {
+    SbusRaw raw;
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        raw[channel] = encode(channels.pulses()[channel]);
+    }
+    return raw;
+}
 
 SbusScale SbusScale::through(const TwoPoints& points) {
     const double slope = (points.microseconds[1] - points.microseconds[0]) /

@@ -1,15 +1,23 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
+#include "core/channel_frame.h"
 #include "core/pulse.h"
 #include "core/setting.h"
 
 namespace tribus {
 
 inline constexpr std::uint16_t kSbusRawMost = 2047;
+/// Channels that have a number in a frame; 17 and 18 are only on or off.
+inline constexpr std::size_t kSbusChannels = 16;
+using SbusRaw = std::array<std::uint16_t, kSbusChannels>;
 
 /// The straight line between the 11-bit values of SBUS and pulses (ibus-sbus.md 3.7). Senders and
 /// readers disagree about it, so it is a setting. Decoding then encoding gives the same raw value,
@@ -30,16 +38,64 @@ class SbusScale {
     /// The nearest raw value, 0 to 2047.
     std::uint16_t encode(Pulse pulse) const;
 
+    /// The same for all channels of a frame.
+    void decode_each(const SbusRaw& raw, ChannelFrame& channels) const;
+    SbusRaw encode_each(const ChannelFrame& channels) const;
+
+    /// Whether a raw step is a whole number of eighths, as in three of the five named scales. Then
+    /// 16-bit arithmetic gives the same, which is checked for every value when the scale is made,
+    /// and is several times quicker.
+    bool whole_steps() const { return whole_steps_; }
+    /// Only where the steps are whole; to encode, no channel may be absent.
+    void decode_whole(const SbusRaw& raw, ChannelFrame& channels) const {
+        std::array<std::int16_t, kSbusChannels> eighths;
+        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+            eighths[channel] = decode_whole(channel, raw[channel]);
+        }
+        channels.set_first<kSbusChannels>(eighths);
+    }
+    SbusRaw encode_whole(const ChannelFrame& channels) const {
+        SbusRaw raw;
+        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+            const auto eighths = static_cast<std::int16_t>(channels.pulses()[channel].eighths());
+            raw[channel] = encode_whole(channel, eighths);
+        }
+        return raw;
+    }
+
   private:
     static constexpr int kFractionBits = 32;
 
     SbusScale(double slope_eighths, double offset_eighths);
+
+    std::int16_t decode_whole(std::size_t channel, std::uint16_t raw) const {
+        return static_cast<std::int16_t>(raw * whole_.step[channel] + whole_.least[channel]);
+    }
+    /// Divides by the step through multiplying by its reciprocal.
+    std::uint16_t encode_whole(std::size_t channel, std::int16_t eighths) const {
+        const auto inside = std::clamp(eighths, whole_.least[channel], whole_.most[channel]);
+        const auto rounded = static_cast<std::uint16_t>(inside + whole_.rounding[channel]);
+        return static_cast<std::uint16_t>((std::uint32_t{rounded} * whole_.per_step[channel]) >>
+                                          16U);
+    }
+    bool whole_steps_are_exact() const;
 
     // Fixed point with 32 bits of fraction; the offsets hold the half for rounding.
     std::int64_t decode_slope_;
     std::int64_t decode_offset_;
     std::int64_t encode_slope_;
     std::int64_t encode_offset_;
+
+    /// For whole steps, in eighths: the same for each channel, as vector arithmetic takes them.
+    struct WholeSteps {
+        SbusRaw step{};
+        SbusRaw per_step{};  ///< 2^16 / step, rounded up
+        std::array<std::int16_t, kSbusChannels> least{};
+        std::array<std::int16_t, kSbusChannels> most{};
+        SbusRaw rounding{};  ///< makes `least` half a step
+    };
+    WholeSteps whole_;
+    bool whole_steps_ = false;
 };
 
 }  // namespace tribus

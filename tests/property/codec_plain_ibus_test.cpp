@@ -1,0 +1,259 @@
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "tests/reference/plain_ibus.h"
+#include "tests/reference/side_by_side.h"
+#include "tests/support/ibus_frames.h"
+#include "tests/support/streams.h"
+#include "transports/codecs/ibus.h"
+
+namespace tribus::reference {
+namespace {
+
+using test::Bytes;
+using test::Random;
+
+using Both = SideBySide<IbusDecoder, PlainIbusDecoder>;
+
+/// Bytes that mean something to the decoder: lengths, commands, and what i-BUS2 begins with.
+constexpr std::array<std::uint8_t, 14> kTelling{0x20, 0x40, 0x55, 0x00, 0x06, 0x40, 0x08,
+                                                0x1E, 0x25, 0x04, 0x0A, 0x20, 0x05, 0xDC};
+
+Bytes servo_frame(Bytes payload, std::uint8_t command) {
+    Bytes frame{static_cast<std::uint8_t>(payload.size() + 4), command};
+    test::append(frame, payload);
+    unsigned checksum = 0xFFFF;
+    for (const std::uint8_t byte : frame) {
+        checksum -= byte;
+    }
+    frame.push_back(static_cast<std::uint8_t>(checksum));
+    frame.push_back(static_cast<std::uint8_t>(checksum >> 8U));
+    return frame;
+}
+
+Bytes random_payload(Random& random, std::size_t length) {
+    const std::uint32_t kind = random.below(4);
+    Bytes payload(length);
+    for (std::uint8_t& byte : payload) {
+        byte = kind == 0 ? kTelling[random.below(kTelling.size())] : random.byte();
+        byte = kind == 1 && random.below(2) == 0 ? 0 : byte;
+    }
+    return payload;
+}
+
+Bytes ia6_frame(Random& random) {
+    Bytes frame{0x55};
+    unsigned sum = 0;
+    for (int slot = 0; slot < 14; ++slot) {
+        const unsigned word = random.below(random.below(8) == 0 ? 0x1100 : 0x1000);
+        sum += word;
+        frame.push_back(static_cast<std::uint8_t>(word));
+        frame.push_back(static_cast<std::uint8_t>(word >> 8U));
+    }
+    frame.push_back(static_cast<std::uint8_t>(sum));
+    frame.push_back(static_cast<std::uint8_t>(sum >> 8U));
+    return frame;
+}
+
+Bytes ibus2_frame(Random& random) {
+    Bytes frame{static_cast<std::uint8_t>(random.below(3) << 2U),
+                static_cast<std::uint8_t>(8 + random.below(30))};
+    test::append(frame, random_payload(random, frame[1] - 3U));
+    unsigned crc = 0xFF;
+    for (const std::uint8_t byte : frame) {
+        crc ^= byte;
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = (crc << 1U) ^ ((crc & 0x80U) != 0 ? 0x125U : 0U);
+        }
+    }
+    frame.push_back(static_cast<std::uint8_t>(crc));
+    return frame;
+}
+
+Bytes random_piece(Random& random) {
+    switch (random.below(8)) {
+        case 0:
+            return ia6_frame(random);
+        case 1:
+            return ibus2_frame(random);
+        case 2:
+            return random_payload(random, random.below(20));
+        case 3:
+            return servo_frame(random_payload(random, 2 * (1 + random.below(14))), 0x40);
+        case 4:
+            return servo_frame(random_payload(random, 28), 0x00);
+        default:
+            return servo_frame(random_payload(random, 28), 0x40);
+    }
+}
+
+std::vector<LineByte> random_line(Random& random, std::size_t length) {
+    Bytes bytes;
+    const bool only_ibus2 = random.below(4) == 0;
+    while (bytes.size() < length) {
+        test::append(bytes, only_ibus2 ? ibus2_frame(random) : random_piece(random));
+    }
+    std::vector<LineByte> line;
+    const std::uint32_t rarity = 5 + random.below(100);
+    for (const std::uint8_t byte : bytes) {
+        switch (random.below(4 * rarity)) {
+            case 0:
+                break;
+            case 1:
+                line.push_back({kTelling[random.below(kTelling.size())], false});
+                line.push_back({byte, false});
+                break;
+            case 2:
+                line.push_back({static_cast<std::uint8_t>(byte ^ 1U << random.below(8)), false});
+                break;
+            case 3:
+                line.push_back({byte, true});
+                break;
+            default:
+                line.push_back({byte, false});
+                break;
+        }
+    }
+    return line;
+}
+
+std::vector<std::size_t> random_cuts(Random& random, std::size_t length) {
+    std::vector<std::size_t> cuts;
+    const std::uint32_t longest = 1 + random.below(1U << random.below(9));
+    for (std::size_t at = random.below(longest); at < length; at += 1 + random.below(longest)) {
+        cuts.push_back(at);
+    }
+    return cuts;
+}
+
+IbusSlots any_slots(std::uint32_t seed) {
+    return seed % 3 == 0 ? IbusSlots::plain : IbusSlots::nibbles;
+}
+
+TEST(IbusBesidePlain, AnyLineCutAnywhereGivesTheSame) {
+    std::size_t frames = 0;
+    for (std::uint32_t seed = 1; seed <= 4000; ++seed) {
+        Random random(seed);
+        const auto line = random_line(random, 1500);
+        Both both(any_slots(seed));
+        both.read(line, random_cuts(random, line.size()));
+        both.finish();
+        ASSERT_EQ(both.difference(), "") << "seed " << seed;
+        frames += both.frames();
+    }
+    EXPECT_GT(frames, 10000U);
+}
+
+TEST(IbusBesidePlain, AnyBytesThatTellSomethingGiveTheSame) {
+    for (std::uint32_t seed = 1; seed <= 3000; ++seed) {
+        Random random(seed);
+        std::vector<LineByte> line(1000);
+        const std::uint32_t kinds = 1 + random.below(kTelling.size());
+        for (LineByte& byte : line) {
+            byte = {kTelling[random.below(kinds)], random.below(60) == 0};
+        }
+        Both both(any_slots(seed));
+        both.read(line, random_cuts(random, line.size()));
+        ASSERT_EQ(both.difference(), "") << "seed " << seed;
+    }
+}
+
+RC_GTEST_PROP(IbusBesidePlainProperty, ALineOfAnyBytesGivesTheSame, ()) {
+    const auto bytes = *rc::gen::container<Bytes>(rc::gen::weightedOneOf<std::uint8_t>(
+        {{3, rc::gen::elementOf(std::vector<std::uint8_t>(kTelling.begin(), kTelling.end()))},
+         {1, rc::gen::arbitrary<std::uint8_t>()}}));
+    const auto lengths =
+        *rc::gen::container<std::vector<std::size_t>>(rc::gen::inRange<std::size_t>(0, 40));
+    Both both(IbusSlots::nibbles);
+    std::span<const std::uint8_t> rest = bytes;
+    for (const std::size_t length : lengths) {
+        both.read(rest.first(std::min(length, rest.size())));
+        rest = rest.subspan(std::min(length, rest.size()));
+    }
+    both.read(rest);
+    RC_ASSERT(both.difference().empty());
+}
+
+TEST(IbusBesidePlain, EverySplitInTwoAndInThreeGivesTheSame) {
+    Random random(1);
+    for (const bool damaged : {false, true}) {
+        Bytes bytes = servo_frame(random_payload(random, 28), 0x40);
+        test::append(bytes, ibus2_frame(random));
+        test::append(bytes, servo_frame({0x20, 0x40, 0x20, 0x40, 0x55, 0x05}, 0x40));
+        test::append(bytes, Bytes{0x20, 0x40, 0x20});
+        test::append(bytes, ia6_frame(random));
+        test::append(bytes, servo_frame(random_payload(random, 28), 0x40));
+        auto line = on_a_line(bytes);
+        line[90].damaged = damaged;
+        for (std::size_t first = 0; first < line.size(); ++first) {
+            for (std::size_t second = first; second < line.size(); ++second) {
+                Both both(IbusSlots::nibbles);
+                const std::array cuts{first, second};
+                both.read(line, cuts);
+                ASSERT_EQ(both.difference(), "") << first << ", " << second;
+            }
+        }
+    }
+}
+
+TEST(IbusBesidePlain, EveryWordOfEverySlotIsReadTheSame) {
+    for (const IbusSlots slots : {IbusSlots::nibbles, IbusSlots::plain}) {
+        Both both(slots);
+        for (unsigned word = 0; word <= 0xFFFF; ++word) {
+            Bytes payload;
+            for (unsigned slot = 0; slot < 14; ++slot) {
+                const unsigned here = word + slot * (word % 3 == 0 ? 0U : 4681U);
+                payload.push_back(static_cast<std::uint8_t>(here));
+                payload.push_back(static_cast<std::uint8_t>(here >> 8U));
+            }
+            both.read(servo_frame(payload, 0x40));
+        }
+        EXPECT_EQ(both.difference(), "");
+        EXPECT_EQ(both.frames(), 0x10000U);
+    }
+}
+
+TEST(IbusBesidePlain, EveryValueOfChannels15To18IsReadTheSame) {
+    Both both(IbusSlots::nibbles);
+    for (unsigned value = 0; value <= 0xFFF; ++value) {
+        Bytes payload;
+        for (unsigned slot = 0; slot < 14; ++slot) {
+            const unsigned here = (value + 911 * (slot / 3)) & 0xFFFU;
+            const unsigned nibble = slot < 12 ? here >> (4 * (slot % 3)) & 0xFU : 0;
+            payload.push_back(0xDC);
+            payload.push_back(static_cast<std::uint8_t>(nibble << 4U | 0x05U));
+        }
+        both.read(servo_frame(payload, 0x40));
+    }
+    EXPECT_EQ(both.difference(), "");
+    EXPECT_EQ(both.frames(), 0x1000U);
+}
+
+TEST(IbusBesidePlain, EveryPulseOfEveryChannelIsWrittenTheSame) {
+    for (const std::size_t channels : {14U, 18U}) {
+        const IbusEncoder encoder(channels);
+        const PlainIbusEncoder plain(channels);
+        for (std::int32_t eighths = -32768; eighths <= 32767; ++eighths) {
+            ChannelFrame frame;
+            for (int channel = 0; channel < static_cast<int>(kChannelCount); ++channel) {
+                const bool here = (eighths + channel) % 50 != 0;
+                if (here || eighths % 2 == 0) {
+                    const int value = eighths % 3 == 0 ? eighths : eighths / 4 + 8 * 500 * channel;
+                    frame.set(static_cast<std::size_t>(channel), Pulse::from_eighths(value));
+                }
+            }
+            std::array<std::uint8_t, kLongestSerialFrame> wire{};
+            std::array<std::uint8_t, kLongestSerialFrame> plain_wire{};
+            ASSERT_EQ(encoder.encode(frame, wire), plain.encode(frame, plain_wire));
+            ASSERT_EQ(wire, plain_wire) << eighths;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace tribus::reference

@@ -1,0 +1,333 @@
+#include "tests/reference/plain_sbus.h"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+namespace tribus::reference {
+namespace {
+
+constexpr std::uint8_t kHeader = 0x0F;
+constexpr std::size_t kPayloadAt = 1;
+constexpr std::size_t kFlagsAt = 23;
+constexpr std::size_t kFooterAt = 24;
+constexpr unsigned kBitsPerChannel = 11;
+
+constexpr std::uint8_t kChannel17Flag = 0x01;
+constexpr std::uint8_t kChannel18Flag = 0x02;
+constexpr std::uint8_t kFrameLostFlag = 0x04;
+constexpr std::uint8_t kFailsafeFlag = 0x08;
+constexpr std::uint8_t kFlagsUnused = 0xF0;
+
+static_assert(kPayloadAt + kSbusChannels * kBitsPerChannel / 8 == kFlagsAt);
+static_assert(kFooterAt + 1 == kSbusFrameLength);
+
+bool flags_allowed(std::uint8_t flags) {
+    return (flags & kFlagsUnused) == 0;
+}
+
+/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (3.3).
+bool footer_allowed(std::uint8_t footer) {
+    const unsigned low = footer & 0x0FU;
+    return low == 0x0 || low == 0x4 || low == 0x8;
+}
+bool slots_follow(std::uint8_t footer) {
+    return (footer & 0x0FU) != 0;
+}
+
+/// The 32 slot ids: a five-bit number, then 011 (3.3).
+bool is_slot_id(std::uint8_t byte) {
+    return (byte & 0x07U) == 0x03;
+}
+
+}  // namespace
+
+SbusFrame plain_parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire) {
+    SbusFrame frame;
+    std::uint32_t bits = 0;
+    unsigned bit_count = 0;
+    std::size_t position = kPayloadAt;
+    for (std::uint16_t& raw : frame.raw) {
+        while (bit_count < kBitsPerChannel) {
+            bits |= static_cast<std::uint32_t>(wire[position++]) << bit_count;
+            bit_count += 8;
+        }
+        raw = static_cast<std::uint16_t>(bits & kSbusRawMost);
+        bits >>= kBitsPerChannel;
+        bit_count -= kBitsPerChannel;
+    }
+    const std::uint8_t flags = wire[kFlagsAt];
+    frame.channel_17 = (flags & kChannel17Flag) != 0;
+    frame.channel_18 = (flags & kChannel18Flag) != 0;
+    frame.frame_lost = (flags & kFrameLostFlag) != 0;
+    frame.failsafe = (flags & kFailsafeFlag) != 0;
+    frame.footer = wire[kFooterAt];
+    return frame;
+}
+
+void plain_emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength> wire) {
+    wire[0] = kHeader;
+    std::uint32_t bits = 0;
+    unsigned bit_count = 0;
+    std::size_t position = kPayloadAt;
+    for (const std::uint16_t raw : frame.raw) {
+        bits |= static_cast<std::uint32_t>(raw & kSbusRawMost) << bit_count;
+        bit_count += kBitsPerChannel;
+        while (bit_count >= 8) {
+            wire[position++] = static_cast<std::uint8_t>(bits);
+            bits >>= 8U;
+            bit_count -= 8;
+        }
+    }
+    unsigned flags = 0;
+    flags |= frame.channel_17 ? kChannel17Flag : 0U;
+    flags |= frame.channel_18 ? kChannel18Flag : 0U;
+    flags |= frame.frame_lost ? kFrameLostFlag : 0U;
+    flags |= frame.failsafe ? kFailsafeFlag : 0U;
+    wire[kFlagsAt] = static_cast<std::uint8_t>(flags);
+    wire[kFooterAt] = frame.footer;
+}
+
+bool PlainSbusDecoder::well_formed(std::size_t start) const {
+    return buffer_[start] == kHeader && flags_allowed(buffer_[start + kFlagsAt]) &&
+           footer_allowed(buffer_[start + kFooterAt]) && !buffer_.damaged(start, kSbusFrameLength);
+}
+
+/// All that is legible agrees that a frame stands here, so the next one follows in its place. Where
+/// a slot may stand as well, an illegible header proves nothing.
+bool PlainSbusDecoder::only_damaged(std::size_t start) const {
+    const auto fits = [&](std::size_t offset, bool right) {
+        return buffer_.damaged(start + offset) || right;
+    };
+    return buffer_.damaged(start, kSbusFrameLength) &&
+           !(slots_left_ > 0 && buffer_.damaged(start)) && fits(0, buffer_[start] == kHeader) &&
+           fits(kFlagsAt, flags_allowed(buffer_[start + kFlagsAt])) &&
+           fits(kFooterAt, footer_allowed(buffer_[start + kFooterAt]));
+}
+
+std::size_t PlainSbusDecoder::after_slots(std::size_t start) const {
+    std::size_t position = start;
+    while (position < buffer_.size() && position < start + kSlotsLength &&
+           is_slot_id(buffer_[position]) && !buffer_.damaged(position)) {
+        position += kSlotLength;
+    }
+    return position;
+}
+
+PlainSbusDecoder::Verdict PlainSbusDecoder::judge(std::size_t start) const {
+    const std::size_t size = buffer_.size();
+    if (start < size && (buffer_[start] != kHeader || buffer_.damaged(start))) {
+        return Verdict::no;
+    }
+    if (size < start + kSbusFrameLength) {
+        return Verdict::undecided;
+    }
+    if (!well_formed(start)) {
+        return Verdict::no;
+    }
+    std::size_t behind = start + kSbusFrameLength;
+    if (slots_follow(buffer_[start + kFooterAt])) {
+        behind = after_slots(behind);
+    }
+    if (behind < size && (buffer_[behind] != kHeader || buffer_.damaged(behind))) {
+        return Verdict::no;
+    }
+    if (size < behind + kSbusFrameLength) {
+        return Verdict::undecided;
+    }
+    return well_formed(behind) ? Verdict::yes : Verdict::no;
+}
+
+void PlainSbusDecoder::skip(std::size_t count) {
+    buffer_.drop(count);
+    skipped_bytes_ += count;
+}
+
+bool PlainSbusDecoder::step_unlocked() {
+    switch (judge(0)) {
+        case Verdict::no:
+            skip(1);
+            return true;
+        case Verdict::undecided:
+            return false;
+        case Verdict::yes:
+            lock_onto(0);
+            break;
+    }
+    return true;
+}
+
+bool PlainSbusDecoder::step_locked() {
+    if (slots_left_ > 0 && is_slot_id(buffer_[0]) && !buffer_.damaged(0)) {
+        if (buffer_.size() < kSlotLength) {
+            return false;
+        }
+        buffer_.drop(kSlotLength);
+        --slots_left_;
+        return true;
+    }
+    const bool may_be_frame = buffer_[0] == kHeader || buffer_.damaged(0);
+    if (may_be_frame && buffer_.size() < kSbusFrameLength) {
+        return false;
+    }
+    if (may_be_frame && well_formed(0)) {
+        frame_ready_ = true;
+    } else if (may_be_frame && only_damaged(0)) {
+        skip(kSbusFrameLength);
+        // Its footer may be illegible: whether slots follow is unknown, so they are let pass.
+        slots_left_ = kSlotsPerFrame;
+    } else {
+        ++rejected_[kFraming].count;
+        state_ = State::recovering;
+    }
+    return true;
+}
+
+/// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last
+/// one that is beyond doubt.
+int PlainSbusDecoder::likeness(std::size_t start) const {
+    const auto bytes = buffer_.view(start, kFooterAt);
+    return std::inner_product(bytes.begin(), bytes.end(), trusted_.begin(), 0, std::plus<>{},
+                              std::equal_to<>{});
+}
+
+bool PlainSbusDecoder::step_recovering() {
+    // With slots around, the fault may as well have hit them, or the frame in front of them, so
+    // the next frame may stand anywhere. Sticks that move hardly feign a frame twice; if they stand
+    // still, the true frame is the one most like the last.
+    constexpr int kSticksStandStill = 20;
+    const bool among_slots = slots_follow(latest_[kFooterAt]) || slots_follow(trusted_[kFooterAt]);
+    std::optional<std::size_t> found;
+    int found_likeness = 0;
+    bool undecided = false;
+    constexpr std::size_t kOneByteMoreOrLess = 3;
+    for (const std::size_t end :
+         std::span(kEnds).first(among_slots ? kEnds.size() : kOneByteMoreOrLess)) {
+        const std::size_t start = after_slots(end);
+        const Verdict verdict = judge(start);
+        undecided = undecided || verdict == Verdict::undecided;
+        if (verdict != Verdict::yes) {
+            continue;
+        }
+        const int now = likeness(start);
+        if (!found || (now >= kSticksStandStill && now > found_likeness)) {
+            found = start;
+            found_likeness = now;
+        }
+        if (!among_slots) {
+            break;
+        }
+    }
+    if (undecided && (!found || among_slots)) {
+        return false;
+    }
+    if (found) {
+        lock_onto(*found);
+    } else {
+        skip(1);
+        state_ = State::unlocked;
+    }
+    return true;
+}
+
+/// A frame with another behind it stands at `start`.
+void PlainSbusDecoder::lock_onto(std::size_t start) {
+    skip(start);
+    std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
+    state_ = State::locked;
+    frame_ready_ = true;
+}
+
+DecodedFrame PlainSbusDecoder::take_frame(Instant received) {
+    const SbusFrame wire =
+        plain_parse_sbus(buffer_.view(0, kSbusFrameLength).first<kSbusFrameLength>());
+    DecodedFrame frame{.first_byte = buffer_.first_position(), .length = kSbusFrameLength};
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        frame.channels.set(channel, scale_.decode(wire.raw[channel]));
+    }
+    frame.channels.set(16, wire.channel_17 ? kSwitchOnPulse : kSwitchOffPulse);
+    frame.channels.set(17, wire.channel_18 ? kSwitchOnPulse : kSwitchOffPulse);
+    frame.channels.frame_lost = wire.frame_lost;
+    frame.channels.failsafe = wire.failsafe;
+    frame.channels.received = received;
+    frame.channels.origin = Origin::sbus;
+    raw_ = wire.raw;
+    footer_[0] = wire.footer;
+    slots_left_ = slots_follow(wire.footer) ? kSlotsPerFrame : 0;
+    // That this one stands in its place puts the one before it beyond doubt.
+    trusted_ = latest_;
+    std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
+    buffer_.drop(kSbusFrameLength);
+    frame_ready_ = false;
+    return frame;
+}
+
+void PlainSbusDecoder::damaged_byte() {
+    buffer_.append_damaged();
+    ++rejected_[kDamaged].count;
+}
+
+std::optional<DecodedFrame> PlainSbusDecoder::next(std::span<const std::uint8_t>& bytes,
+                                                   Instant received) {
+    while (true) {
+        bool stepped = false;
+        if (buffer_.size() > 0) {
+            switch (state_) {
+                case State::unlocked:
+                    stepped = step_unlocked();
+                    break;
+                case State::locked:
+                    stepped = step_locked();
+                    break;
+                case State::recovering:
+                    stepped = step_recovering();
+                    break;
+            }
+        }
+        if (frame_ready_) {
+            return take_frame(received);
+        }
+        if (!stepped) {
+            if (bytes.empty()) {
+                return std::nullopt;
+            }
+            buffer_.take(bytes, 1);
+        }
+    }
+}
+
+std::optional<DecodedFrame> PlainSbusDecoder::finish() {
+    const auto last_frame_at = [this](std::size_t start) {
+        return start + kSbusFrameLength <= buffer_.size() && judge(start) == Verdict::undecided;
+    };
+    std::size_t start = 0;
+    if (state_ == State::recovering) {
+        const auto* found = std::ranges::find_if(
+            kEnds, [&](std::size_t end) { return last_frame_at(after_slots(end)); });
+        start = found == kEnds.end() ? 0 : after_slots(*found);
+    }
+    while (start < buffer_.size() && !last_frame_at(start)) {
+        ++start;
+    }
+    if (start == buffer_.size()) {
+        return std::nullopt;
+    }
+    skip(start);
+    return take_frame(Instant{});
+}
+
+std::size_t PlainSbusEncoder::encode(const ChannelFrame& frame,
+                                     std::span<std::uint8_t, kLongestSerialFrame> wire) const {
+    SbusFrame out;
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        out.raw[channel] = scale_.encode(frame.channel_or(channel, kCentrePulse));
+    }
+    out.channel_17 = frame.channel_or(16, kSwitchOffPulse) > kCentrePulse;
+    out.channel_18 = frame.channel_or(17, kSwitchOffPulse) > kCentrePulse;
+    out.frame_lost = frame.frame_lost;
+    out.failsafe = frame.failsafe;
+    plain_emit_sbus(out, wire.first<kSbusFrameLength>());
+    return kSbusFrameLength;
+}
+
+}  // namespace tribus::reference

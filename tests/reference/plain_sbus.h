@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <span>
+
+#include "core/channel_frame.h"
+#include "tests/reference/plain_line_buffer.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus_scale.h"
+
+/// The plain form of the SBUS codec: tests compare the quick one with it.
+namespace tribus::reference {
+
+/// Reads 25 bytes without judging them.
+SbusFrame plain_parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire);
+/// Writes 25 bytes.
+void plain_emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength> wire);
+
+/// What SbusDecoder must do, byte by byte, with each step written out.
+class PlainSbusDecoder {
+  public:
+    explicit PlainSbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
+
+    std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes, Instant received);
+    void damaged_byte();
+    std::optional<DecodedFrame> finish();
+    std::span<const NamedCount> rejected() const { return rejected_; }
+    std::uint64_t skipped_bytes() const { return skipped_bytes_; }
+    std::span<const FrameDetail> details() const { return details_; }
+
+  private:
+    enum class State : std::uint8_t { unlocked, locked, recovering };
+    enum class Verdict : std::uint8_t { no, undecided, yes };
+    enum RejectCause : std::size_t { kFraming, kDamaged };
+
+    /// Where a bad frame may end, the likeliest first: one byte of it was lost (a UART overruns, it
+    /// does not invent), none, or one added; then, among slots, anywhere.
+    static constexpr std::array kEnds = [] {
+        std::array<std::size_t, kSbusFrameLength + 1> ends{kSbusFrameLength - 1, kSbusFrameLength,
+                                                           kSbusFrameLength + 1};
+        std::iota(ends.begin() + 3, ends.end(), std::size_t{1});
+        return ends;
+    }();
+    static constexpr std::size_t kSlotLength = 3;
+    static constexpr std::size_t kSlotsPerFrame = 8;
+    static constexpr std::size_t kSlotsLength = kSlotLength * kSlotsPerFrame;
+    /// A bad frame with one byte added, then a frame and a second one as proof, each with slots in
+    /// front; and room for a damaged byte.
+    static constexpr std::size_t kCapacity =
+        (kSbusFrameLength + 1) + 2 * (kSlotsLength + kSbusFrameLength) + 1;
+
+    bool well_formed(std::size_t start) const;
+    bool only_damaged(std::size_t start) const;
+    std::size_t after_slots(std::size_t start) const;
+    Verdict judge(std::size_t start) const;
+    int likeness(std::size_t start) const;
+
+    /// Each does one step and says whether it could; if not, more bytes are needed.
+    bool step_unlocked();
+    bool step_locked();
+    bool step_recovering();
+    void skip(std::size_t count);
+    void lock_onto(std::size_t start);
+    DecodedFrame take_frame(Instant received);
+
+    PlainLineBuffer<kCapacity> buffer_;
+    State state_ = State::unlocked;
+    bool frame_ready_ = false;
+    std::size_t slots_left_ = 0;
+    std::array<std::uint8_t, kSbusFrameLength> latest_{};
+    /// The frame before the latest: beyond doubt, for the latest stood in its place behind it.
+    std::array<std::uint8_t, kSbusFrameLength> trusted_{};
+    SbusScale scale_;
+    std::array<NamedCount, 2> rejected_{{{"framing"}, {"damaged"}}};
+    std::uint64_t skipped_bytes_ = 0;
+
+    std::array<std::uint16_t, kSbusChannels> raw_{};
+    std::array<std::uint16_t, 1> footer_{};
+    std::array<FrameDetail, 2> details_{{{"raw", raw_, true}, {"footer", footer_, false}}};
+};
+
+/// What SbusEncoder must do, channel by channel.
+class PlainSbusEncoder {
+  public:
+    explicit PlainSbusEncoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
+    std::size_t encode(const ChannelFrame& frame,
+                       std::span<std::uint8_t, kLongestSerialFrame> wire) const;
+
+  private:
+    SbusScale scale_;
+};
+
+}  // namespace tribus::reference

@@ -1,0 +1,177 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <ostream>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "tests/support/streams.h"
+#include "transports/codecs/codec.h"
+
+/// A decoder and its plain form over the same line: nothing that can be asked of them may differ.
+namespace tribus::reference {
+
+/// One byte of a line; its value counts only if the line did not damage it.
+struct LineByte {
+    std::uint8_t value = 0;
+    bool damaged = false;
+};
+
+inline std::vector<LineByte> on_a_line(std::span<const std::uint8_t> bytes) {
+    std::vector<LineByte> line;
+    for (const std::uint8_t byte : bytes) {
+        line.push_back({byte, false});
+    }
+    return line;
+}
+
+template <class Quick, class Plain>
+class SideBySide {
+  public:
+    template <class Option>
+    explicit SideBySide(Option option) : quick_(option), plain_(option) {}
+
+    /// One read of bytes that all came well.
+    void read(std::span<const std::uint8_t> bytes) {
+        const Instant received(Duration(++reads_));
+        std::span<const std::uint8_t> rest = bytes;
+        std::span<const std::uint8_t> plain_rest = bytes;
+        DecodedFrame frame = left_over();
+        while (quick_.next(rest, received, frame)) {
+            compare(frame, plain_.next(plain_rest, received));
+            frame = left_over();
+        }
+        if (plain_.next(plain_rest, received)) {
+            differs("a frame is missing");
+        }
+        if (!rest.empty()) {
+            differs("bytes are left");
+        }
+        compare_counts();
+    }
+
+    void damaged_byte() {
+        quick_.damaged_byte();
+        plain_.damaged_byte();
+    }
+
+    /// Cuts the line at `ends`, which ascend, and at damaged bytes.
+    void read(std::span<const LineByte> line, std::span<const std::size_t> ends) {
+        std::vector<std::uint8_t> piece;
+        std::size_t cut = 0;
+        for (std::size_t at = 0; at < line.size(); ++at) {
+            if (line[at].damaged) {
+                read(piece);
+                piece.clear();
+                damaged_byte();
+                read({});
+            } else {
+                piece.push_back(line[at].value);
+            }
+            while (cut < ends.size() && ends[cut] <= at) {
+                read(piece);
+                piece.clear();
+                ++cut;
+            }
+        }
+        read(piece);
+    }
+
+    void finish() {
+        for (int count = 0; count < 10; ++count) {
+            const auto frame = quick_.finish();
+            const auto plain = plain_.finish();
+            if (frame.has_value() != plain.has_value()) {
+                differs("one of them finishes a frame");
+            }
+            if (!frame || !plain) {
+                break;
+            }
+            compare(*frame, plain);
+        }
+        compare_counts();
+    }
+
+    /// Empty while they agree.
+    const std::string& difference() const { return difference_; }
+    std::size_t frames() const { return frames_; }
+
+  private:
+    /// What stands in the frame before must not come through.
+    static DecodedFrame left_over() {
+        DecodedFrame frame{.first_byte = 12345, .length = 7};
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            frame.channels.set(channel, Pulse::from_microseconds(777));
+        }
+        frame.channels.source = 3;
+        frame.channels.sequence = 99;
+        frame.channels.link_quality = 50;
+        return frame;
+    }
+
+    void differs(const std::string& how) {
+        if (difference_.empty()) {
+            difference_ = "read " + std::to_string(reads_) + ": " + how;
+        }
+    }
+
+    void compare(const DecodedFrame& frame, const std::optional<DecodedFrame>& plain) {
+        ++frames_;
+        if (!plain) {
+            differs("a frame too many at byte " + std::to_string(frame.first_byte));
+            return;
+        }
+        const ChannelFrame& a = frame.channels;
+        const ChannelFrame& b = plain->channels;
+        if (frame.first_byte != plain->first_byte || frame.length != plain->length) {
+            differs("frames at " + std::to_string(frame.first_byte) + " and " +
+                    std::to_string(plain->first_byte));
+        }
+        if (!a.same_content(b) || a.source != b.source || a.origin != b.origin ||
+            a.link_quality != b.link_quality || a.sequence != b.sequence ||
+            a.received != b.received) {
+            differs("other content at byte " + std::to_string(frame.first_byte));
+        }
+        const auto details = quick_.details();
+        const auto plain_details = plain_details_of(plain_);
+        for (std::size_t i = 0; i < details.size(); ++i) {
+            if (!std::ranges::equal(details[i].values, plain_details[i].values)) {
+                differs("other details at byte " + std::to_string(frame.first_byte));
+            }
+        }
+    }
+
+    static std::span<const FrameDetail> plain_details_of(const Plain& plain) {
+        if constexpr (requires { plain.details(); }) {
+            return plain.details();
+        }
+        return {};
+    }
+
+    void compare_counts() {
+        if (quick_.skipped_bytes() != plain_.skipped_bytes()) {
+            differs(std::to_string(quick_.skipped_bytes()) + " bytes skipped and not " +
+                    std::to_string(plain_.skipped_bytes()));
+        }
+        const auto counts = quick_.rejected();
+        const auto plain_counts = plain_.rejected();
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            if (counts[i].count != plain_counts[i].count) {
+                differs(std::string(counts[i].name) + " counted " +
+                        std::to_string(counts[i].count) + " times and not " +
+                        std::to_string(plain_counts[i].count));
+            }
+        }
+    }
+
+    Quick quick_;
+    Plain plain_;
+    std::int64_t reads_ = 0;
+    std::size_t frames_ = 0;
+    std::string difference_;
+};
+
+}  // namespace tribus::reference

@@ -1,0 +1,336 @@
+#include <array>
+#include <numeric>
+
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/ibus_wire.h"
+
+namespace tribus {
+
+using namespace ibus_wire;
+
+namespace {
+
+constexpr std::uint8_t kIa6Header = 0x55;
+constexpr std::size_t kIa6Length = 31;
+constexpr std::size_t kIa6SlotsAt = 1;
+
+// i-BUS2 (AFHDS 3, another protocol): the two low bits of the first byte are the packet type, 0
+// for channels, the next four its subtype (0 to 2 in use); then the length; a CRC-8 with
+// polynomial 0x25 and start value 0xFF ends it. Facts: ArduPilot AP_IBus2, from FlySky's document
+// V2.4 and captures of a FTr8B (the start value; Betaflight has 0, which the captures refute).
+constexpr std::uint8_t kIbus2TypeMask = 0x03;
+constexpr unsigned kIbus2SubtypeShift = 2;
+constexpr std::uint8_t kIbus2SubtypeMask = 0x0F;
+constexpr std::uint8_t kIbus2LastSubtype = 2;
+constexpr std::size_t kIbus2Shortest = 8;
+constexpr std::size_t kIbus2Longest = 37;
+constexpr std::uint8_t kIbus2Polynomial = 0x25;
+constexpr std::uint8_t kIbus2CrcStart = 0xFF;
+
+static_assert(kIa6SlotsAt + 2 * kSlotCount + kChecksumBytes == kIa6Length);
+
+std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t position) {
+    return static_cast<std::uint16_t>(bytes[position] | bytes[position + 1] << 8);
+}
+
+/// Of at most 32 bytes.
+unsigned sum_of(std::span<const std::uint8_t> bytes) {
+    std::uint64_t words = 0;
+    for (; bytes.size() >= kGroupBytes; bytes = bytes.subspan(kGroupBytes)) {
+        words += sum_by_words(load_word(bytes.data()));
+    }
+    return std::accumulate(bytes.begin(), bytes.end(), total(words));
+}
+
+/// 0xFFFF less each byte before the checksum (1.2).
+std::uint16_t servo_checksum(std::span<const std::uint8_t> body) {
+    return static_cast<std::uint16_t>(0xFFFF - sum_of(body));
+}
+
+/// A whole frame of 32 bytes, whose checksum is the upper half of its last group.
+bool long_frame_holds(std::span<const std::uint8_t, kLongestFrame> wire) {
+    std::uint64_t words = 0;
+    for (std::size_t at = 0; at < kLongestFrame - kGroupBytes; at += kGroupBytes) {
+        words += sum_by_words(load_word(&wire[at]));
+    }
+    const std::uint64_t last = load_word(&wire[kLongestFrame - kGroupBytes]);
+    words += sum_by_words(last & 0x0000FFFF'FFFFFFFF);
+    return total(words) + (last >> 48U) == 0xFFFF;
+}
+
+/// The sum of the 14 words, without the header (1.6). Words beyond 12 bits are no channel: the
+/// plain sum is weak, and this keeps noise out.
+bool ia6_holds(std::span<const std::uint8_t> frame) {
+    unsigned sum = 0;
+    for (std::size_t slot = 0; slot < kSlotCount; ++slot) {
+        const std::uint16_t word = word_at(frame, kIa6SlotsAt + 2 * slot);
+        if (word > kChannelMask) {
+            return false;
+        }
+        sum += word;
+    }
+    return (sum & 0xFFFFU) == word_at(frame, kIa6Length - kChecksumBytes);
+}
+
+/// What a byte does to the CRC of i-BUS2 when so many more bytes follow it as the index says.
+using CrcTables = std::array<std::array<std::uint8_t, 256>, 4>;
+constexpr CrcTables kIbus2Crc = [] {
+    CrcTables tables{};
+    for (unsigned byte = 0; byte < 256; ++byte) {
+        unsigned crc = byte;
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = crc << 1U ^ ((crc & 0x80U) != 0 ? kIbus2Polynomial : 0U);
+        }
+        tables[0][byte] = static_cast<std::uint8_t>(crc);
+    }
+    for (std::size_t behind = 1; behind < tables.size(); ++behind) {
+        for (std::size_t byte = 0; byte < 256; ++byte) {
+            tables[behind][byte] = tables[0][tables[behind - 1][byte]];
+        }
+    }
+    return tables;
+}();
+
+bool ibus2_holds(std::span<const std::uint8_t> frame) {
+    std::uint8_t crc = kIbus2CrcStart;
+    auto rest = frame.first(frame.size() - 1);
+    for (; rest.size() >= kIbus2Crc.size(); rest = rest.subspan(kIbus2Crc.size())) {
+        crc = kIbus2Crc[3][crc ^ rest[0]] ^ kIbus2Crc[2][rest[1]] ^ kIbus2Crc[1][rest[2]] ^
+              kIbus2Crc[0][rest[3]];
+    }
+    for (const std::uint8_t byte : rest) {
+        crc = kIbus2Crc[0][crc ^ byte];
+    }
+    return crc == frame.back();
+}
+
+bool is_servo_length(std::uint8_t first) {
+    return first >= kShortestFrame && first <= kLongestFrame && first % 2 == 0;
+}
+
+bool may_be_ibus2(std::uint8_t first) {
+    return (first & kIbus2TypeMask) == 0 &&
+           ((first >> kIbus2SubtypeShift) & kIbus2SubtypeMask) <= kIbus2LastSubtype;
+}
+
+void put_slots(ChannelFrame& channels, std::span<const std::uint8_t> slots, std::uint16_t mask) {
+    for (std::size_t slot = 0; 2 * slot < slots.size(); ++slot) {
+        channels.set(slot, Pulse::from_microseconds(word_at(slots, 2 * slot) & mask));
+    }
+}
+
+/// All 14 slots, 12 bits each.
+inline void put_all_slots(ChannelFrame& channels, const std::uint8_t* slots) {
+    constexpr std::uint64_t kChannelMasks = kChannelMask * kEachWord;
+    std::array<std::uint64_t, kGroupsPerFrame> groups{load_word(slots), load_word(slots + 8),
+                                                      load_word(slots + 16),
+                                                      load_word(slots + 20) >> 32U};
+    for (std::uint64_t& group : groups) {
+        group = (group & kChannelMasks) << 3U;  // microseconds to eighths
+    }
+    const auto numbers = from_words(groups);
+    std::array<std::int16_t, numbers.size()> eighths;
+    for (std::size_t slot = 0; slot < eighths.size(); ++slot) {
+        eighths[slot] = static_cast<std::int16_t>(numbers[slot]);
+    }
+    channels.set_first<kSlotCount>(eighths);
+}
+
+/// The three nibbles of a channel stand on top of three slots, the lowest first. The factor brings
+/// each to its place in one number.
+void put_nibble_channels(ChannelFrame& channels, const std::uint8_t* slots) {
+    constexpr std::uint64_t kTogether = 1ULL << 36U | 1ULL << 24U | 1ULL << 12U;
+    constexpr std::uint64_t kThreeNibbles = kNibbles & 0x0000FFFF'FFFFFFFF;
+    for (std::size_t extra = 0; extra < kNibbleChannels; ++extra) {
+        const std::uint64_t three = load_word(slots + 2 * kNibblesPerChannel * extra);
+        const std::uint64_t value = ((three & kThreeNibbles) * kTogether) >> 48U;
+        if (value != 0) {
+            channels.set(kSlotCount + extra,
+                         Pulse::from_eighths(static_cast<std::int16_t>(value * 8)));
+        }
+    }
+}
+
+}  // namespace
+
+inline bool IbusDecoder::may_begin(std::uint8_t first) const {
+    return first == kIa6Header || is_servo_length(first) || (!frame_seen_ && may_be_ibus2(first));
+}
+
+inline IbusDecoder::Candidate IbusDecoder::candidate() const {
+    if (buffer_.damaged(0)) {
+        return {};
+    }
+    const std::uint8_t first = buffer_[0];
+    if (first == kIa6Header) {
+        return {Kind::ia6, kIa6Length};
+    }
+    const bool servo_length = is_servo_length(first);
+    // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
+    // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
+    const bool maybe_ibus2 = !frame_seen_ && may_be_ibus2(first);
+    if (!servo_length && !maybe_ibus2) {
+        return {};
+    }
+    if (buffer_.size() < 2) {
+        return {Kind::undecided, 2};
+    }
+    const std::uint8_t second = buffer_[1];
+    if (servo_length &&
+        (second == kServoCommand || (first == kLongestFrame && second == kBetaflightTestCommand))) {
+        return {Kind::servo, first};
+    }
+    if (maybe_ibus2 && second >= kIbus2Shortest && second <= kIbus2Longest) {
+        return {Kind::ibus2, second};
+    }
+    return {};
+}
+
+inline bool IbusDecoder::checksum_holds(const Candidate& candidate) const {
+    const auto frame = buffer_.view(0, candidate.length);
+    switch (candidate.kind) {
+        case Kind::servo: {
+            const std::size_t body = candidate.length - kChecksumBytes;
+            return servo_checksum(frame.first(body)) == word_at(frame, body);
+        }
+        case Kind::ia6:
+            return ia6_holds(frame);
+        case Kind::ibus2:
+            return ibus2_holds(frame);
+        case Kind::noise:
+        case Kind::undecided:
+            break;
+    }
+    return false;
+}
+
+inline void IbusDecoder::skip(std::size_t count) {
+    buffer_.drop(count);
+    skipped_bytes_ += count;
+}
+
+inline void IbusDecoder::judge_bad(const Candidate& candidate) {
+    if (candidate.kind == Kind::servo && !buffer_.damaged(0, candidate.length)) {
+        ++rejected_[kChecksum].count;
+    }
+    skip(1);
+}
+
+inline void IbusDecoder::read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at,
+                                    Instant received, DecodedFrame& frame) {
+    frame = {.first_byte = buffer_.first_position(), .length = wire.size()};
+    frame.channels.frame_lost = false;
+    frame.channels.failsafe = false;
+    frame.channels.received = received;
+    frame.channels.origin = Origin::ibus;
+    const auto slots = wire.subspan(slots_at, wire.size() - slots_at - kChecksumBytes);
+    if (slots_ == IbusSlots::plain) {
+        put_slots(frame.channels, slots, 0xFFFF);
+    } else if (wire.size() == kLongestFrame) {
+        put_all_slots(frame.channels, slots.data());
+        put_nibble_channels(frame.channels, slots.data());
+    } else {
+        put_slots(frame.channels, slots, kChannelMask);
+    }
+    frame_seen_ = true;
+}
+
+void IbusDecoder::damaged_byte() {
+    buffer_.append_damaged();
+    ++rejected_[kDamaged].count;
+}
+
+inline IbusDecoder::Candidate IbusDecoder::find_frame() {
+    while (buffer_.see(1)) {
+        const Candidate found = candidate();
+        if (found.kind == Kind::noise) {
+            skip(1);
+            continue;
+        }
+        if (!buffer_.see(found.length)) {
+            break;
+        }
+        if (found.kind == Kind::undecided) {
+            continue;
+        }
+        if (buffer_.damaged(0, found.length) || !checksum_holds(found)) {
+            judge_bad(found);
+        } else if (found.kind == Kind::ibus2) {
+            ++rejected_[kIbus2].count;
+            skip(found.length);
+        } else {
+            return found;
+        }
+    }
+    return {};
+}
+
+bool IbusDecoder::decode(std::span<const std::uint8_t>& bytes, Instant received,
+                         DecodedFrame& frame) {
+    // What usually comes is a frame in its place, in one read; the rest comes to the same.
+    if (buffer_.size() == 0 && bytes.size() >= kLongestFrame) {
+        const auto wire = bytes.first<kLongestFrame>();
+        if (wire[0] == kLongestFrame && wire[1] == kServoCommand && long_frame_holds(wire)) {
+            read_frame(wire, kSlotsAt, received, frame);
+            buffer_.pass(kLongestFrame);
+            bytes = bytes.subspan(kLongestFrame);
+            return true;
+        }
+    }
+    if (buffer_.size() == 0) {
+        pass_noise(bytes);
+        if (bytes.empty()) {
+            return false;
+        }
+    }
+    return decode_pieces(bytes, received, frame);
+}
+
+/// What shows by its first byte that no frame begins here.
+inline void IbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
+    std::size_t noise = 0;
+    while (noise < bytes.size() && !may_begin(bytes[noise])) {
+        ++noise;
+    }
+    bytes = bytes.subspan(noise);
+    buffer_.pass(noise);
+    skipped_bytes_ += noise;
+}
+
+/// A frame in its place, in several reads. Not inline: the usual case needs no registers saved.
+[[gnu::noinline]] bool IbusDecoder::decode_pieces(std::span<const std::uint8_t>& bytes,
+                                                  Instant received, DecodedFrame& frame) {
+    if (!buffer_.any_damaged() && buffer_.peek(0, bytes) == kLongestFrame) {
+        if (!buffer_.reaches(kSlotsAt, bytes)) {
+            return false;
+        }
+        if (buffer_.peek(1, bytes) == kServoCommand) {
+            if (!buffer_.reaches(kLongestFrame, bytes)) {
+                return false;
+            }
+            const std::span<const std::uint8_t, kLongestFrame> wire(
+                buffer_.whole(kLongestFrame, bytes), kLongestFrame);
+            if (long_frame_holds(wire)) {
+                read_frame(wire, kSlotsAt, received, frame);
+                buffer_.pass(kLongestFrame, bytes);
+                return true;
+            }
+        }
+    }
+    return search(bytes, received, frame);
+}
+
+bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, Instant received,
+                         DecodedFrame& frame) {
+    buffer_.open(bytes);
+    const Candidate found = find_frame();
+    if (found.length != 0) {
+        read_frame(buffer_.view(0, found.length), found.kind == Kind::ia6 ? kIa6SlotsAt : kSlotsAt,
+                   received, frame);
+        buffer_.drop(found.length);
+    }
+    bytes = buffer_.close();
+    return found.length != 0;
+}
+
+}  // namespace tribus

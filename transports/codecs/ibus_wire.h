@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/channel_frame.h"
+#include "transports/codecs/wire_words.h"
+
+/// Where things stand in an i.Bus frame; for its decoder and encoder only.
+namespace tribus::ibus_wire {
+
+inline constexpr std::size_t kSlotCount = 14;
+inline constexpr std::size_t kSlotsAt = 2;
+inline constexpr std::size_t kChecksumBytes = 2;
+inline constexpr std::size_t kShortestFrame = 6;
+inline constexpr std::size_t kLongestFrame = 32;
+inline constexpr std::uint8_t kServoCommand = 0x40;
+inline constexpr std::uint8_t kBetaflightTestCommand = 0x00;
+inline constexpr std::uint16_t kChannelMask = 0x0FFF;
+inline constexpr unsigned kNibbleShift = 12;
+inline constexpr std::size_t kNibblesPerChannel = 3;
+inline constexpr std::size_t kNibbleChannels = kChannelCount - kSlotCount;
+
+static_assert(kSlotsAt + 2 * kSlotCount + kChecksumBytes == kLongestFrame);
+static_assert(kNibbleChannels * kNibblesPerChannel <= kSlotCount);
+
+// Four words of 16 bits side by side.
+inline constexpr std::size_t kWordsPerGroup = 4;
+inline constexpr std::size_t kGroupsPerFrame = (kSlotCount + kWordsPerGroup - 1) / kWordsPerGroup;
+inline constexpr std::size_t kGroupBytes = sizeof(std::uint64_t);
+inline constexpr std::uint64_t kLowBytes = 0x00FF00FF'00FF00FF;
+inline constexpr std::uint64_t kEachWord = 0x00010001'00010001;
+inline constexpr std::uint64_t kNibbles = 0xF000F000'F000F000;
+
+inline std::uint64_t sum_by_words(std::uint64_t bytes) {
+    return (bytes & kLowBytes) + ((bytes >> 8U) & kLowBytes);
+}
+/// The four words added up; fewer than 2^16.
+inline unsigned total(std::uint64_t words) {
+    return static_cast<unsigned>((words * kEachWord) >> 48U);
+}
+
+}  // namespace tribus::ibus_wire

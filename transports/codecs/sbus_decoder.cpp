@@ -1,0 +1,360 @@
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <functional>
+#include <numeric>
+
+#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus_wire.h"
+
+namespace tribus {
+
+using namespace sbus_wire;
+
+namespace {
+
+bool flags_allowed(std::uint8_t flags) {
+    return (flags & kFlagsUnused) == 0;
+}
+
+/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (3.3).
+bool footer_allowed(std::uint8_t footer) {
+    const unsigned low = footer & 0x0FU;
+    return low == 0x0 || low == 0x4 || low == 0x8;
+}
+bool slots_follow(std::uint8_t footer) {
+    return (footer & 0x0FU) != 0;
+}
+
+/// The 32 slot ids: a five-bit number, then 011 (3.3).
+bool is_slot_id(std::uint8_t byte) {
+    return (byte & 0x07U) == 0x03;
+}
+
+bool well_formed_wire(std::span<const std::uint8_t, kSbusFrameLength> wire) {
+    return wire[0] == kHeader && flags_allowed(wire[kFlagsAt]) && footer_allowed(wire[kFooterAt]);
+}
+
+/// Of channels 17 and 18, by their two flags.
+constexpr std::array<std::array<Pulse, 2>, 4> kSwitchPulses{{{kSwitchOffPulse, kSwitchOffPulse},
+                                                             {kSwitchOnPulse, kSwitchOffPulse},
+                                                             {kSwitchOffPulse, kSwitchOnPulse},
+                                                             {kSwitchOnPulse, kSwitchOnPulse}}};
+
+}  // namespace
+
+inline bool SbusDecoder::well_formed(std::size_t start) const {
+    return well_formed_wire(buffer_.view(start, kSbusFrameLength).first<kSbusFrameLength>()) &&
+           !buffer_.damaged(start, kSbusFrameLength);
+}
+
+/// All that is legible agrees that a frame stands here, so the next one follows in its place. Where
+/// a slot may stand as well, an illegible header proves nothing.
+bool SbusDecoder::only_damaged(std::size_t start) const {
+    const auto fits = [&](std::size_t offset, bool right) {
+        return buffer_.damaged(start + offset) || right;
+    };
+    return buffer_.damaged(start, kSbusFrameLength) &&
+           !(slots_left_ > 0 && buffer_.damaged(start)) && fits(0, buffer_[start] == kHeader) &&
+           fits(kFlagsAt, flags_allowed(buffer_[start + kFlagsAt])) &&
+           fits(kFooterAt, footer_allowed(buffer_[start + kFooterAt]));
+}
+
+std::size_t SbusDecoder::after_slots(std::size_t start) const {
+    std::size_t position = start;
+    while (position < buffer_.size() && position < start + kSlotsLength &&
+           is_slot_id(buffer_[position]) && !buffer_.damaged(position)) {
+        position += kSlotLength;
+    }
+    return position;
+}
+
+inline SbusDecoder::Judgement SbusDecoder::judge(std::size_t start) const {
+    const std::size_t size = buffer_.size();
+    const auto no_header = [&](std::size_t position) {
+        return position < size && (buffer_[position] != kHeader || buffer_.damaged(position));
+    };
+    const auto wanted = [&](std::size_t frame) {
+        return frame < size ? frame + kSbusFrameLength : frame + 1;
+    };
+    if (no_header(start)) {
+        return {Verdict::no};
+    }
+    if (size < start + kSbusFrameLength) {
+        return {Verdict::undecided, wanted(start)};
+    }
+    if (!well_formed(start)) {
+        return {Verdict::no};
+    }
+    std::size_t behind = start + kSbusFrameLength;
+    if (slots_follow(buffer_[start + kFooterAt])) {
+        behind = after_slots(behind);
+    }
+    if (no_header(behind)) {
+        return {Verdict::no};
+    }
+    if (size < behind + kSbusFrameLength) {
+        return {Verdict::undecided, wanted(behind)};
+    }
+    return {well_formed(behind) ? Verdict::yes : Verdict::no};
+}
+
+inline void SbusDecoder::skip(std::size_t count) {
+    buffer_.drop(count);
+    skipped_bytes_ += count;
+}
+
+inline SbusDecoder::Step SbusDecoder::step_unlocked() {
+    const Judgement here = judge(0);
+    switch (here.verdict) {
+        case Verdict::no:
+            skip(1);
+            return Step::again;
+        case Verdict::undecided:
+            return buffer_.see(here.wanted) ? Step::again : Step::wait;
+        case Verdict::yes:
+            break;
+    }
+    lock_onto(0);
+    return Step::frame;
+}
+
+inline SbusDecoder::Step SbusDecoder::step_locked() {
+    if (slots_left_ > 0 && is_slot_id(buffer_[0]) && !buffer_.damaged(0)) {
+        if (!buffer_.see(kSlotLength)) {
+            return Step::wait;
+        }
+        buffer_.drop(kSlotLength);
+        --slots_left_;
+        return Step::again;
+    }
+    const bool may_be_frame = buffer_[0] == kHeader || buffer_.damaged(0);
+    if (may_be_frame && !buffer_.see(kSbusFrameLength)) {
+        return Step::wait;
+    }
+    if (may_be_frame && well_formed(0)) {
+        return Step::frame;
+    }
+    if (may_be_frame && only_damaged(0)) {
+        skip(kSbusFrameLength);
+        // Its footer may be illegible: whether slots follow is unknown, so they are let pass.
+        slots_left_ = kSlotsPerFrame;
+    } else {
+        ++rejected_[kFraming].count;
+        state_ = State::recovering;
+        search_ = {};
+    }
+    return Step::again;
+}
+
+/// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last
+/// one that is beyond doubt.
+int SbusDecoder::likeness(std::size_t start) const {
+    const auto bytes = buffer_.view(start, kFooterAt);
+    return std::inner_product(bytes.begin(), bytes.end(), trusted_.begin(), 0, std::plus<>{},
+                              std::equal_to<>{});
+}
+
+SbusDecoder::Step SbusDecoder::step_recovering() {
+    if (slots_follow(latest_[kFooterAt]) || slots_follow(trusted_[kFooterAt])) {
+        return step_recovering_among_slots();
+    }
+    constexpr std::size_t kOneByteMoreOrLess = 3;
+    std::optional<std::size_t> wanted;
+    for (const std::size_t end : std::span(kEnds).first<kOneByteMoreOrLess>()) {
+        const std::size_t start = after_slots(end);
+        const Judgement there = judge(start);
+        if (there.verdict == Verdict::yes) {
+            lock_onto(start);
+            return Step::frame;
+        }
+        if (there.verdict == Verdict::undecided) {
+            wanted = std::min(wanted.value_or(there.wanted), there.wanted);
+        }
+    }
+    if (wanted) {
+        return buffer_.see(*wanted) ? Step::again : Step::wait;
+    }
+    give_up_recovering();
+    return Step::again;
+}
+
+/// With slots around, the fault may as well have hit them, or the frame in front of them, so the
+/// next frame may stand anywhere. Sticks that move hardly feign a frame twice; if they stand still,
+/// the true frame is the one most like the last.
+SbusDecoder::Step SbusDecoder::step_recovering_among_slots() {
+    constexpr int kSticksStandStill = 20;
+    for (; search_.judged < kEnds.size(); ++search_.judged) {
+        const std::size_t start = after_slots(kEnds[search_.judged]);
+        const Judgement there = judge(start);
+        if (there.verdict == Verdict::undecided) {
+            return buffer_.see(there.wanted) ? Step::again : Step::wait;
+        }
+        if (there.verdict == Verdict::no) {
+            continue;
+        }
+        const int now = likeness(start);
+        if (!search_.found || (now >= kSticksStandStill && now > search_.found_likeness)) {
+            search_.found = start;
+            search_.found_likeness = now;
+        }
+    }
+    if (search_.found) {
+        lock_onto(*search_.found);
+        return Step::frame;
+    }
+    give_up_recovering();
+    return Step::again;
+}
+
+void SbusDecoder::give_up_recovering() {
+    skip(1);
+    state_ = State::unlocked;
+}
+
+/// A frame with another behind it stands at `start`.
+void SbusDecoder::lock_onto(std::size_t start) {
+    skip(start);
+    std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
+    state_ = State::locked;
+}
+
+inline void SbusDecoder::read_frame(Wire wire, Instant received, DecodedFrame& frame) {
+    const std::uint8_t flags = wire[kFlagsAt];
+    const std::uint8_t footer = wire[kFooterAt];
+    const auto& switches = kSwitchPulses[flags & (kChannel17Flag | kChannel18Flag)];
+    const SbusRaw raw = unpack(wire);
+    raw_ = raw;
+    footer_[0] = footer;
+    slots_left_ = slots_follow(footer) ? kSlotsPerFrame : 0;
+    // That this one stands in its place puts the one before it beyond doubt.
+    trusted_ = latest_;
+    std::memcpy(latest_.data(), wire.data(), wire.size());
+
+    frame = {.first_byte = buffer_.first_position(), .length = kSbusFrameLength};
+    ChannelFrame& channels = frame.channels;
+    channels.frame_lost = (flags & kFrameLostFlag) != 0;
+    channels.failsafe = (flags & kFailsafeFlag) != 0;
+    channels.received = received;
+    channels.origin = Origin::sbus;
+    channels.set(16, switches[0]);
+    channels.set(17, switches[1]);
+    if (scale_.whole_steps()) {
+        scale_.decode_whole(raw, channels);
+    } else {
+        scale_.decode_each(raw_, channels);
+    }
+}
+
+void SbusDecoder::damaged_byte() {
+    buffer_.append_damaged();
+    ++rejected_[kDamaged].count;
+}
+
+inline SbusDecoder::Step SbusDecoder::step() {
+    if (!buffer_.see(1)) {
+        return Step::wait;
+    }
+    switch (state_) {
+        case State::unlocked:
+            return step_unlocked();
+        case State::locked:
+            return step_locked();
+        case State::recovering:
+            break;
+    }
+    return step_recovering();
+}
+
+bool SbusDecoder::decode(std::span<const std::uint8_t>& bytes, Instant received,
+                         DecodedFrame& frame) {
+    // What usually comes is a frame in its place, in one read; the rest comes to the same.
+    if (state_ == State::locked && buffer_.size() == 0 && bytes.size() >= kSbusFrameLength) {
+        const Wire wire = bytes.first<kSbusFrameLength>();
+        if (well_formed_wire(wire)) {
+            bytes = bytes.subspan(kSbusFrameLength);
+            read_frame(wire, received, frame);
+            buffer_.pass(kSbusFrameLength);
+            return true;
+        }
+    }
+    if (state_ == State::unlocked && buffer_.size() == 0) {
+        pass_noise(bytes);
+        if (bytes.empty()) {
+            return false;
+        }
+    }
+    return decode_pieces(bytes, received, frame);
+}
+
+/// What stands in front of the first header.
+inline void SbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
+    std::size_t noise = 0;
+    while (noise < bytes.size() && bytes[noise] != kHeader) {
+        ++noise;
+    }
+    bytes = bytes.subspan(noise);
+    buffer_.pass(noise);
+    skipped_bytes_ += noise;
+}
+
+/// A frame in its place, in several reads. Not inline: the usual case needs no registers saved.
+[[gnu::noinline]] bool SbusDecoder::decode_pieces(std::span<const std::uint8_t>& bytes,
+                                                  Instant received, DecodedFrame& frame) {
+    if (state_ == State::locked && !buffer_.any_damaged() && buffer_.peek(0, bytes) == kHeader) {
+        if (!buffer_.reaches(kSbusFrameLength, bytes)) {
+            return false;
+        }
+        const Wire wire(buffer_.whole(kSbusFrameLength, bytes), kSbusFrameLength);
+        if (well_formed_wire(wire)) {
+            read_frame(wire, received, frame);
+            buffer_.pass(kSbusFrameLength, bytes);
+            return true;
+        }
+    }
+    return decode_in_steps(bytes, received, frame);
+}
+
+bool SbusDecoder::decode_in_steps(std::span<const std::uint8_t>& bytes, Instant received,
+                                  DecodedFrame& frame) {
+    buffer_.open(bytes);
+    Step stepped = Step::again;
+    while (stepped == Step::again) {
+        stepped = step();
+    }
+    if (stepped == Step::frame) {
+        read_frame(front(), received, frame);
+        buffer_.drop(kSbusFrameLength);
+    }
+    bytes = buffer_.close();
+    return stepped == Step::frame;
+}
+
+std::optional<DecodedFrame> SbusDecoder::finish() {
+    buffer_.open({});
+    const auto last_frame_at = [this](std::size_t start) {
+        return start + kSbusFrameLength <= buffer_.size() &&
+               judge(start).verdict == Verdict::undecided;
+    };
+    std::size_t start = 0;
+    if (state_ == State::recovering) {
+        const auto* found = std::ranges::find_if(
+            kEnds, [&](std::size_t end) { return last_frame_at(after_slots(end)); });
+        start = found == kEnds.end() ? 0 : after_slots(*found);
+    }
+    while (start < buffer_.size() && !last_frame_at(start)) {
+        ++start;
+    }
+    if (start == buffer_.size()) {
+        buffer_.close();
+        return std::nullopt;
+    }
+    skip(start);
+    DecodedFrame frame;
+    read_frame(front(), Instant{}, frame);
+    buffer_.drop(kSbusFrameLength);
+    buffer_.close();
+    return frame;
+}
+
+}  // namespace tribus
