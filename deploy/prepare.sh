@@ -9,6 +9,8 @@ build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-de
 # And those that its tests need.
 test_packages="libgtest-dev librapidcheck-dev python3 python3-canmatrix python3-jsonschema sigrok-cli
     tshark"
+# What counts instructions (tests/bench), on this processor and on an emulated one.
+bench_packages="g++-aarch64-linux-gnu qemu-user valgrind"
 # The laboratory (tests/lab): an emulator, and what its guests run from the host's files.
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
 # Its full tier builds kernel modules.

@@ -6,7 +6,7 @@
 cd "$(dirname "$0")/.."
 . deploy/prepare.sh
 # shellcheck disable=SC2086 # lists of words
-install_packages $build_packages $test_packages
+install_packages $build_packages $test_packages $bench_packages
 build ON all
 tier=${TRIBUS_LAB:-fast}
 tests/lab/prepare.sh "$tier" build/lab ||

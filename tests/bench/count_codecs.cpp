@@ -1,0 +1,229 @@
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "transports/codecs/codec.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+
+/// count_codecs WORKLOAD UNITS PREPARED [PATTERN]
+///
+/// Works through UNITS of the PREPARED units, which are made before that: the difference between
+/// two runs with other UNITS is nothing but the work. Prints nothing, for that would count as well.
+/// A unit is a frame, or kGarbageBlock bytes of garbage. PATTERN is repeated hexadecimal digits
+/// ("2040"), with "!!" for a byte that the line damaged, or "random".
+namespace tribus {
+namespace {
+
+constexpr std::size_t kGarbageBlock = 32;
+/// As much as the engine reads at once.
+constexpr std::size_t kLargestRead = 256;
+constexpr std::size_t kIbusLength = 32;
+constexpr std::size_t kIbusBody = 30;
+
+struct Work {
+    std::string_view workload;
+    std::size_t units = 0;
+    std::size_t prepared = 0;
+    std::string_view pattern;
+
+    bool about(std::string_view word) const { return workload.find(word) != workload.npos; }
+};
+
+/// What is computed goes here, so that no compiler leaves the computing out.
+volatile std::uint64_t sink = 0;
+
+class Random {
+  public:
+    std::uint32_t operator()() {
+        state_ = state_ * 1664525U + 1013904223U;
+        return state_ >> 8U;
+    }
+
+  private:
+    std::uint32_t state_ = 1;
+};
+
+std::vector<std::uint8_t> sbus_frames(std::size_t count) {
+    Random random;
+    std::vector<std::uint8_t> bytes(count * kSbusFrameLength);
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+        bytes[at] = static_cast<std::uint8_t>(random());
+        switch (at % kSbusFrameLength) {
+            case 0:
+                bytes[at] = 0x0F;
+                break;
+            case kSbusFrameLength - 2:
+                bytes[at] &= 0x03U;
+                break;
+            case kSbusFrameLength - 1:
+                bytes[at] = 0x00;
+                break;
+            default:
+                break;
+        }
+    }
+    return bytes;
+}
+
+/// 18 channels, none absent: a high nibble in every third of the slots stands for 988 us at least.
+std::vector<std::uint8_t> ibus_frames(std::size_t count) {
+    Random random;
+    std::vector<std::uint8_t> bytes(count * kIbusLength);
+    for (std::size_t start = 0; start < bytes.size(); start += kIbusLength) {
+        bytes[start] = kIbusLength;
+        bytes[start + 1] = 0x40;
+        unsigned checksum = 0xFFFF - kIbusLength - 0x40;
+        for (std::size_t at = start + 2; at < start + kIbusBody; ++at) {
+            bytes[at] = static_cast<std::uint8_t>((random() & 0xFFU) | 0x10U);
+            checksum -= bytes[at];
+        }
+        bytes[start + kIbusBody] = static_cast<std::uint8_t>(checksum);
+        bytes[start + kIbusBody + 1] = static_cast<std::uint8_t>(checksum >> 8U);
+    }
+    return bytes;
+}
+
+std::vector<ChannelFrame> channel_frames(std::size_t count) {
+    Random random;
+    std::vector<ChannelFrame> frames(count);
+    for (ChannelFrame& frame : frames) {
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            frame.set(channel, Pulse::from_eighths(988 * 8 + (random() & 0x1FFFU)));
+        }
+        frame.frame_lost = false;
+        frame.failsafe = false;
+    }
+    return frames;
+}
+
+struct WireByte {
+    std::uint8_t value = 0;
+    bool damaged = false;
+};
+
+std::vector<WireByte> read_pattern(std::string_view text) {
+    std::vector<WireByte> pattern;
+    for (std::size_t at = 0; at + 1 < text.size(); at += 2) {
+        const std::array<char, 3> digits{text[at], text[at + 1], '\0'};
+        const bool damaged = text[at] == '!';
+        pattern.push_back(
+            {static_cast<std::uint8_t>(std::strtoul(digits.data(), nullptr, 16)), damaged});
+    }
+    return pattern;
+}
+
+void take_frames(Decoder& decoder, std::span<const std::uint8_t> bytes, DecodedFrame& frame) {
+    const Instant received{};
+    while (decoder.next(bytes, received, frame)) {
+        sink = frame.first_byte;
+    }
+}
+
+void decode_frames(const Work& work, Decoder& decoder, std::span<const std::uint8_t> bytes,
+                   std::size_t length) {
+    const auto stream = bytes.first(work.units * length);
+    DecodedFrame frame;
+    if (work.about("bytes")) {
+        for (const std::uint8_t& byte : stream) {
+            take_frames(decoder, {&byte, 1}, frame);
+        }
+        return;
+    }
+    for (std::size_t at = 0; at < stream.size(); at += length) {
+        take_frames(decoder, stream.subspan(at, length), frame);
+    }
+}
+
+void decode_garbage(const Work& work, Decoder& decoder) {
+    std::vector<WireByte> pattern = read_pattern(work.pattern);
+    Random random;
+    if (work.pattern == "random") {
+        pattern.resize(work.prepared * kGarbageBlock);
+        for (WireByte& byte : pattern) {
+            byte.value = static_cast<std::uint8_t>(random());
+        }
+    }
+    std::vector<std::uint8_t> bytes(work.prepared * kGarbageBlock);
+    std::vector<std::uint32_t> damaged;
+    for (std::size_t at = 0; at < bytes.size(); ++at) {
+        bytes[at] = pattern[at % pattern.size()].value;
+        if (pattern[at % pattern.size()].damaged) {
+            damaged.push_back(static_cast<std::uint32_t>(at));
+        }
+    }
+    damaged.push_back(static_cast<std::uint32_t>(bytes.size()));
+    const std::size_t piece = work.about("bytes") ? 1 : kLargestRead;
+    const std::size_t end = work.units * kGarbageBlock;
+    std::size_t next_damaged = 0;
+    DecodedFrame frame;
+    for (std::size_t at = 0; at < end;) {
+        if (at == damaged[next_damaged]) {
+            decoder.damaged_byte();
+            take_frames(decoder, {}, frame);
+            ++next_damaged;
+            ++at;
+            continue;
+        }
+        std::size_t length = piece < end - at ? piece : end - at;
+        length = length < damaged[next_damaged] - at ? length : damaged[next_damaged] - at;
+        take_frames(decoder, std::span(bytes).subspan(at, length), frame);
+        at += length;
+    }
+}
+
+void encode(const Work& work, const Encoder& encoder) {
+    const std::vector<ChannelFrame> frames = channel_frames(work.prepared);
+    std::array<std::uint8_t, kLongestSerialFrame> wire{};
+    for (const ChannelFrame& frame : std::span(frames).first(work.units)) {
+        sink = encoder.encode(frame, wire);
+    }
+}
+
+std::unique_ptr<Decoder> decoder_for(const Work& work) {
+    if (work.about("sbus")) {
+        return std::make_unique<SbusDecoder>(
+            *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));
+    }
+    return std::make_unique<IbusDecoder>();
+}
+
+std::unique_ptr<Encoder> encoder_for(const Work& work) {
+    if (work.about("sbus")) {
+        return std::make_unique<SbusEncoder>(
+            *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));
+    }
+    return std::make_unique<IbusEncoder>(kChannelCount);
+}
+
+void run(const Work& work) {
+    if (work.about("encode")) {
+        encode(work, *encoder_for(work));
+    } else if (work.about("garbage")) {
+        decode_garbage(work, *decoder_for(work));
+    } else if (work.about("sbus")) {
+        decode_frames(work, *decoder_for(work), sbus_frames(work.prepared), kSbusFrameLength);
+    } else {
+        decode_frames(work, *decoder_for(work), ibus_frames(work.prepared), kIbusLength);
+    }
+}
+
+}  // namespace
+}  // namespace tribus
+
+int main(int count, char** arguments) {
+    if (count < 4) {
+        return 2;
+    }
+    tribus::run({.workload = arguments[1],
+                 .units = std::strtoul(arguments[2], nullptr, 10),
+                 .prepared = std::strtoul(arguments[3], nullptr, 10),
+                 .pattern = count > 4 ? arguments[4] : "random"});
+    return 0;
+}
