@@ -22,6 +22,7 @@
 #include "app/demo_peers.h"
 #include "app/demo_screen.h"
 #include "app/exit_status.h"
+#include "app/pty.h"
 #include "config/load.h"
 #include "config/mistakes.h"
 #include "pipelines/realtime/clock.h"

@@ -1,14 +1,10 @@
 #include "app/demo_peers.h"
 
-#include <fcntl.h>
 #include <poll.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <numbers>
 #include <utility>
 
@@ -38,20 +34,6 @@ bool same_sticks(const ChannelFrame& a, const ChannelFrame& b) {
 }
 
 }  // namespace
-
-tl::expected<Pty, std::string> Pty::open() {
-    Pty pty;
-    pty.master = UniqueFd(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-    std::array<char, 64> path{};
-    if (!pty.master.valid() || ::grantpt(pty.master.get()) != 0 ||
-        ::unlockpt(pty.master.get()) != 0 ||
-        ::ptsname_r(pty.master.get(), path.data(), path.size()) != 0) {
-        return tl::unexpected(std::string("cannot make a pseudo-terminal: ") +
-                              std::strerror(errno));
-    }
-    pty.path = path.data();
-    return pty;
-}
 
 ChannelFrame demo_sticks(Duration since_start) {
     const double seconds = std::chrono::duration<double>(since_start).count();

@@ -5,11 +5,8 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <thread>
 #include <vector>
-
-#include <tl/expected.hpp>
 
 #include "core/channel_frame.h"
 #include "core/time.h"
@@ -18,13 +15,6 @@
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
-
-/// A pseudo-terminal: the program under demonstration opens `path`, the peer holds `master`.
-struct Pty {
-    UniqueFd master;
-    std::string path;
-    static tl::expected<Pty, std::string> open();
-};
 
 /// What one dropped link did to the servos, as they saw it.
 struct DropRecord {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "app/bench/bench.h"
 #include "app/check.h"
 #include "app/dbc_command.h"
 #include "app/decode.h"
@@ -49,6 +50,7 @@ int run_command_line(int argc, char** argv) {
     tribus::add_encode_command(app, status);
     tribus::add_simulate_command(app, status);
     tribus::add_dbc_command(app, status);
+    tribus::add_bench_command(app, status);
     tribus::add_schema_command(app);
     if (argc > 1 && explain_unknown_command(app, argv[1])) {
         return tribus::kExitWrongUse;

@@ -1,0 +1,240 @@
+#include "app/bench/bench.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/bench/measurements.h"
+#include "app/bench/report.h"
+#include "app/bench/requirement.h"
+#include "app/bench/tester.h"
+#include "app/exit_status.h"
+#include "config/mistakes.h"
+#include "pipelines/realtime/scheduling.h"
+
+namespace tribus {
+namespace {
+
+using bench::BenchPart;
+using bench::BenchSettings;
+using bench::Report;
+
+/// What `tribus run` has by default.
+constexpr int kPriority = 80;
+constexpr std::size_t kMostColumns = 100;
+constexpr int kInterruptedStatus = 130;
+
+struct Options {
+    double seconds = 20;
+    std::vector<std::string> ports;
+    std::vector<std::string> only;
+    std::vector<std::string> require;
+    std::string plot;
+    std::string format = "text";
+};
+
+/// The sentences of `tribus run`, from a thread that tries.
+std::vector<std::string> missing_realtime() {
+    std::vector<std::string> missing;
+    std::thread([&missing] {
+        missing = make_realtime({.priority = kPriority, .cpu = std::nullopt, .realtime = true});
+    }).join();
+    return missing;
+}
+
+tl::expected<std::vector<BenchPart>, std::string> chosen_parts(
+    const std::vector<std::string>& only) {
+    if (only.empty()) {
+        return bench::bench_parts();
+    }
+    std::vector<std::string_view> names;
+    for (const BenchPart& part : bench::bench_parts()) {
+        names.push_back(part.name);
+    }
+    std::vector<BenchPart> parts;
+    for (const std::string& name : only) {
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end()) {
+            return tl::unexpected(fmt::format("--only {}: there is no such measurement; {}", name,
+                                              suggestion(name, names)));
+        }
+        parts.push_back(bench::bench_parts()[static_cast<std::size_t>(found - names.begin())]);
+    }
+    return parts;
+}
+
+tl::expected<BenchSettings, std::string> settings_of(const Options& options,
+                                                     const std::vector<BenchPart>& parts) {
+    BenchSettings settings;
+    settings.length =
+        std::chrono::duration_cast<Duration>(std::chrono::duration<double>(options.seconds));
+    for (const std::string& text : options.require) {
+        auto requirement = bench::parse_requirement(text);
+        if (!requirement) {
+            return tl::unexpected(requirement.error());
+        }
+        settings.requirements.push_back(std::move(*requirement));
+    }
+    const bool latency =
+        std::any_of(parts.begin(), parts.end(), [](auto& part) { return part.name == "latency"; });
+    if (!settings.requirements.empty() && !latency) {
+        return tl::unexpected(
+            std::string("--require judges the latency, which --only leaves out; add latency"));
+    }
+    if (!options.ports.empty()) {
+        settings.ports = {.in = options.ports[0], .out = options.ports[1]};
+    }
+    return settings;
+}
+
+bool write_plot(const std::string& path, const Report& report) {
+    std::ofstream file(path, std::ios::binary);
+    file << bench::report_svg(report);
+    if (!file.flush()) {
+        fmt::print(stderr, "{}: cannot be written; is its folder there, and the disk not full?\n",
+                   path);
+        return false;
+    }
+    return true;
+}
+
+std::size_t terminal_columns() {
+    constexpr std::size_t kUsual = 80;
+    winsize size{};
+    const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return known ? std::min<std::size_t>(size.ws_col, kMostColumns) : kUsual;
+}
+
+/// What is under way, on a terminal only.
+void show_progress(std::string_view text) {
+    if (::isatty(STDERR_FILENO) == 1) {
+        fmt::print(stderr, "\r\x1b[K{}", text);
+        std::fflush(stderr);
+    }
+}
+
+tl::expected<Report, std::string> measure(const BenchSettings& settings,
+                                          const std::vector<BenchPart>& parts) {
+    Report report;
+    report.missing = missing_realtime();
+    const bench::AwakeProcessors awake;
+    if (!awake.held()) {
+        report.missing.emplace_back(
+            "the processors are not kept awake (/dev/cpu_dma_latency), so every wake-up takes "
+            "longer; run as root");
+    }
+    double shares = 0;
+    for (const BenchPart& part : parts) {
+        shares += part.share;
+    }
+    for (const BenchPart& part : parts) {
+        const auto length =
+            std::chrono::duration_cast<Duration>(settings.length * part.share / shares);
+        show_progress(fmt::format("measuring {} ...", part.name));
+        auto measured = part.add(report, settings, length);
+        show_progress("");
+        if (bench::interrupted()) {
+            return report;
+        }
+        if (!measured) {
+            return tl::unexpected(fmt::format("{}: {}", part.name, measured.error()));
+        }
+    }
+    return report;
+}
+
+int run_bench(const Options& options) {
+    const auto complain = [](const std::string& text, int status) {
+        fmt::print(stderr, "{}\n", text);
+        return status;
+    };
+    const auto parts = chosen_parts(options.only);
+    if (!parts) {
+        return complain(parts.error(), kExitWrongUse);
+    }
+    auto settings = settings_of(options, *parts);
+    if (!settings) {
+        return complain(settings.error(), kExitWrongUse);
+    }
+    bench::watch_for_interruption();
+    if (bench::realtime_permitted(kPriority)) {
+        settings->priority = kPriority;
+    }
+    const auto report = measure(*settings, *parts);
+    if (!report) {
+        return complain(report.error(), kExitFailed);
+    }
+    if (bench::interrupted()) {
+        return complain("interrupted", kInterruptedStatus);
+    }
+    fmt::print("{}", options.format == "json" ? bench::report_json(*report)
+                                              : bench::report_text(*report, terminal_columns()));
+    std::fflush(stdout);
+    if (!options.plot.empty() && !write_plot(options.plot, *report)) {
+        return kExitFailed;
+    }
+    return report->broken.empty() ? kExitFine : kExitFailed;
+}
+
+constexpr const char* kFooter =
+    "What is measured, each time beside the same without the appliance:\n"
+    "  latency   i.Bus frames of 18 channels through `tribus run` over pseudo-terminals, from\n"
+    "            the write to the read of the last byte, beside a relay that only waits, reads\n"
+    "            and writes, with the same priority. With --ports the frames are written on\n"
+    "            OUT, go over your wire (115200 baud, 2.8 ms) and come in on IN: until the\n"
+    "            engine writes its frame, beside a reader that only waits and reads.\n"
+    "  lateness  of an output with schedule \"grid\" against its deadline, beside a thread that\n"
+    "            only sleeps until absolute instants\n"
+    "  age       from the arrival of values to their first frame, for the schedules follow and\n"
+    "            grid locked, beside a writer that runs free\n"
+    "  codecs    processor time for one frame of all channels\n"
+    "  capacity  processor time a frame with 1 and 64 pipelines, beside the bare relay\n"
+    "--require p99=200us: the latency of tribus, whole, as in the table; p50, p90 or p99.\n"
+    "With added- in front (added-p50=20us) it is what tribus adds: its percentile less that\n"
+    "of the bare relay or reader.\n"
+    "Exit status: 0 fine, 1 it could not be measured or a requirement does not hold, 2 wrong\n"
+    "use.";
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand(
+        "bench", "What tribus adds on this machine: latency, lateness, age, processor time");
+    auto options = std::make_shared<Options>();
+    command->add_option("--seconds", options->seconds, "For all measurements together")
+        ->check(CLI::Range(0.5, 86400.0))
+        ->capture_default_str();
+    command
+        ->add_option("--ports", options->ports,
+                     "IN OUT: two real serial ports, TX of OUT joined to RX of IN")
+        ->expected(2)
+        ->type_name("IN OUT");
+    command
+        ->add_option("--only", options->only, "latency,lateness,age,codecs,capacity: some of them")
+        ->delimiter(',')
+        ->type_name("LIST");
+    command
+        ->add_option("--require", options->require,
+                     "Fail where the latency is higher, such as p99=200us (repeatable)")
+        ->type_name("PERCENTILE=TIME");
+    command->add_option("--plot", options->plot, "Draw the distributions into this SVG file")
+        ->type_name("FILE");
+    command->add_option("--format", options->format, "text or json")
+        ->check(CLI::IsMember({"text", "json"}))
+        ->capture_default_str();
+    command->footer(kFooter);
+    command->callback([options, &status] { status = run_bench(*options); });
+}
+
+}  // namespace tribus

@@ -1,0 +1,140 @@
+#include "app/bench/lane.h"
+
+#include <fcntl.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "pipelines/realtime/clock.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+
+namespace tribus::bench {
+namespace {
+
+/// The line discipline would echo and wait for line ends until the subject has set it up.
+bool make_raw(const std::string& path) {
+    const UniqueFd near(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    termios settings{};
+    if (!near.valid() || ::tcgetattr(near.get(), &settings) != 0) {
+        return false;
+    }
+    ::cfmakeraw(&settings);
+    return ::tcsetattr(near.get(), TCSANOW, &settings) == 0;
+}
+
+WireFrame encoded(const Encoder& encoder, std::uint32_t number) {
+    WireFrame wire;
+    wire.length = encoder.encode(numbered_channels(number), wire.bytes);
+    return wire;
+}
+
+}  // namespace
+
+ChannelFrame numbered_channels(std::uint32_t number) {
+    // Two channels tell the number, in a range that every output carries.
+    constexpr std::uint32_t kSteps = 1000;
+    constexpr int kLeast = 1000;
+    ChannelFrame frame;
+    frame.frame_lost = false;
+    frame.failsafe = false;
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        const std::uint32_t high = number / kSteps;
+        const auto mixed =
+            number + static_cast<std::uint32_t>(channel) * 61 + (channel % 2 == 1 ? high * 7 : 0);
+        frame.set(channel, Pulse::from_microseconds(kLeast + static_cast<int>(mixed % kSteps)));
+    }
+    frame.set(kSbusChannels, number % 2 == 0 ? kSwitchOffPulse : kSwitchOnPulse);
+    frame.set(kSbusChannels + 1, number % 4 < 2 ? kSwitchOffPulse : kSwitchOnPulse);
+    return frame;
+}
+
+WireFrame numbered_ibus_frame(std::uint32_t number) {
+    return encoded(IbusEncoder(kChannelCount), number);
+}
+
+WireFrame numbered_frame(std::uint32_t number, Carries carries) {
+    return carries == Carries::sbus ? encoded(SbusEncoder(), number) : numbered_ibus_frame(number);
+}
+
+Lane::Lane(Pty in, Pty out, Carries carries)
+    : in_(std::move(in)), out_(std::move(out)), carries_(carries) {}
+
+tl::expected<Lane, std::string> Lane::open(Carries carries) {
+    auto in = Pty::open();
+    auto out = Pty::open();
+    if (!in || !out) {
+        return tl::unexpected(in ? out.error() : in.error());
+    }
+    if (!make_raw(in->path) || !make_raw(out->path)) {
+        return tl::unexpected("cannot set up " + in->path);
+    }
+    return Lane(std::move(*in), std::move(*out), carries);
+}
+
+bool Lane::send() {
+    const WireFrame frame = numbered_ibus_frame(number_ + 1);
+    const auto expected = numbered_frame(number_ + 1, carries_);
+    const Instant now = monotonic_now();
+    const ssize_t taken = ::write(in_.master.get(), frame.bytes.data(), frame.length);
+    if (taken != static_cast<ssize_t>(frame.length)) {
+        return false;
+    }
+    ++number_;
+    sent_at_ = now;
+    before_ = expected_;
+    expected_ = expected;
+    outstanding_ = true;
+    ++counts_.sent;
+    return true;
+}
+
+bool Lane::take_frame(const WireFrame& frame) {
+    if (pending_count_ < frame.length || frame.length == 0 ||
+        !std::equal(frame.bytes.begin(),
+                    frame.bytes.begin() + static_cast<std::ptrdiff_t>(frame.length),
+                    pending_.begin())) {
+        return false;
+    }
+    std::copy(pending_.begin() + static_cast<std::ptrdiff_t>(frame.length),
+              pending_.begin() + static_cast<std::ptrdiff_t>(pending_count_), pending_.begin());
+    pending_count_ -= frame.length;
+    return true;
+}
+
+bool Lane::receive() {
+    const ssize_t count = ::read(out_.master.get(), pending_.data() + pending_count_,
+                                 pending_.size() - pending_count_);
+    pending_count_ += count > 0 ? static_cast<std::size_t>(count) : 0;
+    bool arrived = false;
+    while (pending_count_ > 0 && pending_count_ >= expected_.length) {
+        if (take_frame(expected_)) {
+            arrived = arrived || outstanding_;
+            counts_.arrived += outstanding_ ? 1 : 0;
+            counts_.repeated += outstanding_ ? 0 : 1;
+            outstanding_ = false;
+        } else if (take_frame(before_)) {
+            ++counts_.repeated;
+        } else {
+            ++counts_.torn;
+            pending_count_ = 0;
+        }
+    }
+    return arrived;
+}
+
+void Lane::drain() {
+    std::array<std::uint8_t, 1024> buffer{};
+    while (::read(out_.master.get(), buffer.data(), buffer.size()) > 0) {
+    }
+    pending_count_ = 0;
+}
+
+void Lane::start_counting() {
+    counts_ = {};
+    outstanding_ = false;
+}
+
+}  // namespace tribus::bench

@@ -1,0 +1,114 @@
+#include "app/bench/lateness.h"
+
+#include <pthread.h>
+#include <sys/mman.h>
+
+#include <cstddef>
+#include <memory>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "app/bench/stamping_link.h"
+#include "app/bench/tester.h"
+#include "config/build.h"
+#include "config/load.h"
+#include "config/mistakes.h"
+#include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/data_thread.h"
+#include "pipelines/realtime/loop.h"
+#include "pipelines/realtime/scheduling.h"
+
+namespace tribus::bench {
+namespace {
+
+/// The devices are never opened: the output gets a link of ours, the input none.
+constexpr const char* kConfiguration = R"([input.receiver]
+protocol = "ibus"
+device = "/dev/receiver"
+[output.servos]
+protocol = "sbus"
+device = "/dev/servos"
+period = "7ms"
+schedule = "grid"
+[pipeline.main]
+from = "receiver"
+to = "servos"
+)";
+static_assert(kGridPeriod == std::chrono::milliseconds(7), "as in the configuration");
+
+SchedulingSettings scheduling_of(const LatenessSettings& settings) {
+    SchedulingSettings scheduling;
+    scheduling.priority = settings.priority.value_or(scheduling.priority);
+    scheduling.cpu = settings.cpu;
+    scheduling.realtime = settings.priority.has_value();
+    return scheduling;
+}
+
+/// The first samples are of a thread that is not warm yet.
+constexpr std::size_t kWarmUp = 4;
+
+/// A deadline is a whole number of periods before the next one.
+Distribution lateness_of(const std::vector<StampingLink::Stamp>& stamps) {
+    std::vector<Duration> late;
+    for (std::size_t i = kWarmUp; i < stamps.size(); ++i) {
+        const Duration ahead = (stamps[i].due_next - stamps[i].at) % kGridPeriod;
+        late.push_back(kGridPeriod - ahead);
+    }
+    return Distribution(std::move(late));
+}
+
+Distribution bare_timer(const LatenessSettings& settings, Instant first, std::size_t periods) {
+    std::vector<Duration> late;
+    late.reserve(periods);
+    make_realtime(scheduling_of(settings));
+    for (std::size_t i = 0; i < periods && !interrupted(); ++i) {
+        const Instant deadline = first + static_cast<std::int64_t>(i) * kGridPeriod;
+        sleep_until(deadline);
+        const Instant now = monotonic_now();
+        if (i >= kWarmUp) {
+            late.push_back(now - deadline);
+        }
+    }
+    return Distribution(std::move(late));
+}
+
+}  // namespace
+
+tl::expected<LatenessResult, std::string> measure_lateness(const LatenessSettings& settings) {
+    auto configuration = load_configuration(kConfiguration, "bench");
+    if (!configuration) {
+        return tl::unexpected(format_mistake(configuration.error().front()));
+    }
+    const auto periods = static_cast<std::size_t>(settings.length / kGridPeriod);
+    const auto engine = build_engine(*configuration);
+    std::vector<StampingLink::Stamp> grid_stamps;
+    std::vector<PortWiring> wiring;
+    std::vector<std::unique_ptr<Link>> links;
+    for (const PortPlan& plan : plan_ports(*configuration)) {
+        const bool is_output = !plan.wiring.outputs.empty();
+        wiring.push_back(plan.wiring);
+        links.push_back(is_output ? std::make_unique<StampingLink>(engine->outputs().front(),
+                                                                   grid_stamps, periods)
+                                  : nullptr);
+    }
+    Loop loop(*engine, std::move(wiring), std::move(links));
+    if (auto prepared = loop.prepare(); !prepared) {
+        return tl::unexpected(prepared.error());
+    }
+    DataThread thread(loop, scheduling_of(settings));
+    if (auto prepared = thread.prepare(); !prepared) {
+        return tl::unexpected(prepared.error());
+    }
+    thread.run();
+    const Instant bare_first = monotonic_now() + 2 * kGridPeriod + kGridPeriod / 2;
+    Distribution bare;
+    std::thread alone([&] { bare = bare_timer(settings, bare_first, periods); });
+    alone.join();
+    loop.request_end();
+    thread.join();
+    ::munlockall();
+    return LatenessResult{lateness_of(grid_stamps), std::move(bare)};
+}
+
+}  // namespace tribus::bench

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/bench/report.h"
+#include "app/bench/requirement.h"
+#include "core/time.h"
+
+/// The five measurements of `tribus bench`. Each adds its rows and curves to the report; the error
+/// is a sentence.
+namespace tribus::bench {
+
+/// How all of them are done.
+struct BenchSettings {
+    Duration length = std::chrono::seconds(20);  ///< of all together
+    std::optional<int> priority;                 ///< real time where it is permitted
+    std::vector<Requirement> requirements;
+    /// Two real ports joined by a wire, for the latency.
+    struct Ports {
+        std::string in;
+        std::string out;
+    };
+    std::optional<Ports> ports;
+};
+
+using Measured = tl::expected<void, std::string>;
+
+Measured add_latency(Report& report, const BenchSettings& settings, Duration length);
+Measured add_lateness(Report& report, const BenchSettings& settings, Duration length);
+Measured add_age(Report& report, const BenchSettings& settings, Duration length);
+Measured add_codecs(Report& report, const BenchSettings& settings, Duration length);
+Measured add_capacity(Report& report, const BenchSettings& settings, Duration length);
+
+/// One of them, with its share of the whole time.
+struct BenchPart {
+    std::string_view name;
+    double share = 0;
+    Measured (*add)(Report&, const BenchSettings&, Duration) = nullptr;
+};
+const std::vector<BenchPart>& bench_parts();
+
+}  // namespace tribus::bench

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/bench/distribution.h"
+#include "core/time.h"
+
+namespace tribus::bench {
+
+/// One figure, and what it is held against.
+struct Measurement {
+    std::string group;  ///< "latency", "lateness", "age", "codecs" or "capacity"
+    std::string what;
+    double figure = 0;
+    std::optional<double> anchor{};
+    std::string unit = "ns";
+    std::string reading{};
+
+    std::optional<double> ratio() const {
+        return anchor && *anchor > 0 ? std::optional(figure / *anchor) : std::nullopt;
+    }
+};
+
+/// A distribution for the plot.
+struct Curve {
+    std::string group;
+    std::string name;
+    Distribution times;
+};
+
+/// All that `tribus bench` found out.
+struct Report {
+    std::vector<std::string> missing;  ///< what was not permitted, as sentences
+    std::vector<Measurement> measurements;
+    std::vector<Curve> curves;
+    std::vector<std::string> broken;  ///< requirements that do not hold, as sentences
+
+    void add(std::string_view group, std::string what, Duration figure,
+             std::optional<Duration> anchor, std::string reading);
+};
+
+/// For a person, at that width.
+std::string report_text(const Report& report, std::size_t columns);
+/// One JSON object; times in nanoseconds.
+std::string report_json(const Report& report);
+
+/// The distributions as a drawing: one panel a group, percentiles to the right, time upwards, both
+/// so that the rare and late ones are seen.
+std::string report_svg(const Report& report);
+
+}  // namespace tribus::bench

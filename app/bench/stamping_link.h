@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/time.h"
+#include "pipelines/output.h"
+#include "pipelines/realtime/clock.h"
+#include "transports/links/link.h"
+
+namespace tribus::bench {
+
+/// A link that takes every frame and notes when it came and how it began, nothing else. Allocates
+/// only when made. Thread-bound; its notes may be read when the thread that wrote has ended.
+class StampingLink final : public ByteLink {
+  public:
+    struct Stamp {
+        Instant at{};
+        std::uint64_t beginning = 0;  ///< the first eight bytes
+        Instant due_next{};           ///< the output's next deadline
+    };
+    /// Of an output's frames. What goes beyond `most` is not noted.
+    StampingLink(const Output& output, std::vector<Stamp>& stamps, std::size_t most)
+        : output_(output), stamps_(stamps), most_(most) {
+        stamps_.reserve(most);
+    }
+    ReadStatus read(Reception&) override { return ReadStatus::nothing; }
+    WriteStatus write(std::span<const std::uint8_t> frame) override {
+        if (stamps_.size() < most_) {
+            const Instant now = monotonic_now();
+            stamps_.push_back({now, beginning_of(frame), output_.due()});
+        }
+        return WriteStatus::written;
+    }
+    int descriptor() const override { return -1; }
+
+    static std::uint64_t beginning_of(std::span<const std::uint8_t> frame) {
+        std::uint64_t beginning = 0;
+        for (std::size_t i = 0; i < sizeof beginning && i < frame.size(); ++i) {
+            beginning |= std::uint64_t{frame[i]} << (8 * i);
+        }
+        return beginning;
+    }
+
+  private:
+    const Output& output_;
+    std::vector<Stamp>& stamps_;
+    std::size_t most_;
+};
+
+}  // namespace tribus::bench

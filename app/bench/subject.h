@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/bench/lane.h"
+#include "app/bench/process.h"
+#include "app/bench/relay.h"
+#include "core/time.h"
+
+namespace tribus::bench {
+
+/// How `tribus run` is set up to carry i.Bus frames of 18 channels.
+struct ApplianceSettings {
+    std::string program = "/proc/self/exe";
+    Carries carries = Carries::same;
+    Duration period = std::chrono::microseconds(4500);  ///< of `follow`
+    std::optional<int> priority;                        ///< real time, or without
+    std::optional<int> cpu;
+    std::size_t outputs_per_input = 1;  ///< those beyond the first go to devices nobody reads
+    std::vector<std::string> environment;
+};
+
+/// Its table [runtime].
+std::string runtime_text(const ApplianceSettings& settings);
+
+/// `tribus run` with this text as its configuration.
+tl::expected<Process, std::string> run_configuration(const std::string& text,
+                                                     const ApplianceSettings& settings);
+/// Until `tribus run` has said that it has started. The error is what it said instead.
+tl::expected<void, std::string> wait_until_started(Process& process);
+
+/// The configuration that says so, for the devices of these lanes.
+std::string configuration_text(const std::vector<Lane>& lanes, const ApplianceSettings& settings,
+                               const std::vector<Pty>& further_outputs);
+
+/// A process that carries frames along its lanes. It ends with its object. Thread-bound.
+class Subject {
+  public:
+    /// The bare relay.
+    static tl::expected<Subject, std::string> relay(std::size_t lanes,
+                                                    const RelaySettings& settings);
+    /// The product.
+    static tl::expected<Subject, std::string> appliance(std::size_t lanes,
+                                                        const ApplianceSettings& settings);
+    /// Any other program for one lane; {in} and {out} in a word stand for its devices.
+    static tl::expected<Subject, std::string> command(const std::vector<std::string>& words);
+
+    std::vector<Lane>& lanes() { return lanes_; }
+    Lane& lane() { return lanes_.front(); }
+    Process& process() { return process_; }
+    std::optional<ProcessUsage> usage() const { return usage_of(process_.id()); }
+
+    /// Sends until a frame has come out of every lane, each `interval`. The error says why none
+    /// does.
+    tl::expected<void, std::string> wait_until_it_carries(
+        Duration interval = std::chrono::milliseconds(5));
+
+    /// Frames that were sent and did not come out, and those that came out broken.
+    std::uint64_t lost() const;
+    std::uint64_t torn() const;
+
+  private:
+    Subject(std::vector<Lane> lanes, Process process, std::vector<Pty> further_outputs);
+
+    std::vector<Lane> lanes_;
+    std::vector<Pty> further_outputs_;
+    Process process_;
+};
+
+}  // namespace tribus::bench

@@ -1,0 +1,94 @@
+#include "app/bench/tester.h"
+
+#include <fcntl.h>
+#include <pthread.h>
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+
+namespace tribus::bench {
+namespace {
+
+/// Above the data thread and everything that a person is likely to have set.
+constexpr int kTesterPriority = 90;
+
+volatile std::sig_atomic_t interruption = 0;
+
+void note_interruption(int /*signal*/) {
+    interruption = 1;
+}
+
+}  // namespace
+
+AwakeProcessors::AwakeProcessors()
+    : request_(::open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC)) {
+    const std::int32_t most_microseconds = 0;
+    if (request_.valid() && ::write(request_.get(), &most_microseconds, sizeof most_microseconds) !=
+                                static_cast<ssize_t>(sizeof most_microseconds)) {
+        request_.reset();
+    }
+}
+
+TesterPriority::TesterPriority() {
+    ::pthread_getaffinity_np(::pthread_self(), sizeof old_cpus_, &old_cpus_);
+    ::pthread_getschedparam(::pthread_self(), &old_policy_, &old_parameters_);
+    if (processor_count() > 1) {
+        cpu_set_t first;
+        CPU_ZERO(&first);
+        CPU_SET(0, &first);
+        ::pthread_setaffinity_np(::pthread_self(), sizeof first, &first);
+    }
+    const sched_param parameters{.sched_priority = kTesterPriority};
+    ::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters);
+    locked_ = ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+}
+
+TesterPriority::~TesterPriority() {
+    ::sched_setscheduler(0, old_policy_, &old_parameters_);
+    ::pthread_setaffinity_np(::pthread_self(), sizeof old_cpus_, &old_cpus_);
+    if (locked_) {
+        ::munlockall();
+    }
+}
+
+bool realtime_permitted(int priority) {
+    int policy = SCHED_OTHER;
+    sched_param old{};
+    ::pthread_getschedparam(::pthread_self(), &policy, &old);
+    const sched_param parameters{.sched_priority = priority};
+    const bool fifo = ::sched_setscheduler(0, SCHED_FIFO | SCHED_RESET_ON_FORK, &parameters) == 0;
+    ::sched_setscheduler(0, policy, &old);
+    const bool locks = ::mlockall(MCL_CURRENT) == 0;
+    ::munlockall();
+    return fifo && locks;
+}
+
+int processor_count() {
+    return static_cast<int>(std::max(1L, ::sysconf(_SC_NPROCESSORS_ONLN)));
+}
+
+void sleep_until(Instant instant) {
+    const Duration since_zero = instant.time_since_epoch();
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(since_zero);
+    timespec until{};
+    until.tv_sec = seconds.count();
+    until.tv_nsec = (since_zero - seconds).count();
+    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+}
+
+void watch_for_interruption() {
+    struct sigaction action {};
+    action.sa_handler = note_interruption;
+    ::sigaction(SIGINT, &action, nullptr);
+    ::sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() {
+    return interruption != 0;
+}
+
+}  // namespace tribus::bench
