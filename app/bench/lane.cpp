@@ -91,6 +91,19 @@ bool Lane::send() {
     return true;
 }
 
+void Lane::send_garbage(std::size_t count, std::uint32_t seed) {
+    constexpr std::uint8_t kHeader = 0x20;
+    constexpr std::uint32_t kMultiplier = 1664525;
+    constexpr std::uint32_t kIncrement = 1013904223;
+    std::array<std::uint8_t, kLongestSerialFrame> bytes{};
+    count = std::min(count, bytes.size());
+    for (std::size_t i = 0; i < count; ++i) {
+        seed = seed * kMultiplier + kIncrement;
+        bytes[i] = seed >> 30U == 0 ? kHeader : static_cast<std::uint8_t>(seed >> 16U);
+    }
+    [[maybe_unused]] const auto taken = ::write(in_.master.get(), bytes.data(), count);
+}
+
 bool Lane::take_frame(const WireFrame& frame) {
     if (pending_count_ < frame.length || frame.length == 0 ||
         !std::equal(frame.bytes.begin(),

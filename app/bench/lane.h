@@ -55,6 +55,8 @@ class Lane {
 
     /// Sends the next frame. False where the line takes none.
     bool send();
+    /// Sends bytes that are no frame, but now and then begin like one; made from `seed`.
+    void send_garbage(std::size_t count, std::uint32_t seed);
     /// Reads what has come out. True when the frame that was sent last has now arrived whole.
     bool receive();
     /// Just before the bytes of the frame that was sent last were written.

@@ -1,8 +1,8 @@
 #include "app/bench/requirement.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <utility>
 
 #include <fmt/format.h>
@@ -31,7 +31,7 @@ tl::expected<Requirement, std::string> parse_requirement(std::string_view text) 
     const auto refuse = [&](std::string_view what) {
         return tl::unexpected(fmt::format(
             "--require {}: {}; allowed: p50, p90 or p99, or the same with added- in front, then = "
-            "and a time, such as p99=200us or added-p50=20us",
+            "and a time in us, ms or s, such as p99=200us or added-p50=20us",
             text, what));
     };
     const std::size_t equals = text.find('=');
@@ -77,7 +77,7 @@ std::string short_time(Duration duration) {
         const double value = count / size;
         // What rounds up to the next larger unit is written in that.
         if (std::abs(value) >= 0.9995 || size == 1) {
-            const double digits = value == 0 ? 1 : std::floor(std::log10(std::abs(value))) + 1;
+            const double digits = std::floor(std::log10(std::max(std::abs(value), 1.0))) + 1;
             const int decimals = size == 1 ? 0 : std::max(0, kDigits - static_cast<int>(digits));
             return fmt::format("{:.{}f}{}", value, decimals, unit);
         }

@@ -4,6 +4,8 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <utility>
 
 #include <fmt/format.h>
@@ -191,6 +193,14 @@ tl::expected<void, std::string> Subject::wait_until_it_carries(Duration interval
         lane.start_counting();
     }
     return {};
+}
+
+void Subject::drain_further_outputs() {
+    std::array<std::uint8_t, 1024> buffer{};
+    for (const Pty& pty : further_outputs_) {
+        while (::read(pty.master.get(), buffer.data(), buffer.size()) > 0) {
+        }
+    }
 }
 
 std::uint64_t Subject::lost() const {

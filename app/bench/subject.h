@@ -22,7 +22,7 @@ struct ApplianceSettings {
     Duration period = std::chrono::microseconds(4500);  ///< of `follow`
     std::optional<int> priority;                        ///< real time, or without
     std::optional<int> cpu;
-    std::size_t outputs_per_input = 1;  ///< those beyond the first go to devices nobody reads
+    std::size_t outputs_per_input = 1;  ///< all but the first are drained only
     std::vector<std::string> environment;
 };
 
@@ -60,6 +60,9 @@ class Subject {
     /// does.
     tl::expected<void, std::string> wait_until_it_carries(
         Duration interval = std::chrono::milliseconds(5));
+
+    /// Throws away what came out of the outputs beyond the first.
+    void drain_further_outputs();
 
     /// Frames that were sent and did not come out, and those that came out broken.
     std::uint64_t lost() const;

@@ -1,0 +1,274 @@
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/bench/latency.h"
+#include "app/bench/subject.h"
+#include "app/bench/tester.h"
+#include "pipelines/realtime/clock.h"
+#include "tests/bench/bound.h"
+
+namespace tribus::test {
+namespace {
+
+using namespace bench;
+
+using Refused = tl::unexpected<std::string>;
+
+ApplianceSettings appliance(const BoundSettings& settings) {
+    ApplianceSettings appliance;
+    appliance.program = settings.program;
+    appliance.priority = settings.priority;
+    appliance.cpu = settings.cpu;
+    return appliance;
+}
+
+tl::expected<Subject, std::string> started(std::size_t lanes, const ApplianceSettings& settings) {
+    auto subject = Subject::appliance(lanes, settings);
+    if (!subject) {
+        return subject;
+    }
+    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
+        return Refused(carries.error());
+    }
+    return subject;
+}
+
+Figures memory(const BoundSettings& settings) {
+    constexpr std::size_t kMany = 64;
+    std::array<ProcessUsage, 2> usage;
+    for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+        auto subject = started(i == 0 ? 1 : kMany, appliance(settings));
+        if (!subject) {
+            return Refused(subject.error());
+        }
+        usage[i] = subject->usage().value_or(ProcessUsage{});
+    }
+    const auto bytes = [&](std::size_t i) { return static_cast<double>(usage[i].resident_bytes); };
+    return std::vector<Figure>{
+        {.row = "locked memory with one pipeline, MB",
+         .value = bytes(0) / 1e6,
+         .bound = 3.5,
+         .note = fmt::format("VmRSS; VmLck {:.1f} MB",
+                             static_cast<double>(usage[0].locked_bytes) / 1e6)},
+        {.row = "locked memory of each further pipeline, KiB",
+         .value = (bytes(1) - bytes(0)) / (kMany - 1) / 1024,
+         .bound = 4,
+         .note = fmt::format("64 pipelines: {:.1f} MB", bytes(1) / 1e6)}};
+}
+
+Figures lost_frames(const BoundSettings& settings) {
+    constexpr std::size_t kLanes = 32;
+    ApplianceSettings ours = appliance(settings);
+    ours.period = std::chrono::microseconds(2600);
+    auto subject = started(kLanes, ours);
+    if (!subject) {
+        return Refused(subject.error());
+    }
+    const std::uint64_t frames = settings.all_frames ? 1'000'000 : 50'000;
+    const TesterPriority priority;
+    const LatencyResult result =
+        drive(*subject, {.period = std::chrono::milliseconds(4), .rounds = frames / kLanes + 1});
+    return std::vector<Figure>{
+        {.row = "frames lost or torn",
+         .value = static_cast<double>(result.lost + result.torn),
+         .bound = 0,
+         .note = fmt::format("of {}; latency p99 {} us, most {} us", result.latency.size(),
+                             result.latency.percentile(99).count() / 1000,
+                             result.latency.percentile(100).count() / 1000)}};
+}
+
+std::string content_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The data thread, by its name.
+std::filesystem::path data_thread(pid_t process) {
+    const std::filesystem::path tasks = fmt::format("/proc/{}/task", process);
+    for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+        if (content_of(task.path() / "comm") == "tribus-data\n") {
+            return task.path();
+        }
+    }
+    return {};
+}
+
+/// Minor and major faults of a process or thread, from its `stat`.
+std::uint64_t faults_of(const std::filesystem::path& stat) {
+    std::string text = content_of(stat);
+    text.erase(0, text.rfind(')') + 1);
+    std::istringstream fields(text);
+    std::string skipped;
+    std::uint64_t minor = 0;
+    std::uint64_t major = 0;
+    for (int field = 3; field < 10; ++field) {
+        fields >> skipped;
+    }
+    fields >> minor >> skipped >> major;
+    return minor + major;
+}
+
+/// Frames, then none until the output has gone through its failsafe, then garbage, then frames.
+void disturb(Lane& lane, std::mt19937& random) {
+    constexpr int kFrames = 100;
+    constexpr int kGarbageReads = 100;
+    const auto step = [] { sleep_until(monotonic_now() + kFramePeriod); };
+    for (int i = 0; i < kFrames; ++i, step()) {
+        lane.send();
+        lane.drain();
+    }
+    sleep_until(monotonic_now() + std::chrono::milliseconds(1800));
+    for (int i = 0; i < kGarbageReads; ++i, step()) {
+        lane.send_garbage(random() % 60 + 1, static_cast<std::uint32_t>(random()));
+        lane.drain();
+    }
+    for (int i = 0; i < kFrames; ++i, step()) {
+        lane.send();
+        lane.drain();
+    }
+}
+
+Figures allocations(const BoundSettings& settings) {
+    ApplianceSettings ours = appliance(settings);
+    ours.environment = {"LD_PRELOAD=" + settings.heap_trap};
+    auto subject = started(1, ours);
+    if (!subject) {
+        return Refused(subject.error());
+    }
+    std::mt19937 random(4);
+    disturb(subject->lane(), random);
+    const pid_t process = subject->process().id();
+    const std::filesystem::path whole = fmt::format("/proc/{}", process);
+    const std::filesystem::path thread = data_thread(process);
+    const std::uint64_t whole_before = faults_of(whole / "stat");
+    const std::uint64_t thread_before = faults_of(thread / "stat");
+    for (int i = 0; i < 3; ++i) {
+        disturb(subject->lane(), random);
+    }
+    const std::uint64_t thread_faults = faults_of(thread / "stat") - thread_before;
+    const std::uint64_t whole_faults = faults_of(whole / "stat") - whole_before;
+    const int status = subject->process().end();
+    const std::string said = subject->process().errors();
+    const bool watched = said.find("watched the data thread") != std::string::npos;
+    if (!watched && said.find("allocated") == std::string::npos) {
+        return Refused(fmt::format("the heap trap did not watch (status {}): {}", status, said));
+    }
+    return std::vector<Figure>{
+        {.row = "heap allocations of the data thread after start",
+         .value = watched ? 0.0 : 1.0,
+         .bound = 0,
+         .note = "dropouts and garbage included; the trap ends at the first"},
+        {.row = "page faults of the data thread after start",
+         .value = static_cast<double>(thread_faults),
+         .bound = 0},
+        {.row = "page faults of the process after start",
+         .value = static_cast<double>(whole_faults),
+         .bound = 0}};
+}
+
+/// The sum under "calls" in strace's table, and the table.
+std::pair<double, std::string> calls_of_table(const std::string& table) {
+    double calls = 0;
+    std::string kinds;
+    std::istringstream lines(table);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        double share = 0;
+        double seconds = 0;
+        double each = 0;
+        double count = 0;
+        std::string name;
+        if (words >> share >> seconds >> each >> count >> name) {
+            // A column of errors stands between where there were any.
+            std::string last;
+            name = words >> last ? last : name;
+            if (name != "total") {
+                calls += count;
+                kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", name, count);
+            }
+        }
+    }
+    return {calls, kinds};
+}
+
+/// System calls of the data thread for so many frames.
+tl::expected<std::pair<double, std::string>, std::string> calls_for(Subject& subject, int frames) {
+    const int table = ::memfd_create("calls", 0);
+    const std::string thread = data_thread(subject.process().id()).filename();
+    auto tracer = Process::execute(
+        {"strace", "-c", "-p", thread, "-o", fmt::format("/proc/self/fd/{}", table)}, {table});
+    if (!tracer) {
+        return Refused(tracer.error());
+    }
+    sleep_until(monotonic_now() + std::chrono::milliseconds(500));
+    for (int i = 0; i < frames; ++i) {
+        subject.lane().send();
+        sleep_until(monotonic_now() + kFramePeriod);
+        subject.lane().drain();
+        subject.drain_further_outputs();
+    }
+    tracer->end();
+    std::string text(1 << 16, '\0');
+    const ssize_t count = ::pread(table, text.data(), text.size(), 0);
+    ::close(table);
+    text.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
+    if (text.empty()) {
+        return Refused("strace told nothing: " + tracer->errors());
+    }
+    return calls_of_table(text);
+}
+
+Figures system_calls(const BoundSettings& settings) {
+    constexpr int kFew = 100;
+    constexpr int kMany = 600;
+    std::vector<Figure> figures;
+    double with_one_output = 0;
+    for (const std::size_t outputs : {std::size_t{1}, std::size_t{2}}) {
+        ApplianceSettings ours = appliance(settings);
+        ours.outputs_per_input = outputs;
+        auto subject = started(1, ours);
+        if (!subject) {
+            return Refused(subject.error());
+        }
+        const auto few = calls_for(*subject, kFew);
+        const auto many = calls_for(*subject, kMany);
+        if (!few || !many) {
+            return Refused(few ? many.error() : few.error());
+        }
+        const double each = (many->first - few->first) / (kMany - kFew);
+        const bool first = outputs == 1;
+        figures.push_back({.row = first ? "system calls a frame" : "and for each further output",
+                           .value = each - with_one_output,
+                           .bound = first ? 3.0 : 1.0,
+                           .allowance = 1.01,  // the odd wake-up for the figures
+                           .note = fmt::format("of {} frames: {}", kMany, many->second)});
+        with_one_output = each;
+    }
+    return figures;
+}
+
+}  // namespace
+
+std::vector<Bound> count_bounds() {
+    return {
+        {"memory", "VmRSS of tribus run in real time", false, memory},
+        {"heap", "allocations and page faults, with dropouts and garbage", false, allocations},
+        {"calls", "system calls of the data thread", false, system_calls},
+        {"lost", "frames lost or torn, 32 pipelines at 4 ms", false, lost_frames},
+    };
+}
+
+}  // namespace tribus::test

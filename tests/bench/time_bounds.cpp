@@ -1,0 +1,308 @@
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstddef>
+#include <map>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/bench/age.h"
+#include "app/bench/distribution.h"
+#include "app/bench/lateness.h"
+#include "app/bench/latency.h"
+#include "app/bench/subject.h"
+#include "app/bench/tester.h"
+#include "pipelines/realtime/clock.h"
+#include "tests/bench/bound.h"
+
+namespace tribus::test {
+namespace {
+
+using namespace bench;
+
+using Refused = tl::unexpected<std::string>;
+
+RelaySettings relay(const BoundSettings& settings, RelaySettings::Waits waits, bool fifo) {
+    return {.waits = waits,
+            .priority = fifo ? std::optional(settings.priority) : std::nullopt,
+            .cpu = fifo ? settings.cpu : std::nullopt};
+}
+
+ApplianceSettings appliance(const BoundSettings& settings) {
+    ApplianceSettings appliance;
+    appliance.program = settings.program;
+    appliance.priority = settings.priority;
+    appliance.cpu = settings.cpu;
+    return appliance;
+}
+
+/// Starts and warms up all of them, then measures all in each period.
+tl::expected<std::vector<LatencyResult>, std::string> measure_together(
+    std::vector<tl::expected<Subject, std::string>> subjects, Duration length) {
+    std::vector<Subject*> ready;
+    for (auto& subject : subjects) {
+        if (!subject) {
+            return Refused(subject.error());
+        }
+        if (auto carries = subject->wait_until_it_carries(); !carries) {
+            return Refused(carries.error());
+        }
+        ready.push_back(&*subject);
+    }
+    const TesterPriority priority;
+    return measure_latency(ready, length);
+}
+
+Figure percentile_figure(const std::string& row, double percent, double bound,
+                         const Distribution& mine, const Distribution& anchor,
+                         const Distribution& again) {
+    const Duration its = anchor.percentile(percent);
+    return {.row = fmt::format("{}, p{:.0f}", row, percent),
+            .value = ratio_of(mine.percentile(percent), its),
+            .bound = bound,
+            .allowance = noise_allowance(its, again.percentile(percent)),
+            .note = fmt::format("{} us beside {} us", mine.percentile(percent).count() / 1000,
+                                its.count() / 1000)};
+}
+
+Figures added_latency(const BoundSettings& settings) {
+    const auto bare = relay(settings, RelaySettings::Waits::poll, true);
+    std::vector<tl::expected<Subject, std::string>> subjects;
+    subjects.push_back(Subject::relay(1, bare));
+    subjects.push_back(Subject::appliance(1, appliance(settings)));
+    subjects.push_back(Subject::relay(1, bare));
+    const auto results = measure_together(std::move(subjects), settings.length);
+    if (!results) {
+        return Refused(results.error());
+    }
+    std::vector<Figure> figures;
+    for (const auto& [percent, bound] :
+         std::array<std::pair<double, double>, 3>{{{50, 1.05}, {90, 1.10}, {99, 1.10}}}) {
+        figures.push_back(percentile_figure("latency / bare FIFO relay", percent, bound,
+                                            (*results)[1].latency, (*results)[0].latency,
+                                            (*results)[2].latency));
+    }
+    return figures;
+}
+
+Figures latency_under_load(const BoundSettings& settings) {
+    auto load = Process::execute({"stress-ng", "--cpu", "2", "--quiet"});
+    if (!load) {
+        return Refused(load.error());
+    }
+    const auto bare = relay(settings, RelaySettings::Waits::poll, false);
+    std::vector<tl::expected<Subject, std::string>> subjects;
+    subjects.push_back(Subject::relay(1, bare));
+    subjects.push_back(Subject::appliance(1, appliance(settings)));
+    subjects.push_back(Subject::relay(1, bare));
+    const auto results = measure_together(std::move(subjects), settings.length);
+    if (!results) {
+        return Refused(results.error());
+    }
+    return std::vector{percentile_figure("latency under load / relay without FIFO", 99, 0.25,
+                                         (*results)[1].latency, (*results)[0].latency,
+                                         (*results)[2].latency)};
+}
+
+Figures age_of_data(const BoundSettings& settings) {
+    const auto ages = measure_age(appliance(settings), settings.length);
+    if (!ages) {
+        return Refused(ages.error());
+    }
+    std::vector<Figure> figures;
+    for (const auto& [percent, bound] :
+         std::array<std::pair<double, double>, 2>{{{50, 0.05}, {99, 0.10}}}) {
+        figures.push_back(percentile_figure("age, follow / free-running writer", percent, bound,
+                                            ages->follow, ages->free, ages->free));
+        figures.push_back(percentile_figure("age, grid locked / free-running writer", percent,
+                                            bound, ages->locked, ages->free, ages->free));
+    }
+    return figures;
+}
+
+/// From cyclictest's histogram: lines of microseconds, rounded down, and how often.
+Distribution read_histogram(int file) {
+    std::string text(1 << 20, '\0');
+    const ssize_t count = ::pread(file, text.data(), text.size(), 0);
+    text.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
+    std::istringstream lines(text);
+    std::vector<Duration> samples;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream numbers(line);
+        std::int64_t microseconds = 0;
+        std::size_t times = 0;
+        if (line.starts_with('#') || !(numbers >> microseconds >> times)) {
+            continue;
+        }
+        const Duration middle = std::chrono::microseconds(microseconds) + Duration(500);
+        samples.insert(samples.end(), times, middle);
+    }
+    return Distribution(std::move(samples));
+}
+
+Figures grid_lateness(const BoundSettings& settings) {
+    const int histogram = ::memfd_create("histogram", 0);
+    const auto loops = settings.length / kGridPeriod;
+    const int cpu = settings.cpu.value_or(processor_count() - 1);
+    auto cyclictest = Process::execute(
+        {"cyclictest", "--quiet", "--mlockall", fmt::format("--priority={}", settings.priority),
+         "--interval=7000", fmt::format("--affinity={}", cpu), "--threads=1",
+         fmt::format("--loops={}", loops), "--histogram=20000",
+         fmt::format("--histfile=/proc/self/fd/{}", histogram)},
+        {histogram});
+    if (!cyclictest) {
+        return Refused(cyclictest.error());
+    }
+    auto late = measure_lateness(
+        {.priority = settings.priority, .cpu = cpu, .length = settings.length});
+    for (int i = 0; i < 500 && cyclictest->runs(); ++i) {
+        sleep_until(monotonic_now() + std::chrono::milliseconds(10));
+    }
+    cyclictest->end();
+    const Distribution beside = read_histogram(histogram);
+    ::close(histogram);
+    if (!late || beside.empty()) {
+        return Refused(late ? "cyclictest told nothing: " + cyclictest->errors() : late.error());
+    }
+    std::vector<Figure> figures;
+    for (const double percent : {50.0, 90.0}) {
+        figures.push_back(percentile_figure("grid lateness / cyclictest", percent, 1.10, late->grid,
+                                            beside, late->bare));
+        figures.back().allowance = 1;
+        figures.back().note += fmt::format(", bare timer loop {} us",
+                                           late->bare.percentile(percent).count() / 1000);
+    }
+    return figures;
+}
+
+Figures processor_time(const BoundSettings& settings) {
+    const auto bare = relay(settings, RelaySettings::Waits::epoll, true);
+    std::vector<tl::expected<Subject, std::string>> subjects;
+    subjects.push_back(Subject::relay(1, bare));
+    subjects.push_back(Subject::appliance(1, appliance(settings)));
+    subjects.push_back(Subject::command({"socat", "{in},raw,echo=0", "{out},raw,echo=0"}));
+    subjects.push_back(Subject::relay(1, bare));
+    const auto results = measure_together(std::move(subjects), settings.length);
+    if (!results) {
+        return Refused(results.error());
+    }
+    const auto used = [&](std::size_t i) { return (*results)[i].processor_time_per_frame; };
+    const auto note = [&](std::size_t anchor) {
+        return fmt::format("{:.1f} us beside {:.1f} us", static_cast<double>(used(1).count()) / 1e3,
+                           static_cast<double>(used(anchor).count()) / 1e3);
+    };
+    return std::vector<Figure>{{.row = "CPU time a frame / bare FIFO epoll relay",
+                                .value = ratio_of(used(1), used(0)),
+                                .bound = 1.10,
+                                .allowance = noise_allowance(used(0), used(3)),
+                                .note = note(0)},
+                               {.row = "CPU time a frame / socat",
+                                .value = ratio_of(used(1), used(2)),
+                                .bound = 0.75,
+                                .note = note(2)}};
+}
+
+tl::expected<Duration, std::string> cost_of(tl::expected<Subject, std::string> subject,
+                                            const BoundSettings& settings, bool at_one_instant) {
+    if (!subject) {
+        return Refused(subject.error());
+    }
+    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
+        return Refused(carries.error());
+    }
+    const TesterPriority priority;
+    const auto rounds = static_cast<std::uint64_t>(settings.length / 4 / kFramePeriod);
+    return drive(*subject, {.rounds = rounds, .at_one_instant = at_one_instant})
+        .processor_time_per_frame;
+}
+
+Figures scaling(const BoundSettings& settings) {
+    constexpr std::size_t kMany = 64;
+    const auto bare = relay(settings, RelaySettings::Waits::epoll, true);
+    const ApplianceSettings ours = appliance(settings);
+    const std::array<tl::expected<Duration, std::string>, 5> costs{
+        cost_of(Subject::appliance(1, ours), settings, false),
+        cost_of(Subject::appliance(kMany, ours), settings, false),
+        cost_of(Subject::relay(kMany, bare), settings, true),
+        cost_of(Subject::appliance(kMany, ours), settings, true),
+        cost_of(Subject::relay(kMany, bare), settings, true)};
+    for (const auto& cost : costs) {
+        if (!cost) {
+            return Refused(cost.error());
+        }
+    }
+    const auto note = [&](std::size_t mine, std::size_t its) {
+        return fmt::format("{:.1f} us beside {:.1f} us",
+                           static_cast<double>(costs[mine]->count()) / 1e3,
+                           static_cast<double>(costs[its]->count()) / 1e3);
+    };
+    return std::vector<Figure>{{.row = "cost a frame at 64 pipelines / at 1",
+                                .value = ratio_of(*costs[1], *costs[0]),
+                                .bound = 0.6,
+                                .note = note(1, 0)},
+                               {.row = "64 frames at one instant / bare relay",
+                                .value = ratio_of(*costs[3], *costs[2]),
+                                .bound = 1.2,
+                                .allowance = noise_allowance(*costs[2], *costs[4]),
+                                .note = note(3, 2)}};
+}
+
+/// From the start of a program until something comes out of it, while frames go in.
+template <class Start>
+tl::expected<Duration, std::string> time_to_first_frame(Start start) {
+    constexpr timespec kSendEvery{.tv_sec = 0, .tv_nsec = 200'000};
+    const Instant before = monotonic_now();
+    tl::expected<Subject, std::string> subject = start();
+    if (!subject) {
+        return Refused(subject.error());
+    }
+    while (monotonic_now() - before < std::chrono::seconds(10)) {
+        pollfd out{.fd = subject->lane().out_descriptor(), .events = POLLIN, .revents = 0};
+        if (::ppoll(&out, 1, &kSendEvery, nullptr) > 0) {
+            return monotonic_now() - before;
+        }
+        subject->lane().send();
+    }
+    return Refused("nothing came out: " + subject->process().errors());
+}
+
+Figures spawn(const BoundSettings& settings) {
+    constexpr int kStarts = 20;
+    std::vector<Duration> mine;
+    std::vector<Duration> its;
+    for (int i = 0; i < kStarts; ++i) {
+        const auto ours =
+            time_to_first_frame([&] { return Subject::appliance(1, appliance(settings)); });
+        const auto socat = time_to_first_frame(
+            [] { return Subject::command({"socat", "{in},raw,echo=0", "{out},raw,echo=0"}); });
+        if (!ours || !socat) {
+            return Refused(ours ? socat.error() : ours.error());
+        }
+        mine.push_back(*ours);
+        its.push_back(*socat);
+    }
+    const Distribution anchor(std::move(its));
+    return std::vector{percentile_figure("spawn to first frame / socat", 50, 1.0,
+                                         Distribution(std::move(mine)), anchor, anchor)};
+}
+
+}  // namespace
+
+std::vector<Bound> time_bounds() {
+    return {
+        {"latency", "added latency, paired, under the same SCHED_FIFO", true, added_latency},
+        {"load", "the same under stress-ng --cpu 2", true, latency_under_load},
+        {"age", "age of data against a free-running writer", true, age_of_data},
+        {"lateness", "a grid beside cyclictest on the same CPU", true, grid_lateness},
+        {"cpu", "processor time a frame with one pipeline", true, processor_time},
+        {"scaling", "processor time a frame with 64 pipelines", true, scaling},
+        {"spawn", "from the start to the first translated frame", true, spawn},
+    };
+}
+
+}  // namespace tribus::test
