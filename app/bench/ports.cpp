@@ -124,7 +124,7 @@ device = "{}"
 protocol = "ibus"
 channels = 18
 device = "/dev/servos"
-period = "4500us"
+period = "5500us"
 [pipeline.main]
 from = "receiver"
 to = "servos"

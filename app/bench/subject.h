@@ -19,8 +19,10 @@ namespace tribus::bench {
 struct ApplianceSettings {
     std::string program = "/proc/self/exe";
     Carries carries = Carries::same;
-    Duration period = std::chrono::microseconds(4500);  ///< of `follow`
-    std::optional<int> priority;                        ///< real time, or without
+    /// Least time between two frames of an output: short enough that a frame which was late does
+    /// not hold up the next, long enough that `follow` waits for that one instead of repeating.
+    Duration period = std::chrono::microseconds(5500);
+    std::optional<int> priority;  ///< real time, or without
     std::optional<int> cpu;
     std::size_t outputs_per_input = 1;  ///< all but the first are drained only
     std::vector<std::string> environment;

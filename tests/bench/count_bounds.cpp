@@ -72,7 +72,7 @@ Figures memory(const BoundSettings& settings) {
 Figures lost_frames(const BoundSettings& settings) {
     constexpr std::size_t kLanes = 32;
     ApplianceSettings ours = appliance(settings);
-    ours.period = std::chrono::microseconds(2600);
+    ours.period = std::chrono::milliseconds(3);
     auto subject = started(kLanes, ours);
     if (!subject) {
         return Refused(subject.error());
@@ -214,9 +214,11 @@ tl::expected<std::pair<double, std::string>, std::string> calls_for(Subject& sub
         return Refused(tracer.error());
     }
     sleep_until(monotonic_now() + std::chrono::milliseconds(500));
+    Instant next = monotonic_now();
     for (int i = 0; i < frames; ++i) {
         subject.lane().send();
-        sleep_until(monotonic_now() + kFramePeriod);
+        next += kFramePeriod;
+        sleep_until(next);
         subject.lane().drain();
         subject.drain_further_outputs();
     }

@@ -13,8 +13,8 @@
 
 #include "app/bench/age.h"
 #include "app/bench/distribution.h"
-#include "app/bench/lateness.h"
 #include "app/bench/latency.h"
+#include "app/bench/lateness.h"
 #include "app/bench/subject.h"
 #include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
@@ -158,8 +158,8 @@ Figures grid_lateness(const BoundSettings& settings) {
     if (!cyclictest) {
         return Refused(cyclictest.error());
     }
-    auto late = measure_lateness(
-        {.priority = settings.priority, .cpu = cpu, .length = settings.length});
+    auto late =
+        measure_lateness({.priority = settings.priority, .cpu = cpu, .length = settings.length});
     for (int i = 0; i < 500 && cyclictest->runs(); ++i) {
         sleep_until(monotonic_now() + std::chrono::milliseconds(10));
     }
@@ -174,8 +174,8 @@ Figures grid_lateness(const BoundSettings& settings) {
         figures.push_back(percentile_figure("grid lateness / cyclictest", percent, 1.10, late->grid,
                                             beside, late->bare));
         figures.back().allowance = 1;
-        figures.back().note += fmt::format(", bare timer loop {} us",
-                                           late->bare.percentile(percent).count() / 1000);
+        figures.back().note +=
+            fmt::format(", bare timer loop {} us", late->bare.percentile(percent).count() / 1000);
     }
     return figures;
 }
@@ -278,8 +278,9 @@ Figures spawn(const BoundSettings& settings) {
     for (int i = 0; i < kStarts; ++i) {
         const auto ours =
             time_to_first_frame([&] { return Subject::appliance(1, appliance(settings)); });
-        const auto socat = time_to_first_frame(
-            [] { return Subject::command({"socat", "{in},raw,echo=0", "{out},raw,echo=0"}); });
+        const auto socat = time_to_first_frame([] {
+            return Subject::command({"socat", "{in},raw,echo=0", "{out},raw,echo=0"});
+        });
         if (!ours || !socat) {
             return Refused(ours ? socat.error() : ours.error());
         }
