@@ -1,11 +1,9 @@
 #include "app/bench/latency.h"
 
-#include <poll.h>
 #include <sys/epoll.h>
 
 #include <algorithm>
 #include <array>
-#include <optional>
 #include <utility>
 
 #include "app/bench/tester.h"
@@ -27,46 +25,6 @@ timespec as_timespec(Duration duration) {
     return time;
 }
 
-/// Sends one frame and waits for it.
-std::optional<Duration> time_one_frame(Lane& lane) {
-    lane.drain();
-    if (!lane.send()) {
-        return std::nullopt;
-    }
-    while (true) {
-        pollfd out{.fd = lane.out_descriptor(), .events = POLLIN, .revents = 0};
-        const timespec patience = as_timespec(lane.sent_at() + kLostAfter - monotonic_now());
-        if (::ppoll(&out, 1, &patience, nullptr) <= 0) {
-            lane.give_up();
-            return std::nullopt;
-        }
-        const bool arrived = lane.receive();
-        const Instant now = monotonic_now();
-        if (arrived) {
-            return now - lane.sent_at();
-        }
-    }
-}
-
-/// Absolute instants, one a period. One that comes late moves all that follow: frames closer to
-/// each other than a period would wait for it in the subject.
-class Beat {
-  public:
-    explicit Beat(Duration period) : period_(period), next_(monotonic_now() + period) {}
-    void wait() {
-        sleep_until(next_);
-        const Instant now = monotonic_now();
-        if (now - next_ > period_ / 8) {
-            next_ = now;
-        }
-        next_ += period_;
-    }
-
-  private:
-    Duration period_;
-    Instant next_;
-};
-
 Duration used_by(const Subject& subject) {
     const auto usage = subject.usage();
     return usage ? usage->processor_time : Duration::zero();
@@ -83,54 +41,27 @@ LatencyResult result_of(const Subject& subject, std::vector<Duration> samples, D
     return result;
 }
 
-}  // namespace
-
-std::vector<LatencyResult> measure_latency(std::span<Subject* const> subjects, Duration length) {
-    const auto periods = static_cast<std::size_t>(std::max<std::int64_t>(1, length / kFramePeriod));
-    std::vector<std::vector<Duration>> samples(subjects.size());
-    std::vector<Duration> used_before;
-    for (std::size_t i = 0; i < subjects.size(); ++i) {
-        samples[i].reserve(periods);
-        subjects[i]->lane().start_counting();
-        used_before.push_back(used_by(*subjects[i]));
-    }
-    Beat beat(kFramePeriod);
-    for (std::size_t period = 0; period < periods && !interrupted(); ++period) {
-        beat.wait();
-        for (std::size_t turn = 0; turn < subjects.size(); ++turn) {
-            const std::size_t i = (turn + period) % subjects.size();
-            if (const auto latency = time_one_frame(subjects[i]->lane())) {
-                samples[i].push_back(*latency);
-            }
-        }
-    }
-    std::vector<LatencyResult> results;
-    for (std::size_t i = 0; i < subjects.size(); ++i) {
-        results.push_back(
-            result_of(*subjects[i], std::move(samples[i]), used_by(*subjects[i]) - used_before[i]));
-    }
-    return results;
-}
-
-namespace {
-
-/// The tester of many lanes at once.
+/// The tester of many lanes at once. Each lane has its own place in the period, so that one which
+/// stalls does not move the frames of the others.
 class Driver {
   public:
-    Driver(Subject& subject, const DriveSettings& settings)
-        : lanes_(subject.lanes()), settings_(settings), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
-        samples_.reserve(lanes_.size() * settings.rounds);
+    Driver(std::vector<Lane*> lanes, const DriveSettings& settings)
+        : lanes_(std::move(lanes)),
+          settings_(settings),
+          epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+          samples_(lanes_.size()) {
         for (std::size_t i = 0; i < lanes_.size(); ++i) {
-            lanes_[i].drain();
-            lanes_[i].start_counting();
+            samples_[i].reserve(settings.rounds);
+            lanes_[i]->drain();
+            lanes_[i]->start_counting();
             epoll_event event{};
             event.events = EPOLLIN;
             event.data.u64 = i;
-            ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, lanes_[i].out_descriptor(), &event);
+            ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, lanes_[i]->out_descriptor(), &event);
         }
     }
 
-    std::vector<Duration> run() {
+    void run() {
         const std::size_t at_once = settings_.at_one_instant ? lanes_.size() : 1;
         const std::uint64_t turns = settings_.rounds * lanes_.size() / at_once;
         const Duration step = settings_.period / static_cast<std::int64_t>(lanes_.size() / at_once);
@@ -139,10 +70,11 @@ class Driver {
         for (std::uint64_t turn = 0; turn < turns && !interrupted(); ++turn) {
             receive_until(next);
             const Instant now = monotonic_now();
+            // Frames closer to each other than a period would wait for it in the subject.
             next = (now - next > settings_.period / 8 ? now : next) + step;
             for (std::size_t i = 0; i < at_once; ++i) {
-                if (!lanes_[lane].outstanding()) {
-                    lanes_[lane].send();
+                if (!lanes_[lane]->outstanding()) {
+                    lanes_[lane]->send();
                 }
                 lane = (lane + 1) % lanes_.size();
             }
@@ -151,8 +83,9 @@ class Driver {
         while (monotonic_now() < end && std::ranges::any_of(lanes_, &Lane::outstanding)) {
             receive_until(monotonic_now() + std::chrono::milliseconds(5));
         }
-        return std::move(samples_);
     }
+
+    std::vector<Duration> take_samples(std::size_t lane) { return std::move(samples_[lane]); }
 
   private:
     void receive_until(Instant end) {
@@ -163,30 +96,61 @@ class Driver {
             const int count = ::epoll_pwait2(epoll_.get(), events.data(),
                                              static_cast<int>(events.size()), &timeout, nullptr);
             for (int i = 0; i < count; ++i) {
-                receive(lanes_[events[static_cast<std::size_t>(i)].data.u64]);
+                receive(events[static_cast<std::size_t>(i)].data.u64);
             }
             now = monotonic_now();
         } while (now < end);
     }
 
-    void receive(Lane& lane) {
-        if (lane.receive()) {
-            samples_.push_back(monotonic_now() - lane.sent_at());
+    void receive(std::size_t lane) {
+        if (lanes_[lane]->receive()) {
+            samples_[lane].push_back(monotonic_now() - lanes_[lane]->sent_at());
         }
     }
 
-    std::vector<Lane>& lanes_;
+    std::vector<Lane*> lanes_;
     DriveSettings settings_;
     UniqueFd epoll_;
-    std::vector<Duration> samples_;
+    std::vector<std::vector<Duration>> samples_;
 };
 
 }  // namespace
 
+std::vector<LatencyResult> measure_latency(std::span<Subject* const> subjects, Duration length) {
+    std::vector<Lane*> lanes;
+    std::vector<Duration> used_before;
+    for (Subject* subject : subjects) {
+        lanes.push_back(&subject->lane());
+        used_before.push_back(used_by(*subject));
+    }
+    const auto rounds =
+        static_cast<std::uint64_t>(std::max<std::int64_t>(1, length / kFramePeriod));
+    Driver driver(std::move(lanes), {.rounds = rounds});
+    driver.run();
+    std::vector<LatencyResult> results;
+    for (std::size_t i = 0; i < subjects.size(); ++i) {
+        results.push_back(result_of(*subjects[i], driver.take_samples(i),
+                                    used_by(*subjects[i]) - used_before[i]));
+    }
+    return results;
+}
+
 LatencyResult drive(Subject& subject, const DriveSettings& settings) {
+    std::vector<Lane*> lanes;
+    for (Lane& lane : subject.lanes()) {
+        lanes.push_back(&lane);
+    }
+    const std::size_t count = lanes.size();
     const Duration used_before = used_by(subject);
-    std::vector<Duration> samples = Driver(subject, settings).run();
-    return result_of(subject, std::move(samples), used_by(subject) - used_before);
+    Driver driver(std::move(lanes), settings);
+    driver.run();
+    const Duration used = used_by(subject) - used_before;
+    std::vector<Duration> all;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::vector<Duration> samples = driver.take_samples(i);
+        all.insert(all.end(), samples.begin(), samples.end());
+    }
+    return result_of(subject, std::move(all), used);
 }
 
 }  // namespace tribus::bench

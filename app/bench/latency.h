@@ -21,9 +21,9 @@ struct LatencyResult {
 /// Time from one frame to the next, as a receiver's.
 inline constexpr Duration kFramePeriod = std::chrono::milliseconds(7);
 
-/// Gives each of the subjects a frame in each period, one after the other in rotating order, so
-/// that all of them see the same machine. For `length`, or until interrupted. The calling thread
-/// should have `TesterPriority`. One result for each subject.
+/// Gives each of the subjects a frame in each period, one after the other, so that all of them see
+/// the same machine, and none another one's frame. For `length`, or until interrupted. The calling
+/// thread should have `TesterPriority`. One result for each subject.
 std::vector<LatencyResult> measure_latency(std::span<Subject* const> subjects, Duration length);
 
 /// How the lanes of one subject are used at the same time.

@@ -74,7 +74,9 @@ Measured add_latency(Report& report, const BenchSettings& settings, Duration len
     }
     const auto relay = relay_settings(settings, RelaySettings::Waits::poll);
     auto anchor = Subject::relay(1, relay);
-    auto appliance = Subject::appliance(1, appliance_settings(settings));
+    ApplianceSettings prompt = appliance_settings(settings);
+    prompt.period = kPromptPeriod;
+    auto appliance = Subject::appliance(1, prompt);
     auto anchor_again = Subject::relay(1, relay);
     std::array<Subject*, 3> subjects{};
     std::size_t count = 0;

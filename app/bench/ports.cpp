@@ -124,7 +124,8 @@ device = "{}"
 protocol = "ibus"
 channels = 18
 device = "/dev/servos"
-period = "5500us"
+period = "3ms"
+force = true
 [pipeline.main]
 from = "receiver"
 to = "servos"

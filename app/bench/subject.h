@@ -15,12 +15,16 @@
 
 namespace tribus::bench {
 
+/// A period of `follow` at which a frame that came late does not hold up those behind it. The last
+/// frame is repeated in between.
+inline constexpr Duration kPromptPeriod = std::chrono::milliseconds(3);
+
 /// How `tribus run` is set up to carry i.Bus frames of 18 channels.
 struct ApplianceSettings {
     std::string program = "/proc/self/exe";
     Carries carries = Carries::same;
-    /// Least time between two frames of an output: short enough that a frame which was late does
-    /// not hold up the next, long enough that `follow` waits for that one instead of repeating.
+    /// Least time between two frames of an output. At this one `follow` waits for the next frame
+    /// instead of repeating the last, which costs least.
     Duration period = std::chrono::microseconds(5500);
     std::optional<int> priority;  ///< real time, or without
     std::optional<int> cpu;
