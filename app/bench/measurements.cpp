@@ -74,9 +74,7 @@ Measured add_latency(Report& report, const BenchSettings& settings, Duration len
     }
     const auto relay = relay_settings(settings, RelaySettings::Waits::poll);
     auto anchor = Subject::relay(1, relay);
-    ApplianceSettings prompt = appliance_settings(settings);
-    prompt.period = kPromptPeriod;
-    auto appliance = Subject::appliance(1, prompt);
+    auto appliance = Subject::appliance(1, appliance_settings(settings));
     auto anchor_again = Subject::relay(1, relay);
     std::array<Subject*, 3> subjects{};
     std::size_t count = 0;

@@ -124,8 +124,7 @@ device = "{}"
 protocol = "ibus"
 channels = 18
 device = "/dev/servos"
-period = "3ms"
-force = true
+period = "5ms"
 [pipeline.main]
 from = "receiver"
 to = "servos"

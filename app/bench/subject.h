@@ -15,17 +15,13 @@
 
 namespace tribus::bench {
 
-/// A period of `follow` at which a frame that came late does not hold up those behind it. The last
-/// frame is repeated in between.
-inline constexpr Duration kPromptPeriod = std::chrono::milliseconds(3);
-
 /// How `tribus run` is set up to carry i.Bus frames of 18 channels.
 struct ApplianceSettings {
     std::string program = "/proc/self/exe";
     Carries carries = Carries::same;
-    /// Least time between two frames of an output. At this one `follow` waits for the next frame
-    /// instead of repeating the last, which costs least.
-    Duration period = std::chrono::microseconds(5500);
+    /// Least time between two frames of an output. Long enough that `follow` waits for the next
+    /// frame instead of repeating the last, short enough that a late one seldom holds up the next.
+    Duration period = std::chrono::milliseconds(5);
     std::optional<int> priority;  ///< real time, or without
     std::optional<int> cpu;
     std::size_t outputs_per_input = 1;  ///< all but the first are drained only

@@ -72,7 +72,7 @@ Figures memory(const BoundSettings& settings) {
 Figures lost_frames(const BoundSettings& settings) {
     constexpr std::size_t kLanes = 32;
     ApplianceSettings ours = appliance(settings);
-    ours.period = kPromptPeriod;
+    ours.period = std::chrono::milliseconds(3);
     auto subject = started(kLanes, ours);
     if (!subject) {
         return Refused(subject.error());

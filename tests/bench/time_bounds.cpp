@@ -70,17 +70,11 @@ Figure percentile_figure(const std::string& row, double percent, double bound,
                                 its.count() / 1000)};
 }
 
-ApplianceSettings prompt_appliance(const BoundSettings& settings) {
-    ApplianceSettings prompt = appliance(settings);
-    prompt.period = kPromptPeriod;
-    return prompt;
-}
-
 Figures added_latency(const BoundSettings& settings) {
     const auto bare = relay(settings, RelaySettings::Waits::poll, true);
     std::vector<tl::expected<Subject, std::string>> subjects;
     subjects.push_back(Subject::relay(1, bare));
-    subjects.push_back(Subject::appliance(1, prompt_appliance(settings)));
+    subjects.push_back(Subject::appliance(1, appliance(settings)));
     subjects.push_back(Subject::relay(1, bare));
     const auto results = measure_together(std::move(subjects), settings.length);
     if (!results) {
@@ -104,7 +98,7 @@ Figures latency_under_load(const BoundSettings& settings) {
     const auto bare = relay(settings, RelaySettings::Waits::poll, false);
     std::vector<tl::expected<Subject, std::string>> subjects;
     subjects.push_back(Subject::relay(1, bare));
-    subjects.push_back(Subject::appliance(1, prompt_appliance(settings)));
+    subjects.push_back(Subject::appliance(1, appliance(settings)));
     subjects.push_back(Subject::relay(1, bare));
     const auto results = measure_together(std::move(subjects), settings.length);
     if (!results) {
