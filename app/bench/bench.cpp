@@ -1,6 +1,7 @@
 #include "app/bench/bench.h"
 
 #include <sys/ioctl.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -50,6 +51,7 @@ std::vector<std::string> missing_realtime() {
     std::thread([&missing] {
         missing = make_realtime({.priority = kPriority, .cpu = std::nullopt, .realtime = true});
     }).join();
+    ::munlockall();
     return missing;
 }
 
@@ -204,7 +206,7 @@ constexpr const char* kFooter =
     "With added- in front (added-p50=20us) it is what tribus adds: its percentile less that\n"
     "of the bare relay or reader.\n"
     "Exit status: 0 fine, 1 it could not be measured or a requirement does not hold, 2 wrong\n"
-    "use.";
+    "use, 130 interrupted.";
 
 }  // namespace
 
