@@ -115,6 +115,7 @@ tl::expected<Process, std::string> Process::execute(const std::vector<std::strin
                                                     const std::vector<std::string>& environment) {
     std::vector<std::string> copies = words;
     std::vector<char*> arguments;
+    arguments.reserve(copies.size() + 1);
     for (std::string& word : copies) {
         arguments.push_back(word.data());
     }
@@ -143,12 +144,14 @@ bool Process::runs() {
 
 int Process::end() {
     constexpr int kPolls = 2000;
+    // Asked more than once: one that has just been forked still takes signals for its parent.
+    constexpr int kPollsPerRequest = 100;
     constexpr timespec kMillisecond{.tv_sec = 0, .tv_nsec = 1'000'000};
-    if (runs()) {
-        ::kill(id_, SIGTERM);
-        for (int i = 0; i < kPolls && runs(); ++i) {
-            ::nanosleep(&kMillisecond, nullptr);
+    for (int i = 0; i < kPolls && runs(); ++i) {
+        if (i % kPollsPerRequest == 0) {
+            ::kill(id_, SIGTERM);
         }
+        ::nanosleep(&kMillisecond, nullptr);
     }
     while (runs()) {
         ::kill(id_, SIGKILL);

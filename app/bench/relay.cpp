@@ -45,6 +45,7 @@ bool carry(const Ends& ends) {
 
 int relay_with_poll(const std::vector<Ends>& ends) {
     std::vector<pollfd> waits;
+    waits.reserve(ends.size());
     for (const Ends& pair : ends) {
         waits.push_back({.fd = pair.in, .events = POLLIN, .revents = 0});
     }
@@ -101,6 +102,7 @@ bool take_scheduling(const RelaySettings& settings) {
 int run_relay(const std::vector<std::pair<std::string, std::string>>& devices,
               const RelaySettings& settings) {
     std::vector<Ends> ends;
+    ends.reserve(devices.size());
     for (const auto& [in, out] : devices) {
         ends.push_back({.in = open_raw(in), .out = open_raw(out)});
         if (ends.back().in < 0 || ends.back().out < 0) {

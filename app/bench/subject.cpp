@@ -159,6 +159,7 @@ tl::expected<Subject, std::string> Subject::command(const std::vector<std::strin
         return tl::unexpected(lanes.error());
     }
     std::vector<std::string> named;
+    named.reserve(words.size());
     for (const std::string& word : words) {
         named.push_back(filled(filled(word, "{in}", lanes->front().in_path()), "{out}",
                                lanes->front().out_path()));

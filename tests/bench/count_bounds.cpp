@@ -126,16 +126,16 @@ void disturb(Lane& lane, std::mt19937& random) {
     constexpr int kFrames = 100;
     constexpr int kGarbageReads = 100;
     const auto step = [] { sleep_until(monotonic_now() + kFramePeriod); };
-    for (int i = 0; i < kFrames; ++i, step()) {
+    for (int i = 0; i < kFrames && !interrupted(); ++i, step()) {
         lane.send();
         lane.drain();
     }
     sleep_until(monotonic_now() + std::chrono::milliseconds(1800));
-    for (int i = 0; i < kGarbageReads; ++i, step()) {
+    for (int i = 0; i < kGarbageReads && !interrupted(); ++i, step()) {
         lane.send_garbage(random() % 60 + 1, static_cast<std::uint32_t>(random()));
         lane.drain();
     }
-    for (int i = 0; i < kFrames; ++i, step()) {
+    for (int i = 0; i < kFrames && !interrupted(); ++i, step()) {
         lane.send();
         lane.drain();
     }
@@ -215,7 +215,7 @@ tl::expected<std::pair<double, std::string>, std::string> calls_for(Subject& sub
     }
     sleep_until(monotonic_now() + std::chrono::milliseconds(500));
     Instant next = monotonic_now();
-    for (int i = 0; i < frames; ++i) {
+    for (int i = 0; i < frames && !interrupted(); ++i) {
         subject.lane().send();
         next += kFramePeriod;
         sleep_until(next);
