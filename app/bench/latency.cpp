@@ -16,6 +16,9 @@ namespace {
 /// A frame that takes longer is lost; far longer than any stall of a machine.
 constexpr Duration kLostAfter = std::chrono::milliseconds(500);
 
+/// The first frames come after a pause, and are no picture of what follows.
+constexpr std::uint64_t kWarmUpFrames = 20;
+
 timespec as_timespec(Duration duration) {
     const Duration positive = std::max(duration, Duration::zero());
     const auto seconds = std::chrono::floor<std::chrono::seconds>(positive);
@@ -34,8 +37,8 @@ LatencyResult result_of(const Subject& subject, std::vector<Duration> samples, D
     LatencyResult result;
     result.lost = subject.lost();
     result.torn = subject.torn();
-    if (!samples.empty()) {
-        result.processor_time_per_frame = used / static_cast<std::int64_t>(samples.size());
+    if (subject.arrived() > 0) {
+        result.processor_time_per_frame = used / static_cast<std::int64_t>(subject.arrived());
     }
     result.latency = Distribution(std::move(samples));
     return result;
@@ -103,7 +106,7 @@ class Driver {
     }
 
     void receive(std::size_t lane) {
-        if (lanes_[lane]->receive()) {
+        if (lanes_[lane]->receive() && lanes_[lane]->counts().sent > kWarmUpFrames) {
             samples_[lane].push_back(monotonic_now() - lanes_[lane]->sent_at());
         }
     }

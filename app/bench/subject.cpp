@@ -204,6 +204,14 @@ void Subject::drain_further_outputs() {
     }
 }
 
+std::uint64_t Subject::arrived() const {
+    std::uint64_t arrived = 0;
+    for (const Lane& lane : lanes_) {
+        arrived += lane.counts().arrived;
+    }
+    return arrived;
+}
+
 std::uint64_t Subject::lost() const {
     std::uint64_t lost = 0;
     for (const Lane& lane : lanes_) {

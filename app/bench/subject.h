@@ -66,7 +66,8 @@ class Subject {
     /// Throws away what came out of the outputs beyond the first.
     void drain_further_outputs();
 
-    /// Frames that were sent and did not come out, and those that came out broken.
+    /// Frames that came out, those that were sent and did not, and those that came out broken.
+    std::uint64_t arrived() const;
     std::uint64_t lost() const;
     std::uint64_t torn() const;
 
