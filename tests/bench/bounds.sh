@@ -9,7 +9,7 @@ cd "$(dirname "$0")/../.."
 # shellcheck disable=SC2086 # lists of words
 install_packages $build_packages $test_packages socat strace stress-ng rt-tests
 build ON tribus bounds heap_trap_preload
-build/tests/bounds "$@"
+build/tests/bench/bounds "$@"
 # The exact instruction counts of the codecs and the daemon.
 if [ $# -eq 0 ] && cmake --build build --target help | grep -q '^bench_tests:'; then
     cmake --build build --target bench_tests >&2
