@@ -76,6 +76,9 @@ class Driver {
             // Frames closer to each other than a period would wait for it in the subject.
             next = (now - next > settings_.period / 8 ? now : next) + step;
             for (std::size_t i = 0; i < at_once; ++i) {
+                if (lanes_[lane]->outstanding() && now - lanes_[lane]->sent_at() > kLostAfter) {
+                    lanes_[lane]->give_up();
+                }
                 if (!lanes_[lane]->outstanding()) {
                     lanes_[lane]->send();
                 }

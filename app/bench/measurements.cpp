@@ -89,6 +89,14 @@ Measured add_latency(Report& report, const BenchSettings& settings, Duration len
     }
     const TesterPriority priority;
     const std::vector<LatencyResult> results = measure_latency(subjects, length);
+    for (const LatencyResult& result : results) {
+        if (result.latency.empty() && !interrupted()) {
+            return tl::unexpected(fmt::format(
+                "frames were lost or came out broken ({} and {}); does another program use the "
+                "same pseudo-terminals, one that waits for a device such as /dev/pts/0?",
+                result.lost, result.torn));
+        }
+    }
     const Distribution& bare = results[0].latency;
     add_percentiles(report, "latency", results[1].latency, bare, results[2].latency,
                     "a bare relay");
