@@ -64,8 +64,9 @@ class Listener {
         const Instant now = monotonic_now();
         std::span<const std::uint8_t> bytes(buffer.data(),
                                             count > 0 ? static_cast<std::size_t>(count) : 0);
-        while (const auto frame = decoder_.next(bytes, now)) {
-            note(frame->channels, sent_at, now);
+        DecodedFrame frame;
+        while (decoder_.next(bytes, now, frame)) {
+            note(frame.channels, sent_at, now);
         }
     }
 

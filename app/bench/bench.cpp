@@ -49,7 +49,8 @@ struct Options {
 std::vector<std::string> missing_realtime() {
     std::vector<std::string> missing;
     std::thread([&missing] {
-        missing = make_realtime({.priority = kPriority, .cpu = std::nullopt, .realtime = true});
+        missing =
+            make_realtime({.priority = kPriority, .cpu = std::nullopt, .realtime = true}).missing;
     }).join();
     ::munlockall();
     return missing;

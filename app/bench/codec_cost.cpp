@@ -99,9 +99,10 @@ CodecCost serial_cost(const Protocol& protocol, const SettingValues& in, const S
     });
     cost.decode_ns = best_nanoseconds(length / 2, [&] {
         std::size_t found = 0;
+        DecodedFrame frame;
         for (const WireFrame& wire : wires) {
             std::span<const std::uint8_t> bytes(wire.bytes.data(), wire.length);
-            while (decoder->next(bytes, Instant{})) {
+            while (decoder->next(bytes, Instant{}, frame)) {
                 ++found;
             }
         }

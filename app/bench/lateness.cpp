@@ -61,7 +61,7 @@ Distribution lateness_of(const std::vector<StampingLink::Stamp>& stamps) {
 Distribution bare_timer(const LatenessSettings& settings, Instant first, std::size_t periods) {
     std::vector<Duration> late;
     late.reserve(periods);
-    make_realtime(scheduling_of(settings));
+    const Scheduling scheduling = make_realtime(scheduling_of(settings));
     for (std::size_t i = 0; i < periods && !interrupted(); ++i) {
         const Instant deadline = first + static_cast<std::int64_t>(i) * kGridPeriod;
         sleep_until(deadline);

@@ -77,7 +77,7 @@ void read_bare(ByteLink& in, std::optional<int> priority, std::vector<Stamp>& st
     SchedulingSettings scheduling;
     scheduling.priority = priority.value_or(scheduling.priority);
     scheduling.realtime = priority.has_value();
-    make_realtime(scheduling);
+    const Scheduling got = make_realtime(scheduling);
     IbusDecoder decoder;
     Reception reception;
     while (!end.load(std::memory_order_relaxed)) {
@@ -89,9 +89,10 @@ void read_bare(ByteLink& in, std::optional<int> priority, std::vector<Stamp>& st
         }
         const Instant now = monotonic_now();
         auto bytes = reception.view();
-        while (const auto frame = decoder.next(bytes, now)) {
+        DecodedFrame frame;
+        while (decoder.next(bytes, now, frame)) {
             WireFrame wire;
-            wire.length = IbusEncoder(kChannelCount).encode(frame->channels, wire.bytes);
+            wire.length = IbusEncoder(kChannelCount).encode(frame.channels, wire.bytes);
             if (stamps.size() < stamps.capacity()) {
                 stamps.push_back({.at = now, .beginning = StampingLink::beginning_of(wire.bytes)});
             }

@@ -49,11 +49,11 @@ Duration histogram_bucket_start(std::size_t bucket) {
     return Duration(static_cast<std::int64_t>(units << kUnitShift));
 }
 
-std::uint64_t Distribution::count() const {
+std::uint64_t HistogramReading::count() const {
     return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
-Duration Distribution::quantile(double share) const {
+Duration HistogramReading::quantile(double share) const {
     const double wanted = share * static_cast<double>(count());
     double below = 0;
     for (std::size_t bucket = 0; bucket < counts.size(); ++bucket) {
@@ -76,7 +76,7 @@ void Histogram::clear(Window& window) {
     window.worst_ns.store(0, std::memory_order_relaxed);
 }
 
-void Histogram::add(const Window& window, Distribution& to) {
+void Histogram::add(const Window& window, HistogramReading& to) {
     for (std::size_t bucket = 0; bucket < kHistogramBuckets; ++bucket) {
         to.counts[bucket] += window.counts[bucket].load(std::memory_order_relaxed);
     }
@@ -107,26 +107,26 @@ void Histogram::record(Duration value, Instant now) {
     raise(window.worst_ns, value.count());
 }
 
-Distribution Histogram::since_start() const {
-    Distribution distribution;
+HistogramReading Histogram::since_start() const {
+    HistogramReading reading;
     for (std::size_t bucket = 0; bucket < kHistogramBuckets; ++bucket) {
-        distribution.counts[bucket] = counts_[bucket].load(std::memory_order_relaxed);
+        reading.counts[bucket] = counts_[bucket].load(std::memory_order_relaxed);
     }
-    distribution.worst = Duration(worst_ns_.load(std::memory_order_relaxed));
-    return distribution;
+    reading.worst = Duration(worst_ns_.load(std::memory_order_relaxed));
+    return reading;
 }
 
-Distribution Histogram::last_minute(Instant now) const {
-    Distribution distribution;
+HistogramReading Histogram::last_minute(Instant now) const {
+    HistogramReading reading;
     const std::size_t current = current_.load(std::memory_order_relaxed);
     const Instant end{Duration(window_end_ns_.load(std::memory_order_relaxed))};
     if (now < end + kWindow) {
-        add(windows_[current], distribution);
+        add(windows_[current], reading);
     }
     if (now < end) {
-        add(windows_[1 - current], distribution);
+        add(windows_[1 - current], reading);
     }
-    return distribution;
+    return reading;
 }
 
 }  // namespace tribus

@@ -18,7 +18,7 @@ std::size_t histogram_bucket(Duration value);
 Duration histogram_bucket_start(std::size_t bucket);
 
 /// What a histogram held when it was read: a plain value.
-struct Distribution {
+struct HistogramReading {
     std::array<std::uint64_t, kHistogramBuckets> counts{};
     Duration worst{};
 
@@ -36,9 +36,9 @@ class Histogram {
     /// `now` is when it happened; it does not go back.
     void record(Duration value, Instant now);
 
-    Distribution since_start() const;
+    HistogramReading since_start() const;
     /// The last 30 to 60 seconds before `now`.
-    Distribution last_minute(Instant now) const;
+    HistogramReading last_minute(Instant now) const;
 
   private:
     static constexpr Duration kWindow = std::chrono::seconds(30);
@@ -49,7 +49,7 @@ class Histogram {
         std::atomic<std::int64_t> worst_ns{0};
     };
     static void clear(Window& window);
-    static void add(const Window& window, Distribution& to);
+    static void add(const Window& window, HistogramReading& to);
     void turn_windows(Instant now);
 
     std::array<std::atomic<std::uint32_t>, kHistogramBuckets> counts_{};

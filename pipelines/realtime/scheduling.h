@@ -31,6 +31,6 @@ struct Scheduling {
 /// Gives the calling thread real-time scheduling: SCHED_FIFO at `priority`, timers without slack,
 /// the process's memory locked, its own stack in memory, processors that wake at once, pinned to
 /// `cpu`. Call on the data thread before it starts; its stack has `kRealtimeStackBytes`.
-Scheduling make_realtime(const SchedulingSettings& settings);
+[[nodiscard]] Scheduling make_realtime(const SchedulingSettings& settings);
 
 }  // namespace tribus

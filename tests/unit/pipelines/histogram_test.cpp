@@ -49,7 +49,7 @@ TEST(Histogram, an_empty_one_has_no_count_and_quantiles_of_zero) {
 
 TEST(Histogram, quantiles_are_right_to_a_bucket) {
     Histogram histogram;
-    const Distribution all = record_each_microsecond(histogram, 0, 10'000).since_start();
+    const HistogramReading all = record_each_microsecond(histogram, 0, 10'000).since_start();
     EXPECT_EQ(all.count(), 10'000U);
     for (const double share : {0.5, 0.9, 0.99}) {
         const Duration right{static_cast<std::int64_t>(share * 1e7)};
@@ -95,7 +95,7 @@ TEST(Histogram, the_last_minute_never_covers_less_than_half_of_one_nor_more_than
             for (Duration later = 100ms; later <= age; later += 100ms) {
                 histogram.record(1ms, at(100s) + offset + later);
             }
-            const Distribution minute = histogram.last_minute(at(100s) + offset + age);
+            const HistogramReading minute = histogram.last_minute(at(100s) + offset + age);
             const bool seen = minute.worst == 5ms;
             EXPECT_TRUE(seen || age >= 30s) << age.count() << " " << offset.count();
             EXPECT_FALSE(seen && age > 60s) << age.count() << " " << offset.count();
