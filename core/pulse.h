@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/rounding.h"
+
 namespace tribus {
 
 /// A pulse width in eighths of a microsecond.
@@ -40,7 +42,7 @@ class Pulse {
             return Pulse{};
         }
         const double limited = std::clamp(microseconds, -kBeyondAnyPulse, kBeyondAnyPulse);
-        return from_eighths(std::llround(limited * kEighthsPerMicrosecond));
+        return from_eighths(nearest_whole(limited * kEighthsPerMicrosecond));
     }
 
     constexpr std::int32_t eighths() const { return eighths_; }

@@ -1,12 +1,13 @@
 #include "core/schedule.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace tribus {
 namespace {
 
-/// Weight of a new interval in the smoothed one: forgets in about 16 frames.
-constexpr int kSmoothing = 16;
+/// Arrivals that the line through them remembers: as many as there were, up to this.
+constexpr int kMemory = 56;
 /// So many intervals in a row that do not fit mean that the sender has changed its period. Lost
 /// frames make intervals longer, never shorter, so for longer ones more have to agree.
 constexpr int kOutliersToRestart = 4;
@@ -16,8 +17,10 @@ constexpr int kLongOutliersToRestart = 16;
 constexpr int kLatenessRise = 2;
 constexpr int kLatenessStep = 64;
 constexpr int kLatenessDecay = 128;
-/// Share of an interval beyond which an error says more of the machine than of the sender.
+/// Share of an interval beyond which an error says more of the machine than of the sender, once the
+/// rhythm is known, and before.
 constexpr int kMostError = 16;
+constexpr int kMostEarlyError = 4;
 
 /// How far behind the arrivals a locked grid stands at least: room for the wake that reads them.
 constexpr Duration kLeastGuard = std::chrono::microseconds(50);
@@ -35,47 +38,47 @@ constexpr int kClockTolerance = 100;
 
 void ArrivalClock::arrived(Instant now) {
     const Duration delta = now - latest_;
-    const bool first = !ever_;
     latest_ = now;
-    ever_ = true;
-    if (first) {
+    if (!std::exchange(ever_, true)) {
         rhythm_ = now;
         return;
     }
     const bool fits = delta > interval_ / 2 && delta < interval_ + interval_ / 2;
     const int outliers_to_restart = delta > interval_ ? kLongOutliersToRestart : kOutliersToRestart;
-    if (interval_ == Duration::zero() || (!fits && ++outliers_ >= outliers_to_restart)) {
-        interval_ = delta;
-        outliers_ = 0;
-    } else if (fits) {
-        interval_ += without_stall(delta - interval_) / kSmoothing;
-        outliers_ = 0;
+    outliers_ = fits ? 0 : outliers_ + 1;
+    if (interval_ == Duration::zero() || outliers_ >= outliers_to_restart) {
+        begin_rhythm(now, delta);
+    } else if (fits || delta > interval_) {
+        follow_rhythm(now);
     }
-    follow_rhythm(now);
 }
 
-Duration ArrivalClock::without_stall(Duration error) const {
-    const Duration most = interval_ / kMostError;
-    return std::clamp(error, -most, most);
+void ArrivalClock::begin_rhythm(Instant now, Duration interval) {
+    rhythm_ = now;
+    interval_ = interval;
+    lateness_ = Duration::zero();
+    remembered_ = 2;
+    outliers_ = 0;
+    off_beat_ = 0;
 }
 
+/// The line of least squares through arrivals, with fading memory: what one more of them says of
+/// the place of the latest and of the interval weighs as its number demands.
 void ArrivalClock::follow_rhythm(Instant now) {
-    if (interval_ <= Duration::zero()) {
-        rhythm_ = now;
-        return;
-    }
     const auto beats = std::max<std::int64_t>((now - rhythm_ + interval_ / 2) / interval_, 1);
     const Instant beat = rhythm_ + beats * interval_;
     const Duration error = now - beat;
-    const bool on_beat = std::chrono::abs(error) < interval_ / 4;
-    off_beat_ = on_beat ? 0 : off_beat_ + 1;
+    off_beat_ = std::chrono::abs(error) < interval_ / 4 ? 0 : off_beat_ + 1;
     if (off_beat_ >= kOutliersToRestart) {
-        rhythm_ = now;
-        lateness_ = Duration::zero();
-        off_beat_ = 0;
+        begin_rhythm(now, interval_);
         return;
     }
-    rhythm_ = beat + without_stall(error) / kSmoothing;
+    remembered_ = std::min(remembered_ + 1, kMemory);
+    const int weight = remembered_ * (remembered_ + 1);
+    const Duration most = interval_ / (remembered_ < kMemory ? kMostEarlyError : kMostError);
+    const Duration believed = std::clamp(error, -most, most);
+    rhythm_ = beat + believed * (4 * remembered_ - 2) / weight;
+    interval_ += believed * 6 / (weight * beats);
     lateness_ += error > lateness_
                      ? std::min((error - lateness_) / kLatenessRise, interval_ / kLatenessStep)
                      : -lateness_ / kLatenessDecay;
@@ -89,21 +92,43 @@ void Schedule::start(Instant now) {
 void Schedule::frame_arrived(const ArrivalClock& arrivals) {
     arrivals_ = arrivals;
     if (settings_.kind == ScheduleKind::follow) {
-        due_ = latest_write_ ? std::max(arrivals.latest(), *latest_write_ + settings_.period)
-                             : arrivals.latest();
+        due_ = follow_due();
     } else if (locked_step()) {
         due_ = locked_due();
     }
 }
 
+/// A frame that must wait because another was written not long ago holds up the one behind it as
+/// well, and that the next: where the one behind it is nearly there, it is sent in its place.
+Instant Schedule::follow_due() const {
+    const Instant latest = arrivals_.latest();
+    const Instant due = latest_write_ ? std::max(latest, *latest_write_ + least_step()) : latest;
+    const Duration interval = arrivals_.interval();
+    const Instant next = arrivals_.rhythm() + interval;
+    const bool holds_up_next = due > latest && due < next && due + least_step() > next;
+    if (!holds_up_next || next - due >= interval / 2) {
+        return due;
+    }
+    return std::min(expected_by(), *latest_write_ + 2 * settings_.period);
+}
+
+/// When the next frame should be here, also one that is late.
+Instant Schedule::expected_by() const {
+    return arrivals_.rhythm() + arrivals_.interval() + 2 * arrivals_.lateness() + kLeastGuard;
+}
+
 /// A period without a new frame has passed; but a frame that is just about due is worth waiting
-/// for: at 7.7 ms from the receiver and 7 ms here, a repeat would push each fresh frame back.
+/// for: at 7.7 ms from the receiver and 7 ms here, a repeat would push each fresh frame back. A
+/// repeat that has to come is early enough not to hold up the frame behind the missing one.
 Instant Schedule::repeat_due(Instant now) const {
     const Instant planned = now + settings_.period;
-    const Instant expected = arrivals_.next_expected_by();
-    const bool worth_waiting = arrivals_.interval() > Duration::zero() && expected > planned &&
-                               expected < planned + settings_.period;
-    return worth_waiting ? expected : planned;
+    const Instant at_most = planned + settings_.period;
+    const Duration interval = arrivals_.interval();
+    const Instant expected = expected_by();
+    const bool worth_waiting =
+        interval > Duration::zero() && expected > planned && expected < at_most;
+    const Instant leaves_room = arrivals_.rhythm() + 2 * interval - least_step();
+    return worth_waiting ? std::min(std::max(expected, leaves_room), at_most) : planned;
 }
 
 Duration Schedule::least_step() const {

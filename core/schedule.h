@@ -8,7 +8,8 @@
 namespace tribus {
 
 enum class ScheduleKind : std::uint8_t {
-    follow,  ///< send when a new frame arrives, at most once a period, and once a period without
+    follow,  ///< send when a new frame arrives, at most once a period (less 1 %, for clocks that
+             ///< differ), and once a period without one
     grid,    ///< strictly periodic, whatever arrives
 };
 
@@ -30,19 +31,16 @@ class ArrivalClock {
 
     bool ever() const { return ever_; }
     Instant latest() const { return latest_; }
-    /// Smoothed time between two frames; zero before the second frame.
+    /// Time between two frames, by the line through the latest arrivals; zero before the second.
     Duration interval() const { return interval_; }
-    /// When the next frame should be here, with a quarter of an interval for its jitter; the past
-    /// where frames have stopped.
-    Instant next_expected_by() const { return latest_ + interval_ + interval_ / 4; }
     /// When the latest frame was due by the rhythm of those before it: its arrival without jitter.
     Instant rhythm() const { return rhythm_; }
     /// How long behind its place in the rhythm a late frame comes; about one in twenty comes later.
     Duration lateness() const { return lateness_; }
 
   private:
+    void begin_rhythm(Instant now, Duration interval);
     void follow_rhythm(Instant now);
-    Duration without_stall(Duration error) const;
 
     Instant latest_{};
     Duration interval_{};
@@ -51,6 +49,7 @@ class ArrivalClock {
     Instant rhythm_{};
     Duration lateness_{};
     int off_beat_ = 0;
+    int remembered_ = 0;
 };
 
 /// Decides when an output is due. Pure arithmetic on absolute instants; thread-bound.
@@ -76,6 +75,8 @@ class Schedule {
     Duration period() const { return settings_.period; }
 
   private:
+    Instant follow_due() const;
+    Instant expected_by() const;
     Instant repeat_due(Instant now) const;
     Duration least_step() const;
     std::optional<Duration> locked_step() const;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/rounding.h"
+
 namespace tribus {
 namespace {
 
@@ -13,7 +15,7 @@ double deviation(Pulse pulse) {
     return static_cast<double>(pulse.eighths() - kCentrePulse.eighths());
 }
 Pulse from_deviation(double eighths) {
-    return Pulse::from_eighths(kCentrePulse.eighths() + std::llround(eighths));
+    return Pulse::from_eighths(kCentrePulse.eighths() + nearest_whole(eighths));
 }
 
 /// Reads one output channel's source from an input frame.
@@ -115,7 +117,7 @@ Pulse SlewFilter::apply(Pulse pulse, Instant now) {
     }
     started = true;
     latest_at = now;
-    return Pulse::from_eighths(std::llround(latest_eighths));
+    return Pulse::from_eighths(nearest_whole(latest_eighths));
 }
 
 Pulse LimitFilter::apply(Pulse pulse, Instant /*now*/) {

@@ -1,5 +1,7 @@
 #include "pipelines/realtime/data_thread.h"
 
+#include <malloc.h>
+
 #include <cstring>
 
 namespace tribus {
@@ -28,6 +30,8 @@ void* DataThread::main(void* self) {
 }
 
 tl::expected<std::vector<std::string>, std::string> DataThread::prepare() {
+    // A second heap would be for a thread that allocates nothing once it runs.
+    ::mallopt(M_ARENA_MAX, 1);
     pthread_attr_t attributes;
     ::pthread_attr_init(&attributes);
     ::pthread_attr_setstacksize(&attributes, kRealtimeStackBytes);

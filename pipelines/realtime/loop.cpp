@@ -1,5 +1,6 @@
 #include "pipelines/realtime/loop.h"
 
+#include <poll.h>
 #include <pthread.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -25,6 +26,24 @@ constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 
 std::string error_text(const char* what) {
     return std::string(what) + " failed: " + std::strerror(errno);
+}
+
+/// Whether the kernel has epoll_pwait2 (Linux 5.11), whose timeouts are as exact as a sleep's.
+bool has_exact_waits(int epoll) {
+    epoll_event event{};
+    const timespec at_once{};
+    return ::epoll_pwait2(epoll, &event, 1, &at_once, nullptr) >= 0 || errno != ENOSYS;
+}
+
+int wait_for_events(int epoll, std::span<epoll_event> events, const timespec& timeout, bool exact) {
+    const int most = static_cast<int>(events.size());
+    if (exact) {
+        return ::epoll_pwait2(epoll, events.data(), most, &timeout, nullptr);
+    }
+    // As exact, with one system call more.
+    pollfd any{.fd = epoll, .events = POLLIN, .revents = 0};
+    return ::ppoll(&any, 1, &timeout, nullptr) > 0 ? ::epoll_wait(epoll, events.data(), most, 0)
+                                                   : 0;
 }
 
 bool is_can(const Engine& engine, const PortWiring& wiring) {
@@ -71,6 +90,7 @@ tl::expected<void, std::string> Loop::prepare() {
     if (epoll_.get() < 0) {
         return tl::unexpected(error_text("epoll_create1"));
     }
+    exact_waits_ = has_exact_waits(epoll_.get());
     wake_up_ = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
     if (wake_up_.get() < 0) {
         return tl::unexpected(error_text("eventfd"));
@@ -327,7 +347,7 @@ void Loop::publish(Instant now) {
 }
 
 std::size_t Loop::wait(Instant until) {
-    const std::size_t ready = wait_for_events(until - std::min(settings_.spin, until - clock_));
+    const std::size_t ready = wait_until(until - std::min(settings_.spin, until - clock_));
     clock_ = monotonic_now();
     while (ready == 0 && clock_ < until && until - clock_ <= settings_.spin) {
         clock_ = monotonic_now();
@@ -335,15 +355,14 @@ std::size_t Loop::wait(Instant until) {
     return ready;
 }
 
-std::size_t Loop::wait_for_events(Instant until) {
+std::size_t Loop::wait_until(Instant until) {
     const Duration sleep = std::clamp(until - clock_, Duration::zero(), kLongestWait);
     const auto seconds = std::chrono::floor<std::chrono::seconds>(sleep);
     timespec timeout{};
     timeout.tv_sec = seconds.count();
     timeout.tv_nsec = (sleep - seconds).count();
     std::array<epoll_event, kEventsPerWake> events;
-    const int count = ::epoll_pwait2(epoll_.get(), events.data(), static_cast<int>(events.size()),
-                                     &timeout, nullptr);
+    const int count = wait_for_events(epoll_.get(), events, timeout, exact_waits_);
     std::size_t ready = 0;
     for (int i = 0; i < count; ++i) {
         const std::uint64_t source = events[static_cast<std::size_t>(i)].data.u64;

@@ -125,7 +125,7 @@ class Loop {
     void publish(Instant now);
     /// Returns how many ports are ready; their numbers are in `ready_`. Reads the clock.
     std::size_t wait(Instant until);
-    std::size_t wait_for_events(Instant until);
+    std::size_t wait_until(Instant until);
 
     static constexpr std::size_t kEventsPerWake = 64;
 
@@ -137,6 +137,7 @@ class Loop {
     std::vector<std::size_t> can_ports_;
     std::size_t quiet_ports_ = 0;
     UniqueFd epoll_;
+    bool exact_waits_ = true;
     UniqueFd wake_up_;
     std::atomic<bool> end_requested_{false};
     std::array<std::size_t, kEventsPerWake> ready_{};

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -11,6 +10,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+
+#include "pipelines/realtime/locked_memory.h"
 
 namespace tribus {
 namespace {
@@ -42,9 +43,10 @@ void run_first(int priority, Missing& missing) {
     }
 }
 
-void lock_memory(Missing& missing) {
-    if (::mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
-        missing.push_back("memory is not locked (" + reason(errno) +
+void keep_in_memory(Missing& missing) {
+    const int error = lock_memory();
+    if (error != 0) {
+        missing.push_back("memory is not locked (" + reason(error) +
                           "); run as root, or give CAP_IPC_LOCK or `ulimit -l unlimited`");
     }
 }
@@ -91,7 +93,7 @@ Scheduling make_realtime(const SchedulingSettings& settings) {
         return got;
     }
     run_first(settings.priority, got.missing);
-    lock_memory(got.missing);
+    keep_in_memory(got.missing);
     touch_stack();
     got.wide_awake = keep_processors_awake(got.missing);
     return got;

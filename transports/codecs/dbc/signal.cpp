@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/rounding.h"
+
 namespace tribus {
 namespace {
 
@@ -108,15 +110,17 @@ std::uint64_t DbcLayout::bits_from_physical(double physical) const {
         case DbcValueKind::integer:
             break;
     }
-    return bits_from_integer(std::round(raw));
+    constexpr double kWholeFromHere = 0x1p52;
+    const bool may_be_broken = std::abs(raw) < kWholeFromHere;
+    return bits_from_integer(may_be_broken ? static_cast<double>(nearest_whole(raw)) : raw);
 }
 
-// The limits are compared as powers of two, which a double holds exactly at any length.
+// The limits are compared as powers of two, which a double holds exactly at any length; where it
+// does not hold `greatest`, that is rounded up to the next power itself.
 std::uint64_t DbcLayout::bits_from_integer(double raw) const {
-    const unsigned magnitude_bits = is_signed_ ? bit_length_ - 1 : bit_length_;
-    const double beyond = std::ldexp(1.0, static_cast<int>(magnitude_bits));
-    const double least = is_signed_ ? -beyond : 0;
     const std::uint64_t greatest = is_signed_ ? mask_ >> 1U : mask_;
+    const double beyond = static_cast<double>(greatest) + 1;
+    const double least = is_signed_ ? -beyond : 0;
     if (raw >= beyond) {
         return greatest;
     }
