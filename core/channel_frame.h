@@ -42,21 +42,18 @@ class ChannelFrame {
 
     bool good() const { return !frame_lost && !failsafe; }
 
-    bool has(std::size_t channel) const { return ((present_ >> channel) & 1U) != 0; }
+    bool has(std::size_t channel) const { return ((absent_ >> channel) & 1U) == 0; }
     /// Whether none of the first `count` channels is absent.
-    bool has_first(std::size_t count) const {
-        const std::uint32_t first = (1U << count) - 1;
-        return (present_ & first) == first;
-    }
+    bool has_first(std::size_t count) const { return (absent_ & ((1U << count) - 1)) == 0; }
     std::optional<Pulse> channel(std::size_t channel) const {
         return has(channel) ? std::optional(pulses_[channel]) : std::nullopt;
     }
     Pulse channel_or(std::size_t channel, Pulse absent) const {
         return has(channel) ? pulses_[channel] : absent;
     }
-    void set(std::size_t channel, Pulse pulse) {
+    constexpr void set(std::size_t channel, Pulse pulse) {
         pulses_[channel] = pulse;
-        present_ |= 1U << channel;
+        absent_ &= ~(1U << channel);
     }
     void set(std::size_t channel, std::optional<Pulse> pulse) {
         if (pulse) {
@@ -65,33 +62,27 @@ class ChannelFrame {
             remove(channel);
         }
     }
-    /// The first `Count` channels at once, in eighths of a microsecond. There may be more numbers,
-    /// which are 0: channels that are absent before.
-    template <std::size_t Count, std::size_t Numbers>
-    void set_first(const std::array<std::int16_t, Numbers>& eighths) {
-        static_assert(Count <= Numbers && Numbers <= kChannelCount);
-        for (std::size_t channel = 0; channel < Numbers; ++channel) {
-            pulses_[channel] = Pulse::from_eighths(eighths[channel]);
-        }
-        present_ |= (1U << Count) - 1;
-    }
+    /// Whatever value they have: the first `count` channels are not absent.
+    void mark_first(std::size_t count) { absent_ &= ~((1U << count) - 1); }
     void remove(std::size_t channel) {
         pulses_[channel] = Pulse{};
-        present_ &= ~(1U << channel);
+        absent_ |= 1U << channel;
     }
 
-    /// Of all channels; those of absent ones mean nothing.
+    /// Of all channels; 0 for each absent one.
     const std::array<Pulse, kChannelCount>& pulses() const { return pulses_; }
+    /// To write those of many channels at once; only of channels that are not absent.
+    std::array<Pulse, kChannelCount>& pulses() { return pulses_; }
 
     /// Same channels and flags; where and when it came from does not count.
     bool same_content(const ChannelFrame& other) const {
-        return pulses_ == other.pulses_ && present_ == other.present_ &&
+        return pulses_ == other.pulses_ && absent_ == other.absent_ &&
                frame_lost == other.frame_lost && failsafe == other.failsafe;
     }
 
   private:
     std::array<Pulse, kChannelCount> pulses_{};
-    std::uint32_t present_ = 0;
+    std::uint32_t absent_ = (1U << kChannelCount) - 1;
 };
 
 static_assert(std::is_trivially_copyable_v<ChannelFrame>);

@@ -2,6 +2,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -249,7 +250,7 @@ RC_GTEST_PROP(SbusScaleProperty, AnyScaleReadsAndWritesAFrameAsItDoesEachValue, 
         ChannelFrame whole = each;
         SbusRaw encoded = scale.encode_each(sent);
         if (scale.whole_steps()) {
-            scale.decode_whole(raw, whole);
+            scale.decode_whole(std::bit_cast<SbusLanes>(raw), whole);
             RC_ASSERT(scale.encode_whole(sent) == encoded);
         }
         for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {

@@ -62,7 +62,13 @@ class Decoder : public DecoderReport {
     /// says so; call again with the rest. False when all bytes are taken and no further frame is
     /// complete. `received` is the instant at which the bytes were read.
     bool next(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame) {
-        return !buffer_.keep(bytes) && decode(bytes, received, frame);
+        if (buffer_.keep(bytes)) {
+            bytes = {};
+            return false;
+        }
+        const Taken taken = decode(bytes, received, frame);
+        bytes = bytes.subspan(taken.bytes);
+        return taken.frame;
     }
 
     /// A byte stood here in the stream, but it came with a parity or framing error. Call `next`
@@ -73,12 +79,18 @@ class Decoder : public DecoderReport {
     virtual std::optional<DecodedFrame> finish() = 0;
 
   protected:
+    /// What was taken off the front of a read, and whether a frame came of it.
+    struct Taken {
+        std::size_t bytes = 0;
+        bool frame = false;
+    };
+
     LineBuffer buffer_;
 
   private:
     /// As `next`, with bytes that decide something together with those that are kept.
-    virtual bool decode(std::span<const std::uint8_t>& bytes, Instant received,
-                        DecodedFrame& frame) = 0;
+    virtual Taken decode(std::span<const std::uint8_t> bytes, Instant received,
+                         DecodedFrame& frame) = 0;
 };
 
 /// A frame in, bytes out. Pure and reentrant. Total: every frame has an encoding.

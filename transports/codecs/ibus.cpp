@@ -1,7 +1,7 @@
 #include "transports/codecs/ibus.h"
 
-#include <algorithm>
 #include <array>
+#include <cstring>
 #include <memory>
 #include <string>
 
@@ -18,22 +18,40 @@ void put_word(std::span<std::uint8_t> bytes, std::size_t position, std::uint16_t
     bytes[position + 1] = static_cast<std::uint8_t>(word >> 8);
 }
 
-/// Whole microseconds, 0 to 4095.
-std::uint16_t wire_microseconds(Pulse pulse) {
-    constexpr std::int16_t kMost = kChannelMask * 8 + 3;  // the last eighth that rounds to 4095
-    const auto eighths = static_cast<std::int16_t>(pulse.eighths());
-    return static_cast<std::uint16_t>((std::clamp<std::int16_t>(eighths, 0, kMost) + 4) >> 3);
+constexpr unsigned kEighthsBits = 3;
+constexpr std::uint16_t kNibbleOnTop = 0xF000;
+// The last eighth that rounds to 4095 us; and where the second eight slots end after six.
+constexpr std::int16_t kMost = kChannelMask * 8 + 3;
+constexpr SignedLanes kMostOfEight{kMost, kMost, kMost, kMost, kMost, kMost, kMost, kMost};
+constexpr SignedLanes kMostOfSix{kMost, kMost, kMost, kMost, kMost, kMost, 0, 0};
+
+/// Eighths of a microsecond, 0 to `most`, with the half for rounding added: three bits more than
+/// what goes onto the wire.
+inline Lanes wire_eighths(SignedLanes pulses, const SignedLanes& most) {
+    constexpr std::int16_t kHalf = 4;
+    pulses = pulses > 0 ? pulses : 0;
+    pulses = pulses > most ? most : pulses;
+    return reinterpret_cast<Lanes>(pulses + kHalf);
 }
 
-/// The slots, 12 bits each, of a frame without absent channels.
-inline std::array<std::uint64_t, kGroupsPerFrame> slots_of(const ChannelFrame& frame) {
-    std::array<std::uint16_t, kGroupsPerFrame * kWordsPerGroup> words;
-    for (std::size_t slot = 0; slot < words.size(); ++slot) {
-        words[slot] = wire_microseconds(frame.pulses()[slot]);
-    }
-    auto groups = to_words(words);
-    groups.back() &= 0xFFFFFFFF;  // two slots; what stands behind them are channels 15 and 16
-    return groups;
+/// Channels 15 to 18, named a to d, beside the slots that carry their nibbles: three slots each.
+struct Thrice {
+    Lanes first;  ///< aaabbbcc
+    Lanes last;   ///< cddd, and what counts for nothing
+};
+inline Thrice thrice(const Lanes& abcd) {
+    const Lanes aabc = __builtin_shufflevector(abcd, abcd, 0, 0, 1, 2, 4, 5, 6, 7);
+    const Lanes abbc = __builtin_shufflevector(abcd, abcd, 0, 1, 1, 2, 4, 5, 6, 7);
+    return {.first = __builtin_shufflevector(aabc, abbc, 0, 8, 1, 9, 2, 10, 3, 11),
+            .last = __builtin_shufflevector(abcd, abcd, 2, 3, 3, 3, 4, 5, 6, 7)};
+}
+
+/// 0xFFFF less each byte before it (1.2). A word has its high byte 256 times in it: that byte 255
+/// times off the word is the sum of its two bytes.
+inline std::uint16_t checksum(const Lanes& first, const Lanes& last) {
+    const Lanes high_bytes = (first >> 8U) + (last >> 8U);
+    const Lanes less = high_bytes * 255 - (first + last);
+    return static_cast<std::uint16_t>(0xFFFF - kLongestFrame - kServoCommand + total(less));
 }
 
 /// With 1500 us for each absent channel of 1 to 14, and 0, which is not present, for the others.
@@ -45,25 +63,15 @@ ChannelFrame filled(const ChannelFrame& frame) {
     return full;
 }
 
-/// Channels 15 to 18 on top of three slots each: a copy of the value for each slot, shifted so that
-/// the slot's own nibble comes out on top.
-inline void put_nibbles(const ChannelFrame& frame,
-                        std::array<std::uint64_t, kGroupsPerFrame>& groups) {
-    constexpr std::uint64_t kApart = 1ULL << 36U | 1ULL << 24U | 1ULL << 12U;
-    std::array<std::uint16_t, kNibbleChannels> values;
-    for (std::size_t extra = 0; extra < kNibbleChannels; ++extra) {
-        values[extra] = wire_microseconds(frame.pulses()[kSlotCount + extra]);
-    }
-    const std::uint64_t a = values[0] * kApart;
-    const std::uint64_t b = values[1] * kApart;
-    const std::uint64_t c = values[2] * kApart;
-    const std::uint64_t d = values[3] * kApart;
-    groups[0] |= (a | b << 48U) & kNibbles;
-    groups[1] |= (b >> 16U | c << 32U) & kNibbles;
-    groups[2] |= (c >> 32U | d << 16U) & kNibbles;
-}
-
 }  // namespace
+
+IbusEncoder::IbusEncoder(std::size_t channel_count) {
+    constexpr std::array<std::uint16_t, kNibblesPerChannel> kToTop{1U << 9U, 1U << 5U, 1U << 1U};
+    for (std::size_t slot = 0; slot < kNibblesPerChannel * kNibbleChannels; ++slot) {
+        const bool sent = kSlotCount + slot / kNibblesPerChannel < channel_count;
+        nibble_to_top_[slot / kLanes][slot % kLanes] = sent ? kToTop[slot % kNibblesPerChannel] : 0;
+    }
+}
 
 [[gnu::noinline]] std::size_t IbusEncoder::encode_filled(
     const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
@@ -72,22 +80,20 @@ inline void put_nibbles(const ChannelFrame& frame,
 
 std::size_t IbusEncoder::encode(const ChannelFrame& frame,
                                 std::span<std::uint8_t, kLongestSerialFrame> wire) const {
-    if (!frame.has_first(channel_count_)) {
+    if (!frame.has_first(kSlotCount)) {
         return encode_filled(frame, wire);
     }
-    auto groups = slots_of(frame);
-    if (channel_count_ > kSlotCount) {
-        put_nibbles(frame, groups);
-    }
-    std::uint64_t sums = 0;
-    for (std::size_t group = 0; group < groups.size(); ++group) {
-        sums += sum_by_words(groups[group]);
-        store_word(&wire[kSlotsAt + group * kGroupBytes], groups[group]);
-    }
+    const auto& pulses = frame.pulses();
+    const Thrice extra = thrice(wire_eighths(load_half_lanes(&pulses[kSlotCount]), kMostOfEight));
+    const Lanes last = wire_eighths(load_lanes(&pulses[kLanes]), kMostOfSix) >> kEighthsBits |
+                       ((extra.last * nibble_to_top_[1]) & kNibbleOnTop);
+    const Lanes first = wire_eighths(load_lanes(&pulses[0]), kMostOfEight) >> kEighthsBits |
+                        ((extra.first * nibble_to_top_[0]) & kNibbleOnTop);
     wire[0] = kLongestFrame;
     wire[1] = kServoCommand;
-    put_word(wire, kLongestFrame - kChecksumBytes,
-             static_cast<std::uint16_t>(0xFFFF - kLongestFrame - kServoCommand - total(sums)));
+    store_wire(&wire[kSlotsAt], first);
+    store_wire(&wire[kSlotsAt + sizeof first], last);
+    put_word(wire, kLongestFrame - kChecksumBytes, checksum(first, last));
     return kLongestFrame;
 }
 

@@ -10,6 +10,7 @@
 #include "transports/codecs/codec.h"
 #include "transports/codecs/line_buffer.h"
 #include "transports/codecs/protocol.h"
+#include "transports/codecs/wire_words.h"
 
 /// FlySky i.Bus servo frames, both ways (ibus-sbus.md section 1).
 namespace tribus {
@@ -46,11 +47,14 @@ class IbusDecoder final : public Decoder {
     };
     enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2 };
 
-    bool decode(std::span<const std::uint8_t>& bytes, Instant received,
-                DecodedFrame& frame) override;
+    Taken decode(std::span<const std::uint8_t> bytes, Instant received,
+                 DecodedFrame& frame) override;
     bool may_begin(std::uint8_t first) const;
     void pass_noise(std::span<const std::uint8_t>& bytes);
-    bool decode_pieces(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
+    Taken decode_byte(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
+    Taken decode_pieces(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
+    bool decode_long(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
+    Taken search_behind(Instant received, DecodedFrame& frame);
     bool search(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
     Candidate candidate() const;
     bool checksum_holds(const Candidate& candidate) const;
@@ -72,7 +76,7 @@ class IbusDecoder final : public Decoder {
 /// present. i.Bus cannot say failsafe or frame lost (1.8): the caller decides whether to send.
 class IbusEncoder final : public Encoder {
   public:
-    explicit IbusEncoder(std::size_t channel_count = 14) : channel_count_(channel_count) {}
+    explicit IbusEncoder(std::size_t channel_count = 14);
     std::size_t encode(const ChannelFrame& frame,
                        std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
 
@@ -80,7 +84,9 @@ class IbusEncoder final : public Encoder {
     std::size_t encode_filled(const ChannelFrame& frame,
                               std::span<std::uint8_t, kLongestSerialFrame> wire) const;
 
-    std::size_t channel_count_;
+    /// What each slot multiplies the value beside it by, to bring the nibble that it carries to its
+    /// top; 0 where it carries none.
+    std::array<Lanes, 2> nibble_to_top_{};
 };
 
 }  // namespace tribus

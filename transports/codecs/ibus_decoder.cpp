@@ -33,6 +33,8 @@ std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t position)
     return static_cast<std::uint16_t>(bytes[position] | bytes[position + 1] << 8);
 }
 
+constexpr std::uint16_t kLongFrameHeader = kLongestFrame | kServoCommand << 8U;
+
 /// Of at most 32 bytes.
 unsigned sum_of(std::span<const std::uint8_t> bytes) {
     std::uint64_t words = 0;
@@ -119,21 +121,15 @@ void put_slots(ChannelFrame& channels, std::span<const std::uint8_t> slots, std:
     }
 }
 
-/// All 14 slots, 12 bits each.
+/// All 14 slots, 12 bits each, microseconds to eighths.
 inline void put_all_slots(ChannelFrame& channels, const std::uint8_t* slots) {
-    constexpr std::uint64_t kChannelMasks = kChannelMask * kEachWord;
-    std::array<std::uint64_t, kGroupsPerFrame> groups{load_word(slots), load_word(slots + 8),
-                                                      load_word(slots + 16),
-                                                      load_word(slots + 20) >> 32U};
-    for (std::uint64_t& group : groups) {
-        group = (group & kChannelMasks) << 3U;  // microseconds to eighths
-    }
-    const auto numbers = from_words(groups);
-    std::array<std::int16_t, numbers.size()> eighths;
-    for (std::size_t slot = 0; slot < eighths.size(); ++slot) {
-        eighths[slot] = static_cast<std::int16_t>(numbers[slot]);
-    }
-    channels.set_first<kSlotCount>(eighths);
+    constexpr unsigned kEighthsBits = 3;
+    constexpr std::size_t kLast = kSlotCount - kLanes;
+    auto& pulses = channels.pulses();
+    // The last eight slots begin with two of the first eight.
+    store_numbers(&pulses[0], (load_wire(slots) & kChannelMask) << kEighthsBits);
+    store_numbers(&pulses[kLast], (load_wire(slots + 2 * kLast) & kChannelMask) << kEighthsBits);
+    channels.mark_first(kSlotCount);
 }
 
 /// The three nibbles of a channel stand on top of three slots, the lowest first. The factor brings
@@ -265,23 +261,51 @@ inline IbusDecoder::Candidate IbusDecoder::find_frame() {
     return {};
 }
 
-bool IbusDecoder::decode(std::span<const std::uint8_t>& bytes, Instant received,
-                         DecodedFrame& frame) {
+IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
+                                       DecodedFrame& frame) {
     // What usually comes is a frame in its place, in one read; the rest comes to the same.
     if (buffer_.size() == 0 && bytes.size() >= kLongestFrame) {
         const auto wire = bytes.first<kLongestFrame>();
-        if (wire[0] == kLongestFrame && wire[1] == kServoCommand && long_frame_holds(wire)) {
+        if (word_at(wire, 0) == kLongFrameHeader && long_frame_holds(wire)) {
             read_frame(wire, kSlotsAt, received, frame);
             buffer_.pass(kLongestFrame);
-            bytes = bytes.subspan(kLongestFrame);
-            return true;
+            return {kLongestFrame, true};
         }
     }
-    if (buffer_.size() == 0) {
-        pass_noise(bytes);
-        if (bytes.empty()) {
-            return false;
+    if (bytes.size() == 1 && !buffer_.any_damaged()) {
+        return decode_byte(bytes, received, frame);
+    }
+    return decode_pieces(bytes, received, frame);
+}
+
+/// The bytes of a long frame that decide something: the first two and the last. Not inline, nor is
+/// the next: the usual case needs no registers saved.
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::decode_byte(std::span<const std::uint8_t> bytes,
+                                                              Instant received,
+                                                              DecodedFrame& frame) {
+    const std::uint8_t byte = bytes[0];
+    const std::span<const std::uint8_t, kLongestFrame> wire(buffer_.kept(), kLongestFrame);
+    if (buffer_.size() == 0 && byte == kLongestFrame) {
+        buffer_.keep_one(byte, 1);
+        return {1, false};
+    }
+    if (buffer_.size() == 0 && !may_begin(byte)) {
+        buffer_.pass(1);
+        ++skipped_bytes_;
+        return {1, false};
+    }
+    if (buffer_.size() == 1 && wire[0] == kLongestFrame && byte == kServoCommand) {
+        buffer_.keep_one(byte, kLongestFrame - kSlotsAt);
+        return {1, false};
+    }
+    if (buffer_.size() == kLongestFrame - 1 && word_at(wire, 0) == kLongFrameHeader) {
+        buffer_.keep_one(byte, 0);
+        if (long_frame_holds(wire)) {
+            read_frame(wire, kSlotsAt, received, frame);
+            buffer_.pass_kept();
+            return {1, true};
         }
+        return search_behind(received, frame);
     }
     return decode_pieces(bytes, received, frame);
 }
@@ -297,27 +321,49 @@ inline void IbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
     skipped_bytes_ += noise;
 }
 
-/// A frame in its place, in several reads. Not inline: the usual case needs no registers saved.
-[[gnu::noinline]] bool IbusDecoder::decode_pieces(std::span<const std::uint8_t>& bytes,
-                                                  Instant received, DecodedFrame& frame) {
-    if (!buffer_.any_damaged() && buffer_.peek(0, bytes) == kLongestFrame) {
-        if (!buffer_.reaches(kSlotsAt, bytes)) {
-            return false;
-        }
-        if (buffer_.peek(1, bytes) == kServoCommand) {
-            if (!buffer_.reaches(kLongestFrame, bytes)) {
-                return false;
-            }
-            const std::span<const std::uint8_t, kLongestFrame> wire(
-                buffer_.whole(kLongestFrame, bytes), kLongestFrame);
-            if (long_frame_holds(wire)) {
-                read_frame(wire, kSlotsAt, received, frame);
-                buffer_.pass(kLongestFrame, bytes);
-                return true;
-            }
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::decode_pieces(std::span<const std::uint8_t> bytes,
+                                                                Instant received,
+                                                                DecodedFrame& frame) {
+    auto rest = bytes;
+    if (buffer_.size() == 0) {
+        pass_noise(rest);
+        if (rest.empty()) {
+            return {bytes.size(), false};
         }
     }
-    return search(bytes, received, frame);
+    const bool found = !buffer_.any_damaged() && buffer_.peek(0, rest) == kLongestFrame
+                           ? decode_long(rest, received, frame)
+                           : search(rest, received, frame);
+    return {bytes.size() - rest.size(), found};
+}
+
+/// A frame of 32 bytes in several reads.
+inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Instant received,
+                                     DecodedFrame& frame) {
+    if (!buffer_.reaches(kSlotsAt, bytes)) {
+        return false;
+    }
+    if (buffer_.peek(1, bytes) != kServoCommand) {
+        return search(bytes, received, frame);
+    }
+    if (!buffer_.reaches(kLongestFrame, bytes)) {
+        return false;
+    }
+    const std::span<const std::uint8_t, kLongestFrame> wire(buffer_.whole(kLongestFrame, bytes),
+                                                            kLongestFrame);
+    if (!long_frame_holds(wire)) {
+        return search(bytes, received, frame);
+    }
+    read_frame(wire, kSlotsAt, received, frame);
+    buffer_.pass(kLongestFrame, bytes);
+    return true;
+}
+
+/// What is kept is no frame, though its last byte has just come.
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_behind(Instant received,
+                                                                DecodedFrame& frame) {
+    std::span<const std::uint8_t> nothing_more;
+    return {1, search(nothing_more, received, frame)};
 }
 
 bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, Instant received,

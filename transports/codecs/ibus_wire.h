@@ -18,7 +18,6 @@ inline constexpr std::size_t kLongestFrame = 32;
 inline constexpr std::uint8_t kServoCommand = 0x40;
 inline constexpr std::uint8_t kBetaflightTestCommand = 0x00;
 inline constexpr std::uint16_t kChannelMask = 0x0FFF;
-inline constexpr unsigned kNibbleShift = 12;
 inline constexpr std::size_t kNibblesPerChannel = 3;
 inline constexpr std::size_t kNibbleChannels = kChannelCount - kSlotCount;
 
@@ -26,8 +25,6 @@ static_assert(kSlotsAt + 2 * kSlotCount + kChecksumBytes == kLongestFrame);
 static_assert(kNibbleChannels * kNibblesPerChannel <= kSlotCount);
 
 // Four words of 16 bits side by side.
-inline constexpr std::size_t kWordsPerGroup = 4;
-inline constexpr std::size_t kGroupsPerFrame = (kSlotCount + kWordsPerGroup - 1) / kWordsPerGroup;
 inline constexpr std::size_t kGroupBytes = sizeof(std::uint64_t);
 inline constexpr std::uint64_t kLowBytes = 0x00FF00FF'00FF00FF;
 inline constexpr std::uint64_t kEachWord = 0x00010001'00010001;

@@ -22,12 +22,17 @@ class LineBuffer {
 
     /// Between two reads: if the decoder waits for more bytes than with these, keeps them all and
     /// says so.
-    bool keep(std::span<const std::uint8_t>& bytes) {
-        if (size_ + bytes.size() >= wanted_) {
+    bool keep(std::span<const std::uint8_t> bytes) {
+        if (bytes.size() >= missing_) {
             return false;
         }
-        keep_all(bytes);
-        bytes = {};
+        if (bytes.size() == 1) {
+            kept_[size_] = bytes.front();
+            ++size_;
+            --missing_;
+        } else if (!bytes.empty()) {
+            keep_all(bytes);
+        }
         return true;
     }
     /// Between two reads: a byte stood here that cannot be read.
@@ -35,25 +40,38 @@ class LineBuffer {
         kept_[size_] = 0;
         damaged_[size_] = true;
         ++size_;
-        wanted_ = 0;
+        missing_ = 0;
     }
 
     /// Starts work on a read.
     void open(std::span<const std::uint8_t> read) {
         unseen_ = read;
-        wanted_ = 0;
+        missing_ = 0;
         in_place_ = false;
     }
     /// Ends it, and returns what the decoder has not asked for.
     std::span<const std::uint8_t> close() {
         if (size_ == 0) {
             front_ = kept_.data();
-            wanted_ = 1;
+            missing_ = 1;
         } else if (front_ != kept_.data()) {
             move_to_front();
         }
         return unseen_;
     }
+    /// Instead of both: one more byte is kept, and so many more decide something.
+    void keep_one(std::uint8_t byte, std::size_t missing) {
+        kept_[size_] = byte;
+        ++size_;
+        missing_ = missing;
+    }
+    /// Instead of both: all that is kept is judged.
+    void pass_kept() {
+        first_position_ += size_;
+        size_ = 0;
+        missing_ = 1;
+    }
+    const std::uint8_t* kept() const { return kept_.data(); }
     // Instead of both, for a decoder that knows what comes: a look at `count` bytes at once, where
     // they stand if none are kept. Only while none is damaged.
 
@@ -67,9 +85,9 @@ class LineBuffer {
         if (size_ + read.size() >= count) {
             return true;
         }
+        missing_ = count - size_;
         keep_all(read);
         read = {};
-        wanted_ = count;
         return false;
     }
     /// The `count` bytes that there are; keeps those of the read too if it has not all of them.
@@ -96,7 +114,7 @@ class LineBuffer {
             if (size_ != 0) {
                 std::copy(kept_.data() + count, kept_.data() + count + size_, kept_.data());
             }
-            wanted_ = size_ == 0 ? 1 : 0;
+            missing_ = size_ == 0 ? 1 : 0;
         }
     }
 
@@ -119,7 +137,7 @@ class LineBuffer {
             append(unseen_.first(more));
         }
         unseen_ = unseen_.subspan(more);
-        wanted_ = enough ? 0 : count;
+        missing_ = enough ? 0 : count - size_;
         return enough;
     }
     void drop(std::size_t count) {
@@ -153,13 +171,11 @@ class LineBuffer {
     std::uint64_t first_position() const { return first_position_; }
 
   private:
-    void keep_all(std::span<const std::uint8_t> bytes) {
-        if (bytes.size() == 1) {
-            kept_[size_] = bytes.front();
-        } else if (!bytes.empty()) {
-            std::copy(bytes.begin(), bytes.end(), kept_.data() + size_);
-        }
+    /// Not inline: single bytes, which come most often, need no registers for this.
+    [[gnu::noinline]] void keep_all(std::span<const std::uint8_t> bytes) {
+        std::copy(bytes.begin(), bytes.end(), kept_.data() + size_);
         size_ += bytes.size();
+        missing_ -= std::min(missing_, bytes.size());
     }
     void move_to_front() {
         std::copy(front_, front_ + size_, kept_.data());
@@ -170,17 +186,22 @@ class LineBuffer {
         if (begin + size_ + bytes.size() > kept_.size()) {
             move_to_front();
         }
-        std::copy(bytes.begin(), bytes.end(), kept_.data() + (front_ - kept_.data()) + size_);
+        std::uint8_t* const end = kept_.data() + (front_ - kept_.data()) + size_;
+        if (bytes.size() == 1) {
+            *end = bytes.front();
+        } else {
+            std::copy(bytes.begin(), bytes.end(), end);
+        }
         size_ += bytes.size();
     }
 
     std::array<std::uint8_t, 2 * kCapacity> kept_{};
     const std::uint8_t* front_ = kept_.data();
     std::size_t size_ = 0;
-    /// As many visible bytes decide something.
-    std::size_t wanted_ = 1;
     std::uint64_t first_position_ = 0;
     std::span<const std::uint8_t> unseen_;
+    /// So many more bytes decide something; 0 if those that are kept do.
+    std::size_t missing_ = 1;
     /// The visible bytes stand in the read, and not in `kept_`.
     bool in_place_ = false;
     std::bitset<kCapacity> damaged_;

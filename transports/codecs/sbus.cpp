@@ -23,23 +23,24 @@ ChannelFrame filled(const ChannelFrame& frame) {
     return full;
 }
 
+inline unsigned wire_flags(bool channel_17, bool channel_18, bool frame_lost, bool failsafe) {
+    return unsigned{channel_17} * kChannel17Flag + unsigned{channel_18} * kChannel18Flag +
+           unsigned{frame_lost} * kFrameLostFlag + unsigned{failsafe} * kFailsafeFlag;
+}
+
 /// No channel is absent.
 inline void write_frame(const SbusRaw& raw, const ChannelFrame& frame,
                         std::span<std::uint8_t, kSbusFrameLength> wire) {
-    unsigned flags = 0;
-    flags |= frame.pulses()[16] > kCentrePulse ? kChannel17Flag : 0U;
-    flags |= frame.pulses()[17] > kCentrePulse ? kChannel18Flag : 0U;
-    flags |= frame.frame_lost ? kFrameLostFlag : 0U;
-    flags |= frame.failsafe ? kFailsafeFlag : 0U;
-    wire[0] = kHeader;
-    pack(raw, flags, 0, wire);
+    const bool channel_17 = frame.pulses()[16] > kCentrePulse;
+    const bool channel_18 = frame.pulses()[17] > kCentrePulse;
+    pack(raw, wire_flags(channel_17, channel_18, frame.frame_lost, frame.failsafe), 0, wire);
 }
 
 }  // namespace
 
 SbusFrame parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire) {
     SbusFrame frame;
-    frame.raw = unpack(wire);
+    frame.raw = from_lanes(unpack(wire));
     const std::uint8_t flags = wire[kFlagsAt];
     frame.channel_17 = (flags & kChannel17Flag) != 0;
     frame.channel_18 = (flags & kChannel18Flag) != 0;
@@ -54,12 +55,8 @@ void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength>
     for (std::uint16_t& value : raw) {
         value &= kSbusRawMost;
     }
-    unsigned flags = 0;
-    flags |= frame.channel_17 ? kChannel17Flag : 0U;
-    flags |= frame.channel_18 ? kChannel18Flag : 0U;
-    flags |= frame.frame_lost ? kFrameLostFlag : 0U;
-    flags |= frame.failsafe ? kFailsafeFlag : 0U;
-    wire[0] = kHeader;
+    const unsigned flags =
+        wire_flags(frame.channel_17, frame.channel_18, frame.frame_lost, frame.failsafe);
     pack(raw, flags, frame.footer, wire);
 }
 

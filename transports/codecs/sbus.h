@@ -55,7 +55,7 @@ class SbusDecoder final : public Decoder {
     std::optional<DecodedFrame> finish() override;
     std::span<const NamedCount> rejected() const override { return rejected_; }
     std::uint64_t skipped_bytes() const override { return skipped_bytes_; }
-    std::span<const FrameDetail> details() const override { return details_; }
+    std::span<const FrameDetail> details() const override;
 
   private:
     enum class State : std::uint8_t { unlocked, locked, recovering };
@@ -85,10 +85,12 @@ class SbusDecoder final : public Decoder {
     static_assert((kSbusFrameLength + 1) + 2 * (kSlotsLength + kSbusFrameLength) + 1 <=
                   LineBuffer::kCapacity);
 
-    bool decode(std::span<const std::uint8_t>& bytes, Instant received,
-                DecodedFrame& frame) override;
+    Taken decode(std::span<const std::uint8_t> bytes, Instant received,
+                 DecodedFrame& frame) override;
     void pass_noise(std::span<const std::uint8_t>& bytes);
-    bool decode_pieces(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
+    Taken decode_byte(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
+    Taken decode_pieces(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
+    bool decode_locked(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
     bool decode_in_steps(std::span<const std::uint8_t>& bytes, Instant received,
                          DecodedFrame& frame);
     bool well_formed(std::size_t start) const;
@@ -106,6 +108,13 @@ class SbusDecoder final : public Decoder {
     void skip(std::size_t count);
     void lock_onto(std::size_t start);
     void read_frame(Wire wire, Instant received, DecodedFrame& frame);
+    void scale_each(ChannelFrame& channels) const;
+    const std::array<std::uint8_t, kSbusFrameLength>& latest() const {
+        return frames_[latest_].wire;
+    }
+    const std::array<std::uint8_t, kSbusFrameLength>& trusted() const {
+        return frames_[latest_ ^ 1U].wire;
+    }
     Wire front() const { return buffer_.view(0, kSbusFrameLength).first<kSbusFrameLength>(); }
 
     State state_ = State::unlocked;
@@ -117,15 +126,20 @@ class SbusDecoder final : public Decoder {
         int found_likeness = 0;
     };
     Search search_;
-    std::array<std::uint8_t, kSbusFrameLength> latest_{};
-    /// The frame before the latest: beyond doubt, for the latest stood in its place behind it.
-    std::array<std::uint8_t, kSbusFrameLength> trusted_{};
+    /// The latest frame, and the one before: that one is beyond doubt, for the latest stood in its
+    /// place behind it. They take turns.
+    struct KeptFrame {
+        alignas(Lanes) std::array<std::uint8_t, kSbusFrameLength> wire{};
+    };
+    std::array<KeptFrame, 2> frames_{};
+    std::size_t latest_ = 0;
     SbusScale scale_;
     std::array<NamedCount, 2> rejected_{{{"framing"}, {"damaged"}}};
     std::uint64_t skipped_bytes_ = 0;
 
-    SbusRaw raw_{};
-    std::array<std::uint16_t, 1> footer_{};
+    // Taken from the latest frame when somebody asks.
+    mutable SbusRaw raw_{};
+    mutable std::array<std::uint16_t, 1> footer_{};
     std::array<FrameDetail, 2> details_{{{"raw", raw_, true}, {"footer", footer_, false}}};
 };
 

@@ -13,33 +13,22 @@ using namespace sbus_wire;
 
 namespace {
 
-bool flags_allowed(std::uint8_t flags) {
-    return (flags & kFlagsUnused) == 0;
-}
-
-/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (3.3).
-bool footer_allowed(std::uint8_t footer) {
-    const unsigned low = footer & 0x0FU;
-    return low == 0x0 || low == 0x4 || low == 0x8;
-}
-bool slots_follow(std::uint8_t footer) {
-    return (footer & 0x0FU) != 0;
-}
-
-/// The 32 slot ids: a five-bit number, then 011 (3.3).
-bool is_slot_id(std::uint8_t byte) {
-    return (byte & 0x07U) == 0x03;
-}
-
-bool well_formed_wire(std::span<const std::uint8_t, kSbusFrameLength> wire) {
-    return wire[0] == kHeader && flags_allowed(wire[kFlagsAt]) && footer_allowed(wire[kFooterAt]);
-}
-
-/// Of channels 17 and 18, by their two flags.
-constexpr std::array<std::array<Pulse, 2>, 4> kSwitchPulses{{{kSwitchOffPulse, kSwitchOffPulse},
-                                                             {kSwitchOnPulse, kSwitchOffPulse},
-                                                             {kSwitchOffPulse, kSwitchOnPulse},
-                                                             {kSwitchOnPulse, kSwitchOnPulse}}};
+/// All that is the same in frames with the same flags, for each of the 16 ways that they can be.
+constexpr auto kByFlags = [] {
+    std::array<ChannelFrame, 16> frames{};
+    for (unsigned flags = 0; flags < frames.size(); ++flags) {
+        ChannelFrame& frame = frames[flags];
+        frame.frame_lost = (flags & kFrameLostFlag) != 0;
+        frame.failsafe = (flags & kFailsafeFlag) != 0;
+        frame.origin = Origin::sbus;
+        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+            frame.set(channel, Pulse{});
+        }
+        frame.set(16, (flags & kChannel17Flag) != 0 ? kSwitchOnPulse : kSwitchOffPulse);
+        frame.set(17, (flags & kChannel18Flag) != 0 ? kSwitchOnPulse : kSwitchOffPulse);
+    }
+    return frames;
+}();
 
 }  // namespace
 
@@ -151,12 +140,12 @@ inline SbusDecoder::Step SbusDecoder::step_locked() {
 /// one that is beyond doubt.
 int SbusDecoder::likeness(std::size_t start) const {
     const auto bytes = buffer_.view(start, kFooterAt);
-    return std::inner_product(bytes.begin(), bytes.end(), trusted_.begin(), 0, std::plus<>{},
+    return std::inner_product(bytes.begin(), bytes.end(), trusted().begin(), 0, std::plus<>{},
                               std::equal_to<>{});
 }
 
 SbusDecoder::Step SbusDecoder::step_recovering() {
-    if (slots_follow(latest_[kFooterAt]) || slots_follow(trusted_[kFooterAt])) {
+    if (slots_follow(latest()[kFooterAt]) || slots_follow(trusted()[kFooterAt])) {
         return step_recovering_among_slots();
     }
     constexpr std::size_t kOneByteMoreOrLess = 3;
@@ -215,35 +204,34 @@ void SbusDecoder::give_up_recovering() {
 /// A frame with another behind it stands at `start`.
 void SbusDecoder::lock_onto(std::size_t start) {
     skip(start);
-    std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
+    std::ranges::copy(buffer_.view(0, kSbusFrameLength), frames_[latest_].wire.begin());
     state_ = State::locked;
 }
 
 inline void SbusDecoder::read_frame(Wire wire, Instant received, DecodedFrame& frame) {
-    const std::uint8_t flags = wire[kFlagsAt];
-    const std::uint8_t footer = wire[kFooterAt];
-    const auto& switches = kSwitchPulses[flags & (kChannel17Flag | kChannel18Flag)];
-    const SbusRaw raw = unpack(wire);
-    raw_ = raw;
-    footer_[0] = footer;
-    slots_left_ = slots_follow(footer) ? kSlotsPerFrame : 0;
-    // That this one stands in its place puts the one before it beyond doubt.
-    trusted_ = latest_;
-    std::memcpy(latest_.data(), wire.data(), wire.size());
+    slots_left_ = slots_follow(wire[kFooterAt]) ? kSlotsPerFrame : 0;
+    latest_ ^= 1U;
+    std::memcpy(frames_[latest_].wire.data(), wire.data(), wire.size());
 
-    frame = {.first_byte = buffer_.first_position(), .length = kSbusFrameLength};
-    ChannelFrame& channels = frame.channels;
-    channels.frame_lost = (flags & kFrameLostFlag) != 0;
-    channels.failsafe = (flags & kFailsafeFlag) != 0;
-    channels.received = received;
-    channels.origin = Origin::sbus;
-    channels.set(16, switches[0]);
-    channels.set(17, switches[1]);
+    frame.channels = kByFlags[wire[kFlagsAt]];
+    frame.channels.received = received;
+    frame.first_byte = buffer_.first_position();
+    frame.length = kSbusFrameLength;
     if (scale_.whole_steps()) {
-        scale_.decode_whole(raw, channels);
+        scale_.decode_whole(unpack(wire), frame.channels);
     } else {
-        scale_.decode_each(raw_, channels);
+        scale_each(frame.channels);
     }
+}
+
+[[gnu::noinline]] void SbusDecoder::scale_each(ChannelFrame& channels) const {
+    scale_.decode_each(from_lanes(unpack(latest())), channels);
+}
+
+std::span<const FrameDetail> SbusDecoder::details() const {
+    raw_ = from_lanes(unpack(latest()));
+    footer_[0] = latest()[kFooterAt];
+    return details_;
 }
 
 void SbusDecoder::damaged_byte() {
@@ -266,23 +254,48 @@ inline SbusDecoder::Step SbusDecoder::step() {
     return step_recovering();
 }
 
-bool SbusDecoder::decode(std::span<const std::uint8_t>& bytes, Instant received,
-                         DecodedFrame& frame) {
+SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
+                                       DecodedFrame& frame) {
     // What usually comes is a frame in its place, in one read; the rest comes to the same.
-    if (state_ == State::locked && buffer_.size() == 0 && bytes.size() >= kSbusFrameLength) {
-        const Wire wire = bytes.first<kSbusFrameLength>();
-        if (well_formed_wire(wire)) {
-            bytes = bytes.subspan(kSbusFrameLength);
-            read_frame(wire, received, frame);
-            buffer_.pass(kSbusFrameLength);
-            return true;
-        }
+    if (state_ == State::locked && buffer_.size() == 0 && bytes.size() >= kSbusFrameLength &&
+        bytes[0] == kHeader && flags_and_footer_plain(bytes.first<kSbusFrameLength>())) {
+        read_frame(bytes.first<kSbusFrameLength>(), received, frame);
+        buffer_.pass(kSbusFrameLength);
+        return {kSbusFrameLength, true};
     }
     if (state_ == State::unlocked && buffer_.size() == 0) {
-        pass_noise(bytes);
-        if (bytes.empty()) {
-            return false;
+        auto rest = bytes;
+        pass_noise(rest);
+        const std::size_t noise = bytes.size() - rest.size();
+        if (rest.empty()) {
+            return {noise, false};
         }
+        const Taken taken = decode_pieces(rest, received, frame);
+        return {noise + taken.bytes, taken.frame};
+    }
+    if (state_ == State::locked && bytes.size() == 1 && !buffer_.any_damaged()) {
+        return decode_byte(bytes, received, frame);
+    }
+    return decode_pieces(bytes, received, frame);
+}
+
+/// The bytes of a frame in its place that decide something: the first and the last. Not inline,
+/// nor is the next: the usual case needs no registers saved.
+[[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_byte(std::span<const std::uint8_t> bytes,
+                                                              Instant received,
+                                                              DecodedFrame& frame) {
+    const std::uint8_t byte = bytes[0];
+    if (buffer_.size() == 0 && byte == kHeader) {
+        buffer_.keep_one(byte, kSbusFrameLength - 1);
+        return {1, false};
+    }
+    const Wire wire(buffer_.kept(), kSbusFrameLength);
+    if (buffer_.size() == kFooterAt && wire[0] == kHeader && flags_allowed(wire[kFlagsAt]) &&
+        footer_allowed(byte)) {
+        buffer_.keep_one(byte, 0);
+        read_frame(wire, received, frame);
+        buffer_.pass_kept();
+        return {1, true};
     }
     return decode_pieces(bytes, received, frame);
 }
@@ -298,21 +311,30 @@ inline void SbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
     skipped_bytes_ += noise;
 }
 
-/// A frame in its place, in several reads. Not inline: the usual case needs no registers saved.
-[[gnu::noinline]] bool SbusDecoder::decode_pieces(std::span<const std::uint8_t>& bytes,
-                                                  Instant received, DecodedFrame& frame) {
-    if (state_ == State::locked && !buffer_.any_damaged() && buffer_.peek(0, bytes) == kHeader) {
-        if (!buffer_.reaches(kSbusFrameLength, bytes)) {
-            return false;
-        }
-        const Wire wire(buffer_.whole(kSbusFrameLength, bytes), kSbusFrameLength);
-        if (well_formed_wire(wire)) {
-            read_frame(wire, received, frame);
-            buffer_.pass(kSbusFrameLength, bytes);
-            return true;
-        }
+[[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_pieces(std::span<const std::uint8_t> bytes,
+                                                                Instant received,
+                                                                DecodedFrame& frame) {
+    auto rest = bytes;
+    const bool found =
+        state_ == State::locked && !buffer_.any_damaged() && buffer_.peek(0, rest) == kHeader
+            ? decode_locked(rest, received, frame)
+            : decode_in_steps(rest, received, frame);
+    return {bytes.size() - rest.size(), found};
+}
+
+/// A frame in its place, in several reads.
+inline bool SbusDecoder::decode_locked(std::span<const std::uint8_t>& bytes, Instant received,
+                                       DecodedFrame& frame) {
+    if (!buffer_.reaches(kSbusFrameLength, bytes)) {
+        return false;
     }
-    return decode_in_steps(bytes, received, frame);
+    const Wire wire(buffer_.whole(kSbusFrameLength, bytes), kSbusFrameLength);
+    if (!well_formed_wire(wire)) {
+        return decode_in_steps(bytes, received, frame);
+    }
+    read_frame(wire, received, frame);
+    buffer_.pass(kSbusFrameLength, bytes);
+    return true;
 }
 
 bool SbusDecoder::decode_in_steps(std::span<const std::uint8_t>& bytes, Instant received,

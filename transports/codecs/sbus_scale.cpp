@@ -44,17 +44,17 @@ SbusScale::SbusScale(double slope_eighths, double offset_eighths)
     }
     const auto step = static_cast<std::uint16_t>(slope_eighths);
     const std::int32_t least = decode(0).eighths();
-    whole_.step.fill(step);
-    whole_.per_step.fill(static_cast<std::uint16_t>(0x10000 / step + 1));
-    whole_.least.fill(static_cast<std::int16_t>(least));
-    whole_.most.fill(static_cast<std::int16_t>(decode(kSbusRawMost).eighths()));
-    whole_.rounding.fill(static_cast<std::uint16_t>(step / 2 - least));
+    whole_.step += step;
+    whole_.per_step += static_cast<std::uint16_t>(0x10000 / step + 1);
+    whole_.least += static_cast<std::int16_t>(least);
+    whole_.most += static_cast<std::int16_t>(decode(kSbusRawMost).eighths());
+    whole_.rounding += static_cast<std::uint16_t>(step / 2 - least);
     whole_steps_ = whole_steps_are_exact();
 }
 
 bool SbusScale::whole_steps_are_exact() const {
     for (std::uint16_t raw = 0; raw <= kSbusRawMost; ++raw) {
-        if (decode_whole(0, raw) != decode(raw).eighths()) {
+        if (decode_whole(Lanes{} + raw)[0] != decode(raw).eighths()) {
             return false;
         }
     }

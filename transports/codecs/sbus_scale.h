@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "core/channel_frame.h"
 #include "core/pulse.h"
 #include "core/setting.h"
+#include "transports/codecs/wire_words.h"
 
 namespace tribus {
 
@@ -18,6 +20,14 @@ inline constexpr std::uint16_t kSbusRawMost = 2047;
 /// Channels that have a number in a frame; 17 and 18 are only on or off.
 inline constexpr std::size_t kSbusChannels = 16;
 using SbusRaw = std::array<std::uint16_t, kSbusChannels>;
+/// The same, to be worked on at once.
+struct SbusLanes {
+    Lanes first;
+    Lanes last;
+};
+inline SbusRaw from_lanes(const SbusLanes& lanes) {
+    return std::bit_cast<SbusRaw>(lanes);
+}
 
 /// The straight line between the 11-bit values of SBUS and pulses (ibus-sbus.md 3.7). Senders and
 /// readers disagree about it, so it is a setting. Decoding then encoding gives the same raw value,
@@ -47,18 +57,18 @@ class SbusScale {
     /// and is several times quicker.
     bool whole_steps() const { return whole_steps_; }
     /// Only where the steps are whole; to encode, no channel may be absent.
-    void decode_whole(const SbusRaw& raw, ChannelFrame& channels) const {
-        std::array<std::int16_t, kSbusChannels> eighths;
-        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
-            eighths[channel] = decode_whole(channel, raw[channel]);
-        }
-        channels.set_first<kSbusChannels>(eighths);
+    void decode_whole(const SbusLanes& raw, ChannelFrame& channels) const {
+        auto& pulses = channels.pulses();
+        store_numbers(&pulses[0], decode_whole(raw.first));
+        store_numbers(&pulses[kLanes], decode_whole(raw.last));
     }
     SbusRaw encode_whole(const ChannelFrame& channels) const {
         SbusRaw raw;
-        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
-            const auto eighths = static_cast<std::int16_t>(channels.pulses()[channel].eighths());
-            raw[channel] = encode_whole(channel, eighths);
+        for (std::size_t first = 0; first < kSbusChannels; first += kLanes) {
+            for (std::size_t lane = 0; lane < kLanes; ++lane) {
+                const std::int32_t eighths = channels.pulses()[first + lane].eighths();
+                raw[first + lane] = encode_whole(lane, static_cast<std::int16_t>(eighths));
+            }
         }
         return raw;
     }
@@ -68,15 +78,16 @@ class SbusScale {
 
     SbusScale(double slope_eighths, double offset_eighths);
 
-    std::int16_t decode_whole(std::size_t channel, std::uint16_t raw) const {
-        return static_cast<std::int16_t>(raw * whole_.step[channel] + whole_.least[channel]);
+    SignedLanes decode_whole(Lanes raw) const {
+        return reinterpret_cast<SignedLanes>(raw * whole_.step +
+                                             reinterpret_cast<Lanes>(whole_.least));
     }
     /// Divides by the step through multiplying by its reciprocal.
-    std::uint16_t encode_whole(std::size_t channel, std::int16_t eighths) const {
-        const auto inside = std::clamp(eighths, whole_.least[channel], whole_.most[channel]);
-        const auto rounded = static_cast<std::uint16_t>(inside + whole_.rounding[channel]);
-        return static_cast<std::uint16_t>((std::uint32_t{rounded} * whole_.per_step[channel]) >>
-                                          16U);
+    std::uint16_t encode_whole(std::size_t lane, std::int16_t eighths) const {
+        const auto inside =
+            std::clamp<std::int16_t>(eighths, whole_.least[lane], whole_.most[lane]);
+        const auto rounded = static_cast<std::uint16_t>(inside + whole_.rounding[lane]);
+        return static_cast<std::uint16_t>((std::uint32_t{rounded} * whole_.per_step[lane]) >> 16U);
     }
     bool whole_steps_are_exact() const;
 
@@ -86,13 +97,13 @@ class SbusScale {
     std::int64_t encode_slope_;
     std::int64_t encode_offset_;
 
-    /// For whole steps, in eighths: the same for each channel, as vector arithmetic takes them.
+    /// For whole steps, in eighths: the same for each of eight channels.
     struct WholeSteps {
-        SbusRaw step{};
-        SbusRaw per_step{};  ///< 2^16 / step, rounded up
-        std::array<std::int16_t, kSbusChannels> least{};
-        std::array<std::int16_t, kSbusChannels> most{};
-        SbusRaw rounding{};  ///< makes `least` half a step
+        Lanes step{};
+        SignedLanes least{};
+        SignedLanes most{};
+        Lanes rounding{};  ///< makes `least` half a step
+        Lanes per_step{};  ///< 2^16 / step, rounded up
     };
     WholeSteps whole_;
     bool whole_steps_ = false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -26,53 +27,96 @@ inline constexpr std::uint8_t kFlagsUnused = 0xF0;
 static_assert(kPayloadAt + kSbusChannels * kBitsPerChannel / 8 == kFlagsAt);
 static_assert(kFooterAt + 1 == kSbusFrameLength);
 
-// Four channels at a time: 44 bits, which all stand within eight bytes of the frame, even groups
-// from a whole byte on and odd ones from half a byte on. Between those bits and four numbers of 16
-// there are two steps: apart into two halves of 22, and each half into two channels of 11.
+// Four channels are a group of 44 bits, which all stand within eight bytes of the frame, even
+// groups from a whole byte on and odd ones from half a byte on. Two channels are a pair of 22 bits.
+// In a group of 64 bits and a pair of 32, each so far up that the lower of two channels ends where
+// the upper one begins, at the middle, one multiplication moves all lower, or all upper ones.
 using EightBytes = std::uint64_t;
 inline constexpr std::array<std::size_t, 4> kGroupAt{1, 6, 12, 17};
 inline constexpr unsigned kOddShift = 4;
-inline constexpr EightBytes kLowHalf = 0x00000000'003FFFFF;
-inline constexpr EightBytes kHighHalf = 0x003FFFFF'00000000;
-inline constexpr unsigned kHalvesApart = 32 - 22;
-inline constexpr EightBytes kLowChannels = 0x000007FF'000007FF;
-inline constexpr EightBytes kHighChannels = 0x07FF0000'07FF0000;
-inline constexpr unsigned kChannelsApart = 16 - 11;
+inline constexpr unsigned kChannelsApart = 16 - kBitsPerChannel;
+inline constexpr unsigned kPairsApart = 32 - 2 * kBitsPerChannel;
 static_assert(kGroupAt[3] + sizeof(EightBytes) == kSbusFrameLength);
 
-/// 44 bits to four times 16.
-inline EightBytes spread(EightBytes bits) {
-    const EightBytes halves = (bits & kLowHalf) | ((bits << kHalvesApart) & kHighHalf);
-    return (halves & kLowChannels) | ((halves << kChannelsApart) & kHighChannels);
+inline constexpr std::uint16_t kUp = 1U << kChannelsApart;
+inline constexpr Lanes kUppersUp{1, kUp, 1, kUp, 1, kUp, 1, kUp};
+inline constexpr Lanes kLowersUp{kUp, 1, kUp, 1, kUp, 1, kUp, 1};
+
+/// Two groups from bit `From` of each to pairs: the lower ones of both, then the upper ones.
+template <unsigned From>
+inline PairLanes pairs_of(GroupLanes groups) {
+    const auto lower = reinterpret_cast<PairLanes>(groups << (kChannelsApart - From));
+    const auto upper = reinterpret_cast<PairLanes>(groups << (kChannelsApart + kPairsApart - From));
+    return __builtin_shufflevector(lower, upper, 0, 2, 5, 7);
 }
 
-/// And back.
-inline EightBytes gather(EightBytes channels) {
-    const EightBytes halves =
-        (channels & kLowChannels) | ((channels & kHighChannels) >> kChannelsApart);
-    return (halves & kLowHalf) | ((halves & kHighHalf) >> kHalvesApart);
+inline SbusLanes unpack(std::span<const std::uint8_t, kSbusFrameLength> wire) {
+    // The order of the pairs in a group, and of the channels in a pair, is the machine's own.
+    static_assert(std::endian::native == std::endian::little);
+    const auto even =
+        pairs_of<0>(GroupLanes{load_word(&wire[kGroupAt[0]]), load_word(&wire[kGroupAt[2]])});
+    const auto odd = pairs_of<kOddShift>(
+        GroupLanes{load_word(&wire[kGroupAt[1]]), load_word(&wire[kGroupAt[3]])});
+    const auto channels = [](PairLanes pairs) {
+        const Lanes up = reinterpret_cast<Lanes>(pairs) * kUppersUp;
+        return up >> kChannelsApart;
+    };
+    return {.first = channels(__builtin_shufflevector(even, odd, 0, 2, 4, 6)),
+            .last = channels(__builtin_shufflevector(even, odd, 1, 3, 5, 7))};
 }
 
-inline SbusRaw unpack(std::span<const std::uint8_t, kSbusFrameLength> wire) {
-    std::array<EightBytes, 2> even{load_word(&wire[kGroupAt[0]]), load_word(&wire[kGroupAt[2]])};
-    std::array<EightBytes, 2> odd{load_word(&wire[kGroupAt[1]]), load_word(&wire[kGroupAt[3]])};
-    for (std::size_t i = 0; i < 2; ++i) {
-        even[i] = spread(even[i]);
-        odd[i] = spread(odd[i] >> kOddShift);
-    }
-    return from_words(std::array{even[0], odd[0], even[1], odd[1]});
-}
-
-/// Writes all but the header.
-inline void pack(const SbusRaw& raw, EightBytes flags, EightBytes footer,
+/// Writes the whole frame; no raw value may have more than 11 bits.
+inline void pack(const SbusRaw& raw, std::uint32_t flags, std::uint8_t footer,
                  std::span<std::uint8_t, kSbusFrameLength> wire) {
-    auto groups = to_words(raw);
-    for (EightBytes& group : groups) {
-        group = gather(group);
+    constexpr EightBytes kLowerPair = 0xFFFFFFFF;
+    constexpr unsigned kGroupUp = kChannelsApart + kPairsApart;
+    std::array<Lanes, kSbusChannels / kLanes> pairs;
+    for (std::size_t half = 0; half < pairs.size(); ++half) {
+        pairs[half] = reinterpret_cast<Lanes>(load_lanes(&raw[kLanes * half])) * kLowersUp;
     }
-    store_word(&wire[1], groups[0] | groups[1] << 44U);
-    store_word(&wire[9], groups[1] >> 20U | groups[2] << 24U);
-    store_word(&wire[17], groups[2] >> 40U | groups[3] << 4U | flags << 48U | footer << 56U);
+    auto groups = to_words(std::bit_cast<SbusRaw>(pairs));
+    for (EightBytes& group : groups) {
+        group = (group & ~kLowerPair) | (group & kLowerPair) << kPairsApart;
+    }
+    // Two groups are eleven bytes: eight of them, and 24 bits, behind which there is room.
+    const auto last_bits = [](EightBytes group) {
+        return static_cast<std::uint32_t>(group >> (kGroupUp + 20U));
+    };
+    wire[0] = kHeader;
+    store_word(&wire[1], groups[0] >> kGroupUp | groups[1] << (44U - kGroupUp));
+    store_half_word(&wire[9], last_bits(groups[1]));
+    store_word(&wire[12], groups[2] >> kGroupUp | groups[3] << (44U - kGroupUp));
+    store_half_word(&wire[20], last_bits(groups[3]) | flags << 24U);
+    wire[kFooterAt] = footer;
+}
+
+inline bool flags_allowed(std::uint8_t flags) {
+    return (flags & kFlagsUnused) == 0;
+}
+
+/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (3.3).
+inline bool footer_allowed(std::uint8_t footer) {
+    const unsigned low = footer & 0x0FU;
+    return low == 0x0 || low == 0x4 || low == 0x8;
+}
+inline bool slots_follow(std::uint8_t footer) {
+    return (footer & 0x0FU) != 0;
+}
+
+/// The 32 slot ids: a five-bit number, then 011 (3.3).
+inline bool is_slot_id(std::uint8_t byte) {
+    return (byte & 0x07U) == 0x03;
+}
+
+inline bool well_formed_wire(std::span<const std::uint8_t, kSbusFrameLength> wire) {
+    return wire[0] == kHeader && flags_allowed(wire[kFlagsAt]) && footer_allowed(wire[kFooterAt]);
+}
+
+/// The flags are allowed, and the footer tells of no slots behind.
+inline bool flags_and_footer_plain(std::span<const std::uint8_t, kSbusFrameLength> wire) {
+    constexpr std::uint64_t kNeitherOf = std::uint64_t{kFlagsUnused} << 48U | 0x0FULL << 56U;
+    static_assert(kGroupAt[3] + 6 == kFlagsAt && kGroupAt[3] + 7 == kFooterAt);
+    return (load_word(&wire[kGroupAt[3]]) & kNeitherOf) == 0;
 }
 
 }  // namespace tribus::sbus_wire

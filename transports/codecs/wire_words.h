@@ -27,18 +27,14 @@ inline void store_word(std::uint8_t* wire, std::uint64_t word) {
     std::memcpy(wire, &word, sizeof word);
 }
 
-/// Four numbers side by side in each word, the first lowest, and back.
-template <std::size_t Words>
-std::array<std::uint16_t, 4 * Words> from_words(const std::array<std::uint64_t, Words>& words) {
-    if constexpr (std::endian::native == std::endian::little) {
-        return std::bit_cast<std::array<std::uint16_t, 4 * Words>>(words);
+inline void store_half_word(std::uint8_t* wire, std::uint32_t half_word) {
+    if constexpr (std::endian::native == std::endian::big) {
+        half_word = __builtin_bswap32(half_word);
     }
-    std::array<std::uint16_t, 4 * Words> numbers{};
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        numbers[i] = static_cast<std::uint16_t>(words[i / 4] >> (16U * (i % 4)));
-    }
-    return numbers;
+    std::memcpy(wire, &half_word, sizeof half_word);
 }
+
+/// Four numbers side by side in each word, the first lowest.
 template <std::size_t Numbers>
 std::array<std::uint64_t, Numbers / 4> to_words(const std::array<std::uint16_t, Numbers>& numbers) {
     static_assert(Numbers % 4 == 0);
@@ -50,6 +46,50 @@ std::array<std::uint64_t, Numbers / 4> to_words(const std::array<std::uint16_t, 
         words[i / 4] |= std::uint64_t{numbers[i]} << (16U * (i % 4));
     }
     return words;
+}
+
+/// Eight numbers of 16 bits that the compiler works on at once (a vector as GCC and Clang have it).
+using Lanes [[gnu::vector_size(16)]] = std::uint16_t;
+using SignedLanes [[gnu::vector_size(16)]] = std::int16_t;
+using PairLanes [[gnu::vector_size(16)]] = std::uint32_t;
+using GroupLanes [[gnu::vector_size(16)]] = std::uint64_t;
+constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(std::uint16_t);
+
+/// Numbers as they stand in memory; the second form reads four, and 0 for the others.
+inline SignedLanes load_lanes(const void* numbers) {
+    SignedLanes lanes;
+    std::memcpy(&lanes, numbers, sizeof lanes);
+    return lanes;
+}
+inline void store_numbers(void* numbers, SignedLanes lanes) {
+    std::memcpy(numbers, &lanes, sizeof lanes);
+}
+inline SignedLanes load_half_lanes(const void* numbers) {
+    using Halves [[gnu::vector_size(16)]] = std::uint64_t;
+    std::uint64_t half = 0;
+    std::memcpy(&half, numbers, sizeof half);
+    return reinterpret_cast<SignedLanes>(Halves{half, 0});
+}
+
+/// The eight added up, modulo 2^16: halves, then quarters, then what is left.
+inline std::uint16_t total(Lanes lanes) {
+    lanes += __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7, 0, 1, 2, 3);
+    lanes += __builtin_shufflevector(lanes, lanes, 2, 3, 0, 1, 6, 7, 4, 5);
+    return static_cast<std::uint16_t>(lanes[0] + lanes[1]);
+}
+
+/// Eight numbers as they stand on a wire, the low byte first.
+inline Lanes in_wire_order(Lanes lanes) {
+    if constexpr (std::endian::native == std::endian::big) {
+        return lanes << 8U | lanes >> 8U;
+    }
+    return lanes;
+}
+inline SignedLanes load_wire(const std::uint8_t* wire) {
+    return reinterpret_cast<SignedLanes>(in_wire_order(reinterpret_cast<Lanes>(load_lanes(wire))));
+}
+inline void store_wire(std::uint8_t* wire, Lanes lanes) {
+    store_numbers(wire, reinterpret_cast<SignedLanes>(in_wire_order(lanes)));
 }
 
 }  // namespace tribus

@@ -80,11 +80,10 @@ TEST(LineBuffer, KeepsBytesUnseenOnlyWhileTheyAreFewerThanWanted) {
     const Bytes more{2, 3, 4};
     std::span<const std::uint8_t> two = std::span(more).first(2);
     EXPECT_TRUE(buffer.keep(two));
-    EXPECT_TRUE(two.empty());
     EXPECT_EQ(visible(buffer), (Bytes{1, 2, 3}));
     std::span<const std::uint8_t> last = std::span(more).last(1);
     EXPECT_FALSE(buffer.keep(last));
-    EXPECT_EQ(last.size(), 1U);
+    EXPECT_EQ(visible(buffer), (Bytes{1, 2, 3}));
 }
 
 TEST(LineBuffer, AnEmptyOneWaitsForAByte) {
