@@ -25,7 +25,7 @@ inline constexpr std::array kFrameRows{
     Row{"DecodeSbusByteByByte", "decode_sbus_bytes", 443, 585},
     Row{"DecodeIbusByteByByte", "decode_ibus_bytes", 600, 781},
     Row{"EncodeSbus", "encode_sbus", 80, 82},
-    Row{"EncodeIbus", "encode_ibus", 65, 79},
+    Row{"EncodeIbus", "encode_ibus", 65, 84},
 };
 
 constexpr Row garbage(std::string_view name, std::string_view workload, std::string_view pattern,

@@ -68,7 +68,7 @@ inline SbusLanes unpack(std::span<const std::uint8_t, kSbusFrameLength> wire) {
 /// Writes the whole frame; no raw value may have more than 11 bits.
 inline void pack(const SbusRaw& raw, std::uint32_t flags, std::uint8_t footer,
                  std::span<std::uint8_t, kSbusFrameLength> wire) {
-    constexpr EightBytes kLowerPair = 0xFFFFFFFF;
+    constexpr EightBytes kUpperPair = 0xFFFFFFFF'00000000;
     constexpr unsigned kGroupUp = kChannelsApart + kPairsApart;
     std::array<Lanes, kSbusChannels / kLanes> pairs;
     for (std::size_t half = 0; half < pairs.size(); ++half) {
@@ -76,7 +76,7 @@ inline void pack(const SbusRaw& raw, std::uint32_t flags, std::uint8_t footer,
     }
     auto groups = to_words(std::bit_cast<SbusRaw>(pairs));
     for (EightBytes& group : groups) {
-        group = (group & ~kLowerPair) | (group & kLowerPair) << kPairsApart;
+        group = (group & kUpperPair) | (group << 32U) >> (32U - kPairsApart);
     }
     // Two groups are eleven bytes: eight of them, and 24 bits, behind which there is room.
     const auto last_bits = [](EightBytes group) {

@@ -73,7 +73,7 @@ inline SignedLanes load_half_lanes(const void* numbers) {
 
 /// The eight added up, modulo 2^16: halves, then quarters, then what is left.
 inline std::uint16_t total(Lanes lanes) {
-    lanes += __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7, 0, 1, 2, 3);
+    lanes += __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7, 6, 7, 6, 7);
     lanes += __builtin_shufflevector(lanes, lanes, 2, 3, 0, 1, 6, 7, 4, 5);
     return static_cast<std::uint16_t>(lanes[0] + lanes[1]);
 }
