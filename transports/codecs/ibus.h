@@ -43,8 +43,17 @@ class IbusDecoder final : public Decoder {
     enum class Kind : std::uint8_t { noise, undecided, servo, ia6, ibus2 };
     struct Candidate {
         Kind kind = Kind::noise;
-        std::size_t length = 0;  ///< bytes wanted in the buffer to judge it
+        std::size_t length = 0;  ///< bytes wanted to judge it
+        bool whole = true;
     };
+    /// What is judged at once: what begins at `start` or behind, and before `end`.
+    struct Window {
+        std::span<const std::uint8_t> bytes;
+        std::size_t end = 0;
+        std::size_t start = 0;
+        std::uint64_t damage = 0;  ///< marks of the first bytes, the first lowest
+    };
+    enum class Outcome : std::uint8_t { nothing, wait, frame };
     enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2 };
 
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
@@ -54,14 +63,17 @@ class IbusDecoder final : public Decoder {
     Taken decode_byte(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     Taken decode_pieces(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     bool decode_long(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
-    Taken search_behind(Instant received, DecodedFrame& frame);
-    bool search(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
-    Candidate candidate() const;
-    bool checksum_holds(const Candidate& candidate) const;
-    void judge_bad(const Candidate& candidate);
-    void skip(std::size_t count);
-    /// The next frame in the buffer; nothing when all bytes are judged or wait for more.
-    Candidate find_frame();
+    Taken search_last(Instant received, DecodedFrame& frame);
+    Taken search_kept(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
+    bool search_behind(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
+    bool search(std::span<const std::uint8_t>& bytes, std::size_t start, Instant received,
+                DecodedFrame& frame);
+    Outcome judge(const Window& window, std::span<const std::uint8_t>& read, Instant received,
+                  DecodedFrame& frame);
+    static Candidate candidate(std::uint8_t begins, std::span<const std::uint8_t> bytes);
+    static bool checksum_holds(Kind kind, std::span<const std::uint8_t> frame);
+    Candidate find_frame(std::span<const std::uint8_t> bytes, std::size_t end, std::uint64_t damage,
+                         std::size_t& position);
     void read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at, Instant received,
                     DecodedFrame& frame);
 

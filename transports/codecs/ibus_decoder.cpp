@@ -75,7 +75,7 @@ bool ia6_holds(std::span<const std::uint8_t> frame) {
 }
 
 /// What a byte does to the CRC of i-BUS2 when so many more bytes follow it as the index says.
-using CrcTables = std::array<std::array<std::uint8_t, 256>, 4>;
+using CrcTables = std::array<std::array<std::uint8_t, 256>, kGroupBytes>;
 constexpr CrcTables kIbus2Crc = [] {
     CrcTables tables{};
     for (unsigned byte = 0; byte < 256; ++byte) {
@@ -95,24 +95,49 @@ constexpr CrcTables kIbus2Crc = [] {
 
 bool ibus2_holds(std::span<const std::uint8_t> frame) {
     std::uint8_t crc = kIbus2CrcStart;
-    auto rest = frame.first(frame.size() - 1);
-    for (; rest.size() >= kIbus2Crc.size(); rest = rest.subspan(kIbus2Crc.size())) {
-        crc = kIbus2Crc[3][crc ^ rest[0]] ^ kIbus2Crc[2][rest[1]] ^ kIbus2Crc[1][rest[2]] ^
-              kIbus2Crc[0][rest[3]];
+    const std::uint8_t* at = frame.data();
+    const std::uint8_t* const end = at + frame.size() - 1;
+    const auto& crc_of = kIbus2Crc;
+    for (; end - at >= 8; at += 8) {
+        crc = crc_of[7][at[0] ^ crc] ^ crc_of[6][at[1]] ^ crc_of[5][at[2]] ^ crc_of[4][at[3]] ^
+              crc_of[3][at[4]] ^ crc_of[2][at[5]] ^ crc_of[1][at[6]] ^ crc_of[0][at[7]];
     }
-    for (const std::uint8_t byte : rest) {
-        crc = kIbus2Crc[0][crc ^ byte];
+    if (end - at >= 4) {
+        crc = crc_of[3][at[0] ^ crc] ^ crc_of[2][at[1]] ^ crc_of[1][at[2]] ^ crc_of[0][at[3]];
+        at += 4;
     }
-    return crc == frame.back();
+    for (; at != end; ++at) {
+        crc = crc_of[0][*at ^ crc];
+    }
+    return crc == *end;
 }
 
-bool is_servo_length(std::uint8_t first) {
+constexpr bool is_servo_length(std::uint8_t first) {
     return first >= kShortestFrame && first <= kLongestFrame && first % 2 == 0;
 }
 
-bool may_be_ibus2(std::uint8_t first) {
+constexpr bool may_be_ibus2(std::uint8_t first) {
     return (first & kIbus2TypeMask) == 0 &&
            ((first >> kIbus2SubtypeShift) & kIbus2SubtypeMask) <= kIbus2LastSubtype;
+}
+
+// What may begin with a byte.
+constexpr std::uint8_t kServo = 1;
+constexpr std::uint8_t kIa6 = 2;
+constexpr std::uint8_t kIbus2Channels = 4;
+constexpr auto kBegins = [] {
+    std::array<std::uint8_t, 256> begins{};
+    for (unsigned value = 0; value < begins.size(); ++value) {
+        const auto first = static_cast<std::uint8_t>(value);
+        begins[value] = static_cast<std::uint8_t>((is_servo_length(first) ? kServo : 0U) |
+                                                  (first == kIa6Header ? kIa6 : 0U) |
+                                                  (may_be_ibus2(first) ? kIbus2Channels : 0U));
+    }
+    return begins;
+}();
+
+bool is_servo_command(std::uint8_t first, std::uint8_t second) {
+    return second == kServoCommand || (first == kLongestFrame && second == kBetaflightTestCommand);
 }
 
 void put_slots(ChannelFrame& channels, std::span<const std::uint8_t> slots, std::uint16_t mask) {
@@ -153,40 +178,32 @@ inline bool IbusDecoder::may_begin(std::uint8_t first) const {
     return first == kIa6Header || is_servo_length(first) || (!frame_seen_ && may_be_ibus2(first));
 }
 
-inline IbusDecoder::Candidate IbusDecoder::candidate() const {
-    if (buffer_.damaged(0)) {
-        return {};
-    }
-    const std::uint8_t first = buffer_[0];
-    if (first == kIa6Header) {
+/// What stands at the front of what there is, if `begins` may.
+inline IbusDecoder::Candidate IbusDecoder::candidate(std::uint8_t begins,
+                                                     std::span<const std::uint8_t> bytes) {
+    if (begins == kIa6) {
         return {Kind::ia6, kIa6Length};
     }
-    const bool servo_length = is_servo_length(first);
-    // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
-    // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
-    const bool maybe_ibus2 = !frame_seen_ && may_be_ibus2(first);
-    if (!servo_length && !maybe_ibus2) {
-        return {};
-    }
-    if (buffer_.size() < 2) {
+    if (bytes.size() < 2) {
         return {Kind::undecided, 2};
     }
-    const std::uint8_t second = buffer_[1];
-    if (servo_length &&
-        (second == kServoCommand || (first == kLongestFrame && second == kBetaflightTestCommand))) {
-        return {Kind::servo, first};
+    const std::uint8_t second = bytes[1];
+    if ((begins & kServo) != 0 && is_servo_command(bytes[0], second)) {
+        return {Kind::servo, bytes[0]};
     }
-    if (maybe_ibus2 && second >= kIbus2Shortest && second <= kIbus2Longest) {
+    if ((begins & kIbus2Channels) != 0 && second >= kIbus2Shortest && second <= kIbus2Longest) {
         return {Kind::ibus2, second};
     }
     return {};
 }
 
-inline bool IbusDecoder::checksum_holds(const Candidate& candidate) const {
-    const auto frame = buffer_.view(0, candidate.length);
-    switch (candidate.kind) {
+inline bool IbusDecoder::checksum_holds(Kind kind, std::span<const std::uint8_t> frame) {
+    switch (kind) {
         case Kind::servo: {
-            const std::size_t body = candidate.length - kChecksumBytes;
+            if (frame.size() == kLongestFrame) {
+                return long_frame_holds(frame.first<kLongestFrame>());
+            }
+            const std::size_t body = frame.size() - kChecksumBytes;
             return servo_checksum(frame.first(body)) == word_at(frame, body);
         }
         case Kind::ia6:
@@ -198,18 +215,6 @@ inline bool IbusDecoder::checksum_holds(const Candidate& candidate) const {
             break;
     }
     return false;
-}
-
-inline void IbusDecoder::skip(std::size_t count) {
-    buffer_.drop(count);
-    skipped_bytes_ += count;
-}
-
-inline void IbusDecoder::judge_bad(const Candidate& candidate) {
-    if (candidate.kind == Kind::servo && !buffer_.damaged(0, candidate.length)) {
-        ++rejected_[kChecksum].count;
-    }
-    skip(1);
 }
 
 inline void IbusDecoder::read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at,
@@ -236,29 +241,46 @@ void IbusDecoder::damaged_byte() {
     ++rejected_[kDamaged].count;
 }
 
-inline IbusDecoder::Candidate IbusDecoder::find_frame() {
-    while (buffer_.see(1)) {
-        const Candidate found = candidate();
-        if (found.kind == Kind::noise) {
-            skip(1);
+/// Judges what begins at `position` or behind it and before `end`; `damage` marks the first bytes.
+/// Says what stands at the position that it has come to then: a frame, one that is not there as a
+/// whole yet, or noise, if nothing is left.
+inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8_t> bytes,
+                                                      std::size_t end, std::uint64_t damage,
+                                                      std::size_t& position) {
+    // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
+    // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
+    const std::uint8_t looked_for = frame_seen_ ? kServo | kIa6 : kServo | kIa6 | kIbus2Channels;
+    std::size_t at = position;
+    Candidate found;
+    for (; at < end; ++at) {
+        const std::uint8_t begins = kBegins[bytes[at]] & looked_for;
+        if (begins == 0 || (damage != 0 && (damage >> at & 1U) != 0)) {
             continue;
         }
-        if (!buffer_.see(found.length)) {
+        found = candidate(begins, bytes.subspan(at));
+        if (found.kind == Kind::noise) {
+            continue;
+        }
+        if (found.length > bytes.size() - at) {
+            found.whole = false;
             break;
         }
-        if (found.kind == Kind::undecided) {
+        if (damage != 0 && (damage >> at & ((std::uint64_t{1} << found.length) - 1)) != 0) {
             continue;
         }
-        if (buffer_.damaged(0, found.length) || !checksum_holds(found)) {
-            judge_bad(found);
-        } else if (found.kind == Kind::ibus2) {
+        if (checksum_holds(found.kind, bytes.subspan(at, found.length))) {
+            if (found.kind != Kind::ibus2) {
+                break;
+            }
             ++rejected_[kIbus2].count;
-            skip(found.length);
-        } else {
-            return found;
+            at += found.length - 1;
+        } else if (found.kind == Kind::servo) {
+            ++rejected_[kChecksum].count;
         }
     }
-    return {};
+    skipped_bytes_ += at;
+    position = at;
+    return at < end ? found : Candidate{};
 }
 
 IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
@@ -275,7 +297,8 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     if (bytes.size() == 1 && !buffer_.any_damaged()) {
         return decode_byte(bytes, received, frame);
     }
-    return decode_pieces(bytes, received, frame);
+    return buffer_.size() == 0 || !buffer_.any_damaged() ? decode_pieces(bytes, received, frame)
+                                                         : search_kept(bytes, received, frame);
 }
 
 /// The bytes of a long frame that decide something: the first two and the last. Not inline, nor is
@@ -305,9 +328,10 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
             buffer_.pass_kept();
             return {1, true};
         }
-        return search_behind(received, frame);
+        return search_last(received, frame);
     }
-    return decode_pieces(bytes, received, frame);
+    return buffer_.size() == 0 ? decode_pieces(bytes, received, frame)
+                               : search_kept(bytes, received, frame);
 }
 
 /// What shows by its first byte that no frame begins here.
@@ -333,7 +357,7 @@ inline void IbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
     }
     const bool found = !buffer_.any_damaged() && buffer_.peek(0, rest) == kLongestFrame
                            ? decode_long(rest, received, frame)
-                           : search(rest, received, frame);
+                           : search(rest, 0, received, frame);
     return {bytes.size() - rest.size(), found};
 }
 
@@ -344,7 +368,7 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
         return false;
     }
     if (buffer_.peek(1, bytes) != kServoCommand) {
-        return search(bytes, received, frame);
+        return search(bytes, 0, received, frame);
     }
     if (!buffer_.reaches(kLongestFrame, bytes)) {
         return false;
@@ -352,31 +376,69 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
     const std::span<const std::uint8_t, kLongestFrame> wire(buffer_.whole(kLongestFrame, bytes),
                                                             kLongestFrame);
     if (!long_frame_holds(wire)) {
-        return search(bytes, received, frame);
+        return search_behind(bytes, received, frame);
     }
     read_frame(wire, kSlotsAt, received, frame);
     buffer_.pass(kLongestFrame, bytes);
     return true;
 }
 
-/// What is kept is no frame, though its last byte has just come.
-[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_behind(Instant received,
-                                                                DecodedFrame& frame) {
+/// The same, with its last byte the last one that there is.
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_last(Instant received,
+                                                              DecodedFrame& frame) {
     std::span<const std::uint8_t> nothing_more;
-    return {1, search(nothing_more, received, frame)};
+    return {1, search_behind(nothing_more, received, frame)};
 }
 
-bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, Instant received,
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_kept(std::span<const std::uint8_t> bytes,
+                                                              Instant received,
+                                                              DecodedFrame& frame) {
+    auto rest = bytes;
+    const bool found = search(rest, 0, received, frame);
+    return {bytes.size() - rest.size(), found};
+}
+
+/// A long frame at the front is none.
+[[gnu::noinline]] bool IbusDecoder::search_behind(std::span<const std::uint8_t>& bytes,
+                                                  Instant received, DecodedFrame& frame) {
+    ++rejected_[kChecksum].count;
+    return search(bytes, 1, received, frame);
+}
+
+/// Judges all from `start` on, which is behind the front by no more than a byte.
+bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, std::size_t start, Instant received,
                          DecodedFrame& frame) {
-    buffer_.open(bytes);
-    const Candidate found = find_frame();
-    if (found.length != 0) {
-        read_frame(buffer_.view(0, found.length), found.kind == Kind::ia6 ? kIa6SlotsAt : kSlotsAt,
-                   received, frame);
-        buffer_.drop(found.length);
+    const std::size_t kept = buffer_.size();
+    if (kept == 0) {
+        return judge({bytes, bytes.size(), start}, bytes, received, frame) == Outcome::frame;
     }
-    bytes = buffer_.close();
-    return found.length != 0;
+    const auto joined = buffer_.join(bytes, kIbus2Longest - 1);
+    const Window window{joined, kept, start, buffer_.damage().from(0)};
+    const Outcome outcome = judge(window, bytes, received, frame);
+    if (outcome != Outcome::nothing || bytes.empty()) {
+        return outcome == Outcome::frame;
+    }
+    return judge({bytes, bytes.size(), 0}, bytes, received, frame) == Outcome::frame;
+}
+
+IbusDecoder::Outcome IbusDecoder::judge(const Window& window, std::span<const std::uint8_t>& read,
+                                        Instant received, DecodedFrame& frame) {
+    std::size_t position = window.start;
+    const Candidate found = find_frame(window.bytes, window.end, window.damage, position);
+    if (found.kind == Kind::noise) {
+        buffer_.pass(position, read);
+        return Outcome::nothing;
+    }
+    if (!found.whole) {
+        buffer_.hold(window.bytes.subspan(position), position, found.length);
+        read = {};
+        return Outcome::wait;
+    }
+    read_frame(window.bytes.subspan(position, found.length),
+               found.kind == Kind::ia6 ? kIa6SlotsAt : kSlotsAt, received, frame);
+    frame.first_byte += position;
+    buffer_.pass(position + found.length, read);
+    return Outcome::frame;
 }
 
 }  // namespace tribus

@@ -2,12 +2,43 @@
 
 #include <algorithm>
 #include <array>
-#include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 namespace tribus {
+
+/// Which of the bytes that are kept the line damaged.
+class DamageMarks {
+  public:
+    static constexpr std::size_t kWordBits = 64;
+
+    bool any() const { return (words_[0] | words_[1]) != 0; }
+    /// Those of the next 64 bytes, the first lowest.
+    std::uint64_t from(std::size_t position) const {
+        const std::uint64_t upper = words_[1];
+        if (position == 0) {
+            return words_[0];
+        }
+        if (position >= kWordBits) {
+            return position >= 2 * kWordBits ? 0 : upper >> (position - kWordBits);
+        }
+        return words_[0] >> position | upper << (kWordBits - position);
+    }
+    void set(std::size_t position) {
+        words_[position / kWordBits] |= std::uint64_t{1} << (position % kWordBits);
+    }
+    void drop(std::size_t count) {
+        if (any()) {
+            words_ = {from(count), from(count + kWordBits)};
+        }
+    }
+    void clear() { words_ = {}; }
+
+  private:
+    std::array<std::uint64_t, 2> words_{};
+};
 
 /// The bytes that a decoder has not judged yet, each with a mark if the line damaged it, and their
 /// place in the whole stream.
@@ -38,7 +69,7 @@ class LineBuffer {
     /// Between two reads: a byte stood here that cannot be read.
     void append_damaged() {
         kept_[size_] = 0;
-        damaged_[size_] = true;
+        damaged_.set(size_);
         ++size_;
         missing_ = 0;
     }
@@ -104,18 +135,45 @@ class LineBuffer {
     }
     /// They are judged: none was kept.
     void pass(std::size_t count) { first_position_ += count; }
-    /// They are judged.
+    /// They are judged, of those that are kept and then of the read.
     void pass(std::size_t count, std::span<const std::uint8_t>& read) {
         first_position_ += count;
-        if (size_ == 0) {
-            read = read.subspan(count);
-        } else {
+        if (count >= size_) {
+            read = read.subspan(count - size_);
+            size_ = 0;
+            missing_ = 1;
+            damaged_.clear();
+        } else if (count != 0) {
             size_ -= count;
-            if (size_ != 0) {
-                std::copy(kept_.data() + count, kept_.data() + count + size_, kept_.data());
-            }
-            missing_ = size_ == 0 ? 1 : 0;
+            to_front(kept_.data() + count, size_);
+            missing_ = 0;
+            damaged_.drop(count);
         }
+    }
+    /// The first `judged` of those that are kept and read are; `rest`, all behind, is kept until
+    /// there are `count`.
+    void hold(std::span<const std::uint8_t> rest, std::size_t judged, std::size_t count) {
+        if (rest.data() == kept_.data() + judged) {
+            to_front(rest.data(), rest.size());
+            damaged_.drop(judged);
+        } else {
+            std::copy(rest.begin(), rest.end(), kept_.data());
+        }
+        first_position_ += judged;
+        size_ = rest.size();
+        missing_ = count - size_;
+    }
+    /// What is kept, and behind it what the read begins with, `most` bytes of it; all that is kept
+    /// can be judged so, and stays kept.
+    std::span<const std::uint8_t> join(std::span<const std::uint8_t> read, std::size_t most) {
+        const std::size_t more = std::min(most, read.size());
+        if (more == 1) {
+            kept_[size_] = read.front();
+        } else if (more != 0) {
+            std::copy(read.begin(), read.begin() + static_cast<std::ptrdiff_t>(more),
+                      kept_.data() + size_);
+        }
+        return {kept_.data(), size_ + more};
     }
 
     bool any_damaged() const { return damaged_.any(); }
@@ -144,9 +202,7 @@ class LineBuffer {
         front_ += count;
         size_ -= count;
         first_position_ += count;
-        if (damaged_.any()) {
-            damaged_ >>= count;
-        }
+        damaged_.drop(count);
     }
 
     /// The visible bytes.
@@ -155,18 +211,12 @@ class LineBuffer {
     std::span<const std::uint8_t> view(std::size_t start, std::size_t count) const {
         return {front_ + start, count};
     }
-    bool damaged(std::size_t position) const { return damaged_[position]; }
+    bool damaged(std::size_t position) const { return (damaged_.from(position) & 1U) != 0; }
+    /// Whether one of so many is; no more than 63.
     bool damaged(std::size_t start, std::size_t count) const {
-        if (damaged_.none()) {
-            return false;
-        }
-        for (std::size_t position = start; position < start + count; ++position) {
-            if (damaged_[position]) {
-                return true;
-            }
-        }
-        return false;
+        return (damaged_.from(start) & ((std::uint64_t{1} << count) - 1)) != 0;
     }
+    const DamageMarks& damage() const { return damaged_; }
     /// Position in the stream of the first of them.
     std::uint64_t first_position() const { return first_position_; }
 
@@ -176,6 +226,21 @@ class LineBuffer {
         std::copy(bytes.begin(), bytes.end(), kept_.data() + size_);
         size_ += bytes.size();
         missing_ -= std::min(missing_, bytes.size());
+    }
+    /// Of what is kept; a few bytes go as a piece of fixed size, for which no loop is needed.
+    void to_front(const std::uint8_t* begin, std::size_t count) {
+        constexpr std::size_t kPiece = 64;
+        static_assert(2 * kPiece <= kCapacity);
+        if (begin == kept_.data()) {
+            return;
+        }
+        if (count <= kPiece && begin + kPiece <= kept_.data() + kept_.size()) {
+            std::array<std::uint8_t, kPiece> piece;
+            std::memcpy(piece.data(), begin, kPiece);
+            std::memcpy(kept_.data(), piece.data(), kPiece);
+        } else {
+            std::copy(begin, begin + count, kept_.data());
+        }
     }
     void move_to_front() {
         std::copy(front_, front_ + size_, kept_.data());
@@ -204,7 +269,8 @@ class LineBuffer {
     std::size_t missing_ = 1;
     /// The visible bytes stand in the read, and not in `kept_`.
     bool in_place_ = false;
-    std::bitset<kCapacity> damaged_;
+    DamageMarks damaged_;
+    static_assert(kCapacity <= 2 * DamageMarks::kWordBits);
 };
 
 }  // namespace tribus
