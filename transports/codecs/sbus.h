@@ -87,7 +87,13 @@ class SbusDecoder final : public Decoder {
 
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
-    void pass_noise(std::span<const std::uint8_t>& bytes);
+    Taken decode_unlocked(std::span<const std::uint8_t> bytes, Instant received,
+                          DecodedFrame& frame);
+    Taken decode_header(std::span<const std::uint8_t> bytes, std::span<const std::uint8_t> rest,
+                        Instant received, DecodedFrame& frame);
+    static std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end);
+    std::size_t damaged_noise_in(std::span<const std::uint8_t> bytes, std::size_t end) const;
+    void pass_noise(std::size_t noise, std::span<const std::uint8_t>& bytes);
     Taken decode_byte(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     Taken decode_pieces(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     bool decode_locked(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);

@@ -263,15 +263,13 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
         buffer_.pass(kSbusFrameLength);
         return {kSbusFrameLength, true};
     }
-    if (state_ == State::unlocked && buffer_.size() == 0) {
-        auto rest = bytes;
-        pass_noise(rest);
-        const std::size_t noise = bytes.size() - rest.size();
-        if (rest.empty()) {
-            return {noise, false};
+    if (state_ == State::unlocked) {
+        if (bytes.size() == 1 && buffer_.size() == 0 && bytes[0] != kHeader) {
+            buffer_.pass(1);
+            ++skipped_bytes_;
+            return {1, false};
         }
-        const Taken taken = decode_pieces(rest, received, frame);
-        return {noise + taken.bytes, taken.frame};
+        return decode_unlocked(bytes, received, frame);
     }
     if (state_ == State::locked && bytes.size() == 1 && !buffer_.any_damaged()) {
         return decode_byte(bytes, received, frame);
@@ -300,15 +298,79 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     return decode_pieces(bytes, received, frame);
 }
 
-/// What stands in front of the first header.
-inline void SbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
-    std::size_t noise = 0;
-    while (noise < bytes.size() && bytes[noise] != kHeader) {
-        ++noise;
+/// Passes what shows by itself that no frame begins there: what is no header, and headers without
+/// flags and a footer in their places behind.
+[[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_unlocked(
+    std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame) {
+    auto rest = bytes;
+    if (const std::size_t kept = buffer_.size(); kept != 0) {
+        const auto joined = buffer_.join(bytes, kSbusFrameLength - 1);
+        const std::size_t noise =
+            buffer_.any_damaged() ? damaged_noise_in(joined, kept) : noise_in(joined, kept);
+        if (noise < kept && joined.size() - noise < kSbusFrameLength) {
+            skipped_bytes_ += noise;
+            buffer_.hold(joined.subspan(noise), noise, kSbusFrameLength);
+            return {bytes.size(), false};
+        }
+        pass_noise(noise, rest);
+        if (noise < kept) {
+            return decode_header(bytes, rest, received, frame);
+        }
+        if (rest.empty()) {
+            return {bytes.size(), false};
+        }
     }
-    bytes = bytes.subspan(noise);
-    buffer_.pass(noise);
+    pass_noise(noise_in(rest, rest.size()), rest);
+    return rest.empty() ? Taken{bytes.size(), false} : decode_header(bytes, rest, received, frame);
+}
+
+/// How many bytes before `end` are passed.
+inline std::size_t SbusDecoder::noise_in(std::span<const std::uint8_t> bytes, std::size_t end) {
+    std::size_t at = 0;
+    for (; at < end; ++at) {
+        if (bytes[at] != kHeader) {
+            continue;
+        }
+        if (bytes.size() - at < kSbusFrameLength ||
+            (flags_allowed(bytes[at + kFlagsAt]) && footer_allowed(bytes[at + kFooterAt]))) {
+            break;
+        }
+    }
+    return at;
+}
+
+std::size_t SbusDecoder::damaged_noise_in(std::span<const std::uint8_t> bytes,
+                                          std::size_t end) const {
+    constexpr std::uint64_t kWhole = (1ULL << kSbusFrameLength) - 1;
+    std::size_t at = 0;
+    for (; at < end; ++at) {
+        if (bytes[at] != kHeader) {
+            continue;
+        }
+        const std::uint64_t damage = buffer_.damage().from(at);
+        if ((damage & 1U) == 0 && (bytes.size() - at < kSbusFrameLength ||
+                                   ((damage & kWhole) == 0 && flags_allowed(bytes[at + kFlagsAt]) &&
+                                    footer_allowed(bytes[at + kFooterAt])))) {
+            break;
+        }
+    }
+    return at;
+}
+
+inline void SbusDecoder::pass_noise(std::size_t noise, std::span<const std::uint8_t>& bytes) {
+    buffer_.pass(noise, bytes);
     skipped_bytes_ += noise;
+}
+
+/// A header stands at the front, which may begin a frame.
+inline SbusDecoder::Taken SbusDecoder::decode_header(std::span<const std::uint8_t> bytes,
+                                                     std::span<const std::uint8_t> rest,
+                                                     Instant received, DecodedFrame& frame) {
+    if (!buffer_.reaches(kSbusFrameLength, rest)) {
+        return {bytes.size(), false};
+    }
+    const bool found = decode_in_steps(rest, received, frame);
+    return {bytes.size() - rest.size(), found};
 }
 
 [[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_pieces(std::span<const std::uint8_t> bytes,
