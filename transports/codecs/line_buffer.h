@@ -66,12 +66,13 @@ class LineBuffer {
         }
         return true;
     }
-    /// Between two reads: a byte stood here that cannot be read.
-    void append_damaged() {
+    /// Between two reads: a byte stood here that cannot be read. It decides something by itself, or
+    /// not before the bytes are there that the decoder waits for.
+    void append_damaged(bool decides = true) {
         kept_[size_] = 0;
         damaged_.set(size_);
         ++size_;
-        missing_ = 0;
+        missing_ = decides || missing_ == 0 ? 0 : missing_ - 1;
     }
 
     /// Starts work on a read.

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <memory>
+#include <numeric>
 #include <string_view>
 
 #include "transports/codecs/sbus_wire.h"
@@ -122,5 +124,23 @@ const Protocol kSbusProtocol{
     .make_decoder = make_decoder,
     .make_encoder = make_encoder,
 };
+
+/// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last
+/// one that is beyond doubt.
+int SbusDecoder::likeness(std::size_t start) const {
+    const auto bytes = buffer_.view(start, kFooterAt);
+    return std::inner_product(bytes.begin(), bytes.end(), trusted().begin(), 0, std::plus<>{},
+                              std::equal_to<>{});
+}
+
+[[gnu::noinline]] void SbusDecoder::scale_each(ChannelFrame& channels) const {
+    scale_.decode_each(from_lanes(unpack(latest())), channels);
+}
+
+std::span<const FrameDetail> SbusDecoder::details() const {
+    raw_ = from_lanes(unpack(latest()));
+    footer_[0] = latest()[kFooterAt];
+    return details_;
+}
 
 }  // namespace tribus

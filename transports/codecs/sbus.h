@@ -91,8 +91,7 @@ class SbusDecoder final : public Decoder {
                           DecodedFrame& frame);
     Taken decode_header(std::span<const std::uint8_t> bytes, std::span<const std::uint8_t> rest,
                         Instant received, DecodedFrame& frame);
-    static std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end);
-    std::size_t damaged_noise_in(std::span<const std::uint8_t> bytes, std::size_t end) const;
+    Taken refuse_kept(std::uint8_t last);
     void pass_noise(std::size_t noise, std::span<const std::uint8_t>& bytes);
     Taken decode_byte(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     Taken decode_pieces(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);

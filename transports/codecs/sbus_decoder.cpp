@@ -1,8 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cstring>
-#include <functional>
-#include <numeric>
 
 #include "transports/codecs/sbus.h"
 #include "transports/codecs/sbus_wire.h"
@@ -10,27 +7,6 @@
 namespace tribus {
 
 using namespace sbus_wire;
-
-namespace {
-
-/// All that is the same in frames with the same flags, for each of the 16 ways that they can be.
-constexpr auto kByFlags = [] {
-    std::array<ChannelFrame, 16> frames{};
-    for (unsigned flags = 0; flags < frames.size(); ++flags) {
-        ChannelFrame& frame = frames[flags];
-        frame.frame_lost = (flags & kFrameLostFlag) != 0;
-        frame.failsafe = (flags & kFailsafeFlag) != 0;
-        frame.origin = Origin::sbus;
-        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
-            frame.set(channel, Pulse{});
-        }
-        frame.set(16, (flags & kChannel17Flag) != 0 ? kSwitchOnPulse : kSwitchOffPulse);
-        frame.set(17, (flags & kChannel18Flag) != 0 ? kSwitchOnPulse : kSwitchOffPulse);
-    }
-    return frames;
-}();
-
-}  // namespace
 
 inline bool SbusDecoder::well_formed(std::size_t start) const {
     return well_formed_wire(buffer_.view(start, kSbusFrameLength).first<kSbusFrameLength>()) &&
@@ -136,14 +112,6 @@ inline SbusDecoder::Step SbusDecoder::step_locked() {
     return Step::again;
 }
 
-/// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last
-/// one that is beyond doubt.
-int SbusDecoder::likeness(std::size_t start) const {
-    const auto bytes = buffer_.view(start, kFooterAt);
-    return std::inner_product(bytes.begin(), bytes.end(), trusted().begin(), 0, std::plus<>{},
-                              std::equal_to<>{});
-}
-
 SbusDecoder::Step SbusDecoder::step_recovering() {
     if (slots_follow(latest()[kFooterAt]) || slots_follow(trusted()[kFooterAt])) {
         return step_recovering_among_slots();
@@ -224,18 +192,10 @@ inline void SbusDecoder::read_frame(Wire wire, Instant received, DecodedFrame& f
     }
 }
 
-[[gnu::noinline]] void SbusDecoder::scale_each(ChannelFrame& channels) const {
-    scale_.decode_each(from_lanes(unpack(latest())), channels);
-}
-
-std::span<const FrameDetail> SbusDecoder::details() const {
-    raw_ = from_lanes(unpack(latest()));
-    footer_[0] = latest()[kFooterAt];
-    return details_;
-}
-
 void SbusDecoder::damaged_byte() {
-    buffer_.append_damaged();
+    const bool behind_header =
+        state_ == State::unlocked && buffer_.size() != 0 && buffer_.size() < kSbusFrameLength;
+    buffer_.append_damaged(!behind_header);
     ++rejected_[kDamaged].count;
 }
 
@@ -268,6 +228,10 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
             buffer_.pass(1);
             ++skipped_bytes_;
             return {1, false};
+        }
+        if (bytes.size() == 1 && buffer_.size() == kFooterAt && !buffer_.any_damaged() &&
+            !(flags_allowed(buffer_.kept()[kFlagsAt]) && footer_allowed(bytes[0]))) {
+            return refuse_kept(bytes[0]);
         }
         return decode_unlocked(bytes, received, frame);
     }
@@ -305,8 +269,8 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     auto rest = bytes;
     if (const std::size_t kept = buffer_.size(); kept != 0) {
         const auto joined = buffer_.join(bytes, kSbusFrameLength - 1);
-        const std::size_t noise =
-            buffer_.any_damaged() ? damaged_noise_in(joined, kept) : noise_in(joined, kept);
+        const std::size_t noise = buffer_.any_damaged() ? noise_in(joined, kept, buffer_.damage())
+                                                        : noise_in(joined, kept);
         if (noise < kept && joined.size() - noise < kSbusFrameLength) {
             skipped_bytes_ += noise;
             buffer_.hold(joined.subspan(noise), noise, kSbusFrameLength);
@@ -324,37 +288,21 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     return rest.empty() ? Taken{bytes.size(), false} : decode_header(bytes, rest, received, frame);
 }
 
-/// How many bytes before `end` are passed.
-inline std::size_t SbusDecoder::noise_in(std::span<const std::uint8_t> bytes, std::size_t end) {
-    std::size_t at = 0;
-    for (; at < end; ++at) {
-        if (bytes[at] != kHeader) {
-            continue;
-        }
-        if (bytes.size() - at < kSbusFrameLength ||
-            (flags_allowed(bytes[at + kFlagsAt]) && footer_allowed(bytes[at + kFooterAt]))) {
-            break;
-        }
+/// The last byte of what begins with a header tells that it is no frame.
+[[gnu::noinline]] SbusDecoder::Taken SbusDecoder::refuse_kept(std::uint8_t last) {
+    buffer_.keep_one(last, 0);
+    const std::uint8_t* const kept = buffer_.kept();
+    std::size_t noise = 1;
+    while (noise < kSbusFrameLength && kept[noise] != kHeader) {
+        ++noise;
     }
-    return at;
-}
-
-std::size_t SbusDecoder::damaged_noise_in(std::span<const std::uint8_t> bytes,
-                                          std::size_t end) const {
-    constexpr std::uint64_t kWhole = (1ULL << kSbusFrameLength) - 1;
-    std::size_t at = 0;
-    for (; at < end; ++at) {
-        if (bytes[at] != kHeader) {
-            continue;
-        }
-        const std::uint64_t damage = buffer_.damage().from(at);
-        if ((damage & 1U) == 0 && (bytes.size() - at < kSbusFrameLength ||
-                                   ((damage & kWhole) == 0 && flags_allowed(bytes[at + kFlagsAt]) &&
-                                    footer_allowed(bytes[at + kFooterAt])))) {
-            break;
-        }
+    skipped_bytes_ += noise;
+    if (noise == kSbusFrameLength) {
+        buffer_.pass_kept();
+    } else {
+        buffer_.hold({kept + noise, kSbusFrameLength - noise}, noise, kSbusFrameLength);
     }
-    return at;
+    return {1, false};
 }
 
 inline void SbusDecoder::pass_noise(std::size_t noise, std::span<const std::uint8_t>& bytes) {

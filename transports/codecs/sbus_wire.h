@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "core/channel_frame.h"
+#include "transports/codecs/line_buffer.h"
 #include "transports/codecs/sbus.h"
 #include "transports/codecs/wire_words.h"
 
@@ -118,5 +120,54 @@ inline bool flags_and_footer_plain(std::span<const std::uint8_t, kSbusFrameLengt
     static_assert(kGroupAt[3] + 6 == kFlagsAt && kGroupAt[3] + 7 == kFooterAt);
     return (load_word(&wire[kGroupAt[3]]) & kNeitherOf) == 0;
 }
+
+inline bool flags_and_footer_allowed(const std::uint8_t* frame) {
+    return flags_allowed(frame[kFlagsAt]) && footer_allowed(frame[kFooterAt]);
+}
+
+/// How many bytes before `end` are no header, or one without flags and footer in their places.
+inline std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end) {
+    std::size_t at = 0;
+    for (; at < end; ++at) {
+        if (bytes[at] == kHeader &&
+            (bytes.size() - at < kSbusFrameLength || flags_and_footer_allowed(&bytes[at]))) {
+            break;
+        }
+    }
+    return at;
+}
+
+/// The same with some of the first bytes damaged.
+inline std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end,
+                            const DamageMarks& marks) {
+    constexpr std::uint64_t kWhole = (1ULL << kSbusFrameLength) - 1;
+    std::size_t at = 0;
+    for (; at < end; ++at) {
+        // A damaged byte is kept as 0, which is no header.
+        if (bytes[at] == kHeader &&
+            (bytes.size() - at < kSbusFrameLength ||
+             ((marks.from(at) & kWhole) == 0 && flags_and_footer_allowed(&bytes[at])))) {
+            break;
+        }
+    }
+    return at;
+}
+
+/// All that is the same in frames with the same flags, for each of the 16 ways that they can be.
+inline constexpr auto kByFlags = [] {
+    std::array<ChannelFrame, 16> frames{};
+    for (unsigned flags = 0; flags < frames.size(); ++flags) {
+        ChannelFrame& frame = frames[flags];
+        frame.frame_lost = (flags & kFrameLostFlag) != 0;
+        frame.failsafe = (flags & kFailsafeFlag) != 0;
+        frame.origin = Origin::sbus;
+        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+            frame.set(channel, Pulse{});
+        }
+        frame.set(16, (flags & kChannel17Flag) != 0 ? kSwitchOnPulse : kSwitchOffPulse);
+        frame.set(17, (flags & kChannel18Flag) != 0 ? kSwitchOnPulse : kSwitchOffPulse);
+    }
+    return frames;
+}();
 
 }  // namespace tribus::sbus_wire

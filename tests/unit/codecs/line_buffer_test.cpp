@@ -154,5 +154,35 @@ TEST(LineBuffer, ADamagedByteIsWorthALook) {
     EXPECT_FALSE(buffer.keep(nothing));
 }
 
+TEST(LineBuffer, ADamagedByteThatDecidesNothingIsWaitedOut) {
+    LineBuffer buffer;
+    const Bytes one{1};
+    buffer.open(one);
+    buffer.see(3);
+    buffer.close();
+    buffer.append_damaged(false);
+    std::span<const std::uint8_t> nothing;
+    EXPECT_TRUE(buffer.keep(nothing));
+    EXPECT_FALSE(buffer.keep(one));
+}
+
+TEST(LineBuffer, WhatIsKeptIsJudgedTogetherWithTheReadBehindIt) {
+    LineBuffer buffer;
+    buffer.keep_one(1, 1);
+    buffer.append_damaged();
+    const Bytes read{3, 4, 5};
+    const auto joined = buffer.join(read, 2);
+    EXPECT_EQ(Bytes(joined.begin(), joined.end()), (Bytes{1, 0, 3, 4}));
+    buffer.hold(joined.subspan(1), 1, 5);
+    EXPECT_EQ(visible(buffer), (Bytes{0, 3, 4}));
+    EXPECT_TRUE(buffer.damaged(0));
+    EXPECT_EQ(buffer.first_position(), 1U);
+    std::span<const std::uint8_t> rest = read;
+    buffer.pass(4, rest);
+    EXPECT_EQ(rest.size(), 2U);
+    EXPECT_EQ(buffer.size(), 0U);
+    EXPECT_FALSE(buffer.any_damaged());
+}
+
 }  // namespace
 }  // namespace tribus
