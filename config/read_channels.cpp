@@ -162,6 +162,7 @@ std::vector<ChannelRule> read_channels(const Value& value, const std::string& ti
     }
     std::sort(rules.begin(), rules.end(),
               [](const ChannelRule& a, const ChannelRule& b) { return a.output < b.output; });
+    rules.shrink_to_fit();
     return rules;
 }
 

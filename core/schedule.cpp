@@ -31,6 +31,8 @@ constexpr Duration kStandsWell = std::chrono::microseconds(300);
 constexpr int kSteering = 16;
 /// Share of an interval for which a point of a locked grid waits for a frame that is late.
 constexpr int kPatience = 16;
+/// So many frames in a row that had to wait are no accident.
+constexpr int kHeldUpInARow = 8;
 /// A sender whose clock runs fast by so little still counts as having the period asked for.
 constexpr int kClockTolerance = 100;
 
@@ -99,14 +101,16 @@ void Schedule::frame_arrived(const ArrivalClock& arrivals) {
 }
 
 /// A frame that must wait because another was written not long ago holds up the one behind it as
-/// well, and that the next: where the one behind it is nearly there, it is sent in its place.
+/// well, and that the next. Where the one behind it is nearly there, it is sent in its place; so it
+/// is when frame upon frame has had to wait, as after a stall where both periods are the same.
 Instant Schedule::follow_due() const {
     const Instant latest = arrivals_.latest();
-    const Instant due = latest_write_ ? std::max(latest, *latest_write_ + least_step()) : latest;
+    const Instant due =
+        latest_write_ ? std::max(latest, *latest_write_ + settings_.period) : latest;
     const Duration interval = arrivals_.interval();
     const Instant next = arrivals_.rhythm() + interval;
-    const bool holds_up_next = due > latest && due < next && due + least_step() > next;
-    if (!holds_up_next || next - due >= interval / 2) {
+    const bool holds_up_next = due > latest && due < next && due + settings_.period > next;
+    if (!holds_up_next || (next - due >= interval / 2 && held_up_ < kHeldUpInARow)) {
         return due;
     }
     return std::min(expected_by(), *latest_write_ + 2 * settings_.period);
@@ -127,7 +131,7 @@ Instant Schedule::repeat_due(Instant now) const {
     const Instant expected = expected_by();
     const bool worth_waiting =
         interval > Duration::zero() && expected > planned && expected < at_most;
-    const Instant leaves_room = arrivals_.rhythm() + 2 * interval - least_step();
+    const Instant leaves_room = arrivals_.rhythm() + 2 * interval - settings_.period - kLeastGuard;
     return worth_waiting ? std::min(std::max(expected, leaves_room), at_most) : planned;
 }
 
@@ -176,6 +180,8 @@ void Schedule::done(Instant now, bool wrote) {
     }
     if (settings_.kind == ScheduleKind::follow) {
         overruns_ += static_cast<std::uint64_t>((now - due_) / settings_.period);
+        const bool waited = due_ > arrivals_.latest() + kStandsWell;
+        held_up_ = waited ? std::min(held_up_ + 1, kHeldUpInARow) : 0;
         due_ = repeat_due(now);
         return;
     }

@@ -8,8 +8,7 @@
 namespace tribus {
 
 enum class ScheduleKind : std::uint8_t {
-    follow,  ///< send when a new frame arrives, at most once a period (less 1 %, for clocks that
-             ///< differ), and once a period without one
+    follow,  ///< send when a new frame arrives, at most once a period, and once a period without
     grid,    ///< strictly periodic, whatever arrives
 };
 
@@ -88,6 +87,8 @@ class Schedule {
     /// The latest point of the grid, which is not written before.
     Instant point_ = kNever;
     std::optional<Instant> latest_write_;
+    /// Frames in a row that were written well behind their arrival.
+    int held_up_ = 0;
     ArrivalClock arrivals_;
     std::uint64_t overruns_ = 0;
 };

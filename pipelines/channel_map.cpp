@@ -1,7 +1,10 @@
 #include "pipelines/channel_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstring>
+#include <numeric>
 #include <optional>
 
 #include "core/rounding.h"
@@ -9,6 +12,8 @@
 namespace tribus {
 namespace {
 
+constexpr Pulse kLeastPulse = Pulse::from_eighths(INT16_MIN);
+constexpr Pulse kGreatestPulse = Pulse::from_eighths(INT16_MAX);
 constexpr double kFullTravelEighths = 500.0 * Pulse::kEighthsPerMicrosecond;
 
 double deviation(Pulse pulse) {
@@ -68,8 +73,8 @@ std::vector<Filter> filters_of(const ChannelRule& rule) {
                                                                   kNanosecondsPerSecond});
     }
     if (rule.min || rule.max) {
-        filters.emplace_back(LimitFilter{rule.min.value_or(Pulse::from_eighths(INT16_MIN)),
-                                         rule.max.value_or(Pulse::from_eighths(INT16_MAX))});
+        filters.emplace_back(
+            LimitFilter{rule.min.value_or(kLeastPulse), rule.max.value_or(kGreatestPulse)});
     }
     return filters;
 }
@@ -124,14 +129,67 @@ Pulse LimitFilter::apply(Pulse pulse, Instant /*now*/) {
     return std::clamp(pulse, min, max);
 }
 
+StraightLanes::StraightLanes() {
+    std::iota(input_.begin(), input_.end(), std::uint8_t{0});
+    least_.fill(INT16_MIN);
+    most_.fill(INT16_MAX);
+}
+
+bool StraightLanes::take(const ChannelRule& rule) {
+    const auto* from = std::get_if<FromChannel>(&rule.source);
+    if (from == nullptr || rule.deadband != Pulse{} || rule.expo != 0 || rule.slew_us_per_second) {
+        return false;
+    }
+    constexpr int kTwiceCentre = 2 * kCentrePulse.eighths();
+    const int min = rule.min.value_or(kLeastPulse).eighths();
+    const int max = rule.max.value_or(kGreatestPulse).eighths();
+    const int trim = rule.trim.eighths();
+    const int mirrored = kTwiceCentre + trim;
+    const int least = rule.reverse ? std::max(mirrored - max, kTwiceCentre - INT16_MAX)
+                                   : std::max(min - trim, INT16_MIN);
+    const int most = std::min(rule.reverse ? mirrored - min : max - trim, INT16_MAX);
+    if (least > most || least > INT16_MAX || most < INT16_MIN) {
+        return false;
+    }
+    input_[rule.output] = static_cast<std::uint8_t>(from->channel);
+    least_[rule.output] = static_cast<std::int16_t>(least);
+    most_[rule.output] = static_cast<std::int16_t>(most);
+    turned_[rule.output] = static_cast<std::int16_t>(rule.reverse ? -1 : 0);
+    offset_[rule.output] = static_cast<std::int16_t>(rule.reverse ? mirrored : trim);
+    return true;
+}
+
+void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const {
+    static_assert(sizeof(Pulse) == sizeof(std::int16_t));
+    Lanes values{};
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        values[channel] = std::bit_cast<std::int16_t>(input.pulses()[input_[channel]]);
+    }
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const std::int16_t limited = std::min(std::max(values[lane], least_[lane]), most_[lane]);
+        values[lane] =
+            static_cast<std::int16_t>((limited ^ turned_[lane]) - turned_[lane] + offset_[lane]);
+    }
+    std::memcpy(static_cast<void*>(output.pulses().data()), values.data(), sizeof output.pulses());
+    if (!input.has_first(kChannelCount)) {
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            output.set(channel, input.has(input_[channel]) ? std::optional(output.pulses()[channel])
+                                                           : std::nullopt);
+        }
+    }
+}
+
 ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
     for (const ChannelRule& rule : rules) {
-        lanes_.push_back({rule.output, rule.source, filters_of(rule)});
+        if (!straight_lanes_.take(rule)) {
+            lanes_.push_back({rule.output, rule.source, filters_of(rule)});
+        }
     }
 }
 
 ChannelFrame ChannelMap::apply(const ChannelFrame& input, Instant now) {
     ChannelFrame output = input;
+    straight_lanes_.apply(input, output);
     for (Lane& lane : lanes_) {
         std::optional<Pulse> pulse = std::visit(SourceReader{input}, lane.source);
         if (pulse) {

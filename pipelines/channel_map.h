@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <variant>
 #include <vector>
@@ -46,6 +49,29 @@ struct LimitFilter {
 using Filter =
     std::variant<DeadbandFilter, ExpoFilter, ReverseFilter, TrimFilter, SlewFilter, LimitFilter>;
 
+/// Those outputs of a map that are an input channel, reversed, trimmed and limited at most, as
+/// nearly all are: all at once. A value is limited first, in terms of the input, so that no step
+/// can leave the range of a Pulse.
+class StraightLanes {
+  public:
+    /// Every channel passes as it is.
+    StraightLanes();
+    /// Whether it could take the rule.
+    bool take(const ChannelRule& rule);
+    void apply(const ChannelFrame& input, ChannelFrame& output) const;
+
+  private:
+    /// Whole vectors of eight.
+    static constexpr std::size_t kLanes = (kChannelCount + 7) / 8 * 8;
+    using Lanes = std::array<std::int16_t, kLanes>;
+
+    std::array<std::uint8_t, kChannelCount> input_{};
+    Lanes least_{};
+    Lanes most_{};
+    Lanes turned_{};  ///< all bits where it is reversed, else none
+    Lanes offset_{};
+};
+
 /// Makes the channels of an output from those of an input. Channels without a rule pass unchanged.
 /// No allocation and no failure after construction. Thread-bound.
 class ChannelMap {
@@ -60,11 +86,14 @@ class ChannelMap {
     void restart_from(const ChannelFrame& frame, Instant now);
 
   private:
+    /// Any lane but a straight one.
     struct Lane {
         std::size_t output = 0;
         ChannelSource source;
         std::vector<Filter> filters;
     };
+
+    StraightLanes straight_lanes_;
     std::vector<Lane> lanes_;
 };
 

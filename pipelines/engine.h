@@ -21,9 +21,12 @@ class Engine {
 
     void start(Instant now);
 
-    /// Bytes of one input, read at `now`. `damaged` answers [position] with whether the line
+    /// Bytes of one input, read at `now`, none of them damaged. Returns whether a frame came out.
+    bool receive(std::size_t input, std::span<const std::uint8_t> bytes, Instant now) {
+        return announce(input, inputs_[input].receive(bytes, now));
+    }
+    /// The same where the line damaged some. `damaged` answers [position] with whether the line
     /// damaged that byte.
-    /// Returns whether a frame came out of them.
     template <class DamagedMarks>
     bool receive(std::size_t input, std::span<const std::uint8_t> bytes,
                  const DamagedMarks& damaged, Instant now) {

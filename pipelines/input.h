@@ -42,8 +42,12 @@ class Input {
   public:
     Input(InputSettings settings, std::uint8_t index);
 
-    /// Takes bytes that were read at `now`, with the positions of those that the line damaged.
-    /// Returns whether a frame came out of them.
+    /// Takes bytes that were read at `now`. Returns whether a frame came out of them.
+    bool receive(std::span<const std::uint8_t> bytes, Instant now) {
+        counts_.bytes += bytes.size();
+        return decode(bytes, now);
+    }
+    /// The same, with the positions of those that the line damaged.
     template <class DamagedMarks>
     bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
         counts_.bytes += bytes.size();

@@ -22,7 +22,8 @@ Output::Output(OutputSettings settings)
       schedule_(settings.schedule),
       inputs_(std::move(settings.inputs)),
       map_(settings.channels),
-      failsafe_(settings.failsafe) {}
+      failsafe_(settings.failsafe),
+      can_frames_(can_encoder_ ? kMostSnapshotFrames : 0) {}
 
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
     const bool standby = stage_ == OutputStage::control && index != current_;
@@ -137,7 +138,8 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         latest_ = *frame;
         latest_due_ = schedule_.due();
         if (can_encoder_) {
-            can_frame_count_ = can_encoder_->encode(*frame, now, can_frames_);
+            can_frame_count_ = can_encoder_->encode(
+                *frame, now, std::span<CanFrame, kMostSnapshotFrames>(can_frames_));
         } else {
             wire_length_ = encoder_->encode(*frame, wire_);
         }

@@ -135,7 +135,8 @@ class Output {
     Instant latest_due_{};
     std::array<std::uint8_t, kLongestSerialFrame> wire_{};
     std::size_t wire_length_ = 0;
-    std::array<CanFrame, kMostSnapshotFrames> can_frames_{};
+    /// Room for kMostSnapshotFrames where it is on CAN; else none.
+    std::vector<CanFrame> can_frames_;
     std::size_t can_frame_count_ = 0;
     OutputCounts counts_;
 };

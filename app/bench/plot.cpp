@@ -113,7 +113,8 @@ void append_axes(std::string& svg, const Panel& panel) {
             append_text(svg, panel.x(percent), bottom + 18, "middle", fmt::format("p{}", percent));
         }
     }
-    for (double power = panel.least; power <= panel.most; ++power) {
+    const int last_power = static_cast<int>(panel.most);
+    for (int power = static_cast<int>(panel.least); power <= last_power; ++power) {
         const double nanoseconds = std::pow(10, power);
         append_line(svg, kLeft, panel.y(nanoseconds), kWidth - kRight, panel.y(nanoseconds));
         append_text(svg, kLeft - 8, panel.y(nanoseconds) + 4, "end",

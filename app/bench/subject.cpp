@@ -76,8 +76,10 @@ tl::expected<Process, std::string> run_configuration(const std::string& text,
     if (::write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
         return tl::unexpected(std::string("no memory for a configuration"));
     }
-    return Process::execute({settings.program, "run", fmt::format("/proc/self/fd/{}", file.get())},
-                            {file.get()}, settings.environment);
+    std::vector<std::string> words = settings.in_front;
+    words.insert(words.end(),
+                 {settings.program, "run", fmt::format("/proc/self/fd/{}", file.get())});
+    return Process::execute(words, {file.get()}, settings.environment);
 }
 
 tl::expected<void, std::string> wait_until_started(Process& process) {

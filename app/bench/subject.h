@@ -26,6 +26,8 @@ struct ApplianceSettings {
     std::optional<int> cpu;
     std::size_t outputs_per_input = 1;  ///< all but the first are drained only
     std::vector<std::string> environment;
+    /// Words before the program: another one that runs and watches it.
+    std::vector<std::string> in_front{};
 };
 
 /// Its table [runtime].

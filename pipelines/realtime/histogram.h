@@ -10,9 +10,9 @@
 namespace tribus {
 
 /// Buckets of durations: 256 ns wide up to 1 us, then four to each power of two, so a bucket is at
-/// most a quarter wider than what it starts with. The last one, from about 7.5 s, takes all above.
+/// most a quarter wider than what it starts with. The last one, from about 0.5 s, takes all above.
 /// A negative duration counts as none.
-inline constexpr std::size_t kHistogramBuckets = 96;
+inline constexpr std::size_t kHistogramBuckets = 80;
 std::size_t histogram_bucket(Duration value);
 /// Where a bucket starts; of `kHistogramBuckets`, where the last one ends.
 Duration histogram_bucket_start(std::size_t bucket);

@@ -1,6 +1,5 @@
 #include "pipelines/realtime/loop.h"
 
-#include <poll.h>
 #include <pthread.h>
 #include <sys/epoll.h>
 #include <sys/eventfd.h>
@@ -13,37 +12,20 @@
 #include <utility>
 
 #include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/exact_wait.h"
 
 namespace tribus {
 namespace {
 
 /// Stands for the wake-up descriptor among the port numbers of epoll events.
 constexpr std::uint64_t kWakeUp = ~std::uint64_t{0};
-/// How often the main thread gets fresh figures: quicker than an eye follows.
-constexpr Duration kPublishPeriod = std::chrono::milliseconds(20);
+/// How often the main thread gets fresh figures: twice as often as it looks at them.
+constexpr Duration kPublishPeriod = std::chrono::milliseconds(50);
 /// The longest sleep without a deadline, so that figures do not stand still.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 
 std::string error_text(const char* what) {
     return std::string(what) + " failed: " + std::strerror(errno);
-}
-
-/// Whether the kernel has epoll_pwait2 (Linux 5.11), whose timeouts are as exact as a sleep's.
-bool has_exact_waits(int epoll) {
-    epoll_event event{};
-    const timespec at_once{};
-    return ::epoll_pwait2(epoll, &event, 1, &at_once, nullptr) >= 0 || errno != ENOSYS;
-}
-
-int wait_for_events(int epoll, std::span<epoll_event> events, const timespec& timeout, bool exact) {
-    const int most = static_cast<int>(events.size());
-    if (exact) {
-        return ::epoll_pwait2(epoll, events.data(), most, &timeout, nullptr);
-    }
-    // As exact, with one system call more.
-    pollfd any{.fd = epoll, .events = POLLIN, .revents = 0};
-    return ::ppoll(&any, 1, &timeout, nullptr) > 0 ? ::epoll_wait(epoll, events.data(), most, 0)
-                                                   : 0;
 }
 
 bool is_can(const Engine& engine, const PortWiring& wiring) {
@@ -90,7 +72,7 @@ tl::expected<void, std::string> Loop::prepare() {
     if (epoll_.get() < 0) {
         return tl::unexpected(error_text("epoll_create1"));
     }
-    exact_waits_ = has_exact_waits(epoll_.get());
+    has_epoll_pwait2_ = has_epoll_pwait2(epoll_.get());
     wake_up_ = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
     if (wake_up_.get() < 0) {
         return tl::unexpected(error_text("eventfd"));
@@ -177,8 +159,10 @@ ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
         return status;
     }
     bool frame_came = false;
+    const bool clean = reception_.damaged.none();
     for (const std::size_t input : ports_[port].wiring.inputs) {
-        if (engine_.receive(input, reception_.view(), reception_.damaged, now)) {
+        if (clean ? engine_.receive(input, reception_.view(), now)
+                  : engine_.receive(input, reception_.view(), reception_.damaged, now)) {
             input_timing_[input].frame_came(now);
             frame_came = true;
         }
@@ -362,7 +346,7 @@ std::size_t Loop::wait_until(Instant until) {
     timeout.tv_sec = seconds.count();
     timeout.tv_nsec = (sleep - seconds).count();
     std::array<epoll_event, kEventsPerWake> events;
-    const int count = wait_for_events(epoll_.get(), events, timeout, exact_waits_);
+    const int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
     std::size_t ready = 0;
     for (int i = 0; i < count; ++i) {
         const std::uint64_t source = events[static_cast<std::size_t>(i)].data.u64;

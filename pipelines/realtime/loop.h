@@ -137,7 +137,7 @@ class Loop {
     std::vector<std::size_t> can_ports_;
     std::size_t quiet_ports_ = 0;
     UniqueFd epoll_;
-    bool exact_waits_ = true;
+    bool has_epoll_pwait2_ = true;
     UniqueFd wake_up_;
     std::atomic<bool> end_requested_{false};
     std::array<std::size_t, kEventsPerWake> ready_{};

@@ -43,7 +43,9 @@ struct Bound {
 
 /// Those that are ratios of times.
 std::vector<Bound> time_bounds();
-/// Those that are counts.
+/// Those that are instructions.
+std::vector<Bound> instruction_bounds();
+/// Those that are other counts.
 std::vector<Bound> count_bounds();
 
 }  // namespace tribus::test

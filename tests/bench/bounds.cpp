@@ -127,8 +127,9 @@ bool measure_and_print(const Bound& bound, const BoundSettings& settings, const 
 
 int run(const Options& options) {
     std::vector<Bound> bounds = time_bounds();
-    const std::vector<Bound> counts = count_bounds();
-    bounds.insert(bounds.end(), counts.begin(), counts.end());
+    for (const auto& counts : {count_bounds(), instruction_bounds()}) {
+        bounds.insert(bounds.end(), counts.begin(), counts.end());
+    }
     for (const std::string& name : options.only) {
         if (std::ranges::find(bounds, name, &Bound::name) == bounds.end()) {
             fmt::print(stderr, "--only {}: there is no such row; allowed:", name);
@@ -168,8 +169,10 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
     CLI::App app{"What real time must reach, beside what it reaches on this machine", "bounds"};
     tribus::test::Options options;
-    app.add_option("--only", options.only,
-                   "latency,load,age,lateness,cpu,scaling,spawn,memory,heap,calls,lost: some rows")
+    app.add_option(
+           "--only", options.only,
+           "latency,load,age,lateness,cpu,scaling,spawn,memory,heap,calls,lost,codecs,garbage,"
+           "daemon: some rows")
         ->delimiter(',');
     app.add_option("--runs", options.runs, "Of each ratio; the median counts")
         ->check(CLI::Range(1, 99))

@@ -1,17 +1,12 @@
 #!/bin/sh
 # Prints what real time must reach beside what it reaches on this machine. Installs what is needed
 # from Debian's packages and builds first. Needs root for real time. Arguments: see --help.
-#   tests/bench/bounds.sh                      all rows, about 15 minutes on a quiet machine
+#   tests/bench/bounds.sh                      all rows, about 17 minutes on a quiet machine
 #   tests/bench/bounds.sh --only latency,cpu   some of them
 #   tests/bench/bounds.sh --long               a million frames where lost ones are counted
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh
 # shellcheck disable=SC2086 # lists of words
-install_packages $build_packages $test_packages socat strace stress-ng rt-tests
+install_packages $build_packages $test_packages $bench_packages socat strace stress-ng rt-tests
 build ON tribus bounds heap_trap_preload
-build/tests/bench/bounds "$@"
-# The exact instruction counts of the codecs and the daemon.
-if [ $# -eq 0 ] && cmake --build build --target help | grep -q '^bench_tests:'; then
-    cmake --build build --target bench_tests >&2
-    find build/tests -name bench_tests -type f -exec {} \;
-fi
+exec build/tests/bench/bounds "$@"

@@ -1,5 +1,8 @@
 #include "transports/links/parity_marks.h"
 
+#include <algorithm>
+#include <cstring>
+
 namespace tribus {
 
 namespace {
@@ -16,12 +19,28 @@ void append(std::uint8_t byte, bool damaged, Reception& reception) {
 }  // namespace
 
 void ParityMarks::take(std::span<const std::uint8_t> raw, Reception& reception) {
-    for (const std::uint8_t byte : raw) {
-        if (reception.count == reception.bytes.size()) {
-            return;
+    raw = raw.first(std::min(raw.size(), reception.bytes.size() - reception.count));
+    while (!raw.empty()) {
+        if (place_ == Place::plain) {
+            raw = take_until_mark(raw, reception);
         }
-        take_byte(byte, reception);
+        if (!raw.empty()) {
+            take_byte(raw.front(), reception);
+            raw = raw.subspan(1);
+        }
     }
+}
+
+std::span<const std::uint8_t> ParityMarks::take_until_mark(std::span<const std::uint8_t> raw,
+                                                           Reception& reception) {
+    const void* mark = std::memchr(raw.data(), kMark, raw.size());
+    const std::size_t plain =
+        mark != nullptr
+            ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(mark) - raw.data())
+            : raw.size();
+    std::memcpy(reception.bytes.data() + reception.count, raw.data(), plain);
+    reception.count += plain;
+    return raw.subspan(plain);
 }
 
 void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {

@@ -20,6 +20,9 @@ class ParityMarks {
   private:
     enum class Place : std::uint8_t { plain, after_mark, before_damaged };
 
+    /// Returns the rest.
+    static std::span<const std::uint8_t> take_until_mark(std::span<const std::uint8_t> raw,
+                                                         Reception& reception);
     void take_byte(std::uint8_t byte, Reception& reception);
 
     Place place_ = Place::plain;

@@ -49,6 +49,27 @@ TEST(ChannelMap, without_rules_a_frame_passes_unchanged) {
     EXPECT_TRUE(map.apply(ladder(), kNow).same_content(ladder()));
 }
 
+TEST(ChannelMap, reverse_trim_and_limits_are_the_same_for_every_pulse_with_and_without_a_slew) {
+    for (const bool reverse : {false, true}) {
+        for (const int trim_us : {-4000, -25, 0, 25, 4000}) {
+            ChannelRule rule = first_from_first();
+            rule.reverse = reverse;
+            rule.trim = us(trim_us);
+            rule.min = us(-3500);
+            rule.max = us(2012);
+            ChannelMap straight = map_of(rule);
+            rule.slew_us_per_second = 1e12;  // as good as none
+            ChannelMap slewed = map_of(rule);
+            for (std::int32_t eighths = INT16_MIN; eighths <= INT16_MAX; ++eighths) {
+                const ChannelFrame frame = with_first(Pulse::from_eighths(eighths));
+                const Instant at = kNow + std::chrono::milliseconds(eighths - INT16_MIN);
+                ASSERT_EQ(straight.apply(frame, at).channel(0), slewed.apply(frame, at).channel(0))
+                    << eighths << " reverse " << reverse << " trim " << trim_us;
+            }
+        }
+    }
+}
+
 TEST(ChannelMap, channels_can_be_swapped_since_all_read_the_input) {
     ChannelMap map(std::vector<ChannelRule>{{.output = 0, .source = FromChannel{1}},
                                             {.output = 1, .source = FromChannel{0}}});

@@ -1,0 +1,82 @@
+#include "tests/bench/codec_counts.h"
+
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace tribus::bench {
+namespace {
+
+/// The first number that `command` prints behind `mark`, or the number of lines that start with it.
+std::optional<std::uint64_t> run(const std::string& command, std::string_view mark, bool lines) {
+    std::FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
+    if (pipe == nullptr) {
+        return std::nullopt;
+    }
+    std::optional<std::uint64_t> found;
+    std::array<char, 4096> buffer{};
+    while (std::fgets(buffer.data(), buffer.size(), pipe) != nullptr) {
+        const std::string_view line(buffer.data());
+        const std::size_t at = line.find(mark);
+        if (at == line.npos) {
+            continue;
+        }
+        found = lines ? found.value_or(0) + 1
+                      : std::strtoull(line.data() + at + mark.size(), nullptr, 10);
+    }
+    const int status = ::pclose(pipe);
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? found : std::nullopt;
+}
+
+bool can_run(const std::string& command) {
+    return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
+}
+
+std::optional<std::uint64_t> count(Machine machine, const Row& row, std::size_t units,
+                                   std::size_t prepared) {
+    const std::string work = std::string(row.workload) + " " + std::to_string(units) + " " +
+                             std::to_string(prepared) + " '" + std::string(row.pattern) + "'";
+    if (machine == Machine::x86) {
+        return run("valgrind --tool=callgrind --callgrind-out-file=/dev/null " TRIBUS_COUNT_CODECS
+                   " " +
+                       work,
+                   "Collected : ", false);
+    }
+    return run("qemu-aarch64 -singlestep -d exec,nochain " TRIBUS_COUNT_CODECS_ARM " " + work,
+               "Trace ", true);
+}
+
+}  // namespace
+
+std::optional<double> cost(Machine machine, const Row& row, std::size_t from, std::size_t to,
+                           std::size_t prepared) {
+    const auto fewer = count(machine, row, from, prepared);
+    const auto more = count(machine, row, to, prepared);
+    if (!fewer || !more) {
+        return std::nullopt;
+    }
+    return static_cast<double>(*more - *fewer) /
+           static_cast<double>((to - from) * row.bytes_a_unit);
+}
+
+std::optional<double> cost(Machine machine, const Row& row) {
+    return machine == Machine::x86 ? cost(machine, row, 500, 2000, 2048)
+                                   : cost(machine, row, 50, 250, 256);
+}
+
+std::string missing(Machine machine) {
+    if (machine == Machine::x86) {
+        return can_run("valgrind --version") ? "" : "valgrind is not installed";
+    }
+    if (!can_run("qemu-aarch64 --version")) {
+        return "qemu-aarch64 (package qemu-user) is not installed";
+    }
+    return can_run("test -x " TRIBUS_COUNT_CODECS_ARM)
+               ? ""
+               : "the workloads are not built for ARM: package g++-aarch64-linux-gnu";
+}
+
+}  // namespace tribus::bench

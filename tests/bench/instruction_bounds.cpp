@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/bench/latency.h"
+#include "app/bench/subject.h"
+#include "app/bench/tester.h"
+#include "tests/bench/bound.h"
+#include "tests/bench/codec_counts.h"
+
+namespace tribus::test {
+namespace {
+
+using namespace bench;
+
+using Refused = tl::unexpected<std::string>;
+
+/// On x86; what the same takes on ARM is in the note.
+tl::expected<Figure, std::string> counted(const Row& row, const std::string& text, double bound) {
+    const auto x86 = cost(Machine::x86, row);
+    if (!x86) {
+        return Refused(fmt::format("{}: the count went wrong", row.name));
+    }
+    const auto arm = missing(Machine::arm).empty() ? cost(Machine::arm, row) : std::nullopt;
+    return Figure{.row = text,
+                  .value = *x86,
+                  .bound = bound,
+                  .note = arm ? fmt::format("Cortex-A72: {:.0f}", *arm) : missing(Machine::arm)};
+}
+
+Figures codecs(const BoundSettings& /*settings*/) {
+    if (const std::string what = missing(Machine::x86); !what.empty()) {
+        return Refused(what);
+    }
+    constexpr std::array<std::pair<const char*, double>, kFrameRows.size()> kBounds{{
+        {"instructions, decode SBUS, one read", 130},
+        {"instructions, decode i.Bus, one read", 170},
+        {"instructions, decode SBUS, byte by byte", 450},
+        {"instructions, decode i.Bus, byte by byte", 600},
+        {"instructions, encode SBUS", 80},
+        {"instructions, encode i.Bus", 65},
+    }};
+    std::vector<Figure> figures;
+    for (std::size_t i = 0; i < kBounds.size(); ++i) {
+        auto figure = counted(kFrameRows[i], kBounds[i].first, kBounds[i].second);
+        if (!figure) {
+            return Refused(figure.error());
+        }
+        figures.push_back(std::move(*figure));
+    }
+    return figures;
+}
+
+/// The worst of all streams, and how many of them are beyond the bound.
+Figures garbage(const BoundSettings& /*settings*/) {
+    constexpr double kBound = 110;
+    if (const std::string what = missing(Machine::x86); !what.empty()) {
+        return Refused(what);
+    }
+    Figure worst{.row = "instructions a byte of garbage, the worst", .bound = kBound};
+    std::string beyond;
+    for (const Row& row : kGarbageRows) {
+        const auto instructions = cost(Machine::x86, row);
+        if (!instructions) {
+            return Refused(fmt::format("{}: the count went wrong", row.name));
+        }
+        worst.value = std::max(worst.value, *instructions);
+        if (*instructions > kBound) {
+            beyond +=
+                fmt::format("{}{} {:.0f}", beyond.empty() ? "" : ", ", row.name, *instructions);
+        }
+    }
+    worst.note = beyond.empty() ? "all streams of codec_ceilings.h" : "beyond: " + beyond;
+    return std::vector{worst};
+}
+
+/// Of all threads of `tribus run`, from the start to the end.
+tl::expected<std::uint64_t, std::string> instructions_of_run(std::uint64_t frames) {
+    ApplianceSettings ours;
+    ours.program = TRIBUS_PROGRAM;
+    ours.carries = Carries::sbus;
+    ours.period = std::chrono::milliseconds(7);
+    ours.in_front = {"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"};
+    auto subject = Subject::appliance(1, ours);
+    if (!subject) {
+        return Refused(subject.error());
+    }
+    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
+        return Refused(carries.error());
+    }
+    const TesterPriority priority;
+    drive(*subject, {.period = std::chrono::microseconds(7700), .rounds = frames});
+    subject->process().end();
+    const std::string said = subject->process().errors();
+    constexpr std::string_view kMark = "Collected : ";
+    const std::size_t at = said.find(kMark);
+    if (at == said.npos) {
+        return Refused("callgrind counted nothing: " + said);
+    }
+    return std::strtoull(said.c_str() + at + kMark.size(), nullptr, 10);
+}
+
+Figures daemon(const BoundSettings& /*settings*/) {
+    constexpr std::uint64_t kFew = 200;
+    constexpr std::uint64_t kMany = 1200;
+    const auto few = instructions_of_run(kFew);
+    const auto many = instructions_of_run(kMany);
+    if (!few || !many) {
+        return Refused(few ? many.error() : few.error());
+    }
+    return std::vector<Figure>{
+        {.row = "instructions a frame of the whole daemon",
+         .value = static_cast<double>(*many - *few) / static_cast<double>(kMany - kFew),
+         .bound = 1000,
+         .note = "all threads; i.Bus, 18 channels through rules, SBUS"}};
+}
+
+}  // namespace
+
+std::vector<Bound> instruction_bounds() {
+    return {
+        {"codecs", "instructions a frame, by callgrind and an emulated ARM", false, codecs},
+        {"garbage", "instructions a byte of adversarial garbage", false, garbage},
+        {"daemon", "user instructions a frame of the whole program", false, daemon},
+    };
+}
+
+}  // namespace tribus::test
