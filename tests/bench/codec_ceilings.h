@@ -45,7 +45,7 @@ inline constexpr std::array kGarbageRows{
             "0f00000000000000000000000000000000000000000000000403000003",
             31, 29),
     garbage("SbusHeadersDamaged", "garbage_sbus_read", "0f!!", 105, 110),
-    garbage("SbusHeadersByteByByte", "garbage_sbus_bytes", "0f", 110, 115),
+    garbage("SbusHeadersByteByByte", "garbage_sbus_bytes", "0f", 111, 115),
     garbage("SbusRandomByteByByte", "garbage_sbus_bytes", "random", 51, 63),
     garbage("IbusRandom", "garbage_ibus_read", "random", 14, 15),
     garbage("IbusLengths", "garbage_ibus_read", "20", 33, 32),

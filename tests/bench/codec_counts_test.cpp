@@ -1,5 +1,6 @@
 #include "tests/bench/codec_counts.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <ostream>
 #include <string>
@@ -65,7 +66,8 @@ TEST_P(GarbageCounts, AreLinear) {
     const auto first = cost(Machine::x86, GetParam(), 256, 512, 1024);
     const auto twice = cost(Machine::x86, GetParam(), 512, 1024, 1024);
     ASSERT_TRUE(first && twice) << "the count went wrong";
-    EXPECT_NEAR(*twice, *first, 0.05 * *first);
+    // Random bytes differ from block to block; where they cost little, that shows.
+    EXPECT_NEAR(*twice, *first, std::max(0.05 * *first, 1.0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Garbage, GarbageCounts, testing::ValuesIn(kGarbageRows),
