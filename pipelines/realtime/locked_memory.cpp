@@ -15,10 +15,10 @@
 
 // Where the linker put the data path's code and constants (app/data_path.ld); null without it.
 extern "C" {
-[[gnu::weak]] extern const char data_path_code_begin[];
-[[gnu::weak]] extern const char data_path_code_end[];
-[[gnu::weak]] extern const char data_path_constants_begin[];
-[[gnu::weak]] extern const char data_path_constants_end[];
+[[gnu::weak]] extern const char kDataPathCodeBegin[];
+[[gnu::weak]] extern const char kDataPathCodeEnd[];
+[[gnu::weak]] extern const char kDataPathConstantsBegin[];
+[[gnu::weak]] extern const char kDataPathConstantsEnd[];
 }
 
 namespace tribus {
@@ -41,7 +41,9 @@ constexpr std::uintptr_t kPageBytes = 4096;
 template <class Function>
 int advise(Function function, MemoryRange range) {
     const std::uintptr_t begin = range.begin / kPageBytes * kPageBytes;
-    return function(reinterpret_cast<void*>(begin), range.end - begin);
+    // The loader and the kernel's list of mappings give addresses as numbers.
+    return function(reinterpret_cast<void*>(begin),  // NOLINT(performance-no-int-to-ptr)
+                    range.end - begin);
 }
 
 int lock(MemoryRange range) {
@@ -110,7 +112,7 @@ int lock_writable_memory() {
 }  // namespace
 
 int lock_memory() {
-    if (data_path_code_begin == nullptr) {
+    if (kDataPathCodeBegin == nullptr) {
         return ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
     }
     ::munlockall();
@@ -118,8 +120,8 @@ int lock_memory() {
     drop_clean_segments();
     const bool locked =
         ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0 &&
-        lock({address_of(data_path_code_begin), address_of(data_path_code_end)}) == 0 &&
-        lock({address_of(data_path_constants_begin), address_of(data_path_constants_end)}) == 0 &&
+        lock({address_of(kDataPathCodeBegin), address_of(kDataPathCodeEnd)}) == 0 &&
+        lock({address_of(kDataPathConstantsBegin), address_of(kDataPathConstantsEnd)}) == 0 &&
         lock_c_library() == 0 && lock_writable_memory() == 0;
     return locked ? 0 : errno;
 }
