@@ -20,8 +20,9 @@
 namespace tribus {
 namespace {
 
-/// Often enough that a replugged device is back before a failsafe has run its course.
-constexpr timespec kTendPeriod{.tv_sec = 0, .tv_nsec = 100'000'000};
+/// Often enough that a replugged device is back before a failsafe has run its course; each time
+/// costs about as much as a frame.
+constexpr timespec kTendPeriod{.tv_sec = 0, .tv_nsec = 200'000'000};
 
 sigset_t handled_signals() {
     sigset_t signals;

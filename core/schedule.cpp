@@ -12,6 +12,10 @@ constexpr int kMemory = 56;
 /// frames make intervals longer, never shorter, so for longer ones more have to agree.
 constexpr int kOutliersToRestart = 4;
 constexpr int kLongOutliersToRestart = 16;
+/// A second frame that misses the beat by the same as the first, and by more than a share of an
+/// interval beyond what frames are late anyway, means that the sender has begun anew.
+constexpr int kOnBeat = 8;
+constexpr int kSameError = 16;
 /// How fast the lateness of frames is believed, half of it but no more than this share of an
 /// interval, so that a single stall of the machine counts little; and how fast it is forgotten.
 constexpr int kLatenessRise = 2;
@@ -31,6 +35,8 @@ constexpr Duration kStandsWell = std::chrono::microseconds(300);
 constexpr int kSteering = 16;
 /// Share of an interval for which a point of a locked grid waits for a frame that is late.
 constexpr int kPatience = 16;
+/// With more frames missing, the rhythm of the input says nothing of the next.
+constexpr int kBeatsToWaitFor = 3;
 /// So many frames in a row that had to wait are no accident.
 constexpr int kHeldUpInARow = 8;
 /// A sender whose clock runs fast by so little still counts as having the period asked for.
@@ -71,7 +77,10 @@ void ArrivalClock::follow_rhythm(Instant now) {
     const Instant beat = rhythm_ + beats * interval_;
     const Duration error = now - beat;
     off_beat_ = std::chrono::abs(error) < interval_ / 4 ? 0 : off_beat_ + 1;
-    if (off_beat_ >= kOutliersToRestart) {
+    const bool beyond_jitter = std::chrono::abs(error) > interval_ / kOnBeat + 2 * lateness_;
+    const bool as_before = std::chrono::abs(error - off_by_) < interval_ / kSameError;
+    off_by_ = beyond_jitter ? error : Duration::zero();
+    if (off_beat_ >= kOutliersToRestart || (beyond_jitter && as_before)) {
         begin_rhythm(now, interval_);
         return;
     }
@@ -113,12 +122,13 @@ Instant Schedule::follow_due() const {
     if (!holds_up_next || (next - due >= interval / 2 && held_up_ < kHeldUpInARow)) {
         return due;
     }
-    return std::min(expected_by(), *latest_write_ + 2 * settings_.period);
+    return std::min(expected_by(1), *latest_write_ + 2 * settings_.period);
 }
 
-/// When the next frame should be here, also one that is late.
-Instant Schedule::expected_by() const {
-    return arrivals_.rhythm() + arrivals_.interval() + 2 * arrivals_.lateness() + kLeastGuard;
+/// When the frame so many beats behind the latest one should be here, also if it is late.
+Instant Schedule::expected_by(int beats) const {
+    return arrivals_.rhythm() + beats * arrivals_.interval() + 2 * arrivals_.lateness() +
+           kLeastGuard;
 }
 
 /// A period without a new frame has passed; but a frame that is just about due is worth waiting
@@ -128,11 +138,16 @@ Instant Schedule::repeat_due(Instant now) const {
     const Instant planned = now + settings_.period;
     const Instant at_most = planned + settings_.period;
     const Duration interval = arrivals_.interval();
-    const Instant expected = expected_by();
-    const bool worth_waiting =
-        interval > Duration::zero() && expected > planned && expected < at_most;
-    const Instant leaves_room = arrivals_.rhythm() + 2 * interval - settings_.period - kLeastGuard;
-    return worth_waiting ? std::min(std::max(expected, leaves_room), at_most) : planned;
+    for (int beats = 1; beats <= kBeatsToWaitFor && interval > Duration::zero(); ++beats) {
+        const Instant expected = expected_by(beats);
+        if (expected > planned) {
+            const Instant leaves_room =
+                arrivals_.rhythm() + (beats + 1) * interval - settings_.period - kLeastGuard;
+            return expected < at_most ? std::min(std::max(expected, leaves_room), at_most)
+                                      : planned;
+        }
+    }
+    return planned;
 }
 
 Duration Schedule::least_step() const {

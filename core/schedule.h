@@ -48,6 +48,7 @@ class ArrivalClock {
     Instant rhythm_{};
     Duration lateness_{};
     int off_beat_ = 0;
+    Duration off_by_{};
     int remembered_ = 0;
 };
 
@@ -75,7 +76,7 @@ class Schedule {
 
   private:
     Instant follow_due() const;
-    Instant expected_by() const;
+    Instant expected_by(int beats) const;
     Instant repeat_due(Instant now) const;
     Duration least_step() const;
     std::optional<Duration> locked_step() const;

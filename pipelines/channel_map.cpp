@@ -171,10 +171,13 @@ void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const
             static_cast<std::int16_t>((limited ^ turned_[lane]) - turned_[lane] + offset_[lane]);
     }
     std::memcpy(static_cast<void*>(output.pulses().data()), values.data(), sizeof output.pulses());
+    // As of a receiver with 14 channels: those that are there stay as they are.
     if (!input.has_first(kChannelCount)) {
+        output.mark_first(kChannelCount);
         for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-            output.set(channel, input.has(input_[channel]) ? std::optional(output.pulses()[channel])
-                                                           : std::nullopt);
+            if (!input.has(input_[channel])) {
+                output.remove(channel);
+            }
         }
     }
 }

@@ -20,7 +20,7 @@ namespace {
 /// Stands for the wake-up descriptor among the port numbers of epoll events.
 constexpr std::uint64_t kWakeUp = ~std::uint64_t{0};
 /// How often the main thread gets fresh figures: twice as often as it looks at them.
-constexpr Duration kPublishPeriod = std::chrono::milliseconds(50);
+constexpr Duration kPublishPeriod = std::chrono::milliseconds(100);
 /// The longest sleep without a deadline, so that figures do not stand still.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 

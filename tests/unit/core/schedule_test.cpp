@@ -56,13 +56,22 @@ TEST(ArrivalClock, the_rhythm_goes_through_the_middle_of_arrivals_that_jitter) {
     EXPECT_NEAR(static_cast<double>(arrivals.lateness().count()), 100e3, 20e3);
 }
 
-TEST(ArrivalClock, the_rhythm_follows_a_sender_that_starts_anew_within_a_few_frames) {
+TEST(ArrivalClock, the_rhythm_begins_anew_with_the_second_frame_that_misses_it_by_the_same) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
     const Instant anew = arrivals.latest() + 3 * 7700us + 3ms;
-    for (int i = 0; i < 4; ++i) {
-        arrivals.arrived(anew + i * 7700us);
-    }
+    arrivals.arrived(anew);
+    EXPECT_NE(arrivals.rhythm(), arrivals.latest());
+    arrivals.arrived(anew + 7700us);
     EXPECT_EQ(arrivals.rhythm(), arrivals.latest());
+}
+
+TEST(ArrivalClock, frames_that_miss_the_rhythm_each_by_another_time_do_not_begin_it_anew) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
+    const Instant latest = arrivals.latest();
+    arrivals.arrived(latest + 7700us + 2500us);
+    arrivals.arrived(latest + 2 * 7700us - 1500us);
+    arrivals.arrived(latest + 3 * 7700us + 1200us);
+    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - latest - 3 * 7700us).count()), 0, 200e3);
 }
 
 TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
@@ -184,6 +193,39 @@ TEST(FollowSchedule, a_repeat_waits_for_a_frame_that_is_about_due_but_not_at_the
     schedule.frame_arrived(arrivals);
     schedule.done(arrivals.latest(), true);
     EXPECT_EQ(schedule.due(), arrivals.latest() + 8350us);
+}
+
+TEST(FollowSchedule, of_a_missing_frame_the_second_repeat_waits_for_the_frame_behind_it_as_well) {
+    // 7 ms in, 5 ms out: repeated at 8.95 ms, and at 13.95 ms again, the frame that comes at 14 ms
+    // would wait until 18.95 ms.
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 5ms});
+    ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);
+    const Instant latest = arrivals.latest();
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals);
+    schedule.done(latest, true);
+    ASSERT_EQ(schedule.due(), latest + 8950us);
+    schedule.done(schedule.due(), true);
+    EXPECT_GT(schedule.due(), latest + 14ms);
+    arrivals.arrived(latest + 14ms);
+    schedule.frame_arrived(arrivals);
+    EXPECT_EQ(schedule.due(), latest + 14ms);
+}
+
+TEST(FollowSchedule, repeats_are_a_period_apart_once_the_input_has_stopped) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 5ms});
+    const ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals);
+    schedule.done(arrivals.latest(), true);
+    while (schedule.due() < arrivals.latest() + 40ms) {
+        schedule.done(schedule.due(), true);
+    }
+    for (int repeat = 0; repeat < 100; ++repeat) {
+        const Instant before = schedule.due();
+        schedule.done(before, true);
+        ASSERT_EQ(schedule.due(), before + 5ms);
+    }
 }
 
 TEST(FollowSchedule, a_repeat_waits_longer_for_frames_that_come_unevenly) {
