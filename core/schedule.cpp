@@ -51,23 +51,37 @@ void ArrivalClock::arrived(Instant now) {
         rhythm_ = now;
         return;
     }
+    if (interval_ == Duration::zero() || has_another_period(delta)) {
+        interval_ = delta;
+        outliers_ = 0;
+        steady_misfits_ = 0;
+        begin_rhythm(now);
+    } else if (delta > interval_ / 2) {
+        follow_rhythm(now);
+    }
+    latest_delta_ = delta;
+}
+
+/// Either none of the latest frames came after an interval, or each after the same time that is no
+/// whole number of intervals. The latter is needed as well: a rhythm of 5.6 ms through frames that
+/// come each 7 ms looks as if every fifth were missing.
+bool ArrivalClock::has_another_period(Duration delta) {
     const bool fits = delta > interval_ / 2 && delta < interval_ + interval_ / 2;
     const int outliers_to_restart = delta > interval_ ? kLongOutliersToRestart : kOutliersToRestart;
     outliers_ = fits ? 0 : outliers_ + 1;
-    if (interval_ == Duration::zero() || outliers_ >= outliers_to_restart) {
-        begin_rhythm(now, delta);
-    } else if (fits || delta > interval_) {
-        follow_rhythm(now);
-    }
+    const auto beats = std::max<std::int64_t>((delta + interval_ / 2) / interval_, 1);
+    const bool misfit = std::chrono::abs(delta - beats * interval_) > interval_ / kOnBeat;
+    const bool steady = std::chrono::abs(delta - latest_delta_) < interval_ / kSameError;
+    steady_misfits_ = misfit && steady ? steady_misfits_ + 1 : 0;
+    return outliers_ >= outliers_to_restart || steady_misfits_ >= kOutliersToRestart;
 }
 
-void ArrivalClock::begin_rhythm(Instant now, Duration interval) {
+void ArrivalClock::begin_rhythm(Instant now) {
     rhythm_ = now;
-    interval_ = interval;
     lateness_ = Duration::zero();
     remembered_ = 2;
-    outliers_ = 0;
     off_beat_ = 0;
+    off_by_ = Duration::zero();
 }
 
 /// The line of least squares through arrivals, with fading memory: what one more of them says of
@@ -81,7 +95,7 @@ void ArrivalClock::follow_rhythm(Instant now) {
     const bool as_before = std::chrono::abs(error - off_by_) < interval_ / kSameError;
     off_by_ = beyond_jitter ? error : Duration::zero();
     if (off_beat_ >= kOutliersToRestart || (beyond_jitter && as_before)) {
-        begin_rhythm(now, interval_);
+        begin_rhythm(now);
         return;
     }
     remembered_ = std::min(remembered_ + 1, kMemory);

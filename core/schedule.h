@@ -38,12 +38,15 @@ class ArrivalClock {
     Duration lateness() const { return lateness_; }
 
   private:
-    void begin_rhythm(Instant now, Duration interval);
+    bool has_another_period(Duration delta);
+    void begin_rhythm(Instant now);
     void follow_rhythm(Instant now);
 
     Instant latest_{};
     Duration interval_{};
+    Duration latest_delta_{};
     int outliers_ = 0;
+    int steady_misfits_ = 0;
     bool ever_ = false;
     Instant rhythm_{};
     Duration lateness_{};

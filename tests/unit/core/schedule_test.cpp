@@ -98,6 +98,31 @@ TEST(ArrivalClock, learns_a_new_period_from_a_few_frames) {
     EXPECT_EQ(arrivals.interval(), 4ms);
 }
 
+TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
+    for (Duration before = 1ms; before < 30ms; before += 370us) {
+        for (Duration after = 4ms; after < 30ms; after += 410us) {
+            ArrivalClock arrivals = arrivals_each(before, at(0ms), 300);
+            const Instant anew = arrivals.latest() + 11ms;
+            for (int i = 0; i < 40; ++i) {
+                arrivals.arrived(anew + i * after);
+            }
+            ASSERT_NEAR(static_cast<double>(arrivals.interval() / 1us),
+                        static_cast<double>(after / 1us), after / 100us)
+                << "before: " << before / 1us << " us";
+        }
+    }
+}
+
+TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_rhythm_with_frames_missing) {
+    // 7 ms are five quarters of 5.6 ms: every fifth would be missing.
+    ArrivalClock arrivals = arrivals_each(4ms, at(0ms), 2);
+    const Instant regular = arrivals.latest() + 5ms;
+    for (int i = 0; i < 40; ++i) {
+        arrivals.arrived(regular + i * 7ms);
+    }
+    EXPECT_NEAR(static_cast<double>(arrivals.interval() / 1us), 7000, 10);
+}
+
 TEST(FollowSchedule, waits_a_period_for_a_first_frame) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(100ms));
