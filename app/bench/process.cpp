@@ -30,7 +30,9 @@ void settle(pid_t parent, int errors) {
     if (::getppid() != parent) {
         ::_exit(kCannotStart);
     }
-    ::setsid();
+    // Not a session of its own: the scheduler would give each one an equal share of the processor
+    // (sched_autogroup), which programs started from one shell do not have.
+    ::setpgid(0, 0);
     sigset_t none;
     ::sigemptyset(&none);
     ::pthread_sigmask(SIG_SETMASK, &none, nullptr);

@@ -340,7 +340,8 @@ std::size_t Loop::wait(Instant until) {
 }
 
 std::size_t Loop::wait_until(Instant until) {
-    const Duration sleep = std::clamp(until - clock_, Duration::zero(), kLongestWait);
+    // What was counted and published since the last write must not be slept on top.
+    const Duration sleep = std::clamp(until - monotonic_now(), Duration::zero(), kLongestWait);
     const auto seconds = std::chrono::floor<std::chrono::seconds>(sleep);
     timespec timeout{};
     timeout.tv_sec = seconds.count();

@@ -57,10 +57,10 @@ struct OutputStatus {
 };
 
 /// Drives an engine in real time: waits for bytes and deadlines, reads all that is ready, lets the
-/// engine run, and writes what is due. It reads the clock once a wake, and once behind each write,
-/// which tells the latency and what is left until the next deadline. One thread, the data thread,
-/// calls `run` and owns every link that is in use; it never waits for another thread and does not
-/// allocate. The rest is for the main thread, as each function says.
+/// engine run, and writes what is due. It reads the clock at each wake, behind each write, which
+/// tells the latency, and before it sleeps, so that it does not sleep longer. One thread, the data
+/// thread, calls `run` and owns every link that is in use; it never waits for another thread and
+/// does not allocate. The rest is for the main thread, as each function says.
 class Loop {
   public:
     /// Wants a link for each wiring; none where the device is missing and will be given.
