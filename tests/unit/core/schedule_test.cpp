@@ -107,7 +107,7 @@ TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
                 arrivals.arrived(anew + i * after);
             }
             ASSERT_NEAR(static_cast<double>(arrivals.interval() / 1us),
-                        static_cast<double>(after / 1us), after / 100us)
+                        static_cast<double>(after / 1us), static_cast<double>(after / 100us))
                 << "before: " << before / 1us << " us";
         }
     }
