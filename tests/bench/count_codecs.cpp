@@ -1,6 +1,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
@@ -218,12 +219,18 @@ void run(const Work& work) {
 }  // namespace tribus
 
 int main(int count, char** arguments) {
-    if (count < 4) {
+    tribus::Work work;
+    if (count >= 4) {
+        work = {.workload = arguments[1],
+                .units = std::strtoul(arguments[2], nullptr, 10),
+                .prepared = std::strtoul(arguments[3], nullptr, 10),
+                .pattern = count > 4 ? arguments[4] : "random"};
+    }
+    if (work.units == 0 || work.units > work.prepared) {
+        std::fputs("count_codecs WORKLOAD UNITS PREPARED [PATTERN], at most PREPARED units\n",
+                   stderr);
         return 2;
     }
-    tribus::run({.workload = arguments[1],
-                 .units = std::strtoul(arguments[2], nullptr, 10),
-                 .prepared = std::strtoul(arguments[3], nullptr, 10),
-                 .pattern = count > 4 ? arguments[4] : "random"});
+    tribus::run(work);
     return 0;
 }
