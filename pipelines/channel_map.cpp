@@ -165,8 +165,13 @@ void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         values[channel] = std::bit_cast<std::int16_t>(input.pulses()[input_[channel]]);
     }
+    // Values, not std::clamp's references, so that the compiler takes eight lanes at once.
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-        const std::int16_t limited = std::min(std::max(values[lane], least_[lane]), most_[lane]);
+        const std::int16_t least = least_[lane];
+        const std::int16_t most = most_[lane];
+        std::int16_t limited = values[lane];
+        limited = limited < least ? least : limited;
+        limited = limited > most ? most : limited;
         values[lane] =
             static_cast<std::int16_t>((limited ^ turned_[lane]) - turned_[lane] + offset_[lane]);
     }
