@@ -1,7 +1,7 @@
 #!/bin/sh
 # Prints what real time must reach beside what it reaches on this machine. Installs what is needed
 # from Debian's packages and builds first. Needs root for real time. Arguments: see --help.
-#   tests/bench/bounds.sh                      all rows, about 17 minutes on a quiet machine
+#   tests/bench/bounds.sh                      all rows, about 8 minutes on a quiet machine
 #   tests/bench/bounds.sh --only latency,cpu   some of them
 #   tests/bench/bounds.sh --long               a million frames where lost ones are counted
 cd "$(dirname "$0")/../.."
