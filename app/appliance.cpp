@@ -1,6 +1,7 @@
 #include "app/appliance.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 namespace tribus {
@@ -9,14 +10,36 @@ Appliance::Appliance(Configuration configuration)
     : configuration_(std::move(configuration)),
       plans_(plan_ports(configuration_)),
       missing_(plans_.size(), false),
-      engine_(build_engine(configuration_)) {}
+      engine_(build_engine(configuration_, machine_id())) {
+    values_ = build_value_engine(configuration_, *engine_);
+}
+
+bool Appliance::restart_wanted() const {
+    for (std::size_t node = 0; node < engine_->node_count(); ++node) {
+        if (node_report(node).restart_wanted) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void Appliance::look_at_machine(Instant now) {
+    constexpr Duration kPeriod = std::chrono::seconds(1);
+    if (!values_ || now < next_machine_look_) {
+        return;
+    }
+    next_machine_look_ = later(now, kPeriod);
+    machine_.tell(machine_watch_.look(), now);
+}
 
 std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
     std::vector<std::string> errors;
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
+    // Lines first: an inverter is selected before the port behind it wakes up.
+    auto lines = open_lines(missing, errors);
     for (std::size_t port = 0; port < plans_.size(); ++port) {
-        auto link = open_port(configuration_, *engine_, plans_[port]);
+        auto link = open_port(configuration_, *engine_, values_.get(), plans_[port]);
         missing_[port] = !link;
         if (!link && missing == MissingDevices::refuse) {
             errors.push_back(link.error());
@@ -25,10 +48,50 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
         links.push_back(link ? std::move(*link) : nullptr);
     }
     if (errors.empty()) {
-        loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links),
-                                       LoopSettings{.spin = configuration_.runtime.spin});
+        errors = make_threads(std::move(wiring), std::move(links), std::move(lines));
     }
     return errors;
+}
+
+std::vector<std::unique_ptr<HeldLine>> Appliance::open_lines(MissingDevices missing,
+                                                             std::vector<std::string>& errors) {
+    std::vector<std::unique_ptr<HeldLine>> lines;
+    for (const LineConfig& config : configuration_.lines) {
+        auto line = open_line(configuration_, config);
+        if (!line && missing == MissingDevices::refuse) {
+            errors.push_back(line.error());
+        }
+        missing_lines_.push_back(!line);
+        lines.push_back(line ? std::move(*line) : nullptr);
+    }
+    return lines;
+}
+
+std::vector<std::string> Appliance::make_threads(std::vector<PortWiring> wiring,
+                                                 std::vector<std::unique_ptr<Link>> links,
+                                                 std::vector<std::unique_ptr<HeldLine>> lines) {
+    const RuntimeConfig& runtime = configuration_.runtime;
+    if (!lines.empty()) {
+        line_exchange_ = std::make_unique<LineExchange>(engine_->outputs().size());
+        if (auto prepared = line_exchange_->prepare(); !prepared) {
+            return {prepared.error()};
+        }
+        // Behind the data thread, which it must never delay.
+        const bool first = runtime.realtime != Realtime::off && runtime.priority > 1;
+        gpio_thread_ = std::make_unique<GpioThread>(
+            *line_exchange_, line_tasks(configuration_), std::move(lines),
+            GpioThreadSettings{first ? std::optional(runtime.priority - 1) : std::nullopt});
+        line_exchange_->tell_states(engine_->shown_on_lines());
+    }
+    loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links),
+                                   LoopSettings{.spin = runtime.spin,
+                                                .lines = line_exchange_.get(),
+                                                .values = values_.get(),
+                                                .machine = &machine_});
+    if (auto prepared = loop_->prepare(); !prepared) {
+        return {prepared.error()};
+    }
+    return {};
 }
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
@@ -38,8 +101,11 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
     if (!errors.empty()) {
         return tl::unexpected(std::move(errors));
     }
-    if (auto prepared = appliance->loop_->prepare(); !prepared) {
-        return tl::unexpected(std::vector{prepared.error()});
+    // Before the data thread locks the memory, stacks and all.
+    if (appliance->gpio_thread_) {
+        if (auto started = appliance->gpio_thread_->start(); !started) {
+            return tl::unexpected(std::vector{started.error()});
+        }
     }
     const RuntimeConfig& runtime = appliance->configuration_.runtime;
     appliance->thread_ = std::make_unique<DataThread>(
@@ -62,31 +128,60 @@ std::vector<Appliance::DeviceEvent> Appliance::tend() {
     std::vector<DeviceEvent> events;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
         const PortConfig& config = plans_[port].config;
+        const std::string name =
+            (config.link == LinkKind::can ? "interface " : "device ") + config.device;
         if (loop_->take_lost(port)) {
             missing_[port] = true;
-            events.push_back({&config, false});
+            events.push_back({name, false});
         }
         if (missing_[port]) {
-            if (auto link = open_port(configuration_, *engine_, plans_[port])) {
+            if (auto link = open_port(configuration_, *engine_, values_.get(), plans_[port])) {
                 loop_->give(port, std::move(*link));
                 missing_[port] = false;
-                events.push_back({&config, true});
+                events.push_back({name, true});
             }
         }
     }
+    tend_lines(events);
     return events;
+}
+
+void Appliance::tend_lines(std::vector<DeviceEvent>& events) {
+    // To find a line all chips are asked for all of theirs: about once a second will do.
+    constexpr int kTendsPerOpening = 5;
+    tends_until_opening_ = tends_until_opening_ == 0 ? kTendsPerOpening : tends_until_opening_ - 1;
+    for (std::size_t i = 0; i < missing_lines_.size(); ++i) {
+        const LineConfig& config = configuration_.lines[i];
+        const std::string name = "line " + config.name + " (" + to_text(config.place) + ")";
+        if (gpio_thread_->take_lost(i)) {
+            missing_lines_[i] = true;
+            events.push_back({name, false});
+        }
+        if (missing_lines_[i] && tends_until_opening_ == 0) {
+            if (auto line = open_line(configuration_, config)) {
+                gpio_thread_->give(i, std::move(*line));
+                missing_lines_[i] = false;
+                events.push_back({name, true});
+            }
+        }
+    }
 }
 
 bool Appliance::uses_fd(const PortWiring& wiring) const {
     const auto fd_input = [this](std::size_t i) { return engine_->inputs()[i].uses_fd(); };
     const auto fd_output = [this](std::size_t i) { return engine_->outputs()[i].uses_fd(); };
+    const auto fd_message = [this](std::size_t i) { return values_->uses_fd(i); };
     return std::ranges::any_of(wiring.inputs, fd_input) ||
-           std::ranges::any_of(wiring.outputs, fd_output);
+           std::ranges::any_of(wiring.outputs, fd_output) ||
+           std::ranges::any_of(wiring.value_messages, fd_message);
 }
 
 void Appliance::end() {
     loop_->request_end();
     thread_->join();
+    if (gpio_thread_) {
+        gpio_thread_->end();
+    }
 }
 
 }  // namespace tribus

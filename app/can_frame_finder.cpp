@@ -8,7 +8,8 @@ namespace tribus {
 CanFrameFinder::CanFrameFinder(const ProtocolUse& use, FrameHandler handler)
     : protocol_(use.protocol),
       handler_(std::move(handler)),
-      decoder_(use.protocol->make_can_decoder(use.settings)) {}
+      decoder_(use.protocol->make_can_decoder(use.settings)),
+      judge_(use.supervision) {}
 
 void CanFrameFinder::feed(const RecordedCanFrame& recorded) {
     const CanFrame& frame = recorded.frame;
@@ -20,6 +21,7 @@ void CanFrameFinder::feed(const RecordedCanFrame& recorded) {
         ++tally_.other_can_frames;
         return;
     }
+    judge_.bytes_came(recorded.at);
     const auto snapshot = decoder_->next(frame, Instant(recorded.at));
     if (!snapshot) {
         return;
@@ -29,7 +31,8 @@ void CanFrameFinder::feed(const RecordedCanFrame& recorded) {
               .frame = {.channels = *snapshot, .first_byte = 0, .length = 0},
               .place = {},
               .start = recorded.at,
-              .details = decoder_->details()});
+              .details = decoder_->details(),
+              .judged = judge_.judge(*snapshot, recorded.at)});
 }
 
 CanTally CanFrameFinder::tally() const {

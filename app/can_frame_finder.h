@@ -37,6 +37,7 @@ class CanFrameFinder {
     const Protocol* protocol_;
     FrameHandler handler_;
     std::unique_ptr<CanDecoder> decoder_;
+    FrameJudge judge_;
     CanTally tally_;
 };
 

@@ -20,9 +20,14 @@ using Refused = tl::unexpected<std::string>;
 template <class Ports>
 std::optional<ProtocolUse> find_in(const Ports& ports, std::string_view name) {
     const auto port = std::ranges::find_if(ports, [&](const auto& p) { return p.name == name; });
-    return port == ports.end()
-               ? std::nullopt
-               : std::optional(ProtocolUse{port->protocol, port->settings, port->port.line});
+    if (port == ports.end()) {
+        return std::nullopt;
+    }
+    ProtocolUse use{port->protocol, port->settings, port->port.line};
+    if constexpr (requires { port->supervision; }) {
+        use.supervision = port->supervision;
+    }
+    return use;
 }
 
 std::vector<std::string_view> names_in(const Configuration& configuration) {

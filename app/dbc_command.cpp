@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -12,26 +13,35 @@
 #include "core/setting.h"
 #include "transports/codecs/can_channels.h"
 #include "transports/codecs/can_channels_dbc.h"
+#include "transports/codecs/protocol.h"
+#include "transports/codecs/sensor_can.h"
+#include "transports/codecs/sensor_can_dbc.h"
 
 namespace tribus {
 namespace {
 
+/// Of the format that needs the fewest ids in a row; each checks its own.
 constexpr std::int64_t kMostBaseId = kMostExtendedId - can_channels::kFdIndex;
 
 struct Options {
-    std::int64_t id = can_channels::kDefaultBaseId;
+    std::optional<std::int64_t> id;
     bool extended = false;
+    bool sensors = false;
 };
 
 int print_dbc(const Options& options) {
     SettingValues settings;
-    settings.set("id", options.id);
+    if (options.id) {
+        settings.set("id", *options.id);
+    }
     settings.set("extended", options.extended);
-    for (const SettingMistake& mistake : kCanProtocol.check(settings, SettingScope::output)) {
+    const Protocol& protocol = options.sensors ? kSensorsProtocol : kCanProtocol;
+    for (const SettingMistake& mistake : protocol.check(settings, SettingScope::output)) {
         fmt::print(stderr, "--{}: {}\n", mistake.path.front(), mistake.text);
         return kExitWrongUse;
     }
-    fmt::print("{}", native_dbc(CanChannelsFormat::from_settings(settings)));
+    fmt::print("{}", options.sensors ? sensor_can_dbc(SensorCanFormat::from_settings(settings))
+                                     : native_dbc(CanChannelsFormat::from_settings(settings)));
     return kExitFine;
 }
 
@@ -39,12 +49,15 @@ int print_dbc(const Options& options) {
 
 void add_dbc_command(CLI::App& app, int& status) {
     auto* command = app.add_subcommand(
-        "dbc", "Print the native CAN format as a DBC file, for other tools on the bus");
+        "dbc", "Print the native CAN formats as DBC files, for other tools on the bus");
     auto options = std::make_shared<Options>();
     command->add_option("--id", options->id, "Base id, as in the configuration")
         ->check(CLI::Range(std::int64_t{0}, kMostBaseId))
-        ->default_str(fmt::format("0x{:X}", options->id));
+        ->default_str(fmt::format("0x{:X}, of sensors 0x{:X}", can_channels::kDefaultBaseId,
+                                  sensor_can::kDefaultBaseId));
     command->add_flag("--extended", options->extended, "Ids of 29 bits");
+    command->add_flag("--sensors", options->sensors,
+                      "The readings of a sensor bus, protocol \"sensors\"");
     command->callback([options, &status] { status = print_dbc(*options); });
 }
 

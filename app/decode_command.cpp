@@ -18,8 +18,14 @@
 #include "app/configured_use.h"
 #include "app/decode.h"
 #include "app/decode_can.h"
+#include "app/decode_dronecan.h"
+#include "app/decode_sensor.h"
 #include "app/exit_status.h"
+#include "app/sensor_frame_finder.h"
 #include "app/streams.h"
+#include "core/quotes.h"
+#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/registry/registry.h"
 
 namespace tribus {
 namespace {
@@ -42,6 +48,7 @@ struct DecodeArguments {
     std::string input_format;
     std::string interface;
     std::string as;
+    std::string dialect;
     GivenSettings given;
 
     DecodeFormat decode_format() const { return kFormats.at(format); }
@@ -49,7 +56,21 @@ struct DecodeArguments {
         const auto named = kInputFormats.find(input_format);
         return named == kInputFormats.end() ? std::nullopt : std::optional(named->second);
     }
+    SensorDialect sensor_dialect() const {
+        const auto* const named = std::ranges::find(kSensorDialectNames, dialect);
+        return named == kSensorDialectNames.end()
+                   ? SensorDialect::flysky
+                   : SensorDialect(named - kSensorDialectNames.begin());
+    }
+    /// With settings, or as an input of a configuration, DroneCAN is read for its channels.
+    bool explains_dronecan() const {
+        return protocol == kDroneCanName && as.empty() && given.empty();
+    }
+    /// Nothing speaks against it that a recording is one of the sensor bus.
+    bool any_protocol() const { return protocol == "auto" && as.empty() && given.empty(); }
 };
+
+constexpr std::string_view kKindHint = "--input-format raw, hex, timed or saleae";
 
 int fail(std::string_view message, int status) {
     std::cerr << "tribus: " << message << '\n';
@@ -113,15 +134,22 @@ std::function<std::string()> reader_of(InputFile& file, std::string& beginning,
     };
 }
 
+TransferPrinter transfer_printer(const DecodeArguments& arguments) {
+    return {arguments.decode_format(), terminal_columns(), std::cout, std::cerr};
+}
+
 int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse& use,
                        const DecodeArguments& arguments) {
     std::string failed;
     const auto read = reader_of(file, beginning, failed);
     int status = kExitFine;
-    if (use.protocol->link == LinkKind::can) {
+    const CanLogSource source{read, file.name(), arguments.interface};
+    if (arguments.explains_dronecan()) {
+        TransferPrinter printer = transfer_printer(arguments);
+        status = decode_dronecan_stream(source, printer, std::cout, std::cerr);
+    } else if (use.protocol->link == LinkKind::can) {
         FramePrinter printer(arguments.decode_format(), RecordingKind::candump, std::cout,
                              std::cerr);
-        const CanLogSource source{read, file.name(), arguments.interface};
         status = decode_can_stream(source, use, printer, std::cout, std::cerr);
     } else {
         FramePrinter printer(arguments.decode_format(), RecordingKind::raw, std::cout, std::cerr);
@@ -130,25 +158,43 @@ int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse
     return failed.empty() ? status : fail(failed, kExitFailed);
 }
 
+int decode_sensor_parsed(const Recording& recording, const DecodeArguments& arguments) {
+    const SensorTypes types(arguments.sensor_dialect());
+    SensorPrinter printer(arguments.decode_format(), recording.kind, types, std::cout, std::cerr);
+    return decode_sensor_recording(recording, printer, std::cerr);
+}
+
+int decode_can_parsed(const Recording& recording, std::span<const ProtocolUse> uses,
+                      const DecodeArguments& arguments) {
+    const bool told = arguments.any_protocol() && only_dronecan(recording, uses);
+    if (told || arguments.explains_dronecan()) {
+        TransferPrinter printer = transfer_printer(arguments);
+        return decode_dronecan_recording(recording, printer);
+    }
+    FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
+    return decode_can_recording(recording, uses, printer, std::cerr);
+}
+
 int decode_parsed(Recording recording, const std::string& name, std::span<const ProtocolUse> uses,
                   const DecodeArguments& arguments) {
-    FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
+    if (arguments.any_protocol() && is_sensor_bus(recording)) {
+        return decode_sensor_parsed(recording, arguments);
+    }
     if (recording.kind != RecordingKind::candump) {
+        FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
         return decode_recording(recording, uses, printer, std::cerr);
     }
     const auto taken = take_interface(std::move(recording), name, arguments.interface);
-    return taken ? decode_can_recording(*taken, uses, printer, std::cerr)
-                 : fail(taken.error(), kExitFailed);
+    return taken ? decode_can_parsed(*taken, uses, arguments) : fail(taken.error(), kExitFailed);
 }
 
 /// `uses` are of CAN only or of serial lines only, unless the kind is still open.
 int decode_whole(std::string_view content, const std::string& name, std::vector<ProtocolUse> uses,
                  std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
-    constexpr std::string_view kHint = "--input-format raw, hex, timed or saleae";
     if (!kind) {
         const auto told = tell_recording_kind(content, name);
         if (!told) {
-            return fail(fmt::format("{} ({})", told.error(), kHint), kExitFailed);
+            return fail(fmt::format("{} ({})", told.error(), kKindHint), kExitFailed);
         }
         // Whatever text a CAN protocol is given, the reader of the log says best what is wrong.
         kind = only_can(uses) && *told != RecordingKind::raw ? RecordingKind::candump : *told;
@@ -164,7 +210,7 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
     }
     if (!recording) {
         return fail(fmt::format("{} (read as {}; {} reads it otherwise)", recording.error(),
-                                recording_kind_name(*kind), kHint),
+                                recording_kind_name(*kind), kKindHint),
                     kExitFailed);
     }
     return decode_parsed(std::move(*recording), name, uses, arguments);
@@ -185,6 +231,11 @@ tl::expected<std::string, std::string> read_beginning(InputFile& file) {
 
 /// The protocols that come into question.
 tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArguments& arguments) {
+    if (arguments.protocol != "auto" && find_protocol(arguments.protocol) == nullptr) {
+        return tl::unexpected(
+            fmt::format("--protocol: {} is no protocol that is known; allowed: auto, {}, {}",
+                        in_quotes(arguments.protocol), protocol_list(), kSensorProtocol));
+    }
     if (arguments.as.empty()) {
         return choose_protocols(arguments.protocol, SettingScope::input, arguments.given);
     }
@@ -196,7 +247,73 @@ tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArgume
     });
 }
 
+/// What does not go together with the sensor bus; empty if nothing.
+std::string mistake_with_sensors(const DecodeArguments& arguments) {
+    if (!arguments.as.empty()) {
+        return kAsAlone;
+    }
+    if (!arguments.given.empty()) {
+        return fmt::format("--{}: {} has no such setting; leave it out",
+                           arguments.given.begin()->first, kSensorProtocol);
+    }
+    if (!arguments.interface.empty() || arguments.kind() == RecordingKind::candump) {
+        return fmt::format("{} is read from bytes of a serial line, not from a log of candump",
+                           kSensorProtocol);
+    }
+    return {};
+}
+
+int decode_sensor_file(InputFile& file, std::string beginning, const DecodeArguments& arguments) {
+    const auto given = arguments.kind();
+    const auto kind = given ? given : early_kind(beginning);
+    if (kind == RecordingKind::raw) {
+        const SensorTypes types(arguments.sensor_dialect());
+        SensorPrinter printer(arguments.decode_format(), *kind, types, std::cout, std::cerr);
+        std::string failed;
+        const int status =
+            decode_sensor_stream(reader_of(file, beginning, failed), printer, std::cout);
+        return failed.empty() ? status : fail(failed, kExitFailed);
+    }
+    const auto rest = file.read_all();
+    if (!rest) {
+        return fail(rest.error(), kExitFailed);
+    }
+    const std::string content = beginning + *rest;
+    const auto recording =
+        kind ? parse_recording(content, file.name(), *kind) : parse_recording(content, file.name());
+    if (!recording) {
+        return fail(fmt::format("{} ({})", recording.error(), kKindHint), kExitFailed);
+    }
+    if (recording->kind == RecordingKind::candump) {
+        return fail(fmt::format("{}: a log of CAN frames, and {} is no CAN protocol; allowed: {}",
+                                file.name(), kSensorProtocol, protocol_list(LinkKind::can)),
+                    kExitWrongUse);
+    }
+    return decode_sensor_parsed(*recording, arguments);
+}
+
+int run_sensor_decode(const DecodeArguments& arguments) {
+    const std::string mistake = mistake_with_sensors(arguments);
+    if (!mistake.empty()) {
+        return fail(mistake, kExitWrongUse);
+    }
+    auto file = InputFile::open(arguments.file);
+    if (!file) {
+        return fail(file.error(), kExitFailed);
+    }
+    auto beginning = read_beginning(*file);
+    return beginning ? decode_sensor_file(*file, std::move(*beginning), arguments)
+                     : fail(beginning.error(), kExitFailed);
+}
+
 int run_decode(const DecodeArguments& arguments) {
+    if (arguments.protocol == kSensorProtocol) {
+        return run_sensor_decode(arguments);
+    }
+    if (!arguments.dialect.empty()) {
+        return fail(fmt::format("--dialect: only --protocol {} has dialects", kSensorProtocol),
+                    kExitWrongUse);
+    }
     auto uses = asked_for(arguments);
     if (!uses) {
         return fail(uses.error(), kExitWrongUse);
@@ -220,6 +337,9 @@ int run_decode(const DecodeArguments& arguments) {
     const bool log = kind == RecordingKind::candump;
     // A log that is there as a whole is judged as a whole, before anything is printed.
     const bool flows = kind == RecordingKind::raw || (log && !file->is_whole());
+    if (flows && log && arguments.protocol == "auto") {
+        uses = without_dronecan(*uses);
+    }
     if (flows && uses->size() == 1) {
         return decode_as_it_comes(*file, std::move(*beginning), uses->front(), arguments);
     }
@@ -243,11 +363,16 @@ void add_decode_command(CLI::App& app, int& status) {
                         "candump -L, are decoded as they come");
     command
         ->add_option("--protocol", arguments->protocol,
-                     protocol_list() +
+                     protocol_list() + ", " + kSensorProtocol +
                          "; auto: the one that finds the most frames, and lines that are one "
                          "frame of another")
         ->capture_default_str();
     command->add_option("--as", arguments->as, kAsHelp)->type_name("FILE:NAME");
+    command
+        ->add_option("--dialect", arguments->dialect,
+                     "Of ibus-sensor: whose meaning of the disputed types; flysky if absent")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(kSensorDialectNames.begin(), kSensorDialectNames.end())));
     command->add_option("--format", arguments->format, "text shows whole microseconds")
         ->capture_default_str()
         ->check(CLI::IsMember(kFormats));

@@ -8,7 +8,8 @@ FrameFinder::FrameFinder(const ProtocolUse& use, FrameHandler handler)
     : protocol_(use.protocol),
       line_(use.line),
       handler_(std::move(handler)),
-      decoder_(use.protocol->make_decoder(use.settings)) {}
+      decoder_(use.protocol->make_decoder(use.settings)),
+      judge_(use.supervision) {}
 
 void FrameFinder::report(const DecodedFrame& frame) {
     while (starts_.size() > 1 && starts_[1].position <= frame.first_byte) {
@@ -24,6 +25,7 @@ void FrameFinder::report(const DecodedFrame& frame) {
     if (found.start) {
         *found.start += line_.bytes_time(byte);
     }
+    found.judged = judge_.judge(frame.channels, found.start);
     ++frames_;
     handler_(found);
 }
@@ -40,6 +42,7 @@ void FrameFinder::feed(std::size_t index, const Burst& burst) {
     if (starts_.empty() || starts_.back().burst != index) {
         starts_.push_back({bytes_, index, burst.start});
     }
+    judge_.bytes_came(burst.start);
     const Instant received(burst.start.value_or(Duration::zero()));
     const std::span<const std::uint8_t> bytes = burst.bytes;
     std::size_t run = 0;

@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "app/frame_judge.h"
 #include "app/protocol_use.h"
 #include "core/time.h"
 #include "transports/codecs/codec.h"
@@ -31,6 +32,8 @@ struct FoundFrame {
     std::optional<Duration> start;
     /// Valid during the call only.
     std::span<const FrameDetail> details;
+    /// By the detectors of an input, where the frames are read as that input reads them.
+    std::optional<JudgedFrame> judged{};
 };
 using FrameHandler = std::function<void(const FoundFrame&)>;
 
@@ -67,6 +70,7 @@ class FrameFinder {
     LineSettings line_;
     FrameHandler handler_;
     std::unique_ptr<Decoder> decoder_;
+    FrameJudge judge_;
     /// Of the bursts in which the next frame may start.
     std::deque<BurstStart> starts_;
     std::uint64_t bytes_ = 0;

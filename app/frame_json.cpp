@@ -139,6 +139,12 @@ void append_frame_json(std::string& text, const FoundFrame& found) {
     for (const FrameDetail& detail : found.details) {
         append_detail(text, detail);
     }
+    if (found.judged) {
+        fmt::format_to(out, ",\"cause\":\"{}\"", name_of(found.judged->state.cause));
+        if (const auto& before = found.judged->lost_before) {
+            fmt::format_to(out, ",\"lost_before\":\"{}\"", name_of(before->cause));
+        }
+    }
     text += "}\n";
 }
 
@@ -174,7 +180,7 @@ tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::str
     }
     const auto channels = object->find("channels");
     if (channels == object->end()) {
-        if (object->contains("summary")) {
+        if (object->contains("summary") || object->contains("transfer_id")) {
             return std::nullopt;
         }
         return mistake("no \"channels\" in it; a frame is {\"channels\":[1500, ...]}");

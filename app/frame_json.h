@@ -43,9 +43,10 @@ struct JsonMistake {
     std::string text;
 };
 
-/// Reads one line. Nothing for a blank line and for the summary. `channels` is needed: up to 18
-/// microseconds or nulls, those that are missing are absent; frame_lost and failsafe default to
-/// false; keys that are not known are passed over. Pulses are rounded to eighths.
+/// Reads one line. Nothing for a blank line, for the summary and for a transfer of DroneCAN that
+/// has no channels. Else `channels` is needed: up to 18 microseconds or nulls, those that are
+/// missing are absent; frame_lost and failsafe default to false; keys that are not known are passed
+/// over. Pulses are rounded to eighths.
 tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::string_view line);
 
 }  // namespace tribus

@@ -8,6 +8,7 @@
 #include <span>
 #include <string_view>
 
+#include "app/cause_text.h"
 #include "app/frame_json.h"
 
 namespace tribus {
@@ -69,6 +70,12 @@ void append_frame_text(std::string& text, const FoundFrame& found) {
         if (!detail.list && !detail.values.empty()) {
             fmt::format_to(out, "  {}={:#04x}", detail.name, detail.values.front());
         }
+    }
+    if (found.judged && found.judged->lost_before) {
+        fmt::format_to(out, "  (lost before: {})", cause_text(*found.judged->lost_before));
+    }
+    if (found.judged && found.judged->state.cause != LinkCause::good) {
+        fmt::format_to(out, "  {}", cause_text(found.judged->state));
     }
     text += '\n';
 }

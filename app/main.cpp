@@ -16,6 +16,7 @@
 #include "app/demo.h"
 #include "app/encode.h"
 #include "app/exit_status.h"
+#include "app/learn.h"
 #include "app/run.h"
 #include "app/simulate.h"
 #include "config/mistakes.h"
@@ -49,6 +50,7 @@ int run_command_line(int argc, char** argv) {
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);
     tribus::add_simulate_command(app, status);
+    tribus::add_learn_command(app, status);
     tribus::add_dbc_command(app, status);
     tribus::add_bench_command(app, status);
     tribus::add_schema_command(app);

@@ -202,7 +202,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string
     std::vector<ProtocolUse> uses;
     std::string refused;
     for (const Protocol* protocol : protocols()) {
-        if (named != nullptr && named != protocol) {
+        if (named == nullptr ? !protocol->goes(direction) : named != protocol) {
             continue;
         }
         GivenSettings own = given;

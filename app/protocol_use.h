@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +13,7 @@
 #include "core/line_settings.h"
 #include "core/setting.h"
 #include "core/time.h"
+#include "pipelines/settings.h"
 #include "transports/codecs/protocol.h"
 
 /// A protocol as the command line asks for it: settings of the protocol tables as options.
@@ -22,6 +24,8 @@ struct ProtocolUse {
     const Protocol* protocol = nullptr;
     SettingValues settings;
     LineSettings line;
+    /// The detectors of the input of a configuration; none of other uses.
+    std::optional<SupervisionSettings> supervision{};
 };
 
 /// Those on one kind of link.

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
@@ -38,9 +39,11 @@ void log_start(const Appliance& appliance) {
     for (const std::string& missing : appliance.missing_realtime()) {
         spdlog::warn("no full real time: {}", missing);
     }
-    spdlog::info("started {}: {} inputs, {} outputs, {} pipelines", configuration.file,
+    const std::size_t buses = configuration.sensor_buses.size();
+    spdlog::info("started {}: {} inputs, {} outputs, {} pipelines{}", configuration.file,
                  configuration.inputs.size(), configuration.outputs.size(),
-                 configuration.pipelines.size());
+                 configuration.pipelines.size(),
+                 buses == 0 ? "" : fmt::format(", {} sensor buses", buses));
 }
 
 std::unique_ptr<Appliance> start_or_log(
@@ -74,6 +77,15 @@ std::unique_ptr<Appliance> reload(std::unique_ptr<Appliance> appliance, const st
     return start_or_log(std::move(old), Appliance::MissingDevices::wait_for);
 }
 
+/// As another node of DroneCAN asked for.
+std::unique_ptr<Appliance> restart(std::unique_ptr<Appliance> appliance) {
+    spdlog::info("restarting, as another DroneCAN node asked for");
+    Configuration configuration = appliance->configuration();
+    appliance->end();
+    appliance.reset();
+    return start_or_log(std::move(configuration), Appliance::MissingDevices::wait_for);
+}
+
 int run(const std::string& path) {
     std::optional<Configuration> configuration = load_or_explain(path);
     if (!configuration) {
@@ -96,6 +108,11 @@ int run(const std::string& path) {
             log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
         } else {
             log->look(*appliance, monotonic_now());
+            appliance->look_at_machine(monotonic_now());
+        }
+        if (appliance && appliance->restart_wanted()) {
+            appliance = restart(std::move(appliance));
+            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
         }
     }
     return kExitFailed;

@@ -20,6 +20,7 @@
 #include "app/exit_status.h"
 #include "app/load_or_explain.h"
 #include "app/simulate_inputs.h"
+#include "app/simulate_log.h"
 #include "config/build.h"
 #include "config/mistakes.h"
 #include "config/values.h"
@@ -38,40 +39,70 @@ struct Options {
     std::string tail = "2s";
 };
 
-/// Keeps what each output wrote: CAN frames as a log of candump, bytes in the asked format.
+/// What can be written to a file: the outputs of a configuration, then its sensor buses.
+struct SimulatedSink {
+    std::string name;
+    const PortConfig* port = nullptr;
+};
+std::vector<SimulatedSink> simulated_sinks(const Configuration& configuration) {
+    std::vector<SimulatedSink> sinks;
+    for (const OutputConfig& output : configuration.outputs) {
+        sinks.push_back({output.name, &output.port});
+    }
+    for (const SensorBusConfig& bus : configuration.sensor_buses) {
+        sinks.push_back({bus.name, &bus.port});
+    }
+    return sinks;
+}
+
+/// Keeps what each output wrote and each sensor bus said, CAN frames as a log of candump, bytes in
+/// the asked format; and says what changes.
 class Recorder final : public OutputObserver {
   public:
-    Recorder(const std::vector<OutputConfig>& outputs, std::string_view format)
-        : outputs_(outputs), texts_(outputs.size()), format_(format) {
-        for (std::size_t output = 0; output < outputs.size(); ++output) {
-            if (format_ == "timed" && outputs[output].protocol->link == LinkKind::serial) {
-                texts_[output] = kTimedHeading;
+    Recorder(const Engine& engine, const std::vector<SimulatedSink>& sinks, std::string_view format)
+        : sinks_(sinks),
+          first_bus_(engine.outputs().size()),
+          texts_(sinks.size()),
+          format_(format),
+          log_(engine) {
+        for (std::size_t sink = 0; sink < sinks.size(); ++sink) {
+            if (format_ == "timed" && sinks[sink].port->link == LinkKind::serial) {
+                texts_[sink] = kTimedHeading;
             }
         }
     }
 
     void wrote(std::size_t output, Instant at, const Transmission& sent) override {
-        std::string& text = texts_[output];
         for (const CanFrame& frame : sent.can_frames) {
-            append_candump_line(text, at.time_since_epoch(), outputs_[output].port.device, frame);
+            append_candump_line(texts_[output], at.time_since_epoch(), sinks_[output].port->device,
+                                frame);
         }
-        if (sent.bytes.empty()) {
-            return;
-        }
-        if (format_ == "timed") {
-            append_timed_line(text, at.time_since_epoch(), sent.bytes);
-        } else if (format_ == "hex") {
-            append_hex_line(text, sent.bytes);
-        } else {
-            text.append(sent.bytes.begin(), sent.bytes.end());
+        if (!sent.bytes.empty()) {
+            append(texts_[output], at, sent.bytes);
         }
     }
-    const std::string& text(std::size_t output) const { return texts_[output]; }
+    void bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override {
+        append(texts_[first_bus_ + bus], at, bytes);
+    }
+    void turned(Instant at) override { log_.look(at); }
+    const std::string& text(std::size_t sink) const { return texts_[sink]; }
 
   private:
-    const std::vector<OutputConfig>& outputs_;
+    void append(std::string& text, Instant at, std::span<const std::uint8_t> bytes) const {
+        if (format_ == "timed") {
+            append_timed_line(text, at.time_since_epoch(), bytes);
+        } else if (format_ == "hex") {
+            append_hex_line(text, bytes);
+        } else {
+            text.append(bytes.begin(), bytes.end());
+        }
+    }
+
+    const std::vector<SimulatedSink>& sinks_;
+    std::size_t first_bus_;
     std::vector<std::string> texts_;
     std::string format_;
+    SimulateLog log_;
 };
 
 /// `NAME=FILE` for each name at most once; the error says what is allowed.
@@ -104,15 +135,30 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
     return files;
 }
 
-void play(Engine& engine, Recorder& recorder, const Arrivals& arrivals, Duration tail) {
-    VirtualLoop loop(engine, recorder, Instant{});
-    for (const Arrival& arrival : arrivals.in_order) {
-        if (const auto* frame = std::get_if<ArrivedCanFrame>(&arrival.what)) {
-            loop.receive(arrival.input, arrivals.can_frames[frame->index], arrival.at);
-        } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
-            loop.receive(arrival.input, std::span(&byte->value, 1), std::array{byte->damaged},
-                         arrival.at);
+void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival,
+            const Arrivals& arrivals) {
+    if (const auto* frame = std::get_if<ArrivedCanFrame>(&arrival.what)) {
+        const CanFrame& arrived = arrivals.can_frames[frame->index];
+        if (source.kind == SimulatedSource::Kind::value_message) {
+            loop.receive_values(source.index, arrived, arrival.at);
+        } else {
+            loop.receive(source.index, arrived, arrival.at);
         }
+    } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
+        const std::span bytes(&byte->value, 1);
+        const std::array damaged{byte->damaged};
+        if (source.kind == SimulatedSource::Kind::sensor_bus) {
+            loop.receive_on_bus(source.index, bytes, damaged, arrival.at);
+        } else {
+            loop.receive(source.index, bytes, damaged, arrival.at);
+        }
+    }
+}
+
+void play(VirtualLoop& loop, const Arrivals& arrivals, std::span<const SimulatedSource> sources,
+          Duration tail) {
+    for (const Arrival& arrival : arrivals.in_order) {
+        arrive(loop, sources[arrival.source], arrival, arrivals);
     }
     loop.run_until(later(loop.now(), tail));
 }
@@ -134,6 +180,20 @@ bool write_outputs(const std::map<std::size_t, std::string>& files, const Record
         }
     }
     return fine;
+}
+
+void print_buses(const Configuration& configuration, const ValueEngine& values) {
+    for (std::size_t bus = 0; bus < values.bus_count(); ++bus) {
+        const SensorBusState state = values.bus_state(bus);
+        const std::string& name = configuration.sensor_buses[bus].name;
+        if (state.is_receiver) {
+            fmt::print(stderr, "sensor bus {}: {} requests, {} replies, {} sensors found\n", name,
+                       state.receiver.requests, state.receiver.replies, state.found_count);
+        } else {
+            fmt::print(stderr, "sensor bus {}: {} requests, {} answered, {} without a value\n",
+                       name, state.sensor.requests, state.sensor.answered, state.sensor.stale);
+        }
+    }
 }
 
 void print_summary(const Engine& engine) {
@@ -161,11 +221,13 @@ int simulate(const Options& options) {
     if (!configuration) {
         return kExitWrongUse;
     }
-    const auto in = assign_files(options.in, configuration->inputs, "--in");
+    const auto sources = simulated_sources(*configuration);
+    const auto sinks = simulated_sinks(*configuration);
+    const auto in = assign_files(options.in, sources, "--in");
     if (!in) {
         return complain(in.error(), kExitWrongUse);
     }
-    const auto out = assign_files(options.out, configuration->outputs, "--out");
+    const auto out = assign_files(options.out, sinks, "--out");
     if (!out) {
         return complain(out.error(), kExitWrongUse);
     }
@@ -175,14 +237,19 @@ int simulate(const Options& options) {
             fmt::format("--tail {}: wants a duration such as 2s or 500ms", options.tail),
             kExitWrongUse);
     }
-    const auto arrivals = load_arrivals(*in, *configuration);
+    const auto arrivals = load_arrivals(*in, sources);
     if (!arrivals) {
         return complain(arrivals.error(), kExitFailed);
     }
     const auto engine = build_engine(*configuration);
-    Recorder recorder(configuration->outputs, options.format);
-    play(*engine, recorder, *arrivals, *tail);
+    const auto values = build_value_engine(*configuration, *engine);
+    Recorder recorder(*engine, sinks, options.format);
+    VirtualLoop loop(*engine, recorder, Instant{}, values.get());
+    play(loop, *arrivals, sources, *tail);
     print_summary(*engine);
+    if (values) {
+        print_buses(*configuration, *values);
+    }
     return write_outputs(*out, recorder) ? kExitFine : kExitFailed;
 }
 
@@ -194,14 +261,16 @@ void add_simulate_command(CLI::App& app, int& status) {
     auto options = std::make_shared<Options>();
     command->add_option("CONFIG", options->config, "Configuration file")->required();
     command
-        ->add_option("--in", options->in,
-                     "NAME=FILE: recorded bytes of an input, or the log of candump of a CAN "
-                     "input (repeatable)")
+        ->add_option(
+            "--in", options->in,
+            "NAME=FILE: recorded bytes of an input or sensor bus, or the log of candump of a "
+            "CAN input or of the message of [values.NAME] (repeatable)")
         ->type_name("NAME=FILE");
     command
-        ->add_option("--out", options->out,
-                     "NAME=FILE: where to put what an output writes, - for standard output "
-                     "(repeatable)")
+        ->add_option(
+            "--out", options->out,
+            "NAME=FILE: where to put what an output writes or a sensor bus says, - for standard "
+            "output (repeatable)")
         ->type_name("NAME=FILE");
     command
         ->add_option("--format", options->format,

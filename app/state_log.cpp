@@ -1,9 +1,9 @@
 #include "app/state_log.h"
 
-#include <string_view>
-
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "app/cause_text.h"
 #include "app/log_limit.h"
 
 namespace tribus {
@@ -12,51 +12,35 @@ namespace {
 /// A receiver that is on has sent hundreds of frames by then.
 constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
 
-std::string_view stage_text(OutputStage stage) {
-    switch (stage) {
-        case OutputStage::failsafe:
-            return "in failsafe";
-        case OutputStage::holding:
-            return "holding the last values, marked frame-lost";
-        case OutputStage::control:
-            return "under control";
-    }
-    return "";
-}
-
 }  // namespace
 
-StateLog::StateLog(const Appliance& appliance, Instant start) : start_(start), can_(appliance) {
+StateLog::StateLog(const Appliance& appliance, Instant start)
+    : start_(start), can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
     const Configuration& configuration = appliance.configuration();
     can_.start(appliance);
     for (const InputConfig& input : configuration.inputs) {
         const bool on_can = input.port.link == LinkKind::can;
-        inputs_.push_back({on_can, false, false, log_limit()});
+        input_names_.push_back(input.name);
+        inputs_.push_back({on_can, LinkCause::never_seen, false, log_limit()});
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        outputs_.push_back({OutputStage::failsafe, 0, 0, log_limit()});
+        outputs_.push_back({OutputState{}, 0, 0, log_limit()});
     }
 }
 
 void StateLog::look_at_input(const std::string& name, const InputStatus& status,
                              InputMemory& memory, Instant now) {
-    if (status.alive == memory.alive) {
+    if (status.state.cause == memory.cause) {
         return;
     }
-    memory.alive = status.alive;
+    memory.cause = status.state.cause;
     const auto swallowed = memory.limit.pass(now);
     if (!swallowed) {
         return;
     }
-    if (status.alive) {
-        spdlog::info("input {}: good{}", name, swallowed_note(*swallowed));
-    } else {
-        const bool said_so = status.latest.failsafe;
-        spdlog::warn("input {}: lost, {}{}", name,
-                     said_so ? "the receiver or a failsafe_when rule says failsafe"
-                             : "no good frame within its timeout",
-                     swallowed_note(*swallowed));
-    }
+    const bool good = status.state.cause == LinkCause::good;
+    spdlog::log(good ? spdlog::level::info : spdlog::level::warn, "input {}: {}{}", name,
+                cause_text(status.state), swallowed_note(*swallowed));
 }
 
 /// Silence at the start is the commonest trouble of all, and its cause shows in the bytes.
@@ -85,21 +69,36 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
             "that needs an inverter (SBUS) or must not have one (i.Bus)",
             name, status.counts.bytes);
     } else {
-        spdlog::warn(
-            "input {}: frames arrive, but the receiver or a failsafe_when rule says that "
-            "the link is down; is the transmitter on?",
-            name);
+        spdlog::warn("input {}: frames arrive, but {}; is the transmitter on?", name,
+                     cause_text(status.state));
     }
 }
 
+/// By the places of a pipeline's inputs.
+std::string StateLog::outvoted_text(std::uint32_t outvoted,
+                                    std::span<const std::size_t> places) const {
+    std::string text;
+    for (std::size_t place = 0; place < places.size(); ++place) {
+        if ((outvoted >> place & 1U) != 0) {
+            text += fmt::format("{}{}", text.empty() ? "; outvoted by the others: " : ", ",
+                                input_names_[places[place]]);
+        }
+    }
+    return text.empty() ? "; its inputs agree again" : text;
+}
+
 void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
-                              OutputMemory& memory, Instant now) {
-    if (status.stage != memory.stage) {
-        memory.stage = status.stage;
+                              std::span<const std::size_t> places, OutputMemory& memory,
+                              Instant now) {
+    if (status.state != memory.state) {
+        const bool outvoted = status.state.outvoted != memory.state.outvoted;
+        memory.state = status.state;
         if (const auto swallowed = memory.limit.pass(now)) {
-            const bool fine = status.stage == OutputStage::control;
-            spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}", name,
-                        stage_text(status.stage), swallowed_note(*swallowed));
+            const bool fine = status.state.stage == OutputStage::control && !status.state.outvoted;
+            spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}{}", name,
+                        output_text(status.state, input_names_),
+                        outvoted ? outvoted_text(status.state.outvoted, places) : "",
+                        swallowed_note(*swallowed));
         }
     }
     look_at_drops(name, status, memory, now);
@@ -129,16 +128,16 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
 
 void StateLog::look(Appliance& appliance, Instant now) {
     for (const Appliance::DeviceEvent& event : appliance.tend()) {
-        RateLimit& device_limit =
-            devices_.try_emplace(event.port->device, log_limit()).first->second;
+        RateLimit& device_limit = devices_.try_emplace(event.name, log_limit()).first->second;
         if (const auto swallowed = device_limit.pass(now)) {
-            spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "{} {}: {}{}",
-                        event.port->link == LinkKind::can ? "interface" : "device",
-                        event.port->device, event.back ? "is back" : "is gone; waiting for it",
+            spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}",
+                        event.name, event.back ? "is back" : "is gone; waiting for it",
                         swallowed_note(*swallowed));
         }
     }
     can_.look(appliance, now);
+    sensor_buses_.look(appliance, now);
+    nodes_.look(appliance, now);
     const Configuration& configuration = appliance.configuration();
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputStatus status = appliance.input_status(i);
@@ -146,7 +145,8 @@ void StateLog::look(Appliance& appliance, Instant now) {
         say_never_good(configuration.inputs[i].name, status, inputs_[i], now);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
-        look_at_output(configuration.outputs[i].name, appliance.output_status(i), outputs_[i], now);
+        look_at_output(configuration.outputs[i].name, appliance.output_status(i),
+                       appliance.inputs_of(i), outputs_[i], now);
     }
 }
 

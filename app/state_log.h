@@ -1,12 +1,16 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "app/appliance.h"
 #include "app/can_report.h"
+#include "app/node_log.h"
+#include "app/sensor_bus_log.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 
@@ -24,12 +28,12 @@ class StateLog {
   private:
     struct InputMemory {
         bool on_can = false;
-        bool alive = false;
+        LinkCause cause = LinkCause::never_seen;
         bool silence_said = false;
         RateLimit limit;
     };
     struct OutputMemory {
-        OutputStage stage = OutputStage::failsafe;
+        OutputState state;
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
         RateLimit limit;
@@ -37,8 +41,9 @@ class StateLog {
 
     void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
                        Instant now);
-    void look_at_output(const std::string& name, const OutputStatus& status, OutputMemory& memory,
-                        Instant now);
+    void look_at_output(const std::string& name, const OutputStatus& status,
+                        std::span<const std::size_t> places, OutputMemory& memory, Instant now);
+    std::string outvoted_text(std::uint32_t outvoted, std::span<const std::size_t> places) const;
 
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
@@ -46,10 +51,13 @@ class StateLog {
                         Instant now);
 
     Instant start_;
+    std::vector<std::string> input_names_;
     std::vector<InputMemory> inputs_;
     std::vector<OutputMemory> outputs_;
     std::map<std::string, RateLimit> devices_;
     CanReport can_;
+    SensorBusLog sensor_buses_;
+    NodeLog nodes_;
 };
 
 }  // namespace tribus

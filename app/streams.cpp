@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
+#include <sys/ioctl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -69,6 +70,12 @@ tl::expected<std::string, std::string> InputFile::read_all() {
         }
         content += *bytes;
     }
+}
+
+std::optional<std::size_t> terminal_columns() {
+    winsize size{};
+    const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return known ? std::optional<std::size_t>(size.ws_col) : std::nullopt;
 }
 
 int finish_standard_output(int status) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,6 +37,9 @@ class InputFile {
     UniqueFd descriptor_;
     std::string name_;
 };
+
+/// Of the terminal that standard output is; nothing where it is none.
+std::optional<std::size_t> terminal_columns();
 
 /// Writes out what std::cout holds. Returns `status`, or a failure, with a message, where it could
 /// not be written; a reader that has gone away (`| head`) is none.

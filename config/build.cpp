@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
+#include "config/value_catalog.h"
+#include "transports/codecs/dronecan/dronecan.h"
 #include "transports/links/can_socket.h"
+#include "transports/links/gpio_line.h"
 #include "transports/links/serial_port.h"
 
 namespace tribus {
@@ -38,6 +42,7 @@ void append(std::vector<CanIdMatch>& ids, const Ids& more) {
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_can(const Engine& engine,
+                                                          const ValueEngine* values,
                                                           const PortPlan& plan) {
     CanSocketSettings settings;
     for (const std::size_t input : plan.wiring.inputs) {
@@ -47,6 +52,13 @@ tl::expected<std::unique_ptr<Link>, std::string> open_can(const Engine& engine,
     for (const std::size_t output : plan.wiring.outputs) {
         append(settings.sent, engine.outputs()[output].sent_ids());
         settings.fd = settings.fd || engine.outputs()[output].uses_fd();
+    }
+    if (plan.wiring.node) {
+        append(settings.wanted, engine.node(*plan.wiring.node).wanted());
+    }
+    for (const std::size_t message : plan.wiring.value_messages) {
+        append(settings.wanted, values->wanted_ids(message));
+        settings.fd = settings.fd || values->uses_fd(message);
     }
     auto socket = CanSocket::open(plan.config.device, settings);
     if (!socket) {
@@ -63,37 +75,61 @@ tl::expected<std::unique_ptr<Link>, std::string> open_serial(const PortPlan& pla
     return std::unique_ptr<Link>(std::move(*port));
 }
 
+tl::unexpected<std::string> at_place(const Configuration& configuration, Location where,
+                                     const std::string& error) {
+    return tl::unexpected(
+        fmt::format("{}:{}:{}: {}", configuration.file, where.line, where.column, error));
+}
+
 }  // namespace
 
-std::unique_ptr<Engine> build_engine(const Configuration& configuration) {
+std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine) {
+    std::vector<NodePlan> nodes = plan_nodes(configuration, machine);
     std::vector<InputSettings> inputs;
     for (const InputConfig& input : configuration.inputs) {
         inputs.push_back({.name = input.name,
                           .decoder = make(input.protocol->make_decoder, input.settings),
                           .can_decoder = make(input.protocol->make_can_decoder, input.settings),
-                          .timeout = input.timeout,
-                          .failsafe_when = input.failsafe_when});
+                          .supervision = input.supervision,
+                          .channels = input.channels});
     }
     std::vector<OutputSettings> outputs;
     for (const OutputConfig& output : configuration.outputs) {
         outputs.push_back({.name = output.name,
                            .encoder = make(output.protocol->make_encoder, output.settings),
                            .can_encoder = make(output.protocol->make_can_encoder, output.settings),
+                           .node = output.protocol == &kDroneCanProtocol
+                                       ? node_on(nodes, output.port.device)
+                                       : std::nullopt,
                            .yield_to_foreign_sender = output.yield_to_foreign_sender,
                            .schedule = output.schedule,
-                           .inputs = {},
+                           .selection = {},
                            .channels = {},
                            .failsafe = {}});
     }
     for (const PipelineConfig& pipeline : configuration.pipelines) {
         for (std::size_t i = 0; i < pipeline.outputs.size(); ++i) {
             OutputSettings& output = outputs[pipeline.outputs[i]];
-            output.inputs = pipeline.inputs;
+            output.selection = pipeline.selection;
             output.channels = pipeline.channels;
             output.failsafe = pipeline.failsafe[i];
         }
     }
-    return std::make_unique<Engine>(std::move(inputs), std::move(outputs));
+    std::vector<dronecan::NodeSettings> settings;
+    settings.reserve(nodes.size());
+    for (NodePlan& node : nodes) {
+        settings.push_back(std::move(node.settings));
+    }
+    return std::make_unique<Engine>(std::move(inputs), std::move(outputs),
+                                    line_tasks(configuration), std::move(settings));
+}
+
+std::vector<LineTask> line_tasks(const Configuration& configuration) {
+    std::vector<LineTask> tasks;
+    for (const LineConfig& line : configuration.lines) {
+        tasks.push_back(line.task);
+    }
+    return tasks;
 }
 
 std::vector<PortPlan> plan_ports(const Configuration& configuration) {
@@ -104,19 +140,59 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
         plan_for(plans, configuration.outputs[i].port).wiring.outputs.push_back(i);
     }
+    const auto nodes = plan_nodes(configuration, {});
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        plan_for(plans, nodes[i].port).wiring.node = i;
+    }
+    if (!needs_values(configuration)) {
+        return plans;
+    }
+    for (std::size_t i = 0; i < configuration.sensor_buses.size(); ++i) {
+        PortPlan& plan = plan_for(plans, configuration.sensor_buses[i].port);
+        plan.wiring.sensor_buses.push_back(i);
+        // A request must be read as soon as it is there.
+        plan.wiring.byte_time = {};
+    }
+    std::size_t message = 0;
+    for (const ValuesConfig& values : configuration.values) {
+        if (const auto* source = std::get_if<ValueMessageConfig>(&values.source)) {
+            plan_for(plans, source->port).wiring.value_messages.push_back(message++);
+        }
+    }
     return plans;
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
                                                            const Engine& engine,
+                                                           const ValueEngine* values,
                                                            const PortPlan& plan) {
-    auto link = plan.config.link == LinkKind::can ? open_can(engine, plan) : open_serial(plan);
+    auto link =
+        plan.config.link == LinkKind::can ? open_can(engine, values, plan) : open_serial(plan);
     if (!link) {
-        return tl::unexpected(fmt::format("{}:{}:{}: {}", configuration.file,
-                                          plan.config.where.line, plan.config.where.column,
-                                          link.error()));
+        return at_place(configuration, plan.config.where, link.error());
     }
     return link;
+}
+
+tl::expected<std::unique_ptr<HeldLine>, std::string> open_line(const Configuration& configuration,
+                                                               const LineConfig& line) {
+    auto held = std::make_unique<HeldLine>();
+    if (is_input_role(line.task.role)) {
+        auto input = GpioInput::open(line.place, line.active_low, line.bias);
+        if (!input) {
+            return at_place(configuration, line.where, input.error());
+        }
+        held->input = std::move(*input);
+        return held;
+    }
+    const bool active_at_start =
+        line.task.role == LineRole::failsafe || line.task.role == LineRole::inverter;
+    auto output = GpioOutput::open(line.place, line.active_low, active_at_start);
+    if (!output) {
+        return at_place(configuration, line.where, output.error());
+    }
+    held->output = std::move(*output);
+    return held;
 }
 
 }  // namespace tribus

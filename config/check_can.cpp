@@ -82,11 +82,11 @@ void check_pair(const CanUse& earlier, const CanUse& later, Mistakes& mistakes) 
 void check_lane_counts(const std::vector<CanUse>& uses, Mistakes& mistakes) {
     std::map<std::string_view, std::size_t> outputs;
     for (const CanUse& use : uses) {
-        if (use.sends && ++outputs[use.port->device] == kMostLanes + 1) {
+        if (use.sends && ++outputs[use.port->device] == kMostCanOutputs + 1) {
             mistakes.add(use.port->where,
                          fmt::format("{} has more outputs than an interface can serve; allowed: "
                                      "{} outputs on one interface",
-                                     in_quotes(use.port->device), kMostLanes));
+                                     in_quotes(use.port->device), kMostCanOutputs));
         }
     }
 }

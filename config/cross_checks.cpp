@@ -2,20 +2,39 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "config/check_can.h"
+#include "config/check_lines.h"
+#include "config/read_dronecan.h"
+#include "config/read_values.h"
 #include "config/values.h"
 #include "core/quotes.h"
 
 namespace tribus {
 namespace {
 
+constexpr std::string_view kBus = "sensor_bus";
+
 struct PortUse {
     std::string_view direction;
     std::string_view name;
     const PortConfig* port = nullptr;
+    bool is_receiver_role = false;
+
+    /// Whether both may be on one device, if their line settings agree: one that listens and one
+    /// that speaks. A sensor answers in the pauses of a receiver whose servo frames are on the same
+    /// wire (ibus-sbus.md 1.6).
+    bool goes_with(const PortUse& other) const {
+        const auto pair = [&](std::string_view a, std::string_view b) {
+            return (direction == a && other.direction == b) ||
+                   (direction == b && other.direction == a);
+        };
+        return pair("input", "output") ||
+               (pair("input", kBus) && !is_receiver_role && !other.is_receiver_role);
+    }
 };
 
 std::string line_text(const LineSettings& line) {
@@ -35,6 +54,11 @@ std::vector<PortUse> port_uses(const Draft& draft) {
             uses.push_back({"output", output.config.name, &output.config.port});
         }
     }
+    for (const SensorBusDraft& bus : draft.sensor_buses) {
+        if (bus.port_sound) {
+            uses.push_back({kBus, bus.config.name, &bus.config.port, bus.config.receiver});
+        }
+    }
     return uses;
 }
 
@@ -43,16 +67,18 @@ void check_pair(const PortUse& earlier, const PortUse& later, Mistakes& mistakes
     const std::string already = fmt::format("device {} is already used by [{}.{}] in line {}",
                                             in_quotes(later.port->device), earlier.direction,
                                             earlier.name, earlier.port->where.line);
-    if (earlier.direction == later.direction) {
+    const bool bus = earlier.direction == kBus || later.direction == kBus;
+    if (!earlier.goes_with(later)) {
         mistakes.add(
             later.port->where,
-            fmt::format("{}; one device serves at most one input and one output", already));
+            fmt::format("{}; one device serves at most one input and one output{}", already,
+                        bus ? ", or one input and one sensor bus with role \"sensor\"" : ""));
     } else if (earlier.port->line != later.port->line) {
-        mistakes.add(
-            later.port->where,
-            fmt::format("{} with {}, here with {}; an input and an output may share a "
-                        "device if their line settings agree",
-                        already, line_text(earlier.port->line), line_text(later.port->line)));
+        mistakes.add(later.port->where,
+                     fmt::format("{} with {}, here with {}; an input and {} may share a "
+                                 "device if their line settings agree",
+                                 already, line_text(earlier.port->line),
+                                 line_text(later.port->line), bus ? "a sensor bus" : "an output"));
     }
 }
 
@@ -72,6 +98,13 @@ void check_devices(const Draft& draft, Mistakes& mistakes) {
     }
 }
 
+/// Without any pipeline there is something to do all the same.
+bool carries_values(const Draft& draft) {
+    return !draft.sensor_buses.empty() ||
+           std::ranges::any_of(draft.outputs,
+                               [](const OutputDraft& output) { return !output.needs_pipeline; });
+}
+
 void check_unused(const Draft& draft, Reading reading) {
     for (const InputDraft& input : draft.inputs) {
         const std::string& name = input.config.name;
@@ -85,7 +118,8 @@ void check_unused(const Draft& draft, Reading reading) {
     }
     for (const OutputDraft& output : draft.outputs) {
         const std::string& name = output.config.name;
-        if (!output.pipeline && !draft.outputs_uncertain && !reading.lost.mentions(name)) {
+        if (!output.pipeline && output.needs_pipeline && !draft.outputs_uncertain &&
+            !reading.lost.mentions(name)) {
             reading.mistakes.add(
                 output.where, fmt::format("no pipeline feeds output {}, so nothing would happen "
                                           "with it; name it in the \"to\" of a pipeline, or leave "
@@ -106,17 +140,18 @@ void check_timeout(const InputDraft& input, const PipelineConfig& pipeline, cons
         }
     }
     if (slowest == nullptr || !slowest->period_sound || !slowest->port_sound ||
-        !input.timeout_sound || input.config.timeout > slowest->config.schedule.period) {
+        !input.timeout_sound ||
+        input.config.supervision.timeout > slowest->config.schedule.period) {
         return;
     }
-    mistakes.add(
-        input.timeout.value_or(slowest->period),
-        fmt::format("the timeout of input {} is {}, but output {} sends every {}: each "
-                    "frame would be judged too old; allowed: a timeout longer than the "
-                    "period",
-                    in_quotes(input.config.name), in_quotes(format_duration(input.config.timeout)),
-                    in_quotes(slowest->config.name),
-                    in_quotes(format_duration(slowest->config.schedule.period))));
+    mistakes.add(input.timeout.value_or(slowest->period),
+                 fmt::format("the timeout of input {} is {}, but output {} sends every {}: each "
+                             "frame would be judged too old; allowed: a timeout longer than the "
+                             "period",
+                             in_quotes(input.config.name),
+                             in_quotes(format_duration(input.config.supervision.timeout)),
+                             in_quotes(slowest->config.name),
+                             in_quotes(format_duration(slowest->config.schedule.period))));
 }
 
 /// Where the protocol tells how often its frames come.
@@ -125,13 +160,14 @@ void check_cycle(const InputDraft& input, Mistakes& mistakes) {
     const bool judged = config.protocol != nullptr && config.protocol->own_period != nullptr &&
                         input.settings_sound && input.timeout_sound;
     const auto cycle = judged ? config.protocol->own_period(config.settings) : std::nullopt;
-    if (cycle && config.timeout <= *cycle) {
+    if (cycle && config.supervision.timeout <= *cycle) {
         mistakes.add(
             input.timeout.value_or(input.where),
             fmt::format("the timeout of input {} is {}{}, but its messages come every {}: each "
                         "pause between two would be judged a loss; allowed: a longer timeout, "
                         "best three times as long",
-                        in_quotes(config.name), in_quotes(format_duration(config.timeout)),
+                        in_quotes(config.name),
+                        in_quotes(format_duration(config.supervision.timeout)),
                         input.timeout ? "" : " by default", in_quotes(format_duration(*cycle))));
     }
 }
@@ -141,7 +177,10 @@ void check_cycle(const InputDraft& input, Mistakes& mistakes) {
 void check_across(const Draft& draft, Reading reading) {
     check_devices(draft, reading.mistakes);
     check_can_ids(draft, reading.mistakes);
-    if (draft.pipelines.empty()) {
+    check_dronecan(draft, reading.mistakes);
+    check_values(draft, reading);
+    const bool only_values = draft.inputs.empty() && carries_values(draft);
+    if (draft.pipelines.empty() && !only_values) {
         if (!reading.lost.mentions("pipeline")) {
             reading.mistakes.add({1, 1},
                                  "there is no pipeline, so nothing would happen; a pipeline joins "
@@ -150,11 +189,12 @@ void check_across(const Draft& draft, Reading reading) {
         return;
     }
     check_unused(draft, reading);
+    check_lines(draft, reading);
     for (const InputDraft& input : draft.inputs) {
         check_cycle(input, reading.mistakes);
     }
     for (const PipelineConfig& pipeline : draft.pipelines) {
-        for (const std::size_t index : pipeline.inputs) {
+        for (const std::size_t index : pipeline.selection.inputs) {
             check_timeout(draft.inputs[index], pipeline, draft, reading.mistakes);
         }
     }

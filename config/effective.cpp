@@ -1,13 +1,18 @@
 #include "config/effective.h"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <variant>
 
 #include "config/effective_channels.h"
+#include "config/effective_lines.h"
+#include "config/effective_values.h"
+#include "config/key_rows_pipelines.h"
 #include "config/keys.h"
+#include "config/read_supervision.h"
 #include "config/values.h"
 #include "config/write_toml.h"
 
@@ -37,16 +42,39 @@ Json port_json(const PortConfig& port, const Protocol& protocol) {
     return json;
 }
 
-Json input_json(const InputConfig& input) {
+Json supervision_json(const InputConfig& input) {
+    const SupervisionSettings& supervision = input.supervision;
     SettingValues values;
-    values.set("timeout", input.timeout);
-    Json json = port_json(input.port, *input.protocol);
-    json.update(values_json(values, input_keys()));
+    values.set("timeout", supervision.timeout);
+    if (has_flags(*input.protocol, input.settings)) {
+        values.set("failsafe_flag", supervision.failsafe_flag);
+        values.set("frame_lost_flag", supervision.frame_lost_flag);
+        values.set("frame_lost_run", supervision.frame_lost_run.value_or(supervision.timeout));
+        values.set("frame_lost_ratio", supervision.frame_lost_ratio);
+    }
+    values.set("frozen", supervision.frozen);
+    if (supervision.plausible) {
+        values.set("plausible", NumberRange{supervision.plausible->low.microseconds(),
+                                            supervision.plausible->high.microseconds()});
+    }
+    if (supervision.raw_zero) {
+        values.set("zero_guard", supervision.zero_guard);
+    }
+    Json json = values_json(values, input_keys());
     Json rules = Json::array();
-    for (const LossRule& rule : input.failsafe_when) {
-        rules.push_back(loss_rule_json(rule));
+    for (const ValueRule& rule : supervision.failsafe_when) {
+        rules.push_back(value_rule_json(rule));
     }
     json["failsafe_when"] = std::move(rules);
+    return json;
+}
+
+Json input_json(const InputConfig& input) {
+    Json json = port_json(input.port, *input.protocol);
+    json.update(supervision_json(input));
+    for (const ChannelRule& rule : input.channels) {
+        json["map"][std::to_string(rule.output + 1)] = channel_json(rule, {});
+    }
     json.update(values_json(input.settings, protocol_keys(*input.protocol, SettingScope::input)));
     return json;
 }
@@ -102,7 +130,14 @@ Json failsafe_json(const FailsafeSettings& failsafe) {
     values.set("hold", failsafe.hold);
     values.set("action", action);
     values.set("recover", failsafe.recover);
+    values.set("power_on", failsafe.power_on);
+    if (failsafe.slew_us_per_second) {
+        values.set("slew", *failsafe.slew_us_per_second);
+    }
     Json json = values_json(values, output_failsafe_keys());
+    if (failsafe.release_when) {
+        json["release_when"] = value_rule_json(*failsafe.release_when);
+    }
     if (failsafe.action == FailsafeAction::preset) {
         json["preset"] = presets_json(failsafe.presets);
     }
@@ -120,10 +155,26 @@ Json names_json(const std::vector<std::size_t>& indices, const Ports& ports) {
 
 Json pipeline_json(const PipelineConfig& pipeline, const Configuration& configuration) {
     Json json = Json::object();
-    json["from"] = names_json(pipeline.inputs, configuration.inputs);
+    SettingValues values;
+    const SelectionSettings& selection = pipeline.selection;
+    json["from"] = names_json(pipeline.selection.inputs, configuration.inputs);
     json["to"] = names_json(pipeline.outputs, configuration.outputs);
+    values.set("mode",
+               std::string(key_rows::kModeChoices[static_cast<std::size_t>(selection.mode)]));
+    if (selection.mode == SelectionMode::median) {
+        values.set("tolerance", selection.tolerance.microseconds());
+    }
+    if (selection.changeover_us_per_second) {
+        values.set("changeover", *selection.changeover_us_per_second);
+    }
+    json.update(values_json(values, pipeline_keys()));
+    if (selection.handover) {
+        const std::size_t input = selection.inputs[selection.handover->input];
+        json["handover"]["input"] = configuration.inputs[input].name;
+        json["handover"]["channel"] = selection.handover->channel + 1;
+    }
     for (const ChannelRule& rule : pipeline.channels) {
-        json["channels"][std::to_string(rule.output + 1)] = channel_json(rule);
+        json["channels"][std::to_string(rule.output + 1)] = channel_json(rule, configuration.lines);
     }
     for (std::size_t i = 0; i < pipeline.outputs.size(); ++i) {
         const std::string& output = configuration.outputs[pipeline.outputs[i]].name;
@@ -143,6 +194,21 @@ Json effective(const Configuration& configuration) {
     }
     for (const PipelineConfig& pipeline : configuration.pipelines) {
         json["pipeline"][pipeline.name] = pipeline_json(pipeline, configuration);
+    }
+    for (const LineConfig& line : configuration.lines) {
+        json["gpio"][line.name] = line_json(line, configuration);
+    }
+    for (const SensorType& type : configuration.sensor_types) {
+        json["sensor_type"][type.name] = sensor_type_json(type);
+    }
+    for (const ValuesConfig& values : configuration.values) {
+        json["values"][values.name] = named_values_json(values);
+    }
+    for (const SensorBusConfig& bus : configuration.sensor_buses) {
+        json["sensor_bus"][bus.name] = sensor_bus_json(bus);
+    }
+    for (const DroneCanConfig& node : configuration.dronecan) {
+        json["dronecan"][node.name] = dronecan_json(node);
     }
     return json;
 }

@@ -30,6 +30,13 @@ void set_pulse(SettingValues& values, std::string_view key, const std::optional<
     }
 }
 
+void set_range(SettingValues& values, std::string_view key,
+               const std::optional<PulseRange>& range) {
+    if (range) {
+        values.set(key, NumberRange{range->low.microseconds(), range->high.microseconds()});
+    }
+}
+
 Json mix_json(const Mix& mix) {
     Json json = Json::object();
     for (const MixTerm& term : mix.terms) {
@@ -98,6 +105,8 @@ Json value_json(SettingType type, const SettingValue& value) {
             using Content = std::decay_t<decltype(content)>;
             if constexpr (std::is_same_v<Content, Duration>) {
                 return format_duration(content);
+            } else if constexpr (std::is_same_v<Content, NumberRange>) {
+                return Json::array({number_json(content.low), number_json(content.high)});
             } else if constexpr (std::is_same_v<Content, TwoPoints>) {
                 return points_json(content);
             } else if constexpr (std::is_same_v<Content, SettingFile>) {
@@ -124,15 +133,20 @@ Json values_json(const SettingValues& values, std::span<const Key> keys) {
     return json;
 }
 
-Json loss_rule_json(const LossRule& rule) {
+Json value_rule_json(const ValueRule& rule) {
     SettingValues values;
-    values.set("channel", number_of(rule.channel));
+    if (rule.all_zero) {
+        values.set("all_zero", true);
+    } else {
+        values.set("channel", number_of(rule.channel));
+    }
     set_pulse(values, "below", rule.below);
     set_pulse(values, "above", rule.above);
+    set_range(values, "between", rule.between);
     return values_json(values, loss_rule_keys());
 }
 
-Json channel_json(const ChannelRule& rule) {
+Json channel_json(const ChannelRule& rule, std::span<const LineConfig> lines) {
     SettingValues values;
     const auto* from = std::get_if<FromChannel>(&rule.source);
     if (from != nullptr && unshaped(rule)) {
@@ -140,6 +154,8 @@ Json channel_json(const ChannelRule& rule) {
     }
     if (const auto* fixed = std::get_if<Fixed>(&rule.source)) {
         values.set("fixed", fixed->pulse.microseconds());
+    } else if (const auto* line = std::get_if<FromLine>(&rule.source)) {
+        values.set("line", lines[line->line].name);
     } else if (const auto* limits = std::get_if<Switch>(&rule.source)) {
         values.set("from", number_of(limits->channel));
         set_pulse(values, "above", limits->above);

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "config/keys.h"
+#include "config/schema.h"
 #include "pipelines/settings.h"
 
 /// Parts of the effective configuration as JSON that reads as the file would.
@@ -18,9 +19,9 @@ nlohmann::ordered_json value_json(SettingType type, const SettingValue& value);
 /// The values that `keys` name, in their order and as their types are written.
 nlohmann::ordered_json values_json(const SettingValues& values, std::span<const Key> keys);
 
-nlohmann::ordered_json loss_rule_json(const LossRule& rule);
+nlohmann::ordered_json value_rule_json(const ValueRule& rule);
 
 /// A number for a channel that passes as it is, else a table with everything.
-nlohmann::ordered_json channel_json(const ChannelRule& rule);
+nlohmann::ordered_json channel_json(const ChannelRule& rule, std::span<const LineConfig> lines);
 
 }  // namespace tribus

@@ -89,9 +89,12 @@ Json port_schema(const Key& tables) {
     for (const std::string& name : own_key_names(*tables.protocol_scope)) {
         json["properties"][name] = true;
     }
+    json["properties"]["protocol"]["enum"] = protocol_names(*tables.protocol_scope);
     json["allOf"] = Json::array();
     for (const Protocol* protocol : protocols()) {
-        json["allOf"].push_back(protocol_branch(*protocol, *tables.protocol_scope));
+        if (protocol->goes(*tables.protocol_scope)) {
+            json["allOf"].push_back(protocol_branch(*protocol, *tables.protocol_scope));
+        }
     }
     return json;
 }
@@ -132,6 +135,17 @@ Json channels_schema(const Key& key) {
     return by_channel({{"anyOf", Json::array({number, std::move(table)})}});
 }
 
+Json texts_schema() {
+    const Json text = {{"type", "string"}, {"minLength", 1}};
+    return {{"type", "object"}, {"additionalProperties", text}, {"minProperties", 1}};
+}
+
+Json line_schema() {
+    const Json number = {{"type", "integer"}, {"minimum", 0}};
+    const Json name = {{"type", "string"}, {"minLength", 1}};
+    return {{"anyOf", Json::array({number, name})}};
+}
+
 Json shape_schema(const Key& key) {
     switch (key.kind) {
         case KeyKind::value:
@@ -150,6 +164,10 @@ Json shape_schema(const Key& key) {
             return table_schema(key.inside);
         case KeyKind::named_tables:
             return named_tables_schema(key);
+        case KeyKind::texts:
+            return texts_schema();
+        case KeyKind::line:
+            return line_schema();
         case KeyKind::channels:
             return channels_schema(key);
     }

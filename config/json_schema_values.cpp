@@ -62,6 +62,8 @@ Json type_schema(const Setting& setting) {
         case SettingType::number:
         case SettingType::pulse:
             return number_schema(setting);
+        case SettingType::pulses:
+            return pair_schema(number_schema(setting));
         case SettingType::choice:
             return choices_schema(setting);
         case SettingType::duration:

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <span>
-#include <utility>
+#include <vector>
 
 #include "config/keys.h"
 #include "core/quotes.h"
@@ -59,10 +60,15 @@ std::string home_in(std::string_view name, std::span<const Key> keys, const std:
 std::string home_of_key(std::string_view name, std::string_view side, std::string_view protocol) {
     const std::span<const Key> all = root_keys();
     const std::span<const Key> own = side.empty() ? all : std::span(&key_named(all, side), 1);
+    std::vector<Key> ports;
+    std::ranges::copy_if(all, std::back_inserter(ports),
+                         [](const Key& key) { return key.protocol_scope.has_value(); });
     std::string home = home_in(name, own, {}, protocol);
-    for (const auto& [keys, only] : {std::pair(all, protocol), std::pair(own, std::string_view{}),
-                                     std::pair(all, std::string_view{})}) {
-        home = home.empty() ? home_in(name, keys, {}, only) : home;
+    if (home.empty() && !protocol.empty()) {
+        home = home_in(name, ports, {}, protocol);
+    }
+    for (const auto keys : {own, all}) {
+        home = home.empty() ? home_in(name, keys, {}, {}) : home;
     }
     return home;
 }

@@ -24,6 +24,8 @@ enum class KeyKind : std::uint8_t {
     list,          ///< a list of tables with the keys `inside`
     table,         ///< a table with the keys `inside`
     named_tables,  ///< tables with the keys `inside`, under names that the user chooses
+    texts,         ///< { name = text }, under names that the user chooses
+    line,          ///< a GPIO line: its number on a chip, or its name
     channels,      ///< { channel number = channel number, or a table with the keys `inside` }
 };
 
@@ -44,9 +46,20 @@ std::span<const Key> runtime_keys();
 std::span<const Key> input_keys();
 std::span<const Key> output_keys();
 std::span<const Key> loss_rule_keys();
+std::span<const Key> release_rule_keys();
+std::span<const Key> handover_keys();
 std::span<const Key> pipeline_keys();
 std::span<const Key> channel_keys();
 std::span<const Key> failsafe_keys();
+/// Those that a GPIO line may have, whatever its role.
+std::span<const Key> line_keys();
+/// Those that a sensor bus may have, whatever its role.
+std::span<const Key> sensor_bus_keys();
+/// Those of one entry of its `sensor`.
+std::span<const Key> sensor_keys();
+std::span<const Key> sensor_type_keys();
+std::span<const Key> values_keys();
+std::span<const Key> dronecan_keys();
 /// Those of [pipeline.NAME.failsafe.output.NAME].
 std::span<const Key> output_failsafe_keys();
 
@@ -67,6 +80,8 @@ std::span<const std::string_view> shaping_key_names();
 
 inline constexpr double kLeastPulse = 500;
 inline constexpr double kMostPulse = 2500;
+/// No wire carries a longer one; received values may lie outside of what a rule may send.
+inline constexpr double kMostWirePulse = 4095;
 /// A mix needs no more to swap and scale; keeps sums far from the ends of a pulse.
 inline constexpr double kMostWeight = 10;
 /// What `preset` holds where the file gives none: throttle low, the rest centred.

@@ -8,10 +8,13 @@
 #include <utility>
 
 #include "config/cross_checks.h"
+#include "config/read_dronecan.h"
 #include "config/read_file.h"
+#include "config/read_line.h"
 #include "config/read_pipeline.h"
 #include "config/read_ports.h"
 #include "config/read_table.h"
+#include "config/read_values.h"
 #include "core/quotes.h"
 
 namespace tribus {
@@ -85,6 +88,26 @@ RuntimeConfig read_runtime(const Entry* entry, Reading reading) {
     return runtime;
 }
 
+void read_value_tables(const TableContent& content, Draft& draft, Reading reading) {
+    for_each_named(content.find("sensor_type"), reading,
+                   [&](const Entry& entry, const Table& table) {
+                       draft.sensor_types.push_back(read_sensor_type(entry, table, reading));
+                       draft.sensor_type_places.push_back(entry.where);
+                   });
+    const bool values_known = for_each_named(
+        content.find("values"), reading, [&](const Entry& entry, const Table& table) {
+            draft.values.push_back(read_values(entry, table, reading));
+        });
+    const bool buses_known = for_each_named(
+        content.find("sensor_bus"), reading, [&](const Entry& entry, const Table& table) {
+            draft.sensor_buses.push_back(read_sensor_bus(entry, table, draft, reading));
+        });
+    draft.value_names_known = values_known && buses_known;
+    for_each_named(content.find("dronecan"), reading, [&](const Entry& entry, const Table& table) {
+        draft.dronecan.push_back(read_dronecan(entry, table, reading));
+    });
+}
+
 Draft read_draft(const Document& document, Mistakes& mistakes) {
     const Reading reading{document.lost, mistakes};
     const TableContent content =
@@ -99,6 +122,11 @@ Draft read_draft(const Document& document, Mistakes& mistakes) {
         content.find("output"), reading, [&](const Entry& entry, const Table& table) {
             draft.outputs.push_back(read_output(entry, table, reading));
         });
+    draft.line_names_known =
+        for_each_named(content.find("gpio"), reading, [&](const Entry& entry, const Table& table) {
+            draft.lines.push_back(read_line(entry, table, draft, reading));
+        });
+    read_value_tables(content, draft, reading);
     for_each_named(content.find("pipeline"), reading, [&](const Entry& entry, const Table& table) {
         draft.pipelines.push_back(read_pipeline(entry, table, draft, reading));
     });
@@ -117,6 +145,19 @@ Configuration finish(Draft draft, std::string_view file_name) {
         configuration.outputs.push_back(std::move(output.config));
     }
     configuration.pipelines = std::move(draft.pipelines);
+    for (LineDraft& line : draft.lines) {
+        configuration.lines.push_back(std::move(line.config));
+    }
+    for (SensorBusDraft& bus : draft.sensor_buses) {
+        configuration.sensor_buses.push_back(std::move(bus.config));
+    }
+    configuration.sensor_types = std::move(draft.sensor_types);
+    for (ValuesDraft& values : draft.values) {
+        configuration.values.push_back(std::move(values.config));
+    }
+    for (DroneCanDraft& node : draft.dronecan) {
+        configuration.dronecan.push_back(std::move(node.config));
+    }
     return configuration;
 }
 

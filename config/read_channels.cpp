@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "config/nearest.h"
 #include "config/read_rules.h"
 #include "config/read_value.h"
 #include "config/values.h"
@@ -62,7 +63,9 @@ void check_combination(const TableContent& content, const TableRef& ref, Mistake
                                             given_sources(content), in_quotes_all(sources)));
         return;
     }
-    std::string_view shapeless = content.given("fixed") ? "fixed" : "";
+    std::string_view shapeless = content.given("fixed")  ? "fixed"
+                                 : content.given("line") ? "line"
+                                                         : "";
     for (const std::string_view limit : kSwitchLimits) {
         if (content.given(limit) && !content.given("from")) {
             mistakes.add(content.find(limit)->where,
@@ -84,9 +87,47 @@ void check_combination(const TableContent& content, const TableRef& ref, Mistake
     check_limits(content, "below", "above", "the switch would always be on", mistakes);
 }
 
-ChannelSource read_source(const TableContent& content, Mistakes& mistakes) {
+/// The button of that name, or the one that it most likely means.
+FromLine read_line_name(const TableContent& content, Draft* draft, Reading reading) {
+    const auto* name = content.values().find_as<std::string>("line");
+    if (draft == nullptr) {
+        reading.mistakes.add(content.find("line")->where,
+                             "\"line\" makes a channel of an output; it stands in "
+                             "[pipeline.NAME.channels] only");
+        return {};
+    }
+    if (name == nullptr) {
+        draft->channels_uncertain = true;
+        return {};
+    }
+    std::vector<std::string_view> buttons;
+    for (const LineDraft& line : draft->lines) {
+        if (line.config.task.role == LineRole::button || !line.role_sound) {
+            buttons.emplace_back(line.config.name);
+        }
+    }
+    const bool known = std::ranges::find(buttons, *name) != buttons.end();
+    const auto meant = known ? std::optional<std::string_view>(*name) : nearest(*name, buttons);
+    draft->channels_uncertain = draft->channels_uncertain || !meant;
+    if (!known && draft->line_names_known && !reading.lost.mentions(*name)) {
+        reading.mistakes.add(
+            content.where("line"),
+            buttons.empty()
+                ? fmt::format("no line with role \"button\" is named {}; it takes a [gpio.{}] "
+                              "with role = \"button\"",
+                              in_quotes(*name), *name)
+                : fmt::format("no line with role \"button\" is named {}; {}", in_quotes(*name),
+                              suggestion(*name, buttons)));
+    }
+    return {meant ? index_of(draft->lines, *meant).value_or(0) : 0};
+}
+
+ChannelSource read_source(const TableContent& content, Draft* draft, Reading reading) {
     if (const Entry* mix = content.find("mix")) {
-        return read_mix(mix->value, mistakes);
+        return read_mix(mix->value, reading.mistakes);
+    }
+    if (content.given("line")) {
+        return read_line_name(content, draft, reading);
     }
     if (content.given("fixed")) {
         return Fixed{pulse_of(content, "fixed").value_or(kCentrePulse)};
@@ -99,13 +140,13 @@ ChannelSource read_source(const TableContent& content, Mistakes& mistakes) {
     return FromChannel{channel};
 }
 
-ChannelRule read_rule(std::size_t output, const TableRef& ref, Reading reading) {
+ChannelRule read_rule(std::size_t output, const TableRef& ref, Draft* draft, Reading reading) {
     const TableContent content = read_table(ref, channel_keys(), reading);
     check_combination(content, ref, reading.mistakes);
     const SettingValues& values = content.values();
     ChannelRule rule;
     rule.output = output;
-    rule.source = read_source(content, reading.mistakes);
+    rule.source = read_source(content, draft, reading);
     rule.deadband = pulse_of(content, "deadband").value_or(Pulse{});
     rule.expo = values.get_or("expo", 0.0);
     rule.reverse = values.get_or("reverse", false);
@@ -118,7 +159,7 @@ ChannelRule read_rule(std::size_t output, const TableRef& ref, Reading reading) 
     return rule;
 }
 
-std::optional<ChannelRule> read_channel(const Entry& entry, Reading reading) {
+std::optional<ChannelRule> read_channel(const Entry& entry, Draft* draft, Reading reading) {
     const auto output = channel_of(entry.key);
     if (!output) {
         reading.mistakes.add(entry.where, fmt::format("{} is not an output channel; allowed: {}",
@@ -126,7 +167,8 @@ std::optional<ChannelRule> read_channel(const Entry& entry, Reading reading) {
         return std::nullopt;
     }
     if (const auto* table = entry.value.as<Table>()) {
-        return read_rule(*output, {*table, entry.value.where, "channel " + entry.key}, reading);
+        return read_rule(*output, {*table, entry.value.where, "channel " + entry.key}, draft,
+                         reading);
     }
     const auto* number = entry.value.as<std::int64_t>();
     if (number != nullptr && *number >= 1 && *number <= std::int64_t{kChannelCount}) {
@@ -145,19 +187,27 @@ std::optional<ChannelRule> read_channel(const Entry& entry, Reading reading) {
 
 }  // namespace
 
-std::vector<ChannelRule> read_channels(const Value& value, const std::string& title,
+std::vector<ChannelRule> read_channels(const Value& value, const std::string& title, Draft* draft,
                                        Reading reading) {
     std::vector<ChannelRule> rules;
     const auto* table = value.as<Table>();
+    const auto lose_one = [draft] {
+        if (draft != nullptr) {
+            draft->channels_uncertain = true;
+        }
+    };
     if (table == nullptr) {
+        lose_one();
         reading.mistakes.add(
             value.where,
             fmt::format("{} is {}; allowed: a table, such as {{ 1 = 2 }}", title, describe(value)));
         return rules;
     }
     for (const Entry& entry : table->entries) {
-        if (auto rule = read_channel(entry, reading)) {
+        if (auto rule = read_channel(entry, draft, reading)) {
             rules.push_back(std::move(*rule));
+        } else {
+            lose_one();
         }
     }
     std::sort(rules.begin(), rules.end(),

@@ -19,6 +19,9 @@ namespace {
 struct Given {
     std::optional<Duration> hold;
     std::optional<Duration> recover;
+    std::optional<Duration> power_on;
+    std::optional<double> slew_us_per_second;
+    std::optional<ValueRule> release_when;
     std::optional<FailsafeAction> action;
     std::optional<Presets> presets;
     bool action_sound = true;
@@ -36,7 +39,7 @@ std::optional<FailsafeAction> action_of(const TableContent& content) {
                              : FailsafeAction::silence;
 }
 
-Given read_given(const TableContent& content, Mistakes& mistakes) {
+Given read_given(const TableContent& content, Reading reading) {
     Given given;
     const auto duration = [&content](std::string_view key) {
         return content.given(key) && content.sound(key)
@@ -45,11 +48,21 @@ Given read_given(const TableContent& content, Mistakes& mistakes) {
     };
     given.hold = duration("hold");
     given.recover = duration("recover");
+    given.power_on = duration("power_on");
+    if (const auto* slew = content.values().find_as<double>("slew")) {
+        given.slew_us_per_second = *slew;
+    }
+    if (const Entry* release = content.find("release_when")) {
+        given.release_when =
+            read_value_rule({release->value, "\"release_when\"", "{ channel = 3, below = 1050 }",
+                             "every value would release", release_rule_keys()},
+                            reading);
+    }
     given.action = action_of(content);
     given.action_sound = content.sound("action");
     given.action_where = content.where("action");
     if (const Entry* preset = content.find("preset")) {
-        given.presets = read_presets(preset->value, mistakes);
+        given.presets = read_presets(preset->value, reading.mistakes);
         given.preset_where = preset->where;
     }
     return given;
@@ -97,7 +110,7 @@ GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, c
         const TableContent content =
             read_table({*table, entry.value.where, fmt::format("[{}.{}]", path, entry.key)},
                        output_failsafe_keys(), reading);
-        result.emplace(entry.key, read_given(content, reading.mistakes));
+        result.emplace(entry.key, read_given(content, reading));
     }
     return result;
 }
@@ -112,6 +125,10 @@ FailsafeSettings combine(const Given& own, const Given& shared, const OutputConf
     FailsafeSettings settings;
     settings.hold = own.hold ? *own.hold : shared.hold.value_or(settings.hold);
     settings.recover = own.recover ? *own.recover : shared.recover.value_or(settings.recover);
+    settings.power_on = own.power_on ? *own.power_on : shared.power_on.value_or(settings.power_on);
+    settings.slew_us_per_second =
+        own.slew_us_per_second ? own.slew_us_per_second : shared.slew_us_per_second;
+    settings.release_when = own.release_when ? own.release_when : shared.release_when;
     settings.action = own.action ? *own.action : shared.action.value_or(default_action(output));
     settings.presets = own.presets ? *own.presets : shared.presets.value_or(default_presets());
     return settings;
@@ -150,7 +167,7 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
     if (table != nullptr) {
         const TableContent content =
             read_table({*table, entry->value.where, title}, failsafe_keys(), reading);
-        shared = read_given(content, reading.mistakes);
+        shared = read_given(content, reading);
         if (const Entry* outputs = content.find("output")) {
             own = read_outputs(outputs->value, pipeline, draft, reading);
         }

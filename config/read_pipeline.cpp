@@ -10,6 +10,7 @@
 #include "config/nearest.h"
 #include "config/read_failsafe.h"
 #include "config/read_rules.h"
+#include "config/read_selection.h"
 #include "core/quotes.h"
 
 namespace tribus {
@@ -46,16 +47,6 @@ std::optional<std::vector<Name>> read_names(std::string_view key, std::string_vi
             return refuse(item, "a list with " + describe(item));
         }
         names.push_back({*text, item.where});
-    }
-    return names;
-}
-
-template <class Drafts>
-std::vector<std::string_view> names_in(const Drafts& drafts) {
-    std::vector<std::string_view> names;
-    names.reserve(drafts.size());
-    for (const auto& draft : drafts) {
-        names.emplace_back(draft.config.name);
     }
     return names;
 }
@@ -99,7 +90,7 @@ void read_from(const TableContent& content, PipelineConfig& pipeline, Draft& dra
         if (const auto index = resolve(name, "input", draft.inputs, draft.input_names_known,
                                        draft.inputs_uncertain, reading)) {
             draft.inputs[*index].used = true;
-            add_index(pipeline.inputs, *index, name, "input", reading.mistakes);
+            add_index(pipeline.selection.inputs, *index, name, "input", reading.mistakes);
         }
     }
 }
@@ -139,9 +130,10 @@ PipelineConfig read_pipeline(const Entry& entry, const Table& table, Draft& draf
         read_table({table, entry.value.where, title}, pipeline_keys(), reading);
     read_from(content, pipeline, draft, reading);
     read_to(content, pipeline, draft, reading);
+    read_selection(content, title, pipeline.selection, draft, reading);
     if (const Entry* channels = content.find("channels")) {
         pipeline.channels = read_channels(
-            channels->value, fmt::format("[pipeline.{}.channels]", entry.key), reading);
+            channels->value, fmt::format("[pipeline.{}.channels]", entry.key), &draft, reading);
     }
     pipeline.failsafe = read_failsafe(content.find("failsafe"), pipeline, draft, reading);
     return pipeline;

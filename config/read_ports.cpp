@@ -8,6 +8,7 @@
 
 #include "config/nearest.h"
 #include "config/read_rules.h"
+#include "config/read_supervision.h"
 #include "config/values.h"
 #include "core/quotes.h"
 #include "transports/registry/registry.h"
@@ -89,7 +90,7 @@ Location where_of(const std::vector<std::string>& path, const TableContent& cont
 /// What the protocol itself finds wrong, if its keys are sound each. Returns whether it is content.
 bool check_by_protocol(const PortKeys& port, const SettingValues& settings, SettingScope scope,
                        const TableContent& content, Mistakes& mistakes) {
-    if (port.protocol == nullptr) {
+    if (port.protocol == nullptr || !port.protocol->goes(scope)) {
         return false;
     }
     for (const Setting& setting : port.protocol->settings) {
@@ -194,6 +195,17 @@ void check_phase(const OutputConfig& output, const TableContent& content, Mistak
     }
 }
 
+void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {
+    const SettingValues& settings = draft.config.settings;
+    draft.needs_pipeline = protocol.needs_pipeline == nullptr || protocol.needs_pipeline(settings);
+    if (protocol.value_names == nullptr) {
+        return;
+    }
+    for (const NamedUse& use : protocol.value_names(settings)) {
+        draft.used_values.push_back({use.name, where_of(use.path, content)});
+    }
+}
+
 }  // namespace
 
 InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
@@ -216,9 +228,11 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
     draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::input,
                                              content, reading.mistakes);
     draft.config.port = port_config(port, content);
-    draft.config.timeout = content.values().get_or("timeout", Duration::zero());
-    if (const Entry* rules = content.find("failsafe_when")) {
-        draft.config.failsafe_when = read_loss_rules(rules->value, reading);
+    draft.config.supervision = read_supervision(content, port.protocol, draft.config.settings,
+                                                draft.settings_sound, reading);
+    if (const Entry* map = content.find("map")) {
+        draft.config.channels =
+            read_channels(map->value, fmt::format("[input.{}.map]", entry.key), nullptr, reading);
     }
     return draft;
 }
@@ -240,6 +254,12 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     draft.config.settings = own_settings(port, content);
     draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::output,
                                              content, reading.mistakes);
+    if (draft.settings_sound) {
+        read_values_used(*port.protocol, content, draft);
+    } else if (port.protocol != nullptr && port.protocol->needs_pipeline != nullptr) {
+        // Perhaps it carries values only: another mistake hides that.
+        draft.needs_pipeline = false;
+    }
     draft.config.yield_to_foreign_sender =
         content.values().get_or<std::string>("foreign_sender", {}) != "ignore";
     draft.config.port = port_config(port, content);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 
 #include "config/nearest.h"
@@ -12,32 +14,61 @@
 namespace tribus {
 namespace {
 
-constexpr std::string_view kLossRuleExample = "[{ channel = 3, below = 950 }]";
-
-std::optional<LossRule> read_loss_rule(const Value& value, Reading reading) {
-    const auto* table = value.as<Table>();
-    if (table == nullptr) {
-        reading.mistakes.add(value.where,
-                             fmt::format("a rule of \"failsafe_when\" is {}; allowed: a table, "
+void check_value_rule(const RuleRef& ref, const TableContent& content, Reading reading) {
+    const Location where = ref.value.where;
+    const bool limited = has_value_limit(content);
+    if (content.values().get_or("all_zero", false)) {
+        if (content.given("channel") || limited) {
+            reading.mistakes.add(content.where("all_zero"),
+                                 "\"all_zero\" judges all channels; it stands alone in its rule");
+        }
+        return;
+    }
+    if (reading.lost.hurts(where)) {
+        return;
+    }
+    if (!content.given("channel")) {
+        reading.mistakes.add(where, fmt::format("{} has no \"channel\"; required, such as {}",
+                                                ref.title, ref.example));
+    }
+    if (!limited) {
+        reading.mistakes.add(where,
+                             fmt::format("{} has no limit; at least one of {} is required, "
                                          "such as {}",
-                                         describe(value), kLossRuleExample));
-        return std::nullopt;
+                                         ref.title, in_quotes_all(kValueLimits), ref.example));
     }
-    const TableContent content =
-        read_table({*table, value.where, "a rule of \"failsafe_when\""}, loss_rule_keys(), reading);
-    if (!content.given("below") && !content.given("above") && !reading.lost.hurts(value.where)) {
-        reading.mistakes.add(value.where,
-                             fmt::format("a rule of \"failsafe_when\" has no limit; at least one "
-                                         "of \"below\" and \"above\" is required, such as {}",
-                                         kLossRuleExample));
-    }
-    check_limits(content, "below", "above", "every value would be loss", reading.mistakes);
-    const auto channel = content.values().get_or<std::int64_t>("channel", 1);
-    return LossRule{static_cast<std::size_t>(channel - 1), pulse_of(content, "below"),
-                    pulse_of(content, "above")};
+    check_limits(content, "below", "above", ref.otherwise, reading.mistakes);
 }
 
 }  // namespace
+
+std::optional<ValueRule> read_value_rule(const RuleRef& ref, Reading reading) {
+    const auto* table = ref.value.as<Table>();
+    if (table == nullptr) {
+        reading.mistakes.add(ref.value.where,
+                             fmt::format("{} is {}; allowed: a table, such as {}", ref.title,
+                                         describe(ref.value), ref.example));
+        return std::nullopt;
+    }
+    const TableContent content =
+        read_table({*table, ref.value.where, ref.title}, ref.keys, reading);
+    check_value_rule(ref, content, reading);
+    return value_rule_of(content);
+}
+
+ValueRule value_rule_of(const TableContent& content) {
+    const auto channel = content.values().get_or<std::int64_t>("channel", 1);
+    return {.all_zero = content.values().get_or("all_zero", false),
+            .channel = static_cast<std::size_t>(channel - 1),
+            .below = pulse_of(content, "below"),
+            .above = pulse_of(content, "above"),
+            .between = pulses_of(content, "between")};
+}
+
+bool has_value_limit(const TableContent& content) {
+    return std::ranges::any_of(kValueLimits,
+                               [&](std::string_view limit) { return content.given(limit); });
+}
 
 std::optional<std::size_t> channel_of(std::string_view key) {
     std::size_t number = 0;
@@ -51,23 +82,6 @@ std::optional<std::size_t> channel_of(std::string_view key) {
 
 std::string allowed_channels() {
     return fmt::format("channel numbers from 1 to {}", kChannelCount);
-}
-
-std::vector<LossRule> read_loss_rules(const Value& value, Reading reading) {
-    std::vector<LossRule> rules;
-    const auto* list = value.as<List>();
-    if (list == nullptr) {
-        reading.mistakes.add(value.where, fmt::format("\"failsafe_when\" is {}; allowed: a list of "
-                                                      "rules, such as {}",
-                                                      describe(value), kLossRuleExample));
-        return rules;
-    }
-    for (const Value& item : list->items) {
-        if (const auto rule = read_loss_rule(item, reading)) {
-            rules.push_back(*rule);
-        }
-    }
-    return rules;
 }
 
 Presets default_presets() {
@@ -123,6 +137,14 @@ void check_limits(const TableContent& content, std::string_view lower, std::stri
                                  in_quotes(upper), format_number(high->microseconds()), otherwise,
                                  in_quotes(lower), in_quotes(upper)));
     }
+}
+
+std::optional<PulseRange> pulses_of(const TableContent& content, std::string_view key) {
+    const auto* range = content.values().find_as<NumberRange>(key);
+    return range == nullptr
+               ? std::nullopt
+               : std::optional(PulseRange{Pulse::from_fractional_microseconds(range->low),
+                                          Pulse::from_fractional_microseconds(range->high)});
 }
 
 std::optional<Pulse> pulse_of(const TableContent& content, std::string_view key) {

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/draft.h"
 #include "config/read_table.h"
 
 /// Values that are written by channel number, and rules about channels.
@@ -16,11 +17,25 @@ std::optional<std::size_t> channel_of(std::string_view key);
 /// What `channel_of` takes, for messages.
 std::string allowed_channels();
 
-/// `failsafe_when`.
-std::vector<LossRule> read_loss_rules(const Value& value, Reading reading);
+/// A rule about the value of one channel, or, where that is among `keys`, about all of them.
+/// `title` names it in messages, `example` shows one.
+struct RuleRef {
+    const Value& value;
+    std::string title;
+    std::string_view example;
+    std::string_view otherwise;  ///< what it would mean that every value matches
+    std::span<const Key> keys;
+};
+std::optional<ValueRule> read_value_rule(const RuleRef& ref, Reading reading);
+/// The rule that the keys of a table make.
+ValueRule value_rule_of(const TableContent& content);
+/// The keys that limit a value.
+inline constexpr std::array<std::string_view, 3> kValueLimits{"below", "above", "between"};
+bool has_value_limit(const TableContent& content);
 
-/// [pipeline.NAME.channels]
-std::vector<ChannelRule> read_channels(const Value& value, const std::string& title,
+/// [pipeline.NAME.channels] or [input.NAME.map]. Channels of a pipeline may be made from the lines
+/// of its draft; an input has none.
+std::vector<ChannelRule> read_channels(const Value& value, const std::string& title, Draft* draft,
                                        Reading reading);
 
 /// `preset`: complete for all channels; nothing if it is not a table.
@@ -33,5 +48,6 @@ void check_limits(const TableContent& content, std::string_view lower, std::stri
                   std::string_view otherwise, Mistakes& mistakes);
 
 std::optional<Pulse> pulse_of(const TableContent& content, std::string_view key);
+std::optional<PulseRange> pulses_of(const TableContent& content, std::string_view key);
 
 }  // namespace tribus

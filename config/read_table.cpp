@@ -83,8 +83,13 @@ std::vector<TableContent::Item> match(const TableRef& ref, std::span<const Key> 
     return items;
 }
 
-std::optional<SettingValue> read_protocol_name(const Value& value, Mistakes& mistakes) {
-    const auto names = protocol_names();
+SettingScope way_of(const TableRef& ref) {
+    return ref.side == "output" ? SettingScope::output : SettingScope::input;
+}
+
+std::optional<SettingValue> read_protocol_name(const TableRef& ref, const Value& value,
+                                               Mistakes& mistakes) {
+    const auto names = protocol_names(way_of(ref));
     const Setting setting{.key = "protocol", .type = SettingType::choice, .choices = names};
     return read_value(setting, value, mistakes);
 }
@@ -98,7 +103,7 @@ void report_missing(const TableRef& ref, const Key& key, Reading reading) {
         return;
     }
     const std::string meaning = key.kind == KeyKind::protocol
-                                    ? "one of " + in_quotes_all(protocol_names())
+                                    ? "one of " + in_quotes_all(protocol_names(way_of(ref)))
                                     : std::string(key.setting.help);
     reading.mistakes.add(ref.where, fmt::format("{} lacks {}; required: {}", ref.title,
                                                 in_quotes(key.name()), meaning));
@@ -144,7 +149,7 @@ TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading 
             }
         } else if (has_value(key) && !item->other_link) {
             auto value = key.kind == KeyKind::protocol
-                             ? read_protocol_name(item->entry->value, reading.mistakes)
+                             ? read_protocol_name(ref, item->entry->value, reading.mistakes)
                              : read_value(key.setting, item->entry->value, reading.mistakes);
             item->sound = value.has_value();
             if (value) {
@@ -170,6 +175,16 @@ std::vector<std::string_view> names_of(std::span<const Key> keys) {
     std::vector<std::string_view> names;
     for (const Key& key : keys) {
         names.push_back(key.name());
+    }
+    return names;
+}
+
+std::vector<std::string_view> protocol_names(SettingScope way) {
+    std::vector<std::string_view> names;
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->goes(way)) {
+            names.push_back(protocol->name);
+        }
     }
     return names;
 }

@@ -74,5 +74,7 @@ std::vector<std::string_view> names_of(std::span<const Key> keys);
 
 /// Names of all protocols in the registry.
 std::vector<std::string_view> protocol_names();
+/// Of those that an input, or an output, can have.
+std::vector<std::string_view> protocol_names(SettingScope way);
 
 }  // namespace tribus

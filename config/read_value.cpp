@@ -73,6 +73,18 @@ std::optional<SettingValue> read_number(const Setting& setting, const Value& val
     return number ? std::optional<SettingValue>(*number) : std::nullopt;
 }
 
+/// Two numbers within the limits, the lower one first.
+std::optional<SettingValue> read_range(const Setting& setting, const Value& value) {
+    const auto* list = value.as<List>();
+    if (list == nullptr || list->items.size() != 2) {
+        return std::nullopt;
+    }
+    const auto low = number_within(list->items[0], setting.least, setting.most);
+    const auto high = number_within(list->items[1], setting.least, setting.most);
+    return low && high && *low <= *high ? std::optional<SettingValue>(NumberRange{*low, *high})
+                                        : std::nullopt;
+}
+
 std::optional<SettingValue> read_text(const Setting& setting, const std::string& text) {
     switch (setting.type) {
         case SettingType::duration: {
@@ -104,6 +116,8 @@ std::optional<SettingValue> read_plain(const Setting& setting, const Value& valu
         case SettingType::number:
         case SettingType::pulse:
             return read_number(setting, value);
+        case SettingType::pulses:
+            return read_range(setting, value);
         default: {
             const auto* text = value.as<std::string>();
             return text != nullptr ? read_text(setting, *text) : std::nullopt;
@@ -141,6 +155,9 @@ std::string allowed_values(const Setting& setting) {
                 in_quotes(setting.fallback.empty() ? "14ms" : unquoted_fallback(setting)));
         case SettingType::pulse:
             return "microseconds" + limits;
+        case SettingType::pulses:
+            return fmt::format("two numbers of microseconds{}, the lower one first: [985, 995]",
+                               limits);
         case SettingType::slew:
             return fmt::format("microseconds a second{}, text such as \"2000us/s\"", limits);
         case SettingType::file:

@@ -1,16 +1,23 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/line_settings.h"
 #include "core/schedule.h"
 #include "core/setting.h"
 #include "core/time.h"
+#include "pipelines/sensor_bus/receiver_role.h"
 #include "pipelines/settings.h"
+#include "transports/codecs/dbc/file.h"
+#include "transports/codecs/ibus_sensor_types.h"
 #include "transports/codecs/protocol.h"
+#include "transports/links/gpio_place.h"
 
 /// The configuration as plain values: what a checked file means, with every default filled in.
 namespace tribus {
@@ -44,8 +51,8 @@ struct InputConfig {
     const Protocol* protocol = nullptr;
     SettingValues settings;  ///< the protocol's own keys
     PortConfig port;
-    Duration timeout{};
-    std::vector<LossRule> failsafe_when;
+    SupervisionSettings supervision;
+    std::vector<ChannelRule> channels;  ///< of the input itself, before any pipeline
 };
 
 struct OutputConfig {
@@ -60,10 +67,87 @@ struct OutputConfig {
 
 struct PipelineConfig {
     std::string name;
-    std::vector<std::size_t> inputs;   ///< indices, the preferred first
+    SelectionSettings selection;
     std::vector<std::size_t> outputs;  ///< indices
     std::vector<ChannelRule> channels;
     std::vector<FailsafeSettings> failsafe;  ///< one for each of `outputs`
+};
+
+/// A GPIO line and what it is for.
+struct LineConfig {
+    std::string name;
+    GpioPlace place;
+    Location where;  ///< of the value of `line`
+    bool active_low = false;
+    GpioBias bias = GpioBias::as_is;
+    LineTask task;
+};
+
+/// One sensor that the appliance is.
+struct SensorConfig {
+    SensorType type;
+    /// For each field of the type the name of its value; empty: none.
+    std::vector<std::string> values;
+    /// Where those names stand in the file.
+    std::vector<Location> where;
+    /// Absent: the units of value and field tell.
+    std::optional<double> scale;
+    double offset = 0;
+    std::optional<double> not_available;
+};
+
+struct SensorBusConfig {
+    std::string name;
+    PortConfig port;
+    bool receiver = false;
+    Wires wires = Wires::automatic;
+    SensorDialect dialect = SensorDialect::flysky;
+
+    std::vector<SensorConfig> sensors;
+    std::uint8_t address = 1;
+    bool chain = false;
+    Duration reply_after{};
+    Duration reply_within{};
+
+    Duration slot{};
+    bool power_up = true;
+    int probe_every = 0;
+    int drop_after = 0;
+    Duration timeout{};
+};
+
+/// A number that does not change.
+struct ConstantConfig {
+    double number = 0;
+    std::string unit;
+};
+
+/// A message whose signals are values.
+struct ValueMessageConfig {
+    PortConfig port;
+    SettingFile dbc;
+    std::string message;
+    DbcFile described;  ///< that message alone
+    Duration timeout{};
+    /// Names for signals, in the order of the file.
+    std::vector<std::pair<std::string, std::string>> names;
+};
+
+struct ValuesConfig {
+    std::string name;
+    std::variant<ConstantConfig, ValueMessageConfig> source;
+};
+
+/// [dronecan.NAME]: this program as a node of DroneCAN.
+struct DroneCanConfig {
+    std::string name;
+    PortConfig port;
+    /// With `dynamic` the one that it would like; absent: any, or that of an output.
+    std::optional<std::uint8_t> node_id;
+    bool dynamic = false;
+    std::string node_name;
+    bool allow_restart = false;
+    bool allow_writes = false;
 };
 
 struct Configuration {
@@ -72,6 +156,11 @@ struct Configuration {
     std::vector<InputConfig> inputs;
     std::vector<OutputConfig> outputs;
     std::vector<PipelineConfig> pipelines;
+    std::vector<LineConfig> lines;
+    std::vector<SensorBusConfig> sensor_buses;
+    std::vector<SensorType> sensor_types;
+    std::vector<ValuesConfig> values;
+    std::vector<DroneCanConfig> dronecan;
 };
 
 }  // namespace tribus

@@ -69,6 +69,7 @@ SettingValue default_of(const Setting& setting) {
             return parse_duration(text).value_or(Duration::zero());
         case SettingType::text:
         case SettingType::choice:
+        case SettingType::pulses:
         case SettingType::scale:
         case SettingType::file:
         case SettingType::tree:

@@ -6,6 +6,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "core/link_cause.h"
 #include "core/pulse.h"
 #include "core/time.h"
 
@@ -35,6 +36,8 @@ class ChannelFrame {
     std::uint8_t source = 0;
     Origin origin = Origin::unknown;
     std::uint8_t link_quality = kNoLinkQuality;
+    /// Why the input that it came from counts or not; of frames that an output makes.
+    LinkCause cause = LinkCause::never_seen;
     /// Counts the frames of one input, wrapping.
     std::uint32_t sequence = 0;
     /// When the last byte of the frame was read.
@@ -74,10 +77,13 @@ class ChannelFrame {
     /// To write those of many channels at once; only of channels that are not absent.
     std::array<Pulse, kChannelCount>& pulses() { return pulses_; }
 
+    /// Same channels, whatever the flags.
+    bool same_channels(const ChannelFrame& other) const {
+        return pulses_ == other.pulses_ && absent_ == other.absent_;
+    }
     /// Same channels and flags; where and when it came from does not count.
     bool same_content(const ChannelFrame& other) const {
-        return pulses_ == other.pulses_ && absent_ == other.absent_ &&
-               frame_lost == other.frame_lost && failsafe == other.failsafe;
+        return same_channels(other) && frame_lost == other.frame_lost && failsafe == other.failsafe;
     }
 
   private:

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/arrival_clock.h"
 #include "core/time.h"
 
 namespace tribus {
@@ -23,38 +24,6 @@ struct ScheduleSettings {
     Phase phase = Phase::free;
 };
 
-/// When frames of an input arrive, as far as the past tells. Pure; thread-bound.
-class ArrivalClock {
-  public:
-    void arrived(Instant now);
-
-    bool ever() const { return ever_; }
-    Instant latest() const { return latest_; }
-    /// Time between two frames, by the line through the latest arrivals; zero before the second.
-    Duration interval() const { return interval_; }
-    /// When the latest frame was due by the rhythm of those before it: its arrival without jitter.
-    Instant rhythm() const { return rhythm_; }
-    /// How long behind its place in the rhythm a late frame comes; about one in twenty comes later.
-    Duration lateness() const { return lateness_; }
-
-  private:
-    bool has_another_period(Duration delta);
-    void begin_rhythm(Instant now);
-    void follow_rhythm(Instant now);
-
-    Instant latest_{};
-    Duration interval_{};
-    Duration latest_delta_{};
-    int outliers_ = 0;
-    int steady_misfits_ = 0;
-    bool ever_ = false;
-    Instant rhythm_{};
-    Duration lateness_{};
-    int off_beat_ = 0;
-    Duration off_by_{};
-    int remembered_ = 0;
-};
-
 /// Decides when an output is due. Pure arithmetic on absolute instants; thread-bound.
 class Schedule {
   public:
@@ -65,6 +34,9 @@ class Schedule {
 
     /// An input frame that this output should carry arrived, the latest that `arrivals` knows.
     void frame_arrived(const ArrivalClock& arrivals);
+
+    /// From the next deadline on.
+    void set_period(Duration period) { settings_.period = period; }
 
     /// When the output is due next.
     Instant due() const { return due_; }

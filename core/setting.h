@@ -24,6 +24,7 @@ enum class SettingType : std::uint8_t {
     choice,    ///< text, one of `choices`
     duration,  ///< text with a unit: "500us", "14ms", "2s"
     pulse,     ///< microseconds, fractions allowed
+    pulses,    ///< [low, high], microseconds
     slew,      ///< text: "2000us/s"
     scale,     ///< one of `choices`, or { raw = [a, b], us = [c, d] }
     file,      ///< text: the path of a text file, from the folder of the configuration
@@ -35,6 +36,13 @@ struct TwoPoints {
     std::array<double, 2> raw{};
     std::array<double, 2> microseconds{};
     bool operator==(const TwoPoints&) const = default;
+};
+
+/// Two numbers, the lower one first; both ends belong to it.
+struct NumberRange {
+    double low = 0;
+    double high = 0;
+    bool operator==(const NumberRange&) const = default;
 };
 
 /// Where a protocol's own key may stand.
@@ -84,8 +92,8 @@ struct SettingEntry {
     bool operator==(const SettingEntry&) const = default;
 };
 
-using SettingValue = std::variant<bool, std::int64_t, double, std::string, Duration, TwoPoints,
-                                  SettingFile, SettingTree>;
+using SettingValue = std::variant<bool, std::int64_t, double, std::string, Duration, NumberRange,
+                                  TwoPoints, SettingFile, SettingTree>;
 
 /// What is wrong with one of a protocol's own keys.
 struct SettingMistake {

@@ -4,11 +4,11 @@
 set -eu
 
 # Packages of Debian 12 that the program is built from.
-build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-dev libspdlog-dev
-    libtomlplusplus-dev ninja-build nlohmann-json3-dev"
+build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-dev libgpiod-dev
+    libspdlog-dev libtomlplusplus-dev ninja-build nlohmann-json3-dev pkg-config"
 # And those that its tests need.
-test_packages="libgtest-dev librapidcheck-dev python3 python3-canmatrix python3-jsonschema sigrok-cli
-    tshark"
+test_packages="libgmock-dev libgtest-dev librapidcheck-dev python3 python3-canmatrix
+    python3-jsonschema sigrok-cli tshark"
 # What counts instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user valgrind"
 # The laboratory (tests/lab): an emulator, and what its guests run from the host's files.

@@ -26,6 +26,7 @@ Pulse from_deviation(double eighths) {
 /// Reads one output channel's source from an input frame.
 struct SourceReader {
     const ChannelFrame& input;
+    LineLevels lines;
 
     std::optional<Pulse> operator()(const FromChannel& from) const {
         return input.channel(from.channel);
@@ -49,6 +50,10 @@ struct SourceReader {
         const bool on =
             (!lever.above || *pulse > *lever.above) && (!lever.below || *pulse < *lever.below);
         return on ? kSwitchOnPulse : kSwitchOffPulse;
+    }
+    std::optional<Pulse> operator()(const FromLine& from) const {
+        const std::optional<bool> level = lines.of(from.line);
+        return level ? std::optional(*level ? kSwitchOnPulse : kSwitchOffPulse) : std::nullopt;
     }
 };
 
@@ -199,7 +204,7 @@ ChannelFrame ChannelMap::apply(const ChannelFrame& input, Instant now) {
     ChannelFrame output = input;
     straight_lanes_.apply(input, output);
     for (Lane& lane : lanes_) {
-        std::optional<Pulse> pulse = std::visit(SourceReader{input}, lane.source);
+        std::optional<Pulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
         if (pulse) {
             for (Filter& filter : lane.filters) {
                 pulse = std::visit([&](auto& step) { return step.apply(*pulse, now); }, filter);

@@ -9,6 +9,7 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
+#include "pipelines/line_words.h"
 #include "pipelines/settings.h"
 
 /// The filters of one pipeline. Each is a small struct; the set is closed.
@@ -82,6 +83,9 @@ class ChannelMap {
     /// is absent is absent. Flags, time and origin pass.
     ChannelFrame apply(const ChannelFrame& input, Instant now);
 
+    /// What input lines say from now on.
+    void set_lines(LineLevels levels) { lines_ = levels; }
+
     /// The output said `frame` instead (presets): a slew goes on from there.
     void restart_from(const ChannelFrame& frame, Instant now);
 
@@ -95,6 +99,7 @@ class ChannelMap {
 
     StraightLanes straight_lanes_;
     std::vector<Lane> lanes_;
+    LineLevels lines_ = kNoLineActive;
 };
 
 }  // namespace tribus

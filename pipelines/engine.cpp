@@ -5,14 +5,23 @@
 
 namespace tribus {
 
-Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs) {
+Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs,
+               std::vector<LineTask> lines, std::vector<dronecan::NodeSettings> nodes)
+    : line_roles_(std::move(lines)) {
+    for (dronecan::NodeSettings& settings : nodes) {
+        nodes_.push_back(std::make_unique<dronecan::Node>(std::move(settings)));
+    }
     inputs_.reserve(inputs.size());
     for (InputSettings& settings : inputs) {
         inputs_.emplace_back(std::move(settings), static_cast<std::uint8_t>(inputs_.size()));
     }
     outputs_.reserve(outputs.size());
     for (OutputSettings& settings : outputs) {
+        node_of_.push_back(settings.node);
         outputs_.emplace_back(std::move(settings));
+        if (node_of_.back()) {
+            outputs_.back().speak_as(nodes_[*node_of_.back()]->voice());
+        }
     }
     fed_by_.resize(inputs_.size());
     for (std::size_t output = 0; output < outputs_.size(); ++output) {
@@ -25,6 +34,9 @@ Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> ou
 }
 
 void Engine::start(Instant now) {
+    for (const auto& node : nodes_) {
+        node->start(now);
+    }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         outputs_[i].start(now);
         due_[i] = outputs_[i].due();
@@ -48,23 +60,59 @@ void Engine::watch_for_foreign_sender(std::size_t output, const CanFrame& frame,
     }
 }
 
+void Engine::set_lines(LineLevels levels, Instant now) {
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        outputs_[i].force_failsafe(line_roles_.forces(i, levels), now);
+        outputs_[i].pick_input(line_roles_.picked(outputs_[i].inputs(), levels));
+        outputs_[i].set_lines(levels);
+    }
+}
+
 Instant Engine::poll(Instant now) {
     Instant next = kNever;
     ran_.clear();
     for (std::size_t i = 0; i < due_.size(); ++i) {
         if (due_[i] <= now) {
+            for (const std::size_t input : outputs_[i].inputs()) {
+                inputs_[input].look(now);
+            }
             outputs_[i].run(now, inputs_);
             due_[i] = outputs_[i].due();
             ran_.push_back(i);
         }
         next = std::min(next, due_[i]);
     }
+    return nodes_.empty() ? next : std::min(next, poll_nodes(now));
+}
+
+Instant Engine::poll_nodes(Instant now) {
+    Instant next = kNever;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        next = std::min(next, nodes_[i]->poll(now, health_of(i)));
+        const auto wish = nodes_[i]->take_wish();
+        if (wish) {
+            outputs_[wish->output].set_period(wish->period);
+        }
+    }
     return next;
+}
+
+/// Who has lost its inputs warns the others.
+dronecan::NodeHealth Engine::health_of(std::size_t node) const {
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        if (node_of_[i] == node && outputs_[i].stage() != OutputStage::control) {
+            return dronecan::NodeHealth::warning;
+        }
+    }
+    return dronecan::NodeHealth::ok;
 }
 
 Instant Engine::end(Instant now) {
     constexpr int kLastFrames = 3;
     Instant until = now;
+    for (const auto& node : nodes_) {
+        node->end(now);
+    }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         outputs_[i].end(now);
         due_[i] = outputs_[i].due();

@@ -2,12 +2,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/can_frame.h"
 #include "core/time.h"
+#include "pipelines/dronecan/node.h"
 #include "pipelines/input.h"
+#include "pipelines/line_roles.h"
+#include "pipelines/line_words.h"
 #include "pipelines/output.h"
 
 namespace tribus {
@@ -17,7 +22,8 @@ namespace tribus {
 /// received bytes, calls `poll`, and carries away what the outputs made. Thread-bound.
 class Engine {
   public:
-    Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs);
+    Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs,
+           std::vector<LineTask> lines = {}, std::vector<dronecan::NodeSettings> nodes = {});
 
     void start(Instant now);
 
@@ -38,7 +44,19 @@ class Engine {
     }
     /// A CAN frame of another node on the interface of one output.
     void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at);
+    /// A CAN frame of another node on the interface of one of DroneCAN's nodes.
+    void receive_node(std::size_t node, const CanFrame& frame, Instant at) {
+        nodes_[node]->receive(frame, at);
+    }
     void device_lost(std::size_t input) { inputs_[input].device_lost(); }
+    /// Brings the state of an input up to date; those of an output that runs are.
+    void look(std::size_t input, Instant now) { inputs_[input].look(now); }
+
+    /// The input lines say something else from `now` on. Until the first call all are there and
+    /// none is active.
+    void set_lines(LineLevels levels, Instant now);
+    /// What the output lines are to show, but for the waves of `fresh`.
+    LineStates shown_on_lines() const { return line_roles_.shown(outputs_); }
 
     /// Runs every output that is due at `now`, each at most once. Returns when to call next at the
     /// latest; an arriving frame may ask for it sooner, so call it after `receive` too.
@@ -53,12 +71,23 @@ class Engine {
     std::span<const Input> inputs() const { return inputs_; }
     std::span<const Output> outputs() const { return outputs_; }
     Output& output(std::size_t index) { return outputs_[index]; }
+    /// Nodes of DroneCAN. What they have to say is to be written after each `poll`.
+    std::size_t node_count() const { return nodes_.size(); }
+    dronecan::Node& node(std::size_t index) { return *nodes_[index]; }
+    const dronecan::Node& node(std::size_t index) const { return *nodes_[index]; }
 
   private:
     bool announce(std::size_t input, bool frame_came);
+    Instant poll_nodes(Instant now);
+    dronecan::NodeHealth health_of(std::size_t node) const;
 
     std::vector<Input> inputs_;
     std::vector<Output> outputs_;
+    LineRoles line_roles_;
+    /// Where they stand stays: outputs look at their voices.
+    std::vector<std::unique_ptr<dronecan::Node>> nodes_;
+    /// For each output the node in whose name it speaks.
+    std::vector<std::optional<std::size_t>> node_of_;
     /// For each input, the outputs that it may feed.
     std::vector<std::vector<std::size_t>> fed_by_;
     /// When each output is due: side by side, for every wake looks through all of them.

@@ -1,16 +1,21 @@
 #pragma once
 
-#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "core/arrival_clock.h"
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
-#include "core/schedule.h"
+#include "core/link_cause.h"
 #include "core/time.h"
+#include "pipelines/channel_map.h"
+#include "pipelines/link_supervisor.h"
 #include "pipelines/settings.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
@@ -22,9 +27,9 @@ struct InputSettings {
     /// One of the two, as the protocol is.
     std::unique_ptr<Decoder> decoder;
     std::unique_ptr<CanDecoder> can_decoder{};
-    /// No good frame for so long: this input is lost.
-    Duration timeout = std::chrono::milliseconds(100);
-    std::vector<LossRule> failsafe_when;
+    SupervisionSettings supervision{};
+    /// How its channels are made from those that the receiver sends.
+    std::vector<ChannelRule> channels{};
 };
 
 /// Events of one input since start. Only ever incremented.
@@ -34,9 +39,11 @@ struct InputCounts {
     std::uint64_t frame_lost_frames = 0;  ///< the sender marked them so
     std::uint64_t failsafe_frames = 0;    ///< the sender marked them so, or a rule did
     std::uint64_t device_losses = 0;
+    /// How often each cause began; by `LinkCause`.
+    std::array<std::uint64_t, kLinkCauseCount> began{};
 };
 
-/// One source of frames: keeps the latest, and judges whether its link is up. Never a queue.
+/// One source of frames: keeps the latest, and has its link judged. Never a queue.
 /// Thread-bound, no allocation after construction.
 class Input {
   public:
@@ -44,13 +51,13 @@ class Input {
 
     /// Takes bytes that were read at `now`. Returns whether a frame came out of them.
     bool receive(std::span<const std::uint8_t> bytes, Instant now) {
-        counts_.bytes += bytes.size();
+        count_bytes(bytes.size(), now);
         return decode(bytes, now);
     }
     /// The same, with the positions of those that the line damaged.
     template <class DamagedMarks>
     bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
-        counts_.bytes += bytes.size();
+        count_bytes(bytes.size(), now);
         bool any = false;
         std::size_t start = 0;
         for (std::size_t position = 0; position < bytes.size(); ++position) {
@@ -66,22 +73,16 @@ class Input {
     bool receive(const CanFrame& frame, Instant at);
     void device_lost() { ++counts_.device_losses; }
 
-    /// Whether its frames count at `at`, which may lie a little ahead.
-    bool alive(Instant at) const { return ever_good_ && !failsafe_ && at < lost_at(); }
-    /// When it was lost, or will be if nothing more comes. Only where it was ever good. A sender
-    /// that says failsafe after the timeout tells nothing new.
-    Instant lost_at() const {
-        const Instant too_old = good_.received + timeout_;
-        return failsafe_ ? std::min(failsafe_since_, too_old) : too_old;
-    }
-    bool ever_good() const { return ever_good_; }
-    /// Start of the unbroken run of good frames.
-    Instant run_start() const { return run_start_; }
-    /// The run is the first one: it was never lost, so there is nothing to recover from.
-    bool first_run() const { return runs_ <= 1; }
+    /// Whether its frames count, and since when, until when and why.
+    const LinkSupervisor& link() const { return supervisor_; }
+    /// The same in a word, as of the latest frame or look.
+    const LinkState& state() const { return state_; }
+    /// Brings `state` and its counters up to date.
+    void look(Instant now);
 
-    /// The values of the latest good frame; marked frame-lost if the sender's newest frame is.
-    const ChannelFrame& control() const { return good_; }
+    /// The values of the latest good frame, by the input's own channel rules; marked frame-lost if
+    /// the sender's newest frame is not good.
+    const ChannelFrame& control() const { return map_ ? mapped_ : supervisor_.control(); }
     /// The latest frame as it came, whatever its flags.
     const ChannelFrame& latest() const { return latest_; }
     const ArrivalClock& arrivals() const { return arrivals_; }
@@ -94,26 +95,25 @@ class Input {
     const std::string& name() const { return name_; }
 
   private:
+    void count_bytes(std::size_t count, Instant now) {
+        counts_.bytes += count;
+        supervisor_.bytes_came(now);
+    }
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
     void take(ChannelFrame frame, Instant now);
-    bool rule_says_loss(const ChannelFrame& frame) const;
 
     std::string name_;
     std::unique_ptr<Decoder> decoder_;
     std::unique_ptr<CanDecoder> can_decoder_;
     DecodedFrame decoded_;
-    Duration timeout_;
-    std::vector<LossRule> failsafe_when_;
     std::uint8_t index_;
 
+    LinkSupervisor supervisor_;
+    /// None where the channels pass as they are.
+    std::optional<ChannelMap> map_;
+    LinkState state_;
     ChannelFrame latest_;
-    ChannelFrame good_;
-    bool ever_good_ = false;
-    bool run_broken_ = true;
-    bool failsafe_ = false;
-    Instant failsafe_since_{};
-    Instant run_start_{};
-    std::uint64_t runs_ = 0;
+    ChannelFrame mapped_;
     ArrivalClock arrivals_;
     InputCounts counts_;
 };

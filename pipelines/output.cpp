@@ -20,13 +20,26 @@ Output::Output(OutputSettings settings)
       can_encoder_(std::move(settings.can_encoder)),
       yield_to_foreign_sender_(settings.yield_to_foreign_sender),
       schedule_(settings.schedule),
-      inputs_(std::move(settings.inputs)),
+      selector_(settings.selection, settings.failsafe.recover, settings.failsafe.power_on),
+      changeover_us_per_second_(settings.selection.changeover_us_per_second),
       map_(settings.channels),
       failsafe_(settings.failsafe),
       can_frames_(can_encoder_ ? kMostSnapshotFrames : 0) {}
 
+void Output::use(const ValueBoard& board) {
+    if (can_encoder_) {
+        can_encoder_->use(board);
+    }
+}
+
+void Output::speak_as(const dronecan::Voice& voice) {
+    if (can_encoder_) {
+        can_encoder_->speak_as(voice);
+    }
+}
+
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
-    const bool standby = stage_ == OutputStage::control && index != current_;
+    const bool standby = stage_ == OutputStage::control && index != selector_.current();
     if (!standby) {
         schedule_.frame_arrived(arrivals);
     }
@@ -35,6 +48,7 @@ void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
 void Output::end(Instant now) {
     ending_ = true;
     stage_ = OutputStage::failsafe;
+    glide_.stop();
     schedule_.start(now);
 }
 
@@ -52,35 +66,39 @@ void Output::foreign_frame_seen(Instant now) {
     const bool goes_on = foreign_run_ > 0 && now < later(foreign_seen_, kForeignSenderMemory);
     foreign_run_ = goes_on ? std::min(foreign_run_ + 1, kForeignSenderFrames) : 1;
     foreign_seen_ = now;
-    if (foreign_run_ == kForeignSenderFrames) {
+    if (yield_to_foreign_sender_ && foreign_run_ == kForeignSenderFrames) {
         // Afterwards `recover` is due, as after any failsafe; the input was never lost, so `select`
         // would not ask for it.
         yield_until_ = later(later(now, kForeignSenderMemory), failsafe_.recover);
     }
 }
 
+void Output::force_failsafe(bool on, Instant now) {
+    if (forced_ && !on) {
+        yield_until_ = std::max(yield_until_, later(now, failsafe_.recover));
+    }
+    forced_ = on;
+}
+
 bool Output::must_yield(Instant now) const {
-    return ending_ || (yield_to_foreign_sender_ && now < yield_until_);
+    return ending_ || forced_ || now < yield_until_;
+}
+
+OutputState Output::state(Instant now) const {
+    OutputState state{
+        .stage = stage_,
+        .awaits_release = awaits_release_,
+        .forced = must_yield(now),
+        .input = selector_.follows_one() ? controlling_input().value_or(kNoInput) : kNoInput,
+        .outvoted = 0};
+    for (std::size_t place = 0; place < inputs().size(); ++place) {
+        state.outvoted |= selector_.outvoted(place) ? 1U << place : 0U;
+    }
+    return state;
 }
 
 std::optional<std::size_t> Output::controlling_input() const {
-    return stage_ == OutputStage::control ? current_ : std::nullopt;
-}
-
-/// The first healthy input in the order of preference. One that was lost must have shown an
-/// unbroken run of good frames before it gets control back, except from a loss that its own
-/// `hold` has bridged.
-std::optional<std::size_t> Output::select(Instant now, Instant at,
-                                          std::span<const Input> inputs) const {
-    for (const std::size_t index : inputs_) {
-        const Input& input = inputs[index];
-        const bool trusted = (index == current_ && stage_ != OutputStage::failsafe) ||
-                             input.first_run() || now - input.run_start() >= failsafe_.recover;
-        if (input.alive(at) && trusted) {
-            return index;
-        }
-    }
-    return std::nullopt;
+    return stage_ == OutputStage::control ? selector_.current() : std::nullopt;
 }
 
 std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
@@ -98,6 +116,7 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
             for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
                 frame.set(channel, failsafe_.presets[channel]);
             }
+            glide_.apply(frame, now);
             map_.restart_from(frame, now);
             break;
     }
@@ -106,37 +125,95 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
     return frame;
 }
 
+/// Not even its first frame repeats the one before: the time since then counts.
+void Output::glide_from_latest(std::optional<double> us_per_second) {
+    if (us_per_second && spoke_) {
+        glide_.start(latest_, *us_per_second, latest_at_);
+    } else {
+        glide_.stop();
+    }
+}
+
+/// What the chosen input says; nothing if its throttle, say, must come down first.
+std::optional<ChannelFrame> Output::control_frame(Instant now) {
+    ChannelFrame frame = map_.apply(selector_.frame(), now);
+    const bool returns = stage_ == OutputStage::failsafe;
+    awaits_release_ = returns && failsafe_.release_when && !failsafe_.release_when->matches(frame);
+    if (awaits_release_) {
+        return std::nullopt;
+    }
+    if (returns) {
+        counts_.recoveries += held_ ? 1U : 0U;
+        glide_from_latest(failsafe_.slew_us_per_second);
+    } else if (selector_.changed_over()) {
+        ++counts_.changeovers;
+        glide_from_latest(changeover_us_per_second_);
+    }
+    stage_ = OutputStage::control;
+    glide_.apply(frame, now);
+    held_ = frame;
+    return frame;
+}
+
+void Output::enter_failsafe() {
+    stage_ = OutputStage::failsafe;
+    ++counts_.failsafe_entries;
+    glide_from_latest(failsafe_.slew_us_per_second);
+}
+
+/// Of an output that no input feeds. It sends named values, each of which is fresh or says that it
+/// is not; nothing is held, and there are no presets.
+std::optional<ChannelFrame> Output::frame_without_inputs(bool yielding) {
+    stage_ = yielding ? OutputStage::failsafe : OutputStage::control;
+    if (yielding) {
+        return std::nullopt;
+    }
+    ChannelFrame frame;
+    frame.frame_lost = false;
+    frame.failsafe = false;
+    frame.cause = LinkCause::good;
+    return frame;
+}
+
 std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Input> inputs) {
     const Instant end_of_period = later(now, schedule_.period());
     const bool yielding = must_yield(now);
-    const auto selected = yielding ? std::nullopt : select(now, end_of_period, inputs);
-    if (selected) {
-        if (stage_ == OutputStage::failsafe && current_) {
-            ++counts_.recoveries;
-        }
-        current_ = selected;
-        stage_ = OutputStage::control;
-        held_ = map_.apply(inputs[*selected].control(), now);
-        return held_;
+    if (selector_.inputs().empty()) {
+        return frame_without_inputs(yielding);
     }
-    if (stage_ != OutputStage::failsafe) {
+    const bool bridging = stage_ != OutputStage::failsafe;
+    if (!yielding && selector_.select(now, end_of_period, inputs, bridging)) {
+        const auto frame = control_frame(now);
+        return frame ? frame : failsafe_frame(now);
+    }
+    awaits_release_ = false;
+    if (bridging) {
+        if (stage_ == OutputStage::control) {
+            // One that was left for another reason than its loss may live on.
+            const Instant lost_at = inputs[*selector_.current()].link().lost_at();
+            holding_since_ = lost_at <= end_of_period ? lost_at : now;
+        }
         stage_ = OutputStage::holding;
-        if (!yielding && end_of_period < later(inputs[*current_].lost_at(), failsafe_.hold)) {
+        if (!yielding && end_of_period < later(holding_since_, failsafe_.hold)) {
             ChannelFrame frame = *held_;
             frame.frame_lost = true;
             return frame;
         }
-        stage_ = OutputStage::failsafe;
-        ++counts_.failsafe_entries;
+        enter_failsafe();
     }
     return failsafe_frame(now);
 }
 
 void Output::run(Instant now, std::span<const Input> inputs) {
-    const std::optional<ChannelFrame> frame = make_frame(now, inputs);
+    std::optional<ChannelFrame> frame = make_frame(now, inputs);
+    if (frame && !selector_.inputs().empty()) {
+        const std::size_t told_of = selector_.current().value_or(selector_.inputs().front());
+        frame->cause = inputs[told_of].state().cause;
+    }
     if (frame) {
         latest_ = *frame;
         latest_due_ = schedule_.due();
+        latest_at_ = now;
         if (can_encoder_) {
             can_frame_count_ = can_encoder_->encode(
                 *frame, now, std::span<CanFrame, kMostSnapshotFrames>(can_frames_));
@@ -144,7 +221,8 @@ void Output::run(Instant now, std::span<const Input> inputs) {
             wire_length_ = encoder_->encode(*frame, wire_);
         }
     }
-    schedule_.done(now, frame.has_value());
+    spoke_ = frame.has_value();
+    schedule_.done(now, spoke_);
 }
 
 }  // namespace tribus

@@ -9,12 +9,17 @@
 #include <string>
 #include <vector>
 
+#include "core/arrival_clock.h"
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/schedule.h"
 #include "core/time.h"
+#include "core/value_board.h"
 #include "pipelines/channel_map.h"
+#include "pipelines/glide.h"
 #include "pipelines/input.h"
+#include "pipelines/input_selector.h"
+#include "pipelines/line_words.h"
 #include "pipelines/settings.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
@@ -26,19 +31,40 @@ struct OutputSettings {
     /// One of the two, as the protocol is.
     std::unique_ptr<Encoder> encoder;
     std::unique_ptr<CanEncoder> can_encoder{};
+    /// The node of DroneCAN in whose name it speaks.
+    std::optional<std::size_t> node{};
     /// CAN only: while another node goes on sending with the ids of this output, it says failsafe.
     bool yield_to_foreign_sender = true;
     ScheduleSettings schedule;
-    /// What its pipeline feeds it from: indices of inputs, the preferred first.
-    std::vector<std::size_t> inputs;
+    /// What its pipeline feeds it from.
+    SelectionSettings selection;
     std::vector<ChannelRule> channels;
     FailsafeSettings failsafe;
 };
+
+/// No input is named.
+inline constexpr std::size_t kNoInput = SIZE_MAX;
 
 enum class OutputStage : std::uint8_t {
     failsafe,  ///< no input in control: presets, held values with flags, or silence
     holding,   ///< the input is lost: its last values, marked frame-lost
     control,   ///< an input is in control
+};
+
+/// What an output is doing and by whom, for those who tell people.
+struct OutputState {
+    OutputStage stage = OutputStage::failsafe;
+    /// In failsafe although an input is healthy: `release_when` is not true yet.
+    bool awaits_release = false;
+    /// In failsafe because somebody wants it: a switch, another node with its ids, the end.
+    bool forced = false;
+    /// The input in control: of a median the preferred one. Else, and where each frame may be of
+    /// another one, kNoInput.
+    std::size_t input = kNoInput;
+    /// A bit for each place in the list of inputs: the others have outvoted it.
+    std::uint32_t outvoted = 0;
+
+    bool operator==(const OutputState&) const = default;
 };
 
 /// What an output hands to its link: a frame of bytes, or CAN frames, or nothing.
@@ -58,6 +84,7 @@ struct OutputCounts {
     std::uint64_t foreign_frames = 0;     ///< CAN frames of others with the ids of this output
     std::uint64_t failsafe_entries = 0;
     std::uint64_t recoveries = 0;
+    std::uint64_t changeovers = 0;  ///< from one input to another, without failsafe between
 };
 
 /// The end of a pipeline: selects the input, runs the filters, judges loss and failsafe, and
@@ -72,6 +99,11 @@ class Output {
     explicit Output(OutputSettings settings);
 
     void start(Instant now) { schedule_.start(now); }
+    /// Where the named values are that it may send. Before `start`; must outlive it.
+    void use(const ValueBoard& board);
+    /// In whose name it sends. As above.
+    void speak_as(const dronecan::Voice& voice);
+    void set_period(Duration period) { schedule_.set_period(period); }
     /// A frame of input `index`, which is one of `inputs()`, has arrived.
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
     Instant due() const { return schedule_.due(); }
@@ -79,6 +111,12 @@ class Output {
     void run(Instant now, std::span<const Input> inputs);
     /// No input regains control from here on: the program is about to end.
     void end(Instant now);
+    /// While `on`, no input has control; afterwards as after any loss.
+    void force_failsafe(bool on, Instant now);
+    /// A person has chosen that one of `inputs()`, by its place; nothing: nobody.
+    void pick_input(std::optional<std::size_t> place) { selector_.pick(place); }
+    /// What input lines say, for channels that are made from them.
+    void set_lines(LineLevels levels) { map_.set_lines(levels); }
 
     /// The encoded frame that waits to be written; empty if none. Taking it makes it empty.
     /// Valid until the next `run`.
@@ -97,10 +135,14 @@ class Output {
 
     const std::string& name() const { return name_; }
     /// Indices of the inputs that may feed it, the preferred first.
-    std::span<const std::size_t> inputs() const { return inputs_; }
+    std::span<const std::size_t> inputs() const { return selector_.inputs(); }
+    const InputSelector& selector() const { return selector_; }
     OutputStage stage() const { return stage_; }
+    OutputState state(Instant now) const;
     /// The latest frame that it made; a default one before the first.
     const ChannelFrame& latest() const { return latest_; }
+    /// It made a frame at its latest turn.
+    bool speaks() const { return spoke_; }
     /// When its latest frame was due.
     Instant latest_due() const { return latest_due_; }
     std::optional<std::size_t> controlling_input() const;
@@ -110,29 +152,38 @@ class Output {
 
   private:
     bool must_yield(Instant now) const;
-    std::optional<std::size_t> select(Instant now, Instant at, std::span<const Input> inputs) const;
+    std::optional<ChannelFrame> frame_without_inputs(bool yielding);
     std::optional<ChannelFrame> make_frame(Instant now, std::span<const Input> inputs);
+    std::optional<ChannelFrame> control_frame(Instant now);
     std::optional<ChannelFrame> failsafe_frame(Instant now);
+    void enter_failsafe();
+    void glide_from_latest(std::optional<double> us_per_second);
 
     std::string name_;
     std::unique_ptr<Encoder> encoder_;
     std::unique_ptr<CanEncoder> can_encoder_;
     bool yield_to_foreign_sender_;
     Schedule schedule_;
-    std::vector<std::size_t> inputs_;
+    InputSelector selector_;
+    std::optional<double> changeover_us_per_second_;
     ChannelMap map_;
     FailsafeSettings failsafe_;
+    Glide glide_;
 
     OutputStage stage_ = OutputStage::failsafe;
     bool ending_ = false;
+    bool forced_ = false;
+    bool awaits_release_ = false;
     Instant foreign_seen_{};
     int foreign_run_ = 0;  ///< frames of others, each soon after the one before
     Instant yield_until_{};
-    /// The input that is, or before `holding` was, in control.
-    std::optional<std::size_t> current_;
     std::optional<ChannelFrame> held_;
+    Instant holding_since_{};
+    /// The latest turn was not silent.
+    bool spoke_ = false;
     ChannelFrame latest_;
     Instant latest_due_{};
+    Instant latest_at_{};
     std::array<std::uint8_t, kLongestSerialFrame> wire_{};
     std::size_t wire_length_ = 0;
     /// Room for kMostSnapshotFrames where it is on CAN; else none.

@@ -4,9 +4,13 @@
 
 namespace tribus {
 
-VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start)
-    : engine_(engine), observer_(observer), now_(start) {
+VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start,
+                         ValueEngine* values)
+    : engine_(engine), observer_(observer), values_(values), now_(start) {
     engine_.start(start);
+    if (values_ != nullptr) {
+        values_->start(start);
+    }
     poll(start);
 }
 
@@ -19,7 +23,28 @@ void VirtualLoop::poll(Instant at) {
             observer_.wrote(output, at, sent);
         }
     }
+    for (std::size_t node = 0; node < engine_.node_count(); ++node) {
+        for (auto frames = engine_.node(node).speech(at); !frames.empty();
+             frames = engine_.node(node).speech(at)) {
+            observer_.node_spoke(node, at, frames);
+            engine_.node(node).written();
+        }
+    }
+    next_ = std::min(next_, poll_values(at));
+    observer_.turned(at);
     now_ = at;
+}
+
+Instant VirtualLoop::poll_values(Instant at) {
+    if (values_ == nullptr) {
+        return kNever;
+    }
+    const Instant next = values_->poll(engine_, at);
+    for (const ValueEngine::Speech& speech : values_->speeches()) {
+        observer_.bus_spoke(speech.bus, at, speech.bytes);
+        values_->written(speech.bus, at);
+    }
+    return next;
 }
 
 void VirtualLoop::run_until(Instant until) {

@@ -6,6 +6,7 @@
 
 #include "core/time.h"
 #include "pipelines/engine.h"
+#include "pipelines/value_engine.h"
 
 namespace tribus {
 
@@ -14,13 +15,23 @@ class OutputObserver {
   public:
     virtual ~OutputObserver() = default;
     virtual void wrote(std::size_t output, Instant at, const Transmission& sent) = 0;
+    /// What a sensor bus said.
+    virtual void bus_spoke(std::size_t /*bus*/, Instant /*at*/,
+                           std::span<const std::uint8_t> /*bytes*/) {}
+    /// What a node of DroneCAN said.
+    virtual void node_spoke(std::size_t /*node*/, Instant /*at*/,
+                            std::span<const CanFrame> /*frames*/) {}
+    /// Outputs had their turn, silent or not, or something arrived.
+    virtual void turned(Instant /*at*/) {}
 };
 
 /// Drives an engine under virtual time: the same engine, without a clock, descriptors or waiting.
 /// Time only moves forward. Pure; thread-bound.
 class VirtualLoop {
   public:
-    VirtualLoop(Engine& engine, OutputObserver& observer, Instant start);
+    /// `values`: where sensor buses or values are configured; must outlive the loop.
+    VirtualLoop(Engine& engine, OutputObserver& observer, Instant start,
+                ValueEngine* values = nullptr);
 
     /// Runs every deadline before `until`, each exactly at its instant, and stops there.
     void run_until(Instant until);
@@ -40,6 +51,26 @@ class VirtualLoop {
         engine_.receive(input, frame, at);
         poll(at);
     }
+    /// Bytes arrive on a sensor bus.
+    template <class DamagedMarks>
+    void receive_on_bus(std::size_t bus, std::span<const std::uint8_t> bytes,
+                        const DamagedMarks& damaged, Instant at) {
+        run_until(at);
+        values_->receive(bus, bytes, damaged, at);
+        poll(at);
+    }
+    /// A CAN frame arrives on the interface of a message with values.
+    void receive_values(std::size_t message, const CanFrame& frame, Instant at) {
+        run_until(at);
+        values_->receive(message, frame, at);
+        poll(at);
+    }
+    /// A CAN frame arrives on the interface of a node of DroneCAN.
+    void receive_node(std::size_t node, const CanFrame& frame, Instant at) {
+        run_until(at);
+        engine_.receive_node(node, frame, at);
+        poll(at);
+    }
     /// A CAN frame of another node arrives on the interface of an output.
     void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at) {
         run_until(at);
@@ -54,9 +85,11 @@ class VirtualLoop {
 
   private:
     void poll(Instant at);
+    Instant poll_values(Instant at);
 
     Engine& engine_;
     OutputObserver& observer_;
+    ValueEngine* values_;
     Instant now_;
     Instant next_ = kNever;
 };

@@ -7,10 +7,10 @@ cd "$(dirname "$0")/.."
 . deploy/prepare.sh
 # shellcheck disable=SC2086 # lists of words
 install_packages $build_packages $test_packages $bench_packages
-build ON all
 tier=${TRIBUS_LAB:-fast}
 tests/lab/prepare.sh "$tier" build/lab ||
     echo "The laboratory could not be prepared: its tests will fail, the others run." >&2
+build ON all
 if [ "$tier" != full ]; then
     set -- --label-exclude lab_full "$@"
 fi

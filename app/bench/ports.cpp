@@ -153,7 +153,7 @@ tl::expected<Distribution, std::string> through_engine(const std::string& in, By
                 std::make_unique<StampingLink>(engine->outputs().front(), stamps, 2 * frames));
             continue;
         }
-        auto port = open_port(*checked, *engine, plan);
+        auto port = open_port(*checked, *engine, nullptr, plan);
         if (!port) {
             return tl::unexpected(port.error());
         }

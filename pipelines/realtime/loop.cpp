@@ -19,8 +19,8 @@ namespace {
 
 /// Stands for the wake-up descriptor among the port numbers of epoll events.
 constexpr std::uint64_t kWakeUp = ~std::uint64_t{0};
-/// How often the main thread gets fresh figures: twice as often as it looks at them.
-constexpr Duration kPublishPeriod = std::chrono::milliseconds(100);
+/// The same for the bell of the lines.
+constexpr std::uint64_t kLines = kWakeUp - 1;
 /// The longest sleep without a deadline, so that figures do not stand still.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 
@@ -29,7 +29,8 @@ std::string error_text(const char* what) {
 }
 
 bool is_can(const Engine& engine, const PortWiring& wiring) {
-    return std::ranges::any_of(wiring.inputs,
+    return !wiring.value_messages.empty() || wiring.node ||
+           std::ranges::any_of(wiring.inputs,
                                [&](std::size_t i) { return engine.inputs()[i].on_can(); }) ||
            std::ranges::any_of(wiring.outputs,
                                [&](std::size_t i) { return engine.outputs()[i].on_can(); });
@@ -44,8 +45,11 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
       routes_(engine.outputs().size()),
       input_status_(engine.inputs().size()),
       output_status_(engine.outputs().size()),
+      bus_states_(settings.values == nullptr ? 0 : settings.values->bus_count()),
+      node_reports_(engine.node_count()),
       input_timing_(engine.inputs().size()),
       output_timing_(engine.outputs().size()) {
+    bus_ports_.resize(bus_states_.size());
     for (std::size_t i = 0; i < wiring.size(); ++i) {
         Port& port = ports_.emplace_back();
         port.wiring = wiring[i];
@@ -53,6 +57,9 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
         port.pacer = ReadPacer(wiring[i].byte_time);
         for (std::size_t lane = 0; lane < wiring[i].outputs.size(); ++lane) {
             routes_[wiring[i].outputs[lane]] = {.port = i, .lane = lane};
+        }
+        for (const std::size_t bus : wiring[i].sensor_buses) {
+            bus_ports_[bus] = i;
         }
         if (is_can(engine, wiring[i])) {
             can_ports_.push_back(i);
@@ -83,74 +90,21 @@ tl::expected<void, std::string> Loop::prepare() {
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), &event) != 0) {
         return tl::unexpected(error_text("epoll_ctl"));
     }
+    event.data.u64 = kLines;
+    if (settings_.lines != nullptr &&
+        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, settings_.lines->data_bell(), &event) != 0) {
+        return tl::unexpected(error_text("epoll_ctl"));
+    }
     for (std::size_t port = 0; port < ports_.size(); ++port) {
         watch(port);
     }
     return {};
 }
 
-void Loop::watch(std::size_t port) {
-    Link* link = ports_[port].link.get();
-    if (link == nullptr || link->descriptor() < 0) {
-        return;
-    }
-    epoll_event event{};
-    // A hang-up is reported without being asked for; bytes that nobody wants would wake for ever.
-    // A CAN socket also tells what became of frames that were sent.
-    const bool wanted = !ports_[port].wiring.inputs.empty() || link->as_can() != nullptr;
-    event.events = wanted ? EPOLLIN : 0U;
-    event.data.u64 = port;
-    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, link->descriptor(), &event) != 0) {
-        lose(ports_[port]);
-    }
-}
-
-void Loop::set_watched(std::size_t port, bool watched) {
-    epoll_event event{};
-    event.events = watched ? EPOLLIN : 0U;
-    event.data.u64 = port;
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, ports_[port].link->descriptor(), &event);
-}
-
-void Loop::lose(Port& port) {
-    if (port.quiet_until != kNever) {
-        port.quiet_until = kNever;
-        --quiet_ports_;
-    }
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
-    for (const std::size_t input : port.wiring.inputs) {
-        engine_.device_lost(input);
-    }
-    // Closing may take the kernel long: the main thread does it.
-    port.lost.store(port.link.release(), std::memory_order_release);
-}
-
-std::unique_ptr<Link> Loop::take_lost(std::size_t port) {
-    return std::unique_ptr<Link>(ports_[port].lost.exchange(nullptr, std::memory_order_acquire));
-}
-
-void Loop::give(std::size_t port, std::unique_ptr<Link> link) {
-    delete ports_[port].given.exchange(link.release(), std::memory_order_acq_rel);
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
-}
-
 void Loop::request_end() {
     end_requested_.store(true, std::memory_order_release);
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
-}
-
-void Loop::accept_given_links() {
-    std::uint64_t count = 0;
-    [[maybe_unused]] const auto taken = ::read(wake_up_.get(), &count, sizeof count);
-    for (std::size_t port = 0; port < ports_.size(); ++port) {
-        Link* given = ports_[port].given.exchange(nullptr, std::memory_order_acquire);
-        if (given != nullptr) {
-            ports_[port].link.reset(given);
-            watch(port);
-        }
-    }
 }
 
 ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
@@ -166,6 +120,9 @@ ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
             input_timing_[input].frame_came(now);
             frame_came = true;
         }
+    }
+    for (const std::size_t bus : ports_[port].wiring.sensor_buses) {
+        settings_.values->receive(bus, reception_.view(), reception_.damaged, now);
     }
     const Instant read_next = ports_[port].pacer.delivered(reception_.count, frame_came, now);
     if (read_next > now) {
@@ -184,6 +141,12 @@ ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) 
                 if (engine_.receive(input, received.frame, received.at)) {
                     input_timing_[input].frame_came(received.at);
                 }
+            }
+            for (const std::size_t message : wiring.value_messages) {
+                settings_.values->receive(message, received.frame, received.at);
+            }
+            if (wiring.node) {
+                engine_.receive_node(*wiring.node, received.frame, received.at);
             }
             for (const std::size_t output : wiring.outputs) {
                 engine_.watch_for_foreign_sender(output, received.frame, received.at);
@@ -265,6 +228,9 @@ void Loop::write_outputs(Instant now) {
                                               .handed_over = clock_,
                                               .read = output.latest().received,
                                               .period = output.period()});
+            if (settings_.lines != nullptr && is_fresh(output, clock_)) {
+                settings_.lines->tell_fresh(index, clock_);
+            }
         } else if (status == WriteStatus::lost && port.link) {
             lose(port);
         }
@@ -285,7 +251,13 @@ Instant Loop::poll_can_links(Instant now) {
 Instant Loop::advance(Instant now) {
     Instant next = engine_.poll(now);
     write_outputs(now);
-    next = std::min(next, poll_can_links(now));
+    if (engine_.node_count() > 0) {
+        write_nodes(now);
+    }
+    if (settings_.lines != nullptr && !engine_.ran().empty()) {
+        settings_.lines->tell_states(engine_.shown_on_lines());
+    }
+    next = std::min({next, poll_can_links(now), advance_values(now)});
     for (std::size_t port = 0, left = quiet_ports_; left > 0; ++port) {
         if (ports_[port].quiet_until != kNever) {
             next = std::min(next, ports_[port].quiet_until);
@@ -293,41 +265,6 @@ Instant Loop::advance(Instant now) {
         }
     }
     return next;
-}
-
-void Loop::publish(Instant now) {
-    if (now < next_publish_) {
-        return;
-    }
-    next_publish_ = now + kPublishPeriod;
-    for (std::size_t i = 0; i < input_status_.size(); ++i) {
-        const Input& input = engine_.inputs()[i];
-        InputStatus status;
-        status.latest = input.latest();
-        status.counts = input.counts();
-        for (const NamedCount& cause : input.decoder().rejected()) {
-            status.rejected += cause.count;
-        }
-        status.skipped_bytes = input.decoder().skipped_bytes();
-        status.interval = input.arrivals().interval();
-        status.alive = input.alive(now);
-        status.ever_good = input.ever_good();
-        input_status_[i].publish(status);
-    }
-    for (std::size_t i = 0; i < output_status_.size(); ++i) {
-        const Output& output = engine_.outputs()[i];
-        OutputStatus status;
-        status.latest = output.latest();
-        status.counts = output.counts();
-        status.overruns = output.overruns();
-        status.stage = output.stage();
-        output_status_[i].publish(status);
-    }
-    for (const std::size_t port : can_ports_) {
-        if (ports_[port].link) {
-            ports_[port].can_status.publish(ports_[port].link->as_can()->status());
-        }
-    }
 }
 
 std::size_t Loop::wait(Instant until) {
@@ -353,6 +290,8 @@ std::size_t Loop::wait_until(Instant until) {
         const std::uint64_t source = events[static_cast<std::size_t>(i)].data.u64;
         if (source == kWakeUp) {
             accept_given_links();
+        } else if (source == kLines) {
+            settings_.lines->hush_data();
         } else {
             ready_[ready++] = static_cast<std::size_t>(source);
         }
@@ -360,11 +299,26 @@ std::size_t Loop::wait_until(Instant until) {
     return ready;
 }
 
+void Loop::look_at_lines(Instant now) {
+    if (settings_.lines == nullptr) {
+        return;
+    }
+    const LineLevels levels = settings_.lines->levels();
+    if (levels != levels_) {
+        levels_ = levels;
+        engine_.set_lines(levels, now);
+    }
+}
+
 void Loop::run() {
     // From here on this thread allocates nothing; the tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
     engine_.start(clock_);
+    if (settings_.values != nullptr) {
+        settings_.values->start(clock_);
+    }
+    look_at_lines(clock_);
     std::optional<Instant> end_at;
     Instant next = advance(clock_);
     Instant now = clock_;
@@ -374,6 +328,7 @@ void Loop::run() {
         if (!end_at && end_requested_.load(std::memory_order_acquire)) {
             end_at = engine_.end(now);
         }
+        look_at_lines(now);
         for (std::size_t i = 0; i < ready; ++i) {
             read_port(ready_[i], now);
         }

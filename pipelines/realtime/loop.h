@@ -14,9 +14,13 @@
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "pipelines/engine.h"
+#include "pipelines/line_words.h"
 #include "pipelines/read_pacer.h"
+#include "pipelines/realtime/line_exchange.h"
+#include "pipelines/realtime/machine_numbers.h"
 #include "pipelines/realtime/snapshot.h"
 #include "pipelines/realtime/timing.h"
+#include "pipelines/value_engine.h"
 #include "transports/links/can_link.h"
 #include "transports/links/link.h"
 #include "transports/links/unique_fd.h"
@@ -28,6 +32,11 @@ namespace tribus {
 struct PortWiring {
     std::vector<std::size_t> inputs;
     std::vector<std::size_t> outputs;
+    /// Of the engine of values.
+    std::vector<std::size_t> sensor_buses{};
+    std::vector<std::size_t> value_messages{};
+    /// Of the engine: the node of DroneCAN on this interface.
+    std::optional<std::size_t> node{};
     /// Of one byte on its wire; zero where that is not known or has no meaning.
     Duration byte_time{};
 };
@@ -35,6 +44,12 @@ struct PortWiring {
 struct LoopSettings {
     /// So long before a deadline the thread stays awake for it, instead of being woken at it.
     Duration spin{};
+    /// Where GPIO lines are configured; must outlive the loop.
+    LineExchange* lines = nullptr;
+    /// Where sensor buses or values are configured; must outlive the loop.
+    ValueEngine* values = nullptr;
+    /// What the machine tells of itself, by the main thread; must outlive the loop.
+    const MachineNumbers* machine = nullptr;
 };
 
 /// What the main thread may know of an input.
@@ -44,7 +59,7 @@ struct InputStatus {
     std::uint64_t rejected = 0;
     std::uint64_t skipped_bytes = 0;
     Duration interval{};
-    bool alive = false;
+    LinkState state;
     bool ever_good = false;
 };
 
@@ -53,7 +68,7 @@ struct OutputStatus {
     ChannelFrame latest;
     OutputCounts counts;
     std::uint64_t overruns = 0;
-    OutputStage stage = OutputStage::failsafe;
+    OutputState state;
 };
 
 /// Drives an engine in real time: waits for bytes and deadlines, reads all that is ready, lets the
@@ -90,6 +105,8 @@ class Loop {
     OutputStatus output_status(std::size_t output) const { return output_status_[output].read(); }
     const InputTiming& input_timing(std::size_t input) const { return input_timing_[input]; }
     const OutputTiming& output_timing(std::size_t output) const { return output_timing_[output]; }
+    SensorBusState bus_state(std::size_t bus) const { return bus_states_[bus].read(); }
+    dronecan::NodeReport node_report(std::size_t node) const { return node_reports_[node].read(); }
     /// Of a port that is a CAN interface.
     CanLinkStatus can_status(std::size_t port) const { return ports_[port].can_status.read(); }
 
@@ -119,9 +136,12 @@ class Loop {
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
     void write_outputs(Instant now);
+    Instant advance_values(Instant now);
+    void write_nodes(Instant now);
     /// Returns when the links want to be called again.
     Instant poll_can_links(Instant now);
     Instant advance(Instant now);
+    void look_at_lines(Instant now);
     void publish(Instant now);
     /// Returns how many ports are ready; their numbers are in `ready_`. Reads the clock.
     std::size_t wait(Instant until);
@@ -135,6 +155,8 @@ class Loop {
     std::vector<Route> routes_;
     /// Ports that are CAN interfaces.
     std::vector<std::size_t> can_ports_;
+    /// The port of each sensor bus.
+    std::vector<std::size_t> bus_ports_;
     std::size_t quiet_ports_ = 0;
     UniqueFd epoll_;
     bool has_epoll_pwait2_ = true;
@@ -146,8 +168,12 @@ class Loop {
     Reception reception_;
     CanReception can_reception_;
     Instant next_publish_{};
+    /// The latest ones that the engine knows.
+    LineLevels levels_ = kNoLineActive;
     std::deque<Snapshot<InputStatus>> input_status_;
     std::deque<Snapshot<OutputStatus>> output_status_;
+    std::deque<Snapshot<SensorBusState>> bus_states_;
+    std::deque<Snapshot<dronecan::NodeReport>> node_reports_;
     std::deque<InputTiming> input_timing_;
     std::deque<OutputTiming> output_timing_;
 };

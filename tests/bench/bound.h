@@ -8,6 +8,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/bench/subject.h"
 #include "core/time.h"
 
 namespace tribus::test {
@@ -23,6 +24,7 @@ struct Figure {
 };
 
 using Figures = tl::expected<std::vector<Figure>, std::string>;
+using Refused = tl::unexpected<std::string>;
 
 struct BoundSettings {
     std::string program;     ///< `tribus`
@@ -32,6 +34,15 @@ struct BoundSettings {
     Duration length = std::chrono::seconds(15);  ///< of each ratio, each run
     bool all_frames = false;                     ///< a million where frames are counted
 };
+
+/// The product in real time, as it is measured.
+inline bench::ApplianceSettings appliance(const BoundSettings& settings) {
+    bench::ApplianceSettings appliance;
+    appliance.program = settings.program;
+    appliance.priority = settings.priority;
+    appliance.cpu = settings.cpu;
+    return appliance;
+}
 
 /// Some rows that are measured together.
 struct Bound {
@@ -43,6 +54,8 @@ struct Bound {
 
 /// Those that are ratios of times.
 std::vector<Bound> time_bounds();
+/// Those of a sensor bus, ratios and times.
+std::vector<Bound> response_bounds();
 /// Those that are instructions.
 std::vector<Bound> instruction_bounds();
 /// Those that are other counts.

@@ -25,16 +25,6 @@ namespace {
 
 using namespace bench;
 
-using Refused = tl::unexpected<std::string>;
-
-ApplianceSettings appliance(const BoundSettings& settings) {
-    ApplianceSettings appliance;
-    appliance.program = settings.program;
-    appliance.priority = settings.priority;
-    appliance.cpu = settings.cpu;
-    return appliance;
-}
-
 tl::expected<Subject, std::string> started(std::size_t lanes, const ApplianceSettings& settings) {
     auto subject = Subject::appliance(lanes, settings);
     if (!subject) {
@@ -77,7 +67,8 @@ Figures lost_frames(const BoundSettings& settings) {
     if (!subject) {
         return Refused(subject.error());
     }
-    const std::uint64_t frames = settings.all_frames ? 1'000'000 : 50'000;
+    // A little more, since those of the warm-up do not count.
+    const std::uint64_t frames = settings.all_frames ? 1'005'000 : 50'000;
     const TesterPriority priority;
     const LatencyResult result =
         drive(*subject, {.period = std::chrono::milliseconds(4), .rounds = frames / kLanes + 1});

@@ -20,8 +20,6 @@ namespace {
 
 using namespace bench;
 
-using Refused = tl::unexpected<std::string>;
-
 /// On x86; what the same takes on ARM is in the note.
 tl::expected<Figure, std::string> counted(const Row& row, const std::string& text, double bound) {
     const auto x86 = cost(Machine::x86, row);

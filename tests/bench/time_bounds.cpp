@@ -25,20 +25,10 @@ namespace {
 
 using namespace bench;
 
-using Refused = tl::unexpected<std::string>;
-
 RelaySettings relay(const BoundSettings& settings, RelaySettings::Waits waits, bool fifo) {
     return {.waits = waits,
             .priority = fifo ? std::optional(settings.priority) : std::nullopt,
             .cpu = fifo ? settings.cpu : std::nullopt};
-}
-
-ApplianceSettings appliance(const BoundSettings& settings) {
-    ApplianceSettings appliance;
-    appliance.program = settings.program;
-    appliance.priority = settings.priority;
-    appliance.cpu = settings.cpu;
-    return appliance;
 }
 
 /// Starts and warms up all of them, then measures all in each period.

@@ -47,16 +47,20 @@ std::vector<Sticks> some_sticks() {
     return some;
 }
 
-class Carrying : public TwoPrograms, public testing::WithParamInterface<std::string> {
+class Carrying : public TwoPrograms, public testing::WithParamInterface<BusJob> {
   protected:
     VirtualBus bus_;
-    BusJob job_{.format = GetParam()};
+    BusJob job_ = GetParam();
 };
 
-INSTANTIATE_TEST_SUITE_P(Formats, Carrying,
-                         testing::Values("protocol = \"can\"", "protocol = \"can\"\nfd = true",
-                                         "protocol = \"can\"\ncrc = \"p01\"\nid = 0x1234500\n"
-                                         "extended = true"));
+INSTANTIATE_TEST_SUITE_P(
+    Formats, Carrying,
+    testing::Values(BusJob{}, BusJob{.format = "protocol = \"can\"\nfd = true"},
+                    BusJob{.format = "protocol = \"can\"\ncrc = \"p01\"\nid = 0x1234500\n"
+                                     "extended = true"},
+                    BusJob{.format = "protocol = \"dronecan\"", .sender_lines = "node_id = 42"},
+                    BusJob{.format = "protocol = \"dronecan\"\nfd = true",
+                           .sender_lines = "node_id = 42"}));
 
 TEST_P(Carrying, EverySticksOfTheCaptureComesOutExactly) {
     Program& sender = start_sender(job_);

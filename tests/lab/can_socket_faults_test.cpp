@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "pipelines/realtime/clock.h"
 #include "tests/lab/can_link_driver.h"
 #include "tests/lab/guest.h"
 #include "transports/links/can_socket.h"
@@ -256,8 +257,11 @@ TEST(LabCanFaults, AnAdapterThatTakesNothingIsAStallAndItsQueueHoldsFewOldFrames
     }));
     const std::size_t heard = adapter.heard().size();
     const auto sent = driver.counts().sent;
+    const Instant stalled = monotonic_now();
     driver.stream_for(500ms);
-    EXPECT_EQ(driver.counts().sent, sent);
+    // On a busy machine that takes long enough for a probe now and then.
+    const auto probes = 1 + (monotonic_now() - stalled) / CanTransmitter::kProbePeriod;
+    EXPECT_LE(driver.counts().sent, sent + static_cast<std::uint64_t>(probes));
     EXPECT_EQ(driver.counts().queue_full, 0U);
     adapter.unblock();
     record(time_to_next_written(driver));

@@ -33,7 +33,7 @@ endfunction()
 
 function(lab_group group label kernel program)
     lab_add(${group} ${label} "${program}" "${lab_scripts}/run_group" "${lab_results}/${group}"
-        "${lab_scripts}/run_guest" "${kernel}" "${lab_results}/${group}" ${lab_seconds}
+        "${lab_scripts}/run_guest" ${ARGN} "${kernel}" "${lab_results}/${group}" ${lab_seconds}
         "${program}")
 endfunction()
 

@@ -4,6 +4,7 @@
 
 // IWYU pragma: begin_exports
 #include "tests/lab/can_bus.h"
+#include "tests/lab/gpio_bank.h"
 #include "tests/lab/raw_can.h"
 #include "tests/lab/shell.h"
 #include "tests/lab/slcan.h"

@@ -5,64 +5,15 @@
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <string>
-#include <system_error>
 
 #include <gtest/gtest.h>
 
-#include "tests/lab/guest.h"
+#include "tests/lab/gpio_bank.h"
 #include "transports/links/unique_fd.h"
 
 /// That the laboratory's simulated GPIO lines can be set and watched.
 namespace tribus::test {
 namespace {
-
-constexpr const char* kConfigFolder = "/sys/kernel/config";
-
-/// A simulated bank of eight lines (gpio-sim), gone with its object.
-class GpioBank {
-  public:
-    GpioBank() {
-        shell(
-            "modprobe gpio-sim && (mountpoint -q /sys/kernel/config || "
-            "mount -t configfs configfs /sys/kernel/config)");
-        std::filesystem::create_directories(bank());
-        write_kernel_file(bank() / "num_lines", "8");
-        write_kernel_file(device() / "live", "1");
-        chip_ = read_file(bank() / "chip_name");
-        platform_device_ = read_file(device() / "dev_name");
-    }
-    GpioBank(const GpioBank&) = delete;
-    GpioBank& operator=(const GpioBank&) = delete;
-    ~GpioBank() {
-        write_kernel_file(device() / "live", "0");
-        std::error_code ignored;
-        std::filesystem::remove(bank(), ignored);
-        std::filesystem::remove(device(), ignored);
-    }
-
-    std::string path() const { return "/dev/" + chip_; }
-    /// What an oscilloscope at the line would show.
-    std::string level(unsigned line) const { return read_file(line_folder(line) / "value"); }
-    /// Drives a line that is an input.
-    void pull(unsigned line, bool up) const {
-        write_kernel_file(line_folder(line) / "pull", up ? "pull-up" : "pull-down");
-    }
-
-  private:
-    static std::filesystem::path device() {
-        return std::filesystem::path(kConfigFolder) / "gpio-sim" / "lab";
-    }
-    static std::filesystem::path bank() { return device() / "bank"; }
-    std::filesystem::path line_folder(unsigned line) const {
-        return std::filesystem::path("/sys/devices/platform") / platform_device_ / chip_ /
-               ("sim_gpio" + std::to_string(line));
-    }
-
-    std::string chip_;
-    std::string platform_device_;
-};
 
 /// Asks for one line by the kernel's own interface, version 2.
 UniqueFd request_line(const GpioBank& bank, unsigned line, std::uint64_t direction) {

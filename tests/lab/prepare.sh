@@ -5,9 +5,11 @@
 #   tests/lab/prepare.sh [fast|full [FOLDER]]
 #
 # fast: the stock kernel. full: the PREEMPT_RT kernel too, and two drivers that Debian's kernel
-# comes without, built from Debian's kernel source: gpio-sim and CTU CAN FD.
+# comes without, built from Debian's kernel source: gpio-sim and CTU CAN FD; and version 2 of
+# libgpiod, which Debian 12 has in its backports only.
 #
-# FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/; FOLDER is build/lab if not given.
+# FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/, FOLDER/libgpiod-2/ has usr/; FOLDER is
+# build/lab if not given.
 tier=${1:-fast}
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "${2:-$here/../../build/lab}"
@@ -104,6 +106,36 @@ unpack_kernel() {
     say "kernel $version is ready"
 }
 
+# prepare_libgpiod: unpacked, not installed. With lists of packages of its own, so that this
+# machine's apt stays as it is.
+prepare_libgpiod() (
+    [ ! -e "$folder/libgpiod-2" ] || return 0
+    work="$folder/libgpiod-2.new"
+    rm -rf "$work"
+    mkdir -p "$work/lists/partial" "$work/cache/archives/partial"
+    cd "$work"
+    mirror=$(apt-get indextargets --format '$(SITE)' 'Codename: bookworm' | head -n 1)
+    echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg]" \
+        "${mirror:-http://deb.debian.org/debian} bookworm-backports main" >sources.list
+    cat >apt.conf <<END
+Dir::Etc::SourceList "$work/sources.list";
+Dir::Etc::SourceParts "$work/none";
+Dir::State::Lists "$work/lists";
+Dir::Cache "$work/cache";
+END
+    export APT_CONFIG="$work/apt.conf"
+    apt-get -q update >apt.log 2>&1 || {
+        cat apt.log >&2
+        fail "cannot read the list of bookworm-backports"
+    }
+    download libgpiod3 libgpiod-dev
+    for package in *.deb; do
+        dpkg-deb -x "$package" unpacked
+    done
+    mv unpacked "$folder/libgpiod-2"
+    rm -rf "$work"
+)
+
 [ "$(dpkg --print-architecture)" = amd64 ] || fail "it runs on amd64 machines only"
 # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
 install_packages $lab_packages
@@ -113,4 +145,5 @@ if [ "$tier" = full ]; then
     install_packages $lab_full_packages
     prepare_kernel rt linux-image-rt-amd64
     "$here/build_modules.sh" "$folder/stock"
+    prepare_libgpiod
 fi

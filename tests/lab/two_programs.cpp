@@ -35,14 +35,14 @@ device   = "@receiver"
 timeout  = "400ms"
 [output.bus]
 interface = ")" + job.sender_interface +
-                                    "\"\n" + job.format + R"(
+                                    "\"\n" + job.format + "\n" + job.sender_lines + R"(
 [pipeline.main]
 from = "receiver"
 to   = "bus"
 [pipeline.main.failsafe]
 hold    = "300ms"
 recover = "300ms"
-)");
+)" + job.sender_tables);
 }
 
 Program& TwoPrograms::start_reader(const BusJob& job) {

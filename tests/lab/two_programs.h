@@ -3,6 +3,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -21,7 +22,13 @@ struct BusJob {
     std::string sender_interface = "vcan0";
     std::string reader_interface = "vcan0";
     std::string format = "protocol = \"can\"";  ///< lines that both sides have
+    std::string sender_lines{};                 ///< of the sender's output alone
+    std::string sender_tables{};                ///< tables that the sender has besides
 };
+
+inline std::ostream& operator<<(std::ostream& out, const BusJob& job) {
+    return out << job.format;
+}
 
 class TwoPrograms : public Loopback {
   protected:

@@ -128,6 +128,14 @@ TEST_F(Loopback, DbcOfTheNativeFormatIsTheShippedFile) {
     EXPECT_EQ(program.output(), text);
 }
 
+TEST_F(Loopback, DbcOfTheSensorsIsTheShippedFile) {
+    Program& program = start({"dbc", "--sensors"});
+    EXPECT_EQ(program.end(), 0);
+    std::ifstream shipped(std::string(TRIBUS_SOURCE_DIR) + "/deploy/can/sensors.dbc");
+    const std::string text{std::istreambuf_iterator<char>(shipped), {}};
+    EXPECT_TRUE(program.output() == text);
+}
+
 TEST_F(Loopback, DbcTakesTheIdsOfTheConfiguration) {
     Program& program = start({"dbc", "--id", "0x1234500", "--extended"});
     EXPECT_EQ(program.end(), 0);
@@ -148,9 +156,9 @@ INSTANTIATE_TEST_SUITE_P(
     Arguments, WrongUse,
     testing::Values(Words{}, Words{"fly"}, Words{"run"}, Words{"run", "a.toml", "b.toml"},
                     Words{"run", "/nonexistent/tribus.toml"}, Words{"dbc", "--id", "0x7FF"},
-                    Words{"dbc", "--id", "first"}, Words{"check", "--format", "xml", "a.toml"},
-                    Words{"demo", "--seconds", "soon"}, Words{"demo", "--seconds", "0"},
-                    Words{"simulate"}));
+                    Words{"dbc", "--sensors", "--id", "0x7F2"}, Words{"dbc", "--id", "first"},
+                    Words{"check", "--format", "xml", "a.toml"}, Words{"demo", "--seconds", "soon"},
+                    Words{"demo", "--seconds", "0"}, Words{"simulate"}));
 
 }  // namespace
 }  // namespace tribus::test

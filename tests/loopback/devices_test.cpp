@@ -202,7 +202,7 @@ TEST_F(Loopback, BackupTakesOverFromAPulledMainAndGivesControlBack) {
     EXPECT_TRUE(std::none_of(seen.begin(), seen.end(), [](const SbusSight& sight) {
         return sight.failsafe;
     })) << "the healthy backup should have taken over at once";
-    EXPECT_TRUE(program.says("input main: lost"));
+    EXPECT_TRUE(program.says("input main: wire silent"));
 
     main_wire.plug_in();
     EXPECT_TRUE(program.says("is back"));

@@ -115,7 +115,7 @@ TEST_F(Failsafe, FollowsALossByMarkedFramesThenPresets) {
     EXPECT_TRUE(std::all_of(failsafe, seen.end(), [&](const SbusSight& sight) {
         return sight.frame_lost && same_channels(sight, presets());
     }));
-    EXPECT_TRUE(program.says("input receiver: lost"));
+    EXPECT_TRUE(program.says("input receiver: wire silent"));
     EXPECT_TRUE(program.says("output servos: in failsafe"));
     expect_clean_end(program);
 }

@@ -46,8 +46,9 @@ class Loopback : public testing::Test {
         EXPECT_TRUE(program.says("started")) << program.errors();
         return program;
     }
-    Program& start(const std::vector<std::string>& arguments) {
-        return programs_.emplace_back(folder_, arguments);
+    Program& start(const std::vector<std::string>& arguments,
+                   const ProgramSettings& settings = {}) {
+        return programs_.emplace_back(folder_, arguments, settings);
     }
 
     /// Every test of `run` ends so: the program leaves when told to, and its data thread has not

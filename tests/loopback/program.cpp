@@ -82,6 +82,7 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
     if (settings.terminal.empty()) {
         redirect(STDOUT_FILENO, output_file_, O_WRONLY | O_TRUNC);
     } else {
+        redirect(STDIN_FILENO, settings.terminal, O_RDWR);
         redirect(STDOUT_FILENO, settings.terminal, O_RDWR);
         ::ioctl(STDOUT_FILENO, TIOCSCTTY, 0);
     }

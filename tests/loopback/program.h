@@ -35,7 +35,7 @@ bool heap_trap_works();
 
 struct ProgramSettings {
     std::string executable = TRIBUS_PROGRAM;
-    /// A tty that becomes its controlling terminal and standard output.
+    /// A tty that becomes its controlling terminal, standard input and standard output.
     std::string terminal = {};
 };
 

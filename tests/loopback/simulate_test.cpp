@@ -203,5 +203,40 @@ TEST_F(Simulate, MainJobOverARealReceiversRecording) {
     expect_each_right(frames, inputs);
 }
 
+/// A battery on a CAN bus as a sensor of a receiver that asks once before the message came, once
+/// after it, and once when it is stale.
+TEST_F(Simulate, PlaysMessagesAndSensorBusesToo) {
+    std::ofstream(folder() / "battery.dbc") << "BO_ 291 Battery: 2 A\n"
+                                               " SG_ Voltage : 0|16@1+ (1,0) [0|0] \"mV\" B\n";
+    const std::string config = write_config(R"(
+[values.battery]
+interface = "can0"
+dbc = "battery.dbc"
+message = "Battery"
+[sensor_bus.telemetry]
+device = "/dev/nowhere"
+role = "sensor"
+[[sensor_bus.telemetry.sensor]]
+type = "external_voltage"
+value = "battery.Voltage"
+)");
+    std::ofstream(folder() / "bus.log") << "(1.000000) can0 123#3430\n";
+    std::ofstream(folder() / "asked.txt") << "# t_us\n100 04 81 7a ff\n8000 04 a1 5a ff\n"
+                                             "1600000 04 a1 5a ff\n";
+    Program& program =
+        start({"simulate", config, "--in", "battery=" + (folder() / "bus.log").string(), "--in",
+               "telemetry=" + (folder() / "asked.txt").string(), "--out",
+               "telemetry=" + (folder() / "said.txt").string()});
+    EXPECT_EQ(program.end(), 0) << program.errors();
+    const auto said = read_timed(folder() / "said.txt");
+    ASSERT_EQ(said.size(), 3U) << program.errors();
+    EXPECT_EQ(said[0].bytes, (Bytes{0x04, 0x81, 0x7A, 0xFF}));
+    EXPECT_EQ(said[1].bytes, (Bytes{0x06, 0xA1, 0xD2, 0x04, 0x82, 0xFE})) << "12340 mV are 12.34 V";
+    EXPECT_EQ(said[2].bytes, (Bytes{0x06, 0xA1, 0x00, 0x80, 0xD8, 0xFE})) << "not available";
+    EXPECT_NE(program.errors().find("sensor bus telemetry: 3 requests, 3 answered"),
+              std::string::npos)
+        << program.errors();
+}
+
 }  // namespace
 }  // namespace tribus::test

@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "tests/sim/simulation.h"
+#include "tests/sim/stored_table.h"
 
 namespace tribus::test {
 namespace {
@@ -94,16 +92,7 @@ std::string table() {
 }
 
 TEST(Behaviour, loss_and_jitter_to_age_and_failsafe_delay_are_as_stored) {
-    const std::string path = std::string(TRIBUS_SOURCE_DIR) + "/tests/sim/behaviour.txt";
-    const std::string now = table();
-    if (std::getenv("TRIBUS_STORE") != nullptr) {
-        std::ofstream(path) << now;
-    }
-    std::ostringstream stored;
-    stored << std::ifstream(path).rdbuf();
-    EXPECT_EQ(now, stored.str())
-        << "If the change is wanted, store it and say why in the commit:\n"
-           "TRIBUS_STORE=1 build/tests/sim_tests --gtest_filter=Behaviour.*";
+    expect_stored("behaviour.txt", table());
 }
 
 }  // namespace

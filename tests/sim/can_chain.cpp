@@ -7,25 +7,26 @@
 namespace tribus::test {
 namespace {
 
-std::string sender_configuration(const std::string& format) {
+std::string sender_configuration(const ChainSettings& settings) {
     return fmt::format(R"([input.receiver]
 protocol  = "ibus"
 device    = "/dev/ttyAMA2"
 [output.bus]
-protocol  = "can"
+protocol  = "{}"
 interface = "can0"
 period    = "7ms"
+{}
 {}
 [pipeline.main]
 from = "receiver"
 to   = "bus"
 )",
-                       format);
+                       settings.protocol, settings.format, settings.sender_lines);
 }
 
-std::string reader_configuration(const std::string& format) {
+std::string reader_configuration(const ChainSettings& settings) {
     return fmt::format(R"([input.bus]
-protocol  = "can"
+protocol  = "{}"
 interface = "can0"
 {}
 [output.servos]
@@ -36,7 +37,7 @@ period    = "7ms"
 from = "bus"
 to   = "servos"
 )",
-                       format);
+                       settings.protocol, settings.format);
 }
 
 /// What the reader's interface hears, in the order of arrival.
@@ -64,9 +65,9 @@ std::vector<ReceivedCanFrame> carry(const std::vector<WrittenToCan>& written,
 }  // namespace
 
 CanChain::CanChain(const ChainSettings& settings)
-    : a_(configuration_of(sender_configuration(settings.format)),
+    : a_(configuration_of(sender_configuration(settings)),
          {Sender{.last = settings.input_ends, .faults = {}}}, settings.seed),
-      b_(configuration_of(reader_configuration(settings.format)), {}, settings.seed) {
+      b_(configuration_of(reader_configuration(settings)), {}, settings.seed) {
     a_.run_until(settings.end);
     for (const ReceivedCanFrame& heard : carry(a_.written_to_can(), settings)) {
         b_.receive(0, heard.frame, heard.at);

@@ -15,8 +15,10 @@
 namespace tribus::test {
 
 struct ChainSettings {
+    std::string protocol = "can";
     /// Lines for both ends, such as `fd = true`.
     std::string format;
+    std::string sender_lines{};
     CanFaultSettings faults{};
     Instant input_ends{};
     Instant end{};

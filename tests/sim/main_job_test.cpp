@@ -140,14 +140,14 @@ TEST_F(MainJob, after_the_input_ends_it_says_frame_lost_within_the_timeout_then_
 }
 
 TEST_F(MainJob, allocates_nothing_after_start) {
-    if (!heap_trap_works()) {
+    if (!HeapTrap::works()) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }
     for_all_seeds([](const Simulation& simulation) { EXPECT_EQ(simulation.allocations(), 0U); });
 }
 
 TEST(HeapTrapTest, sees_an_allocation) {
-    if (!heap_trap_works()) {
+    if (!HeapTrap::works()) {
         GTEST_SKIP() << "a sanitizer has its own malloc";
     }
     const HeapTrap trap;

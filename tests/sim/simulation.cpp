@@ -108,6 +108,30 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
     loop_.emplace(*engine_, *this, Instant{});
 }
 
+/// Nothing where the sender is silent.
+std::size_t Simulation::write_frame(Wire& wire, Instant at,
+                                    std::span<std::uint8_t, kLongestSerialFrame> bytes) {
+    const auto spell = std::ranges::find_if(wire.sender.spells, [at](const Spell& candidate) {
+        return candidate.from <= at && at < candidate.until;
+    });
+    const bool fresh = spell == wire.sender.spells.end();
+    if (fresh) {
+        wire.latest_number = wire.sender.first_number + wire.next_number;
+    } else if (spell->kind == SpellKind::silence) {
+        return 0;
+    }
+    ChannelFrame frame = numbered_frame(wire.latest_number);
+    if (!fresh) {
+        frame.frame_lost = spell->kind == SpellKind::frame_lost;
+        frame.failsafe = spell->kind == SpellKind::failsafe;
+    }
+    const std::size_t length = wire.encoder->encode(frame, bytes);
+    if (!fresh && spell->kind == SpellKind::garbage) {
+        std::ranges::fill(bytes, std::uint8_t{0xA5});
+    }
+    return length;
+}
+
 /// Prepares the next frame on the wire. A late one does not overtake, nor does it start before the
 /// one ahead has ended.
 void Simulation::plan(Wire& wire) {
@@ -117,10 +141,10 @@ void Simulation::plan(Wire& wire) {
         return;
     }
     std::array<std::uint8_t, kLongestSerialFrame> bytes{};
-    const std::size_t length = wire.encoder->encode(numbered_frame(wire.next_number), bytes);
+    const std::size_t length = write_frame(wire, at, bytes);
     wire.reception = Reception{};
     wire.faults.apply(std::span(bytes).first(length), wire.reception);
-    wire.dropped = wire.faults.drop_frame();
+    wire.dropped = wire.faults.drop_frame() || length == 0;
     const Duration wire_time = wire.line.bytes_time(length);
     wire.next_arrival = std::max(at + wire.faults.next_delay(), wire.latest_arrival) + wire_time;
 }

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,20 @@ Configuration configuration_of(const std::string& text);
 /// The nine lines of the README with `period`.
 std::string main_job(const std::string& output_lines = "period = \"7ms\"");
 
+/// What a sender does for a while instead of sending fresh frames.
+enum class SpellKind : std::uint8_t {
+    silence,
+    frozen,      ///< the frame before, again and again
+    frame_lost,  ///< the same, marked frame-lost; where the wire has no flag: frozen
+    failsafe,    ///< the same, marked failsafe
+    garbage,     ///< bytes that are no frame
+};
+struct Spell {
+    Instant from;
+    Instant until;
+    SpellKind kind = SpellKind::silence;
+};
+
 /// A transmitter and receiver that send numbered frames of i.Bus or SBUS over a faulty wire.
 struct Sender {
     std::size_t input = 0;
@@ -32,7 +47,9 @@ struct Sender {
     Duration period = std::chrono::microseconds(7700);
     Instant first{};
     Instant last{};  ///< no frame from here on
-    FaultSettings faults;
+    FaultSettings faults{};
+    std::vector<Spell> spells{};  ///< in order
+    std::uint32_t first_number = 0;
 };
 
 /// One frame that an output wrote.
@@ -85,6 +102,7 @@ class Simulation final : public OutputObserver {
         LineSettings line;
         FaultInjector faults;
         std::uint32_t next_number = 0;
+        std::uint32_t latest_number = 0;
         Instant next_arrival = kNever;
         Instant latest_arrival{};
         Reception reception{};
@@ -92,6 +110,7 @@ class Simulation final : public OutputObserver {
         std::vector<Instant> arrivals{};
     };
     void plan(Wire& wire);
+    std::size_t write_frame(Wire& wire, Instant at, std::span<std::uint8_t, kLongestSerialFrame>);
     Wire* next_wire();
 
     std::unique_ptr<Engine> engine_;

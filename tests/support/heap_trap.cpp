@@ -64,7 +64,7 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
 
 namespace tribus::test {
 
-bool heap_trap_works() {
+bool HeapTrap::works() {
     return TRIBUS_HEAP_TRAP != 0;
 }
 

@@ -11,6 +11,12 @@
 
 namespace tribus {
 
+class ValueBoard;
+
+namespace dronecan {
+struct Voice;
+}  // namespace dronecan
+
 /// CAN frames in, snapshots of the channels out: only whole ones, whose parts belong together.
 /// Pure: no descriptor, clock, log or heap after construction. Thread-bound: one thread at a time.
 class CanDecoder : public DecoderReport {
@@ -39,6 +45,15 @@ class CanEncoder {
     virtual bool uses_fd() const { return false; }
     /// The ids that it sends, and nobody else on the bus may. Constant.
     virtual std::span<const CanIdMatch> sent() const = 0;
+
+    /// Where to read the named values that it sends, which are looked up here by their names. For
+    /// the start, before the first `encode`; without it, and for names that the board has not,
+    /// there is no number. The board outlives the encoder.
+    virtual void use(const ValueBoard& /*board*/) {}
+
+    /// In whose name it sends, where the protocol has nodes. For the start, before the first
+    /// `encode`; outlives the encoder.
+    virtual void speak_as(const dronecan::Voice& /*voice*/) {}
 
     /// Writes the frames of one snapshot, in the order in which they go out, and returns how many.
     /// `now` is when they go out: the age of the values is told where the format can.

@@ -5,10 +5,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/line_settings.h"
+#include "core/pulse.h"
 #include "core/setting.h"
 #include "core/time.h"
 #include "transports/codecs/can_codec.h"
@@ -17,6 +19,13 @@
 namespace tribus {
 
 enum class LinkKind : std::uint8_t { serial, can };
+
+/// A named value that an output sends.
+struct NamedUse {
+    std::string name;
+    /// The key that says so, and where it is inside a tree the keys that lead there.
+    std::vector<std::string> path;
+};
 
 /// All that the rest of the program needs to know of one protocol: one of these is one line of the
 /// table in transports/registry.cpp.
@@ -38,14 +47,29 @@ struct Protocol {
     /// Whether the wire format, with these settings, can say "failsafe", so that a frame that says
     /// it is not stale.
     bool (*says_failsafe)(const SettingValues&) = nullptr;
+    /// What a channel reads whose value on the wire is zero, where receivers send that for "no
+    /// value"; null: none does.
+    Pulse (*raw_zero)(const SettingValues&) = nullptr;
     /// What is wrong with settings that are each sound alone; null: nothing can be.
     std::vector<SettingMistake> (*check)(const SettingValues&, SettingScope) = nullptr;
+    /// The named values that an output with these settings sends; null: never any.
+    std::vector<NamedUse> (*value_names)(const SettingValues&) = nullptr;
+    /// Whether an output with these settings tells anything of channels; else it needs no pipeline.
+    /// Null: always.
+    bool (*needs_pipeline)(const SettingValues&) = nullptr;
 
     /// A serial protocol has the first two, a CAN protocol the other two. Settings are checked.
     std::unique_ptr<Decoder> (*make_decoder)(const SettingValues&) = nullptr;
     std::unique_ptr<Encoder> (*make_encoder)(const SettingValues&) = nullptr;
     std::unique_ptr<CanDecoder> (*make_can_decoder)(const SettingValues&) = nullptr;
     std::unique_ptr<CanEncoder> (*make_can_encoder)(const SettingValues&) = nullptr;
+
+    /// Whether there is a codec for this way.
+    bool goes(SettingScope way) const {
+        const bool in = make_decoder != nullptr || make_can_decoder != nullptr;
+        const bool out = make_encoder != nullptr || make_can_encoder != nullptr;
+        return (way == SettingScope::output || in) && (way == SettingScope::input || out);
+    }
 };
 
 /// For formats that always, or never, can say failsafe.

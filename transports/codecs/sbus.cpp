@@ -108,6 +108,10 @@ std::unique_ptr<Encoder> make_encoder(const SettingValues& settings) {
     return std::make_unique<SbusEncoder>(SbusScale::from_setting(settings.find("scale")));
 }
 
+Pulse raw_zero(const SettingValues& settings) {
+    return SbusScale::from_setting(settings.find("scale")).decode(0);
+}
+
 }  // namespace
 
 // Period: 14 ms is Futaba's normal mode, which analogue servos stand; below 7 ms a frame leaves
@@ -121,6 +125,7 @@ const Protocol kSbusProtocol{
     .default_period = std::chrono::milliseconds(14),
     .least_period = std::chrono::milliseconds(7),
     .says_failsafe = always_says_failsafe,
+    .raw_zero = raw_zero,
     .make_decoder = make_decoder,
     .make_encoder = make_encoder,
 };

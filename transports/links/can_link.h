@@ -15,8 +15,9 @@ namespace tribus {
 /// frames are 149. What is left is read at the next wake.
 inline constexpr std::size_t kCanFramesPerWake = 64;
 
-/// Senders of snapshots that one interface serves: its outputs.
-inline constexpr std::size_t kMostLanes = 16;
+/// Senders that one interface serves: its outputs, and a node.
+inline constexpr std::size_t kMostCanOutputs = 16;
+inline constexpr std::size_t kMostLanes = kMostCanOutputs + 1;
 
 enum class CanSender : std::uint8_t {
     bus,    ///< another node, or nobody can tell

@@ -4,17 +4,17 @@
 
 #include "transports/codecs/can_channels.h"
 #include "transports/codecs/dbc/dbc.h"
+#include "transports/codecs/dronecan/dronecan.h"
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
+#include "transports/codecs/sensor_can.h"
 
 namespace tribus {
 
 std::span<const Protocol* const> protocols() {
     static constexpr std::array kProtocols{
-        &kIbusProtocol,
-        &kSbusProtocol,
-        &kCanProtocol,
-        &kDbcProtocol,
+        &kIbusProtocol, &kSbusProtocol,    &kCanProtocol,
+        &kDbcProtocol,  &kSensorsProtocol, &kDroneCanProtocol,
     };
     return kProtocols;
 }

@@ -59,7 +59,7 @@ TEST(ProtocolUse, RefusesSettingsOfOtherProtocolsAndOfTheOtherDirection) {
 TEST(ProtocolUse, NamesTheProtocolThatWasMeant) {
     EXPECT_EQ(refusal("sbsu", {}),
               "--protocol: \"sbsu\" is no protocol that is known; did you mean \"sbus\"? Allowed: "
-              "\"ibus\", \"sbus\", \"can\", \"dbc\"");
+              "\"ibus\", \"sbus\", \"can\", \"dbc\", \"sensors\", \"dronecan\"");
 }
 
 std::vector<std::string_view> names_of_auto(const GivenSettings& given) {
@@ -77,7 +77,7 @@ using Names = std::vector<std::string_view>;
 // DBC has settings that it cannot be without.
 TEST(ProtocolUse, AutoIsEveryProtocolThatAllowsTheSettings) {
     EXPECT_EQ(names_of_auto({{"scale", "futaba"}}), (Names{"ibus", "sbus", "can"}));
-    EXPECT_EQ(names_of_auto({{"baud", "115200"}}), (Names{"ibus", "can"}));
+    EXPECT_EQ(names_of_auto({{"baud", "115200"}}), (Names{"ibus", "can", "dronecan"}));
 }
 
 TEST(ProtocolUse, AutoRefusesASettingThatNoProtocolAllows) {
@@ -86,9 +86,18 @@ TEST(ProtocolUse, AutoRefusesASettingThatNoProtocolAllows) {
               "--dbc");
 }
 
+TEST(ProtocolUse, AutoIsSilentOfProtocolsThatCannotBeRead) {
+    EXPECT_EQ(refusal("auto", {{"id", "first"}}).substr(0, 5), "--id ");
+}
+
+TEST(ProtocolUse, AProtocolThatOnlySendsCannotBeRead) {
+    EXPECT_EQ(refusal("sensors", {{"sensor_bus", "probes"}}).substr(0, 47),
+              "--sensor_bus: protocol \"sensors\" only sends; al");
+}
+
 TEST(ProtocolUse, ListsTheProtocolsOfOneKindOfLink) {
     EXPECT_EQ(protocol_list(LinkKind::serial), "ibus, sbus");
-    EXPECT_EQ(protocol_list(LinkKind::can), "can, dbc");
+    EXPECT_EQ(protocol_list(LinkKind::can), "can, dbc, sensors, dronecan");
 }
 
 TEST(ProtocolUse, NumbersMayBeHexadecimal) {

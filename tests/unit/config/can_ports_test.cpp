@@ -59,7 +59,9 @@ TEST_P(MistakeInCanPorts, IsReportedWithItsPlaceAndWhatIsAllowed) {
 constexpr Spoilt kMistakes[]{
     {"misspelt_interface", 3, R"(interfase = "can0")",
      R"(t.toml:3:1: unknown key "interfase" in [input.cockpit]; did you mean )"
-     R"("interface"? Allowed: "protocol", "interface", "timeout", "failsafe_when", )"
+     R"("interface"? Allowed: "protocol", "interface", "timeout", "failsafe_flag", )"
+     R"("frame_lost_flag", "frame_lost_run", "frame_lost_ratio", "failsafe_when", "frozen", )"
+     R"("plausible", "zero_guard", "map", )"
      R"("id", "extended", "fd", "crc", "channels")"},
     {"missing_interface", 3, "",
      R"(t.toml:1:1: [input.cockpit] lacks "interface"; required: CAN interface, such as )"
@@ -72,7 +74,9 @@ constexpr Spoilt kMistakes[]{
 baud = 500000)",
      R"(t.toml:4:1: unknown key "baud" in [input.cockpit]; it belongs in [input.NAME] )"
      R"(with protocol "ibus"; allowed: "protocol", "interface", "timeout", )"
-     R"("failsafe_when", "id", "extended", "fd", "crc", "channels")"},
+     R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
+     R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "id", "extended", "fd", )"
+     R"("crc", "channels")"},
     {"id_too_high_for_11_bits", 6, R"(interface = "can1"
 id = 0x7FB)",
      R"(t.toml:7:6: 2043 is too high for ids of 11 bits; allowed is 0 to 2042 (0x7FA), )"
@@ -117,7 +121,9 @@ foreign_sender = "ignroe")",
 foreign_sender = "ignore")",
      R"(t.toml:4:1: unknown key "foreign_sender" in [input.cockpit]; it belongs in )"
      R"([output.NAME] with protocol "can"; allowed: "protocol", "interface", "timeout", )"
-     R"("failsafe_when", "id", "extended", "fd", "crc", "channels")"},
+     R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
+     R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "id", "extended", "fd", )"
+     R"("crc", "channels")"},
     {"foreign_sender_of_a_serial_output", 9, R"(device = "/dev/ttyB"
 foreign_sender = "ignore")",
      R"(t.toml:10:1: unknown key "foreign_sender" in [output.servos]; it belongs in )"
@@ -176,7 +182,7 @@ TEST(CanPorts, HaveTheDefaultsOfTheNativeFormat) {
     const InputConfig& input = configuration.inputs.at(0);
     EXPECT_EQ(input.port.link, LinkKind::can);
     EXPECT_EQ(input.port.device, "can0");
-    EXPECT_EQ(input.timeout, milliseconds(100));
+    EXPECT_EQ(input.supervision.timeout, milliseconds(100));
     const OutputConfig& output = configuration.outputs.at(0);
     EXPECT_EQ(output.schedule.period, milliseconds(10));
     EXPECT_TRUE(output.yield_to_foreign_sender);
@@ -296,6 +302,11 @@ TEST(CanEffective, ShowsEveryDefault) {
 protocol = "can"
 interface = "can0"
 timeout = "100ms"
+failsafe_flag = true
+frame_lost_flag = true
+frame_lost_run = "100ms"
+frame_lost_ratio = 0.9
+frozen = "0ms"
 failsafe_when = []
 id = 768
 extended = false

@@ -152,7 +152,7 @@ TEST_F(DbcSettings, WrongTypesAreToldWhereTheyStand) {
                      "as [-100, 100]",
                      "14:8: it is not clear what this signal is for; allowed: a channel number, or "
                      "one of { channel = 1 }, { flag = \"failsafe\" }, { fixed = 0 }, "
-                     "{ counter = true }, { checksum = \"xor\" }",
+                     "{ counter = true }, { checksum = \"xor\" }, { from = \"battery.voltage\" }",
                      "16:11: a cycle time is a duration, text with a unit; allowed: \"1ms\" to "
                      "\"60s\""}));
 }
@@ -241,6 +241,15 @@ Configuration example(std::string_view name) {
         return {};
     }
     return *configuration;
+}
+
+/// Missing values and messages are failsafe without any flag.
+TEST(DbcExamples, AnInputWithoutAFlagMayHaveTheDetectorsOfFlags) {
+    const auto file = config_folder() / "examples" / "rc-box.toml";
+    std::string text = content_of(file);
+    text.insert(text.find("[input.box]\n") + 12, "failsafe_flag = true\n");
+    const auto configuration = load_configuration(text, file.string());
+    EXPECT_TRUE(configuration) << format_mistake(configuration.error().front());
 }
 
 TEST(DbcExamples, SayFailsafeWhereTheirFormatCan) {

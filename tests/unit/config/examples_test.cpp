@@ -46,6 +46,7 @@ spin = "0ms"
 protocol = "ibus"
 device = "/dev/ttyA"
 timeout = "100ms"
+frozen = "0ms"
 failsafe_when = []
 baud = 115200
 slots = "nibbles"
@@ -64,11 +65,13 @@ inverted = false
 [pipeline.main]
 from = ["receiver"]
 to = ["servos"]
+mode = "priority"
 
 [pipeline.main.failsafe.output.servos]
 hold = "300ms"
 action = "preset"
 recover = "500ms"
+power_on = "0ms"
 preset = { 3 = 988, other = 1500 }
 )");
 }
@@ -97,10 +100,45 @@ spin = "60us"
 protocol = "sbus"
 device = "/dev/\"quoted\" \\ \u007f"
 timeout = "20500us"
-failsafe_when = [{ channel = 3, below = 950.125 }, { channel = 4, above = 2100 }]
+failsafe_flag = false
+frame_lost_flag = false
+frame_lost_run = "2s"
+frame_lost_ratio = 0.5
+frozen = "10s"
+plausible = [880.5, 2159]
+zero_guard = "2s"
+failsafe_when = [{ channel = 4, above = 2100.125, between = [1, 2] }, { all_zero = true }]
 baud = 200000
 scale = { raw = [172, 1811], us = [988.5, 2012] }
 inverted = false
+
+[input.a.map]
+1 = 2
+2 = { mix = { 1 = 1.02 }, reverse = false, trim = 0, expo = 0, deadband = 0 }
+
+[input.c]
+protocol = "sbus"
+device = "/dev/ttyC"
+timeout = "100ms"
+failsafe_flag = true
+frame_lost_flag = true
+frame_lost_run = "100ms"
+frame_lost_ratio = 0.9
+frozen = "0ms"
+zero_guard = "1s"
+failsafe_when = []
+baud = 100000
+scale = "betaflight"
+inverted = false
+
+[input.d]
+protocol = "ibus"
+device = "/dev/ttyD"
+timeout = "100ms"
+frozen = "0ms"
+failsafe_when = []
+baud = 115200
+slots = "nibbles"
 
 [output.b]
 protocol = "sbus"
@@ -114,8 +152,15 @@ scale = "px4"
 inverted = false
 
 [pipeline.p]
-from = ["a"]
+from = ["a", "c", "d"]
 to = ["b"]
+mode = "median"
+tolerance = 40
+changeover = "2000us/s"
+
+[pipeline.p.handover]
+input = "c"
+channel = 8
 
 [pipeline.p.channels]
 1 = 2
@@ -128,8 +173,14 @@ to = ["b"]
 [pipeline.p.failsafe.output.b]
 hold = "0ms"
 action = "preset"
+slew = "1000us/s"
 recover = "2s"
+power_on = "3s"
 preset = { 1 = 1200, 18 = 2000, other = 1000.5 }
+
+[pipeline.p.failsafe.output.b.release_when]
+channel = 3
+below = 1050
 )";
     const auto configuration = load_configuration(all, "t.toml");
     ASSERT_TRUE(configuration) << format_mistake(configuration.error().front());

@@ -60,8 +60,8 @@ TEST(Load, FillsInTheDefaultsOfTheNineLines) {
     EXPECT_EQ(configuration.runtime.priority, 80);
     EXPECT_EQ(configuration.runtime.cpu, std::nullopt);
     ASSERT_EQ(configuration.inputs.size(), 1U);
-    EXPECT_EQ(configuration.inputs[0].timeout, milliseconds(100));
-    EXPECT_TRUE(configuration.inputs[0].failsafe_when.empty());
+    EXPECT_EQ(configuration.inputs[0].supervision.timeout, milliseconds(100));
+    EXPECT_TRUE(configuration.inputs[0].supervision.failsafe_when.empty());
     ASSERT_EQ(configuration.outputs.size(), 1U);
     EXPECT_EQ(configuration.outputs[0].schedule.kind, ScheduleKind::follow);
     EXPECT_EQ(configuration.outputs[0].schedule.phase, Phase::free);
@@ -69,7 +69,7 @@ TEST(Load, FillsInTheDefaultsOfTheNineLines) {
               configuration.outputs[0].protocol->default_period);
     EXPECT_FALSE(configuration.outputs[0].force);
     ASSERT_EQ(configuration.pipelines.size(), 1U);
-    EXPECT_EQ(configuration.pipelines[0].inputs, std::vector<std::size_t>{0});
+    EXPECT_EQ(configuration.pipelines[0].selection.inputs, std::vector<std::size_t>{0});
     EXPECT_EQ(configuration.pipelines[0].outputs, std::vector<std::size_t>{0});
     EXPECT_TRUE(configuration.pipelines[0].channels.empty());
     ASSERT_EQ(configuration.pipelines[0].failsafe.size(), 1U);
@@ -100,12 +100,12 @@ TEST(Load, HandsTheProtocolItsOwnKeysWithTheirDefaults) {
     EXPECT_EQ(configuration.inputs[0].settings.find("device"), nullptr);
 }
 
-TEST(Load, ReadsLossRulesWithChannelsCountedFromZero) {
+TEST(Load, ReadsValueRulesWithChannelsCountedFromZero) {
     const Configuration configuration =
         main_job(3,
                  "device = \"/dev/ttyA\"\nfailsafe_when = [{ channel = 3, below = 950.5 }, "
                  "{ channel = 18, below = 900, above = 2100 }]");
-    const auto& rules = configuration.inputs[0].failsafe_when;
+    const auto& rules = configuration.inputs[0].supervision.failsafe_when;
     ASSERT_EQ(rules.size(), 2U);
     EXPECT_EQ(rules[0].channel, 2U);
     EXPECT_EQ(rules[0].below, Pulse::from_eighths(7604));
@@ -166,7 +166,7 @@ from = ["alpha", "zulu"]
 to = "servos")");
     ASSERT_EQ(both.inputs.size(), 2U);
     EXPECT_EQ(both.inputs[0].name, "zulu");
-    EXPECT_EQ(both.pipelines[0].inputs, (std::vector<std::size_t>{1, 0}));
+    EXPECT_EQ(both.pipelines[0].selection.inputs, (std::vector<std::size_t>{1, 0}));
 }
 
 TEST(Load, LetsAnInputAndAnOutputWithTheSameLineShareADevice) {

@@ -52,12 +52,12 @@ throttle = 3)",
      R"([pipeline.main.channels]
 1 = {})",
      R"(t.toml:11:5: channel 1 has nothing that it is made from; exactly one of "from", )"
-     R"("mix", "fixed" is required)"},
+     R"("mix", "fixed", "line" is required)"},
     {"two_sources", 10,
      R"([pipeline.main.channels]
 1 = { from = 1, fixed = 1500 })",
      R"(t.toml:11:5: channel 1 has "from", "fixed"; exactly one of "from", "mix", )"
-     R"("fixed" is required)"},
+     R"("fixed", "line" is required)"},
     {"from_out_of_range", 10,
      R"([pipeline.main.channels]
 1 = { from = 19 })",
@@ -66,7 +66,7 @@ throttle = 3)",
      R"([pipeline.main.channels]
 1 = { from = 1, revers = true })",
      R"(t.toml:11:17: unknown key "revers" in channel 1; did you mean "reverse"? )"
-     R"(Allowed: "from", "mix", "fixed", "above", "below", "reverse", "trim", "expo", )"
+     R"(Allowed: "from", "mix", "fixed", "line", "above", "below", "reverse", "trim", "expo", )"
      R"("deadband", "slew", "min", "max")"},
     {"reverse_as_a_number", 10,
      R"([pipeline.main.channels]

@@ -58,7 +58,8 @@ preset = { other = 2501 })",
      R"([pipeline.main.failsafe]
 timeout = "100ms")",
      R"(t.toml:11:1: unknown key "timeout" in [pipeline.main.failsafe]; it belongs in )"
-     R"([input.NAME]; allowed: "hold", "action", "preset", "recover", "output")"},
+     R"([input.NAME]; allowed: "hold", "action", "preset", "slew", "recover", )"
+     R"("power_on", "release_when", "output")"},
     {"output_that_is_no_table", 10,
      R"([pipeline.main.failsafe]
 output = "servos")",

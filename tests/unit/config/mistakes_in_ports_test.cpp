@@ -16,13 +16,16 @@ TEST_P(MistakeInPorts, IsReportedWithItsPlaceAndWhatIsAllowed) {
 constexpr Spoilt kMistakes[]{
     {"misspelt_key", 3, R"(devcie = "/dev/ttyA")",
      R"(t.toml:3:1: unknown key "devcie" in [input.receiver]; did you mean "device"? )"
-     R"(Allowed: "protocol", "device", "timeout", "failsafe_when", "baud", "slots")"},
+     R"(Allowed: "protocol", "device", "timeout", )"
+     R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
+     R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "baud", "slots")"},
     {"key_of_an_output_in_an_input", 3,
      R"(device = "/dev/ttyA"
 period = "14ms")",
      R"(t.toml:4:1: unknown key "period" in [input.receiver]; it belongs in )"
-     R"([output.NAME]; allowed: "protocol", "device", "timeout", "failsafe_when", )"
-     R"("baud", "slots")"},
+     R"([output.NAME]; allowed: "protocol", "device", "timeout", )"
+     R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
+     R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "baud", "slots")"},
     {"key_of_another_protocol", 6,
      R"(device = "/dev/ttyB"
 slots = "plain")",
@@ -34,10 +37,11 @@ slots = "plain")",
 channels = 18)",
      R"(t.toml:4:1: unknown key "channels" in [input.receiver]; it belongs in )"
      R"([output.NAME] with protocol "ibus"; allowed: "protocol", "device", "timeout", )"
-     R"("failsafe_when", "baud", "slots")"},
+     R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
+     R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "baud", "slots")"},
     {"missing_protocol", 2, "",
      R"(t.toml:1:1: [input.receiver] lacks "protocol"; required: one of "ibus", "sbus", )"
-     R"("can", "dbc")"},
+     R"("can", "dbc", "dronecan")"},
     {"missing_device", 3, "",
      R"(t.toml:1:1: [input.receiver] lacks "device"; required: Serial device, such as )"
      R"("/dev/ttyAMA2" or a stable name under /dev/serial/by-id)"},
@@ -46,11 +50,13 @@ channels = 18)",
     {"device_of_a_wrong_type", 3, "device = 3",
      R"(t.toml:3:10: "device" is 3; allowed: text in quotes, not empty)"},
     {"misspelt_protocol", 2, R"(protocol = "isub")",
-     R"(t.toml:2:12: "protocol" is "isub"; allowed: "ibus", "sbus", "can", "dbc")"},
+     R"(t.toml:2:12: "protocol" is "isub"; allowed: "ibus", "sbus", "can", "dbc", "dronecan")"},
     {"unknown_protocol", 5, R"(protocol = "crossfire")",
-     R"(t.toml:5:12: "protocol" is "crossfire"; allowed: "ibus", "sbus", "can", "dbc")"},
+     R"(t.toml:5:12: "protocol" is "crossfire"; allowed: "ibus", "sbus", "can", "dbc", )"
+     R"("sensors", "dronecan")"},
     {"protocol_of_a_wrong_type", 5, "protocol = 1",
-     R"(t.toml:5:12: "protocol" is 1; allowed: "ibus", "sbus", "can", "dbc")"},
+     R"(t.toml:5:12: "protocol" is 1; allowed: "ibus", "sbus", "can", "dbc", )"
+     R"("sensors", "dronecan")"},
     {"timeout_without_a_unit", 3,
      R"(device = "/dev/ttyA"
 timeout = 100)",
@@ -189,7 +195,7 @@ scale = { raw = [0, 2000], us = [1000, 1499] })",
 scale = { raw = [0, 1000], us = [0, 2001] })",
      R"(t.toml:7:9: "scale" spreads raw 0 to 2047 over 0 to 4096.05 us; allowed: within )"
      R"(-4000 to 4095 us)"},
-    {"loss_rules_that_are_no_list", 3,
+    {"value_rules_that_are_no_list", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = { channel = 3, below = 950 })",
      R"(t.toml:4:17: "failsafe_when" is a table; allowed: a list of rules, such as [{ )"
@@ -202,13 +208,13 @@ failsafe_when = [3])",
     {"loss_rule_without_a_limit", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = [{ channel = 3 }])",
-     R"(t.toml:4:18: a rule of "failsafe_when" has no limit; at least one of "below" )"
-     R"(and "above" is required, such as [{ channel = 3, below = 950 }])"},
+     R"(t.toml:4:18: a rule of "failsafe_when" has no limit; at least one of "below", )"
+     R"("above", "between" is required, such as [{ channel = 3, below = 950 }])"},
     {"loss_rule_without_a_channel", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = [{ below = 950 }])",
-     R"(t.toml:4:18: a rule of "failsafe_when" lacks "channel"; required: Channel to )"
-     R"(judge)"},
+     R"(t.toml:4:18: a rule of "failsafe_when" has no "channel"; required, such as )"
+     R"([{ channel = 3, below = 950 }])"},
     {"loss_rule_with_a_channel_out_of_range", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = [{ channel = 19, below = 950 }])",
@@ -217,7 +223,7 @@ failsafe_when = [{ channel = 19, below = 950 }])",
      R"(device = "/dev/ttyA"
 failsafe_when = [{ channel = 3, bellow = 950 }])",
      R"(t.toml:4:33: unknown key "bellow" in a rule of "failsafe_when"; did you mean )"
-     R"("below"? Allowed: "channel", "below", "above")"},
+     R"("below"? Allowed: "channel", "below", "above", "between", "all_zero")"},
     {"loss_rule_that_is_always_true", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = [{ channel = 3, below = 2000, above = 1000 }])",

@@ -1,126 +1,23 @@
 #include "core/schedule.h"
 
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+#include "tests/unit/core/arrivals.h"
+
+namespace tribus::test {
 namespace {
 
 using namespace std::chrono_literals;
 
-Instant at(Duration since_start) {
-    return Instant(since_start);
-}
-
-ArrivalClock arrivals_each(Duration interval, Instant first, int count) {
-    ArrivalClock arrivals;
-    for (int i = 0; i < count; ++i) {
-        arrivals.arrived(first + i * interval);
-    }
-    return arrivals;
-}
-
-TEST(ArrivalClock, knows_no_interval_before_the_second_frame) {
-    ArrivalClock arrivals;
-    EXPECT_FALSE(arrivals.ever());
-    arrivals.arrived(at(5ms));
-    EXPECT_TRUE(arrivals.ever());
-    EXPECT_EQ(arrivals.interval(), 0ms);
-}
-
-TEST(ArrivalClock, one_late_frame_hardly_changes_the_interval) {
-    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
-    arrivals.arrived(arrivals.latest() + 9300us);
-    EXPECT_EQ(arrivals.interval(), 7'700'904ns);
-}
-
-TEST(ArrivalClock, the_interval_of_frames_that_jitter_is_exact_to_a_thousandth) {
-    std::minstd_rand random(4);
-    ArrivalClock arrivals;
-    for (int i = 0; i < 1000; ++i) {
-        arrivals.arrived(at(i * 7700us + std::chrono::microseconds(random() % 400)));
-        if (i > 100) {
-            ASSERT_NEAR(static_cast<double>(arrivals.interval().count()), 7'700e3, 8e3) << i;
-        }
-    }
-}
-
-TEST(ArrivalClock, the_rhythm_goes_through_the_middle_of_arrivals_that_jitter) {
-    ArrivalClock arrivals;
-    for (int i = 0; i < 1000; ++i) {
-        arrivals.arrived(at(i * 7700us + (i % 2 == 0 ? 0us : 200us)));
-    }
-    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - at(999 * 7700us)).count()), 100e3, 20e3);
-    EXPECT_NEAR(static_cast<double>(arrivals.lateness().count()), 100e3, 20e3);
-}
-
-TEST(ArrivalClock, the_rhythm_begins_anew_with_the_second_frame_that_misses_it_by_the_same) {
-    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
-    const Instant anew = arrivals.latest() + 3 * 7700us + 3ms;
-    arrivals.arrived(anew);
-    EXPECT_NE(arrivals.rhythm(), arrivals.latest());
-    arrivals.arrived(anew + 7700us);
-    EXPECT_EQ(arrivals.rhythm(), arrivals.latest());
-}
-
-TEST(ArrivalClock, frames_that_miss_the_rhythm_each_by_another_time_do_not_begin_it_anew) {
-    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
-    const Instant latest = arrivals.latest();
-    arrivals.arrived(latest + 7700us + 2500us);
-    arrivals.arrived(latest + 2 * 7700us - 1500us);
-    arrivals.arrived(latest + 3 * 7700us + 1200us);
-    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - latest - 3 * 7700us).count()), 0, 200e3);
-}
-
-TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
-    ArrivalClock arrivals;
-    arrivals.arrived(at(5ms));
-    arrivals.arrived(at(5ms));
-    EXPECT_EQ(arrivals.interval(), 0ms);
-    EXPECT_EQ(arrivals.rhythm(), at(5ms));
-    arrivals.arrived(at(12ms));
-    EXPECT_EQ(arrivals.interval(), 7ms);
-}
-
-TEST(ArrivalClock, one_missing_frame_does_not_change_the_interval) {
-    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 10);
-    arrivals.arrived(arrivals.latest() + 2 * 7700us);
-    EXPECT_EQ(arrivals.interval(), 7700us);
-}
-
-TEST(ArrivalClock, learns_a_new_period_from_a_few_frames) {
-    ArrivalClock arrivals = arrivals_each(14ms, at(0ms), 10);
-    for (int i = 0; i < 4; ++i) {
-        arrivals.arrived(arrivals.latest() + 4ms);
-    }
-    EXPECT_EQ(arrivals.interval(), 4ms);
-}
-
-TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
-    for (Duration before = 1ms; before < 30ms; before += 370us) {
-        for (Duration after = 4ms; after < 30ms; after += 410us) {
-            ArrivalClock arrivals = arrivals_each(before, at(0ms), 300);
-            const Instant anew = arrivals.latest() + 11ms;
-            for (int i = 0; i < 40; ++i) {
-                arrivals.arrived(anew + i * after);
-            }
-            ASSERT_NEAR(static_cast<double>(arrivals.interval() / 1us),
-                        static_cast<double>(after / 1us), static_cast<double>(after / 100us))
-                << "before: " << before / 1us << " us";
-        }
-    }
-}
-
-TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_rhythm_with_frames_missing) {
-    // 7 ms are five quarters of 5.6 ms: every fifth would be missing.
-    ArrivalClock arrivals = arrivals_each(4ms, at(0ms), 2);
-    const Instant regular = arrivals.latest() + 5ms;
-    for (int i = 0; i < 40; ++i) {
-        arrivals.arrived(regular + i * 7ms);
-    }
-    EXPECT_NEAR(static_cast<double>(arrivals.interval() / 1us), 7000, 10);
+/// The latest frame was written when it came.
+Schedule written_on_arrival(Duration period, const ArrivalClock& arrivals) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = period});
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals);
+    schedule.done(arrivals.latest(), true);
+    return schedule;
 }
 
 TEST(FollowSchedule, waits_a_period_for_a_first_frame) {
@@ -212,23 +109,17 @@ TEST(FollowSchedule, repeats_once_a_period_without_input) {
 TEST(FollowSchedule, a_repeat_waits_for_a_frame_that_is_about_due_but_not_at_the_cost_of_the_next) {
     // FS-iA6B: 7.7 ms; a repeat at 7 ms would hold the fresh frame back to 14 ms, and one behind
     // 8.4 ms that of 15.4 ms.
-    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);
-    schedule.start(at(0ms));
-    schedule.frame_arrived(arrivals);
-    schedule.done(arrivals.latest(), true);
+    Schedule schedule = written_on_arrival(7ms, arrivals);
     EXPECT_EQ(schedule.due(), arrivals.latest() + 8350us);
 }
 
 TEST(FollowSchedule, of_a_missing_frame_the_second_repeat_waits_for_the_frame_behind_it_as_well) {
     // 7 ms in, 5 ms out: repeated at 8.95 ms, and at 13.95 ms again, the frame that comes at 14 ms
     // would wait until 18.95 ms.
-    Schedule schedule({.kind = ScheduleKind::follow, .period = 5ms});
     ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);
     const Instant latest = arrivals.latest();
-    schedule.start(at(0ms));
-    schedule.frame_arrived(arrivals);
-    schedule.done(latest, true);
+    Schedule schedule = written_on_arrival(5ms, arrivals);
     ASSERT_EQ(schedule.due(), latest + 8950us);
     schedule.done(schedule.due(), true);
     EXPECT_GT(schedule.due(), latest + 14ms);
@@ -238,11 +129,8 @@ TEST(FollowSchedule, of_a_missing_frame_the_second_repeat_waits_for_the_frame_be
 }
 
 TEST(FollowSchedule, repeats_are_a_period_apart_once_the_input_has_stopped) {
-    Schedule schedule({.kind = ScheduleKind::follow, .period = 5ms});
     const ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);
-    schedule.start(at(0ms));
-    schedule.frame_arrived(arrivals);
-    schedule.done(arrivals.latest(), true);
+    Schedule schedule = written_on_arrival(5ms, arrivals);
     while (schedule.due() < arrivals.latest() + 40ms) {
         schedule.done(schedule.due(), true);
     }
@@ -254,24 +142,18 @@ TEST(FollowSchedule, repeats_are_a_period_apart_once_the_input_has_stopped) {
 }
 
 TEST(FollowSchedule, a_repeat_waits_longer_for_frames_that_come_unevenly) {
-    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     ArrivalClock arrivals;
     for (int i = 0; i <= 1000; ++i) {
         arrivals.arrived(at(i * 7700us + (i % 2 == 0 ? 0us : 1500us)));
     }
-    schedule.start(at(0ms));
-    schedule.frame_arrived(arrivals);
-    schedule.done(arrivals.latest(), true);
+    Schedule schedule = written_on_arrival(7ms, arrivals);
     EXPECT_GT(schedule.due(), arrivals.latest() + 7700us + 1500us);
     EXPECT_LT(schedule.due(), arrivals.latest() + 14ms);
 }
 
 TEST(FollowSchedule, a_slow_input_does_not_hold_repeats_back) {
-    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     const ArrivalClock arrivals = arrivals_each(50ms, at(0ms), 20);
-    schedule.start(at(0ms));
-    schedule.frame_arrived(arrivals);
-    schedule.done(arrivals.latest(), true);
+    Schedule schedule = written_on_arrival(7ms, arrivals);
     EXPECT_EQ(schedule.due(), arrivals.latest() + 7ms);
 }
 
@@ -432,4 +314,4 @@ TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::test

@@ -28,8 +28,7 @@ inline InputSettings can_input(const CanChannelsFormat& format = {}) {
     return {.name = "cockpit",
             .decoder = nullptr,
             .can_decoder = std::make_unique<CanChannelsDecoder>(format),
-            .timeout = kTimeout,
-            .failsafe_when = {}};
+            .supervision = {.timeout = kTimeout}};
 }
 
 /// Due at each whole 10 ms after the start.
@@ -40,7 +39,7 @@ inline OutputSettings output_to(std::unique_ptr<Encoder> bytes, std::unique_ptr<
             .encoder = std::move(bytes),
             .can_encoder = std::move(can),
             .schedule = {.kind = ScheduleKind::grid, .period = kPeriod},
-            .inputs = {0},
+            .selection = {.inputs = {0}},
             .channels = {},
             .failsafe = failsafe};
 }

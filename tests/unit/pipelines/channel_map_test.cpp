@@ -92,6 +92,16 @@ TEST(ChannelMap, an_absent_source_makes_an_absent_channel) {
     EXPECT_FALSE(out.has(2));
 }
 
+TEST(ChannelMap, a_channel_that_the_receiver_lacks_is_there_where_a_rule_fills_it) {
+    ChannelFrame input = ladder();
+    input.remove(14);
+    input.remove(15);
+    ChannelMap map = map_of({.output = 14, .source = FromChannel{0}});
+    const ChannelFrame out = map.apply(input, kNow);
+    EXPECT_EQ(out.channel(14), us(1010));
+    EXPECT_FALSE(out.has(15));
+}
+
 TEST(ChannelMap, flags_pass) {
     ChannelFrame input = ladder();
     input.frame_lost = true;

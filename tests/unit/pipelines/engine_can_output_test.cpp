@@ -69,6 +69,26 @@ TEST(EngineCanOutput, the_end_of_the_program_sends_three_failsafe_snapshots_and_
     }
 }
 
+/// As those that send named values only.
+TEST(EngineCanOutput, without_an_input_it_speaks_each_period_and_says_no_failsafe) {
+    OutputSettings alone = can_output();
+    alone.selection.inputs.clear();
+    Engine engine({}, list(std::move(alone)));
+    engine.start(at(0ms));
+    for (int period = 0; period < 20; ++period) {
+        EXPECT_EQ(engine.poll(at(period * kPeriod)), at((period + 1) * kPeriod));
+        const Transmission sent = engine.output(0).take();
+        ASSERT_EQ(sent.can_frames.size(), 5U) << period;
+        const CanChannelsQuad quad = parse_can_quad(sent.can_frames[0].bytes());
+        EXPECT_FALSE(quad.status.failsafe || quad.status.frame_lost) << period;
+    }
+    EXPECT_EQ(engine.output(0).stage(), OutputStage::control);
+    EXPECT_EQ(engine.output(0).state(at(200ms)).input, kNoInput);
+    engine.end(at(205ms));
+    engine.poll(at(205ms));
+    EXPECT_TRUE(engine.output(0).take().empty());
+}
+
 TEST(EngineCanOutput, a_serial_and_a_can_output_of_one_pipeline_always_agree) {
     Bench bench(list(sbus_output(), can_output()));
     bench.snapshots(at(0ms), at(300ms));

@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(Formats, EngineCanAge,
 
 TEST_P(EngineCanAge, values_that_were_60_ms_old_when_sent_are_lost_40_ms_after) {
     bench.snapshot(at(205ms), 900, 60ms);
-    EXPECT_EQ(bench.input().lost_at(), at(245ms));
+    EXPECT_EQ(bench.input().link().lost_at(), at(245ms));
     EXPECT_FALSE(bench.said(at(230ms)).frame_lost());
     EXPECT_TRUE(bench.said(at(240ms)).frame_lost());
 }
@@ -106,8 +106,8 @@ TEST(EngineCanFdAge, values_that_were_90_ms_old_when_sent_are_lost_10_ms_after) 
     Bench bench(list(sbus_output()), {.fd = true});
     bench.snapshots(at(0ms), at(200ms));
     bench.snapshot(at(205ms), 900, 90ms);
-    EXPECT_TRUE(bench.input().alive(at(214ms)));
-    EXPECT_FALSE(bench.input().alive(at(215ms)));
+    EXPECT_TRUE(bench.input().link().alive(at(214ms)));
+    EXPECT_FALSE(bench.input().link().alive(at(215ms)));
 }
 
 TEST(EngineCanFdAge, values_as_old_as_the_timeout_never_get_control) {
@@ -138,7 +138,7 @@ TEST(EngineCanClassicAge, beyond_the_63_ms_that_it_tells_values_are_as_old_as_th
     bench.snapshot(at(205ms), 900, 60ms);
     bench.snapshot(at(245ms), 900, 100ms);
     bench.snapshot(at(345ms), 900, 200ms);
-    EXPECT_EQ(bench.input().lost_at(), at(145ms) + kTimeout);
+    EXPECT_EQ(bench.input().link().lost_at(), at(145ms) + kTimeout);
 }
 
 TEST(EngineCanClassicAge, below_the_63_ms_that_it_tells_is_believed_again_after_older_values) {
@@ -146,14 +146,14 @@ TEST(EngineCanClassicAge, below_the_63_ms_that_it_tells_is_believed_again_after_
     bench.snapshots(at(0ms), at(200ms));
     bench.snapshot(at(245ms), 900, 100ms);
     bench.snapshot(at(255ms), 901, 10ms);
-    EXPECT_EQ(bench.input().lost_at(), at(245ms) + kTimeout);
+    EXPECT_EQ(bench.input().link().lost_at(), at(245ms) + kTimeout);
 }
 
 TEST(EngineCanWithoutAge, values_count_from_their_arrival) {
     Bench bench(list(sbus_output()), {.channels = 16});
     bench.snapshots(at(0ms), at(200ms));
     bench.snapshot(at(205ms), 900, 90ms);
-    EXPECT_EQ(bench.input().lost_at(), at(305ms));
+    EXPECT_EQ(bench.input().link().lost_at(), at(305ms));
 }
 
 class EngineCanIds : public testing::Test {

@@ -1,128 +1,16 @@
 #include "pipelines/engine.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <bitset>
-#include <memory>
-#include <utility>
+#include <cstdint>
 #include <vector>
 
-#include "pipelines/virtual_loop.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include <gtest/gtest.h>
 
-namespace tribus {
+#include "tests/unit/pipelines/engine_bench.h"
+
+namespace tribus::test::serial {
 namespace {
-
-using namespace std::chrono_literals;
-
-constexpr std::bitset<kLongestSerialFrame> kUndamaged{};
-
-Pulse us(std::int64_t microseconds) {
-    return Pulse::from_microseconds(microseconds);
-}
-Instant at(Duration since_start) {
-    return Instant(since_start);
-}
-
-InputSettings sbus_input(std::vector<LossRule> rules = {}) {
-    return {.name = "in",
-            .decoder = std::make_unique<SbusDecoder>(),
-            .timeout = 100ms,
-            .failsafe_when = std::move(rules)};
-}
-
-InputSettings ibus_input(std::vector<LossRule> rules = {}) {
-    return {.name = "in",
-            .decoder = std::make_unique<IbusDecoder>(),
-            .timeout = 100ms,
-            .failsafe_when = std::move(rules)};
-}
-
-OutputSettings sbus_output(std::vector<std::size_t> inputs, FailsafeSettings failsafe = {}) {
-    failsafe.presets.fill(us(1500));
-    failsafe.presets[2] = us(988);
-    return {.name = "out",
-            .encoder = std::make_unique<SbusEncoder>(),
-            .schedule = {.kind = ScheduleKind::grid, .period = 10ms},
-            .inputs = std::move(inputs),
-            .channels = {},
-            .failsafe = failsafe};
-}
-
-struct Seen {
-    Instant at;
-    SbusFrame frame;
-};
-
-/// An engine under virtual time, with what its outputs wrote.
-class Bench final : public OutputObserver {
-  public:
-    Bench(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs)
-        : engine_(std::move(inputs), std::move(outputs)),
-          seen_(engine_.outputs().size()),
-          loop_(engine_, *this, Instant{}) {}
-
-    void wrote(std::size_t output, Instant when, const Transmission& sent) override {
-        const auto frame = sent.bytes;
-        seen_[output].push_back({when, parse_sbus(frame.first<kSbusFrameLength>())});
-    }
-
-    /// An i.Bus frame with `first` on channel 1.
-    void ibus(std::size_t input, Instant when, Pulse first, Pulse third = us(1200)) {
-        ChannelFrame frame;
-        frame.set(0, first);
-        frame.set(2, third);
-        send(IbusEncoder(14), input, when, frame);
-    }
-    void sbus(std::size_t input, Instant when, Pulse first, bool frame_lost, bool failsafe) {
-        ChannelFrame frame;
-        frame.set(0, first);
-        frame.frame_lost = frame_lost;
-        frame.failsafe = failsafe;
-        send(SbusEncoder(), input, when, frame);
-    }
-    void ibus_run(std::size_t input, Instant from, Instant until, Pulse first) {
-        for (Instant when = from; when < until; when += 8ms) {
-            ibus(input, when, first);
-        }
-    }
-    /// What the output says at `when`.
-    SbusFrame said(Instant when, std::size_t output = 0) {
-        loop_.run_until(when + 1ns);
-        SbusFrame latest;
-        for (const Seen& seen : seen_[output]) {
-            latest = seen.at <= when ? seen.frame : latest;
-        }
-        return latest;
-    }
-    const std::vector<Seen>& seen(std::size_t output = 0) const { return seen_[output]; }
-    Engine& engine() { return engine_; }
-    VirtualLoop& loop() { return loop_; }
-
-  private:
-    void send(const Encoder& encoder, std::size_t input, Instant when, const ChannelFrame& frame) {
-        std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = encoder.encode(frame, wire);
-        loop_.receive(input, std::span(wire).first(length), kUndamaged, when);
-    }
-
-    Engine engine_;
-    std::vector<std::vector<Seen>> seen_;
-    VirtualLoop loop_;
-};
-
-template <class... Settings>
-auto list(Settings... settings) {
-    std::vector<std::common_type_t<Settings...>> all;
-    (all.push_back(std::move(settings)), ...);
-    return all;
-}
-
-constexpr std::uint16_t raw_of(int microseconds) {
-    return static_cast<std::uint16_t>((microseconds - 880) * 8 / 5);
-}
 
 TEST(EngineFailsafe, before_the_first_good_frame_an_output_is_in_failsafe) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
@@ -344,4 +232,4 @@ TEST(EngineCounts, device_losses_and_frames_are_counted) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::test::serial

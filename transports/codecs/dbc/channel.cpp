@@ -11,6 +11,8 @@ namespace {
 /// The status codes of J1939: no, yes, error, not available.
 enum Status : std::uint64_t { kNo = 0, kYes = 1, kError = 2, kNotAvailable = 3 };
 
+using Range = std::optional<std::array<double, 2>>;
+
 double along(double at, const std::array<double, 2>& from, const std::array<double, 2>& to) {
     return to[0] + (at - from[0]) * (to[1] - to[0]) / (from[1] - from[0]);
 }
@@ -43,12 +45,12 @@ std::optional<double> read_signed(const DbcChannel& channel, double magnitude,
 }
 
 /// Whether the file allows what the bits say, to within their rounding.
-bool in_range(const DbcChannel& channel, std::uint64_t bits, double value) {
-    if (!channel.range) {
+bool in_range(const DbcLayout& layout, const Range& range, std::uint64_t bits, double value) {
+    if (!range) {
         return true;
     }
-    const double allowed = std::clamp(value, (*channel.range)[0], (*channel.range)[1]);
-    return allowed == value || channel.layout.bits_from_physical(allowed) == bits;
+    const double allowed = std::clamp(value, (*range)[0], (*range)[1]);
+    return allowed == value || layout.bits_from_physical(allowed) == bits;
 }
 
 void write_status(const std::optional<DbcLayout>& layout, std::uint64_t status,
@@ -72,13 +74,15 @@ bool is_code(const DbcChannel& channel, std::uint64_t bits) {
 
 /// A value must not come out as the code of an error: then the nearest one that is none. Never
 /// round at the other end of what the bits can hold, which would be full travel the other way.
-std::uint64_t value_bits(const DbcChannel& channel, double value) {
-    if (channel.range) {
-        value = std::clamp(value, (*channel.range)[0], (*channel.range)[1]);
+/// `is_code` says it of bits.
+template <class IsCode>
+std::uint64_t value_bits(const DbcLayout& layout, const Range& range, IsCode is_code,
+                         double value) {
+    if (range) {
+        value = std::clamp(value, (*range)[0], (*range)[1]);
     }
-    const DbcLayout& layout = channel.layout;
     const std::uint64_t wanted = layout.bits_from_physical(value);
-    if (!is_code(channel, wanted)) {
+    if (!is_code(wanted)) {
         return wanted;
     }
     std::uint64_t nearest = wanted;
@@ -87,12 +91,12 @@ std::uint64_t value_bits(const DbcChannel& channel, double value) {
     // Two codes may stand side by side.
     for (const std::uint64_t near : {raw - 1, raw + 1, raw - 2, raw + 2}) {
         const auto bits = layout.bits_from_raw(static_cast<std::int64_t>(near));
-        if (!bits || is_code(channel, *bits)) {
+        if (!bits || is_code(*bits)) {
             continue;
         }
         const double physical = layout.physical(*bits);
         const double distance = std::abs(physical - value);
-        if (distance < least_distance && in_range(channel, *bits, physical)) {
+        if (distance < least_distance && in_range(layout, range, *bits, physical)) {
             nearest = *bits;
             least_distance = distance;
         }
@@ -109,7 +113,7 @@ std::optional<Pulse> read_dbc_channel(const DbcChannel& channel,
         return std::nullopt;
     }
     std::optional<double> value = channel.layout.physical(bits);
-    if (!std::isfinite(*value) || !in_range(channel, bits, *value)) {
+    if (!std::isfinite(*value) || !in_range(channel.layout, channel.range, bits, *value)) {
         return std::nullopt;
     }
     if (channel.negative) {
@@ -132,12 +136,32 @@ void write_dbc_channel(const DbcChannel& channel, std::optional<Pulse> pulse, bo
     }
     const double microseconds = pulse.value_or(kCentrePulse).microseconds();
     const double value = along(microseconds, channel.microseconds, channel.value);
-    const std::uint64_t bits = value_bits(channel, channel.negative ? std::abs(value) : value);
+    const std::uint64_t bits = value_bits(
+        channel.layout, channel.range, [&](std::uint64_t at) { return is_code(channel, at); },
+        channel.negative ? std::abs(value) : value);
     channel.layout.set_raw_bits(data, bits);
     const bool centred = channel.layout.physical(bits) == 0;
     write_status(channel.neutral, centred ? kYes : kNo, data);
     write_status(channel.negative, !centred && value < 0 ? kYes : kNo, data);
     write_status(channel.positive, !centred && value > 0 ? kYes : kNo, data);
+}
+
+bool write_dbc_value(const DbcValue& value, std::optional<double> number,
+                     std::span<std::uint8_t> data) {
+    if (!number || std::isnan(*number)) {
+        if (value.not_available) {
+            value.layout.set_raw_bits(data, *value.not_available);
+        }
+        return value.not_available.has_value();
+    }
+    std::uint64_t bits = value_bits(
+        value.layout, value.range, [&](std::uint64_t at) { return at == value.not_available; },
+        *number);
+    if (value.most_bits && bits > *value.most_bits) {
+        bits = *value.most_bits == value.not_available ? *value.most_bits - 1 : *value.most_bits;
+    }
+    value.layout.set_raw_bits(data, bits);
+    return true;
 }
 
 }  // namespace tribus

@@ -19,4 +19,9 @@ std::optional<Pulse> read_dbc_channel(const DbcChannel& channel,
 void write_dbc_channel(const DbcChannel& channel, std::optional<Pulse> pulse, bool failsafe,
                        std::span<std::uint8_t> data);
 
+/// A number in the unit of the signal, cut to what the signal and the file allow, never one of its
+/// codes. False where there is none and no code to say so.
+bool write_dbc_value(const DbcValue& value, std::optional<double> number,
+                     std::span<std::uint8_t> data);
+
 }  // namespace tribus

@@ -10,6 +10,8 @@
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
+#include "core/unit.h"
+#include "core/value_board.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/counter_watch.h"
 #include "transports/codecs/dbc/map.h"
@@ -106,12 +108,16 @@ class DbcDecoder final : public CanDecoder {
 /// one that tells of failsafe or lost frames as soon as that changes. In failsafe a channel with a
 /// code for an error, or else for "not available", is sent as that; an absent channel as "not
 /// available", else as an error, else as 1500 us.
+/// Named values are converted to the unit of their signal where both units are known. While one of
+/// a frame is missing or stale, it is sent as "not available"; without such a code the whole frame
+/// is not sent.
 class DbcEncoder final : public CanEncoder {
   public:
     explicit DbcEncoder(DbcMap map);
 
     bool uses_fd() const override;
     std::span<const CanIdMatch> sent() const override { return sent_; }
+    void use(const ValueBoard& board) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
 
@@ -121,16 +127,28 @@ class DbcEncoder final : public CanEncoder {
         Instant next{};  ///< the end of its cycle
         bool failsafe = false;
         bool frame_lost = false;
+        LinkCause cause = LinkCause::never_seen;
+    };
+
+    /// Where the number of a value comes from.
+    struct Source {
+        std::size_t index = 0;  ///< on the board
+        UnitConversion conversion{};
     };
 
     bool due(std::size_t part, const ChannelFrame& snapshot, Instant now) const;
     void note_sent(std::size_t part, const ChannelFrame& snapshot, Instant now);
-    CanFrame make_frame(const DbcPart& part, const ChannelFrame& snapshot);
+    bool write_values(std::size_t part, Instant now, std::span<std::uint8_t> data) const;
+    /// Nothing while a value is missing that has no code for it.
+    std::optional<CanFrame> make_frame(std::size_t part, const ChannelFrame& snapshot, Instant now);
 
     DbcMap map_;
     std::vector<CanIdMatch> sent_;
     std::vector<std::uint64_t> counters_;  ///< of each message
     std::vector<SentPart> sent_parts_;
+    const ValueBoard* board_ = nullptr;
+    /// Of each value of each part; nothing for a name that the board has not.
+    std::vector<std::vector<std::optional<Source>>> sources_;
     Instant encoded_{};  ///< the last snapshot
 };
 

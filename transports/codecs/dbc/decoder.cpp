@@ -153,6 +153,9 @@ void DbcDecoder::take(std::size_t index, std::span<const std::uint8_t> data, Ins
     state.failsafe = !fits && !refuse(kWrongFixed);
     for (const DbcFlag& flag : part.flags) {
         const std::uint64_t bits = flag.layout.raw_bits(data);
+        if (flag.meaning == DbcFlagMeaning::cause) {
+            continue;
+        }
         const bool bad = flag.meaning == DbcFlagMeaning::good ? bits != 1 : bits != 0;
         bool& said = flag.meaning == DbcFlagMeaning::frame_lost ? state.frame_lost : state.failsafe;
         said = said || bad;

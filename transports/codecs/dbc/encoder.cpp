@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 #include "transports/codecs/dbc/channel.h"
@@ -8,10 +9,46 @@
 #include "transports/codecs/dbc/dbc.h"
 
 namespace tribus {
+namespace {
+
+std::uint64_t raw_flag(DbcFlagMeaning meaning, const ChannelFrame& snapshot) {
+    switch (meaning) {
+        case DbcFlagMeaning::failsafe:
+            return snapshot.failsafe ? 1 : 0;
+        case DbcFlagMeaning::frame_lost:
+            return snapshot.frame_lost ? 1 : 0;
+        case DbcFlagMeaning::good:
+            return snapshot.good() ? 1 : 0;
+        case DbcFlagMeaning::cause:
+            break;
+    }
+    return static_cast<std::uint64_t>(snapshot.cause);
+}
+
+}  // namespace
 
 DbcEncoder::DbcEncoder(DbcMap map)
-    : map_(std::move(map)), counters_(map_.messages.size()), sent_parts_(map_.parts.size()) {
+    : map_(std::move(map)),
+      counters_(map_.messages.size()),
+      sent_parts_(map_.parts.size()),
+      sources_(map_.parts.size()) {
     std::ranges::transform(map_.messages, std::back_inserter(sent_), &DbcMappedMessage::id);
+    for (std::size_t part = 0; part < sources_.size(); ++part) {
+        sources_[part].resize(map_.parts[part].values.size());
+    }
+}
+
+void DbcEncoder::use(const ValueBoard& board) {
+    board_ = &board;
+    for (std::size_t part = 0; part < sources_.size(); ++part) {
+        for (std::size_t i = 0; i < sources_[part].size(); ++i) {
+            const DbcValue& value = map_.parts[part].values[i];
+            if (const auto index = board.find(value.from)) {
+                const auto conversion = unit_conversion(board.value(*index).unit, value.unit);
+                sources_[part][i] = Source{*index, conversion.value_or(UnitConversion{})};
+            }
+        }
+    }
 }
 
 bool DbcEncoder::uses_fd() const {
@@ -24,8 +61,8 @@ bool DbcEncoder::due(std::size_t index, const ChannelFrame& snapshot, Instant no
     if (!sent.ever || !map_.messages[part.message].cycle) {
         return true;
     }
-    const bool changed =
-        sent.failsafe != snapshot.failsafe || sent.frame_lost != snapshot.frame_lost;
+    const bool changed = sent.failsafe != snapshot.failsafe ||
+                         sent.frame_lost != snapshot.frame_lost || sent.cause != snapshot.cause;
     const bool tells = !part.channels.empty() || !part.flags.empty();
     // The snapshot that is nearest to the cycle's end.
     return (changed && tells) || now + (now - encoded_) / 2 >= sent.next;
@@ -36,10 +73,28 @@ void DbcEncoder::note_sent(std::size_t index, const ChannelFrame& snapshot, Inst
     const Duration cycle =
         map_.messages[map_.parts[index].message].cycle.value_or(Duration::zero());
     const bool in_time = sent.ever && std::chrono::abs(now - sent.next) < cycle / 2;
-    sent = {true, (in_time ? sent.next : now) + cycle, snapshot.failsafe, snapshot.frame_lost};
+    sent = {true, (in_time ? sent.next : now) + cycle, snapshot.failsafe, snapshot.frame_lost,
+            snapshot.cause};
 }
 
-CanFrame DbcEncoder::make_frame(const DbcPart& part, const ChannelFrame& snapshot) {
+bool DbcEncoder::write_values(std::size_t index, Instant now, std::span<std::uint8_t> data) const {
+    const auto& values = map_.parts[index].values;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const std::optional<Source>& source = sources_[index][i];
+        auto number = source ? board_->fresh(source->index, now) : std::nullopt;
+        if (number) {
+            number = source->conversion.apply(*number);
+        }
+        if (!write_dbc_value(values[i], number, data)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+std::optional<CanFrame> DbcEncoder::make_frame(std::size_t index, const ChannelFrame& snapshot,
+                                               Instant now) {
+    const DbcPart& part = map_.parts[index];
     const DbcMappedMessage& message = map_.messages[part.message];
     CanFrame frame{.id = message.sent_id,
                    .extended = message.id.extended,
@@ -48,6 +103,9 @@ CanFrame DbcEncoder::make_frame(const DbcPart& part, const ChannelFrame& snapsho
                    .length = message.length};
     const auto data = frame.bytes();
     std::ranges::fill(data, message.fill);
+    if (!write_values(index, now, data)) {
+        return std::nullopt;
+    }
     for (const DbcSelector& selector : part.selectors) {
         selector.layout.set_raw_bits(data, selector.sent);
     }
@@ -55,10 +113,7 @@ CanFrame DbcEncoder::make_frame(const DbcPart& part, const ChannelFrame& snapsho
         field.layout.set_raw_bits(data, field.bits);
     }
     for (const DbcFlag& flag : part.flags) {
-        const bool set = flag.meaning == DbcFlagMeaning::failsafe     ? snapshot.failsafe
-                         : flag.meaning == DbcFlagMeaning::frame_lost ? snapshot.frame_lost
-                                                                      : snapshot.good();
-        flag.layout.set_raw_bits(data, set ? 1 : 0);
+        flag.layout.set_raw_bits(data, raw_flag(flag.meaning, snapshot));
     }
     for (const DbcChannel& channel : part.channels) {
         write_dbc_channel(channel, snapshot.channel(channel.channel), snapshot.failsafe, data);
@@ -79,9 +134,11 @@ std::size_t DbcEncoder::encode(const ChannelFrame& snapshot, Instant now,
                                std::span<CanFrame, kMostSnapshotFrames> frames) {
     std::size_t count = 0;
     for (std::size_t part = 0; part < map_.parts.size(); ++part) {
-        if (due(part, snapshot, now)) {
+        const auto frame =
+            due(part, snapshot, now) ? make_frame(part, snapshot, now) : std::nullopt;
+        if (frame) {
             note_sent(part, snapshot, now);
-            frames[count++] = make_frame(map_.parts[part], snapshot);
+            frames[count++] = *frame;
         }
     }
     encoded_ = now;

@@ -57,11 +57,16 @@ void read_cycles(const SettingValues& settings, const SettingTree::Table& messag
 /// An output may send one channel in many signals; an input would have to choose.
 void check_channels(const DbcMap& map, const SettingTree::Table& messages, SettingScope scope,
                     Mistakes& mistakes) {
-    const auto carries = [](const DbcPart& part) { return !part.channels.empty(); };
+    const auto carries = [](const DbcPart& part) {
+        return !part.channels.empty() || !part.values.empty();
+    };
     if (std::ranges::none_of(map.parts, carries)) {
+        const std::string_view also =
+            scope == SettingScope::output ? ", or SIGNAL = { from = \"battery.voltage\" }" : "";
         mistakes.push_back({{"signals"},
                             "no signal carries a channel; allowed: at least one, such as "
-                            "SIGNAL = 1 below the name of its message"});
+                            "SIGNAL = 1 below the name of its message" +
+                                std::string(also)});
     }
     std::map<std::size_t, std::string> sources;
     for (const SettingEntry& message : messages) {
@@ -149,13 +154,19 @@ bool DbcMap::says_failsafe() const {
     bool coded = true;
     for (const DbcPart& part : parts) {
         for (const DbcFlag& flag : part.flags) {
-            flagged = flagged || flag.meaning != DbcFlagMeaning::frame_lost;
+            flagged = flagged || flag.meaning == DbcFlagMeaning::failsafe ||
+                      flag.meaning == DbcFlagMeaning::good;
         }
         for (const DbcChannel& channel : part.channels) {
             coded = coded && (channel.error || channel.not_available);
         }
     }
     return flagged || coded;
+}
+
+bool DbcMap::needs_channels() const {
+    return std::ranges::any_of(
+        parts, [](const DbcPart& part) { return !part.channels.empty() || !part.flags.empty(); });
 }
 
 tl::expected<DbcMap, std::vector<SettingMistake>> build_dbc_map(const SettingValues& settings,

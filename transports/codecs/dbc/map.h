@@ -41,7 +41,12 @@ struct DbcChannel {
     std::optional<DbcLayout> neutral{};
 };
 
-enum class DbcFlagMeaning : std::uint8_t { failsafe, frame_lost, good };
+enum class DbcFlagMeaning : std::uint8_t {
+    failsafe,
+    frame_lost,
+    good,
+    cause,  ///< the number of the LinkCause; received, it says nothing
+};
 
 /// A signal that is sent as 1 where the meaning holds, else as 0. Received, only a plain 1 says
 /// good and only a plain 0 says that nothing is lost: the codes of J1939 for "error" and "not
@@ -55,6 +60,19 @@ struct DbcFlag {
 struct DbcFixed {
     DbcLayout layout;
     std::uint64_t bits = 0;
+};
+
+/// A signal of an output that holds a named value.
+struct DbcValue {
+    std::string from;  ///< the name of the value
+    std::string unit;  ///< of the signal; empty where the file tells none
+    DbcLayout layout;
+    /// Physical values that the file allows: what is sent keeps to them.
+    std::optional<std::array<double, 2>> range{};
+    /// The greatest raw bits that are a number; J1939 keeps those above for codes.
+    std::optional<std::uint64_t> most_bits{};
+    /// Raw bits that say that there is none; without them the frame is not sent then.
+    std::optional<std::uint64_t> not_available{};
 };
 
 /// A signal that tells which page of a multiplexed message a frame is.
@@ -96,6 +114,7 @@ struct DbcPart {
     std::vector<DbcChannel> channels;
     std::vector<DbcFlag> flags;
     std::vector<DbcFixed> fixed;
+    std::vector<DbcValue> values;
 };
 
 struct DbcMappedMessage {
@@ -119,6 +138,8 @@ struct DbcMap {
     std::optional<Duration> shortest_cycle() const;
     /// A frame can tell a reader that the values are not to be used.
     bool says_failsafe() const;
+    /// A frame tells something of channels.
+    bool needs_channels() const;
 };
 
 /// Works out checked settings for an input or an output. The error is everything that is wrong, for

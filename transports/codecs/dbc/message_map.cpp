@@ -29,6 +29,10 @@ bool any_source(const DbcMessage& message) {
     return message.j1939 && (message.id & kSourceAddress) == kNullAddress;
 }
 
+constexpr const char* kNotReceived =
+    "a named value is sent in this signal, but an input receives it; allowed: in the signals of an "
+    "output, while [values.NAME] makes the signals of a message named values";
+
 /// The values that a sender gives the selectors: the first one of each that selects.
 using Page = std::vector<std::pair<const DbcSignal*, std::uint64_t>>;
 
@@ -57,6 +61,11 @@ class MessageBuilder {
             Path signal_path = path;
             signal_path.push_back(entry.key);
             if (auto mapped = map_dbc_signal(message_, entry, signal_path, mistakes_)) {
+                if (scope_ == SettingScope::input &&
+                    std::holds_alternative<DbcValue>(mapped->use)) {
+                    signal_path.emplace_back("from");
+                    complain(signal_path, kNotReceived);
+                }
                 mapped_.push_back(std::move(*mapped));
             }
         }
@@ -105,10 +114,7 @@ class MessageBuilder {
         DbcMappedMessage mapped;
         mapped.name = message_.name;
         mapped.sent_id = message_.id;
-        mapped.id = {.id = message_.id, .extended = message_.extended};
-        if (message_.j1939) {
-            mapped.id.mask = any_source(message_) ? kWithoutSource : kWithoutPriority;
-        }
+        mapped.id = received_ids(message_);
         mapped.fd = message_.fd;
         mapped.bit_rate_switch = message_.bit_rate_switch;
         mapped.length = static_cast<std::uint8_t>(message_.length);
@@ -233,6 +239,8 @@ class MessageBuilder {
             part.flags.push_back(*flag);
         } else if (const auto* fixed = std::get_if<DbcFixed>(&signal.use)) {
             part.fixed.push_back(*fixed);
+        } else if (const auto* value = std::get_if<DbcValue>(&signal.use)) {
+            part.values.push_back(*value);
         }
     }
 
@@ -244,6 +252,14 @@ class MessageBuilder {
 };
 
 }  // namespace
+
+CanIdMatch received_ids(const DbcMessage& message) {
+    CanIdMatch ids{.id = message.id, .extended = message.extended};
+    if (message.j1939) {
+        ids.mask = any_source(message) ? kWithoutSource : kWithoutPriority;
+    }
+    return ids;
+}
 
 void map_dbc_message(const DbcMessage& message, const SettingTree::Table& roles,
                      const std::vector<std::string>& path, SettingScope scope, DbcMap& map,

@@ -4,10 +4,12 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "transports/codecs/dbc/dbc.h"
 #include "transports/codecs/dbc/map.h"
+#include "transports/codecs/dbc/roles.h"
 
 namespace tribus {
 namespace {
@@ -21,7 +23,7 @@ constexpr std::array kSettings{
             .type = SettingType::tree,
             .required = true,
             .help = "What the signals are for: MESSAGE.SIGNAL = channel number, or a table with "
-                    "channel, flag, fixed, counter or checksum"},
+                    "channel, flag, fixed, counter, checksum or from"},
     Setting{.key = "cycles",
             .type = SettingType::tree,
             .help = "Cycle times that differ from those of the DBC file: MESSAGE = \"100ms\""},
@@ -51,6 +53,34 @@ std::optional<Duration> own_period(const SettingValues& settings) {
     return cycle ? std::optional(std::clamp(*cycle, kLeastPeriod, kMostPeriod)) : std::nullopt;
 }
 
+std::vector<NamedUse> value_names(const SettingValues& settings) {
+    std::vector<NamedUse> uses;
+    const auto* signals = settings.find_as<SettingTree>("signals");
+    const auto* messages = signals == nullptr ? nullptr : signals->as<SettingTree::Table>();
+    if (messages == nullptr) {
+        return uses;
+    }
+    for (const SettingEntry& message : *messages) {
+        const auto* roles = message.value.as<SettingTree::Table>();
+        if (roles == nullptr) {
+            continue;
+        }
+        for (const SettingEntry& signal : *roles) {
+            std::vector<SettingMistake> told_already;
+            const auto role = read_dbc_role(signal.value, {}, told_already);
+            if (const auto* value = role ? std::get_if<DbcValueRole>(&*role) : nullptr) {
+                uses.push_back({value->from, {"signals", message.key, signal.key, "from"}});
+            }
+        }
+    }
+    return uses;
+}
+
+bool needs_pipeline(const SettingValues& settings) {
+    const auto map = build_dbc_map(settings, SettingScope::output);
+    return !map || map->needs_channels();
+}
+
 std::unique_ptr<CanDecoder> make_decoder(const SettingValues& settings) {
     auto map = build_dbc_map(settings, SettingScope::input);
     return std::make_unique<DbcDecoder>(map ? std::move(*map) : DbcMap{});
@@ -76,6 +106,8 @@ const Protocol kDbcProtocol{
     .least_period = kLeastPeriod,
     .says_failsafe = says_failsafe,
     .check = check,
+    .value_names = value_names,
+    .needs_pipeline = needs_pipeline,
     .make_can_decoder = make_decoder,
     .make_can_encoder = make_encoder,
 };

@@ -17,7 +17,7 @@ using Mistakes = std::vector<SettingMistake>;
 
 constexpr std::string_view kAllowedRoles =
     "allowed: a channel number, or one of { channel = 1 }, { flag = \"failsafe\" }, "
-    "{ fixed = 0 }, { counter = true }, { checksum = \"xor\" }";
+    "{ fixed = 0 }, { counter = true }, { checksum = \"xor\" }, { from = \"battery.voltage\" }";
 
 struct NamedFlag {
     std::string_view name;
@@ -27,6 +27,7 @@ constexpr std::array kFlags{
     NamedFlag{"failsafe", DbcFlagMeaning::failsafe},
     NamedFlag{"frame_lost", DbcFlagMeaning::frame_lost},
     NamedFlag{"good", DbcFlagMeaning::good},
+    NamedFlag{"cause", DbcFlagMeaning::cause},
 };
 
 struct NamedChecksum {
@@ -257,6 +258,13 @@ std::optional<DbcRole> read_checksum(RoleTable& table) {
     return role;
 }
 
+std::optional<DbcRole> read_value(RoleTable& table) {
+    DbcValueRole role{.from = table.text("from", "the name of a value, such as \"cells\""),
+                      .not_available = table.whole("not_available", "a raw value, a whole number")};
+    table.refuse_others();
+    return role.from.empty() ? std::nullopt : std::optional<DbcRole>(std::move(role));
+}
+
 }  // namespace
 
 bool is_profile(DbcChecksumKind kind) {
@@ -280,7 +288,7 @@ std::optional<DbcRole> read_dbc_role(const SettingTree& tree, const std::vector<
     };
     static constexpr std::array kKinds{
         Kind{"channel", read_channel}, Kind{"flag", read_flag},         Kind{"fixed", read_fixed},
-        Kind{"counter", read_counter}, Kind{"checksum", read_checksum},
+        Kind{"counter", read_counter}, Kind{"checksum", read_checksum}, Kind{"from", read_value},
     };
     if (const auto* entries = tree.as<SettingTree::Table>()) {
         for (const Kind& kind : kKinds) {

@@ -39,8 +39,13 @@ struct DbcChecksumRole {
     DbcChecksumKind kind = DbcChecksumKind::xor8;
     std::optional<std::int64_t> data_id;
 };
-using DbcRole =
-    std::variant<DbcChannelRole, DbcFlagRole, DbcFixedRole, DbcCounterRole, DbcChecksumRole>;
+/// Of an output: a named value is sent.
+struct DbcValueRole {
+    std::string from{};
+    std::optional<std::int64_t> not_available{};
+};
+using DbcRole = std::variant<DbcChannelRole, DbcFlagRole, DbcFixedRole, DbcCounterRole,
+                             DbcChecksumRole, DbcValueRole>;
 
 /// The end-to-end profiles of AUTOSAR, which cover a data id that is not sent.
 bool is_profile(DbcChecksumKind kind);

@@ -131,6 +131,25 @@ std::uint64_t DbcLayout::bits_from_integer(double raw) const {
                       : static_cast<std::uint64_t>(raw);
 }
 
+std::optional<std::uint64_t> most_j1939_bits(const DbcSignal& signal) {
+    const bool coded =
+        signal.kind == DbcValueKind::integer && !signal.is_signed && signal.bit_length > 1;
+    if (!coded) {
+        return std::nullopt;
+    }
+    const std::uint64_t ones = ~std::uint64_t{0} >> (kLongestDbcSignal - signal.bit_length);
+    constexpr std::uint64_t kCodesOfHighestByte = 0xFF - 0xFA;
+    const bool whole_bytes = signal.bit_length % kBitsPerByte == 0;
+    return whole_bytes ? ones - (kCodesOfHighestByte << (signal.bit_length - kBitsPerByte))
+                       : ones - 2;
+}
+
+std::optional<std::uint64_t> j1939_not_available(const DbcSignal& signal) {
+    const bool coded = signal.kind != DbcValueKind::integer || most_j1939_bits(signal);
+    return coded ? std::optional(~std::uint64_t{0} >> (kLongestDbcSignal - signal.bit_length))
+                 : std::nullopt;
+}
+
 bool present(const DbcMessage& message, const DbcSignal& signal,
              std::span<const std::uint8_t> data) {
     if (DbcLayout(signal).needed_bytes() > data.size()) {

@@ -58,6 +58,14 @@ class DbcLayout {
     double offset_;
 };
 
+/// The greatest raw bits of a J1939 signal that are a number: SAE J1939-71 keeps what is above for
+/// codes, of whole bytes all from 0xFB in the highest one on, of other lengths the two greatest
+/// ("error" and "not available"). Nothing where it has no codes: of one bit, signed, or a float.
+std::optional<std::uint64_t> most_j1939_bits(const DbcSignal& signal);
+/// The bits that say "not available" there: all ones, which are no number of a float either.
+/// Nothing where all ones are a number: of one bit, or signed.
+std::optional<std::uint64_t> j1939_not_available(const DbcSignal& signal);
+
 /// Whether this frame holds the signal: all the selectors that it depends on, through all levels,
 /// have a value that selects it, and `data` is long enough. `signal` is one of `message`. Pure and
 /// reentrant; no heap.

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/link_cause.h"
 #include "core/quotes.h"
 #include "transports/codecs/dbc/roles.h"
 #include "transports/codecs/dbc/signal.h"
@@ -100,7 +101,16 @@ class SignalMapper {
         return channel;
     }
 
-    std::optional<DbcUse> use_of(const DbcFlagRole& role) { return DbcFlag{role.meaning, layout_}; }
+    std::optional<DbcUse> use_of(const DbcFlagRole& role) {
+        constexpr unsigned kCauseBits = 3;
+        static_assert(kLinkCauseCount <= 1U << kCauseBits);
+        if (role.meaning == DbcFlagMeaning::cause && signal_.bit_length < kCauseBits) {
+            complain_at("flag", in_quotes(signal_.name) +
+                                    " is too narrow for a cause; allowed: 3 bits or more");
+            return std::nullopt;
+        }
+        return DbcFlag{role.meaning, layout_};
+    }
 
     std::optional<DbcUse> use_of(const DbcFixedRole& role) {
         const std::uint64_t bits = layout_.bits_from_physical(role.value);
@@ -155,6 +165,20 @@ class SignalMapper {
             role.data_id ? static_cast<std::uint32_t>(*role.data_id) : from_file.value_or(0);
         return DbcChecksum{role.kind, layout_, signal_.start_bit / 8,
                            static_cast<std::uint16_t>(id)};
+    }
+
+    std::optional<DbcUse> use_of(const DbcValueRole& role) {
+        DbcValue value{.from = role.from, .unit = signal_.unit, .layout = layout_};
+        if (signal_.has_range()) {
+            value.range = {signal_.minimum, signal_.maximum};
+        }
+        if (message_.j1939) {
+            value.most_bits = most_j1939_bits(signal_);
+        }
+        value.not_available = role.not_available ? code(role.not_available, "not_available")
+                              : message_.j1939   ? j1939_not_available(signal_)
+                                                 : std::nullopt;
+        return value;
     }
 
     bool holds_checksum(DbcChecksumKind kind) const {

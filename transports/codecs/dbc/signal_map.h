@@ -36,7 +36,7 @@ struct DbcCondition {
 /// All that a signal depends on, the outermost selector first.
 using DbcConditions = std::vector<DbcCondition>;
 
-using DbcUse = std::variant<DbcChannel, DbcFlag, DbcFixed, DbcCounter, DbcChecksum>;
+using DbcUse = std::variant<DbcChannel, DbcFlag, DbcFixed, DbcCounter, DbcChecksum, DbcValue>;
 
 struct DbcMappedSignal {
     const DbcSignal* signal = nullptr;

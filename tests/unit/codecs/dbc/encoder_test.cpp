@@ -71,6 +71,17 @@ TEST(DbcEncoder, AnAbsentChannelWithoutACodeIsTheCentre) {
               (Bytes{0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
+TEST(DbcEncoder, TheCauseIsItsNumber) {
+    constexpr std::string_view kCause = R"({"Command": {"Speed": 1, "Count": {"flag": "cause"}}})";
+    ChannelFrame snapshot = channels({1500});
+    snapshot.cause = LinkCause::good;
+    EXPECT_EQ(sent(kDrive, kCause, snapshot), (Bytes{0, 0, 0, 0, 0, 0, 0, 0}));
+    snapshot.cause = LinkCause::radio_lost;
+    EXPECT_EQ(sent(kDrive, kCause, snapshot), (Bytes{0, 0, 0, 0, 0, 0, 4, 0}));
+    snapshot.cause = LinkCause::implausible;
+    EXPECT_EQ(sent(kDrive, kCause, snapshot), (Bytes{0, 0, 0, 0, 0, 0, 6, 0}));
+}
+
 TEST(DbcEncoder, FlagsTellTheStateOfTheLink) {
     constexpr std::string_view kFlags =
         R"({"Command": {"Speed": 1, "Failsafe": {"flag": "failsafe"},

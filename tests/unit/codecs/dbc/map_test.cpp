@@ -109,6 +109,8 @@ TEST(DbcMap, SaysFailsafeByAFlagOrACodeInEachChannel) {
     EXPECT_FALSE(map_of(R"({"Command": {"Speed": 1}})").says_failsafe());
     EXPECT_FALSE(
         map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "frame_lost"}}})").says_failsafe());
+    EXPECT_FALSE(
+        map_of(R"({"Command": {"Speed": 1, "Pulse": {"flag": "cause"}}})").says_failsafe());
     EXPECT_TRUE(
         map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}})").says_failsafe());
     EXPECT_TRUE(map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "good"}}})").says_failsafe());
@@ -157,7 +159,7 @@ TEST(DbcMap, AMistakeInAMessageMakesNoneInItsCycle) {
 // What several mistakes have in common behind their places.
 const std::string kNoChannel =
     ": no signal carries a channel; allowed: at least one, such as SIGNAL = 1 below the name of "
-    "its message";
+    "its message, or SIGNAL = { from = \"battery.voltage\" }";
 const std::string kOverlap =
     ": its bits are those of another signal that is sent in the same frame; allowed: signals that "
     "do not overlap";
@@ -271,6 +273,9 @@ INSTANTIATE_TEST_SUITE_P(
               "signals.Paged.Second" + kCannotCount},
         Wrong{R"({"Wide": {"Value": 1, "Float": {"counter": true}}})",
               "signals.Wide.Float" + kCannotCount},
+        Wrong{R"({"Command": {"Speed": 1, "Minus": {"flag": "cause"}}})",
+              "signals.Command.Minus.flag: \"Minus\" is too narrow for a cause; allowed: 3 bits or "
+              "more"},
         Wrong{R"({"Command": {"Speed": 1, "Count": {"counter": true, "most": 64}}})",
               "signals.Command.Count.most: \"Count\" cannot count so far; allowed: 1 to 63"},
         Wrong{

@@ -51,10 +51,11 @@ TEST(DbcRole, AChannelMayTellAllOfItself) {
     EXPECT_EQ(channel.neutral, "Z");
 }
 
-TEST(DbcRole, FlagsHaveThreeMeanings) {
+TEST(DbcRole, FlagsHaveFourMeanings) {
     EXPECT_EQ(role<DbcFlagRole>(R"({"flag": "failsafe"})").meaning, DbcFlagMeaning::failsafe);
     EXPECT_EQ(role<DbcFlagRole>(R"({"flag": "frame_lost"})").meaning, DbcFlagMeaning::frame_lost);
     EXPECT_EQ(role<DbcFlagRole>(R"({"flag": "good"})").meaning, DbcFlagMeaning::good);
+    EXPECT_EQ(role<DbcFlagRole>(R"({"flag": "cause"})").meaning, DbcFlagMeaning::cause);
 }
 
 TEST(DbcRole, FixedCounterAndChecksum) {
@@ -80,7 +81,7 @@ TEST_P(WrongDbcRole, IsToldWithWhatIsAllowed) {
 constexpr std::string_view kUnclear =
     "signals.M.S: it is not clear what this signal is for; allowed: a channel number, or one of "
     "{ channel = 1 }, { flag = \"failsafe\" }, { fixed = 0 }, { counter = true }, "
-    "{ checksum = \"xor\" }";
+    "{ checksum = \"xor\" }, { from = \"battery.voltage\" }";
 
 INSTANTIATE_TEST_SUITE_P(
     All, WrongDbcRole,
@@ -122,7 +123,7 @@ INSTANTIATE_TEST_SUITE_P(
               "\"neutral\""},
         Wrong{R"({"flag": "godo"})",
               "signals.M.S.flag: there is no flag \"godo\"; allowed: \"failsafe\", "
-              "\"frame_lost\", \"good\""},
+              "\"frame_lost\", \"good\", \"cause\""},
         Wrong{R"({"fixed": true})",
               "signals.M.S.fixed: \"fixed\" is not what it can be; allowed: a number"},
         Wrong{R"({"counter": false})",

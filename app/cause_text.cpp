@@ -1,0 +1,68 @@
+#include "app/cause_text.h"
+
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace tribus {
+namespace {
+
+std::string_view sign_text(RadioLossSign sign) {
+    switch (sign) {
+        case RadioLossSign::none:
+            break;
+        case RadioLossSign::failsafe_flag:
+            return "the receiver says failsafe";
+        case RadioLossSign::value_rule:
+            return "a failsafe_when rule says so";
+        case RadioLossSign::frame_lost_run:
+            return "nothing but frames marked frame-lost";
+        case RadioLossSign::frame_lost_ratio:
+            return "too many frames marked frame-lost";
+    }
+    return "";
+}
+
+std::string_view how_it_shows(const LinkState& state) {
+    switch (state.cause) {
+        case LinkCause::good:
+        case LinkCause::never_seen:
+            break;
+        case LinkCause::wire_silent:
+            return "no bytes any more";
+        case LinkCause::garbled:
+            return "bytes, but no frames";
+        case LinkCause::radio_lost:
+            return sign_text(state.sign);
+        case LinkCause::stale:
+            return "frames that do not change";
+        case LinkCause::implausible:
+            return "values that no transmitter sends";
+    }
+    return "";
+}
+
+}  // namespace
+
+std::string output_text(const OutputState& state, std::span<const std::string> inputs) {
+    switch (state.stage) {
+        case OutputStage::failsafe:
+            return state.forced           ? "in failsafe, as somebody wants it"
+                   : state.awaits_release ? "in failsafe until release_when is true"
+                                          : "in failsafe";
+        case OutputStage::holding:
+            return "holding the last values, marked frame-lost";
+        case OutputStage::control:
+            break;
+    }
+    return state.input == kNoInput ? "under control"
+                                   : fmt::format("under control of {}", inputs[state.input]);
+}
+
+std::string cause_text(const LinkState& state) {
+    const std::string_view shown = how_it_shows(state);
+    return shown.empty() ? std::string(name_of(state.cause))
+                         : fmt::format("{} ({})", name_of(state.cause), shown);
+}
+
+}  // namespace tribus

@@ -1,0 +1,52 @@
+#include "app/decode_sensor.h"
+
+#include <fmt/format.h>
+
+#include <ostream>
+
+#include "app/exit_status.h"
+#include "app/sensor_conversation.h"
+#include "app/sensor_frame_finder.h"
+
+namespace tribus {
+
+int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
+                            std::ostream& talk) {
+    printer.heading();
+    SensorConversation conversation(
+        [&](const SensorExchange& exchange) { printer.exchange(exchange); });
+    SensorFrameFinder finder([&](const HeardSensorFrame& heard) { conversation.hear(heard); });
+    for (const Burst& burst : recording.bursts) {
+        finder.feed(burst);
+    }
+    conversation.finish();
+    const SensorTally tally = finder.tally();
+    printer.summary(tally, conversation);
+    if (tally.frames.frames > 0 || tally.frames.bytes == 0) {
+        return kExitFine;
+    }
+    talk << fmt::format("tribus: no frame of {} in {} bytes\n", kSensorProtocol,
+                        tally.frames.bytes);
+    return kExitFailed;
+}
+
+int decode_sensor_stream(const std::function<std::string()>& read, SensorPrinter& printer,
+                         std::ostream& results) {
+    printer.heading();
+    SensorConversation conversation(
+        [&](const SensorExchange& exchange) { printer.exchange(exchange); });
+    SensorFrameFinder finder([&](const HeardSensorFrame& heard) { conversation.hear(heard); });
+    while (results.good()) {
+        const std::string bytes = read();
+        if (bytes.empty()) {
+            break;
+        }
+        finder.feed({.start = std::nullopt, .bytes = {bytes.begin(), bytes.end()}, .damaged = {}});
+        results.flush();
+    }
+    conversation.finish();
+    printer.summary(finder.tally(), conversation);
+    return kExitFine;
+}
+
+}  // namespace tribus

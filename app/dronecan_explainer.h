@@ -1,0 +1,151 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "core/time.h"
+#include "transports/codecs/dronecan/known_payloads.h"
+#include "transports/codecs/dronecan/transfer.h"
+#include "transports/links/recording.h"
+
+/// What the frames of a DroneCAN bus say: transfers, and why some of them are none.
+namespace tribus {
+
+/// What is wrong with a transfer.
+enum class TransferFault : std::uint8_t {
+    none,
+    bad_crc,         ///< damaged, or the sender's type has another signature
+    frames_missing,  ///< one within it, as the toggle shows
+    start_missing,   ///< its first frame
+    broke_off,       ///< its end never came
+    cut,             ///< the recording ends in it
+    too_long,        ///< more than its type can have
+    layout,          ///< no payload that its type can have
+    repeated,        ///< the one before once more, which no receiver takes twice
+    crowded_out,     ///< more senders and types at one time than there is room for
+};
+inline constexpr std::size_t kTransferFaultCount = 10;
+/// As JSON has them.
+inline constexpr std::array<std::string_view, kTransferFaultCount> kTransferFaultNames{
+    "none", "bad_crc",  "frames_missing", "start_missing", "broke_off",
+    "cut",  "too_long", "layout",         "repeated",      "crowded_out"};
+
+/// A transfer, or what came of one.
+struct ExplainedTransfer {
+    Duration first_at{};  ///< when the first one of its frames that came was there,
+    Duration last_at{};   ///< and the last one
+    dronecan::TransferHead head;
+    bool fd = false;
+    std::size_t frames = 0;
+    const dronecan::KnownPayload* type = nullptr;  ///< null: a type that is not known here
+    TransferFault fault = TransferFault::none;
+    /// Several frames of a type that is not known: their CRC cannot be checked.
+    bool crc_unchecked = false;
+    std::vector<std::uint8_t> payload;  ///< without the CRC; of a broken one what came
+    /// Of a response whose request was seen: the time between their last frames.
+    std::optional<Duration> answered_after;
+};
+
+using TransferCounts = std::array<std::uint64_t, kTransferFaultCount>;
+
+/// Of one type from one node.
+struct TransferStream {
+    dronecan::NodeId source = dronecan::kNobody;
+    dronecan::TransferKind kind = dronecan::TransferKind::message;
+    std::uint16_t data_type_id = 0;
+
+    auto operator<=>(const TransferStream&) const = default;
+};
+
+struct TransferTally {
+    std::uint64_t bytes = 0;  ///< of data
+    std::uint64_t can_frames = 0;
+    std::uint64_t other_can_frames = 0;  ///< that cannot be of DroneCAN
+    std::uint64_t repeated_frames = 0;   ///< copies, which are no part of any transfer
+    TransferCounts counts{};             ///< by fault
+    std::uint64_t of_known_type = 0;     ///< whole transfers
+    std::uint64_t requests = 0;
+    std::uint64_t responses = 0;
+    std::uint64_t answered = 0;  ///< requests whose response came
+    std::map<TransferStream, TransferCounts> streams;
+    /// Of the log itself, see Recording.
+    std::uint64_t error_frames = 0;
+    Duration log_start{};
+};
+
+/// Puts the transfers of all nodes together, of types that are known and others, by the rules of
+/// dronecan::TransferReceiver. Memory is bounded, however long a bus is listened to. Thread-bound.
+class DroneCanExplainer {
+  public:
+    using Handler = std::function<void(const ExplainedTransfer&)>;
+    /// `handler` gets each transfer when its last frame has come, broken ones when that shows.
+    explicit DroneCanExplainer(Handler handler) : handler_(std::move(handler)) {}
+
+    void feed(const RecordedCanFrame& recorded);
+    /// Whatever has not come to its end.
+    void finish();
+    const TransferTally& tally() const { return tally_; }
+
+  private:
+    /// What has come of a transfer.
+    struct Part {
+        bool open = false;
+        bool has_start = false;
+        bool single = false;     ///< the one frame of its transfer
+        bool disturbed = false;  ///< a frame came that could not follow
+        dronecan::TransferHead head;
+        bool fd = false;
+        std::size_t frames = 0;
+        Duration first_at{};
+        Duration last_at{};
+        std::vector<std::uint8_t> bytes;
+
+        void begin(const dronecan::TransferHead& begun, const RecordedCanFrame& recorded);
+        void add(const RecordedCanFrame& recorded);
+    };
+    /// One sender's transfers of one type to one destination.
+    struct Session {
+        explicit Session(const dronecan::TransferHead& head);
+
+        const dronecan::KnownPayload* type;
+        dronecan::TransferReceiver receiver;
+        Part current;
+        Part stray;  ///< of frames that the receiver did not take
+        TransferFault stray_fault = TransferFault::none;
+        Duration last_at{};
+    };
+    using Key =
+        std::tuple<dronecan::TransferKind, std::uint16_t, dronecan::NodeId, dronecan::NodeId>;
+    /// Client, server, service and transfer id.
+    using Call = std::tuple<dronecan::NodeId, dronecan::NodeId, std::uint16_t, std::uint8_t>;
+
+    Session* session_of(const dronecan::TransferHead& head, Duration now);
+    void forget_silent_ones(Duration now);
+    void take(Session& session, const dronecan::TransferHead& head,
+              const RecordedCanFrame& recorded);
+    void collect(Session& session, const dronecan::TransferHead& head,
+                 const RecordedCanFrame& recorded, dronecan::FrameFate fate);
+    void collect_stray(Session& session, const dronecan::TransferHead& head,
+                       const RecordedCanFrame& recorded, TransferFault fault);
+    void end_current(Session& session, TransferFault fault);
+    void end_stray(Session& session);
+    void end_unfinished(Session& session, Duration now);
+    void report(const Part& part, const dronecan::KnownPayload* type, TransferFault fault);
+    std::optional<Duration> pair(const ExplainedTransfer& transfer);
+    void count(const ExplainedTransfer& transfer);
+
+    Handler handler_;
+    std::map<Key, Session> sessions_;
+    std::map<Call, Duration> calls_;  ///< that wait for their response
+    Duration latest_{};
+    TransferTally tally_;
+};
+
+}  // namespace tribus

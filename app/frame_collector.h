@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "app/loss_rules.h"
+#include "config/schema.h"
+#include "core/can_frame.h"
+#include "transports/codecs/can_codec.h"
+#include "transports/codecs/codec.h"
+
+namespace tribus {
+
+/// Decodes what comes at one input and keeps every frame. Thread-bound.
+class FrameCollector {
+  public:
+    explicit FrameCollector(const InputConfig& input);
+
+    template <class DamagedMarks>
+    void receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant at) {
+        for (std::size_t i = 0; i < bytes.size(); ++i) {
+            if (damaged[i]) {
+                decoder_->damaged_byte();
+            } else {
+                decode(bytes.subspan(i, 1), at);
+            }
+        }
+    }
+    void receive(const CanFrame& frame, Instant at);
+
+    const std::vector<StudiedFrame>& frames() const { return frames_; }
+
+  private:
+    void decode(std::span<const std::uint8_t> bytes, Instant at);
+
+    std::unique_ptr<Decoder> decoder_;
+    std::unique_ptr<CanDecoder> can_decoder_;
+    std::vector<StudiedFrame> frames_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "pipelines/link_supervisor.h"
+#include "pipelines/settings.h"
+
+namespace tribus {
+
+/// What the detectors of an input make of a recorded frame.
+struct JudgedFrame {
+    LinkState state;
+    /// Where the link was lost just before the frame came: why.
+    std::optional<LinkState> lost_before;
+};
+
+/// Runs the detectors of an input over a recording. Without settings, and where the recording has
+/// no times, it judges nothing.
+class FrameJudge {
+  public:
+    explicit FrameJudge(const std::optional<SupervisionSettings>& settings) {
+        if (settings) {
+            supervisor_.emplace(*settings);
+        }
+    }
+
+    /// Before the frames in them.
+    void bytes_came(std::optional<Duration> at) {
+        if (!supervisor_ || !at) {
+            return;
+        }
+        const Instant now(*at);
+        if (was_good_ && !supervisor_->alive(now)) {
+            lost_before_ = supervisor_->state(now);
+        }
+        supervisor_->bytes_came(now);
+    }
+    std::optional<JudgedFrame> judge(ChannelFrame frame, std::optional<Duration> at) {
+        if (!supervisor_ || !at) {
+            return std::nullopt;
+        }
+        const Instant now(*at);
+        frame.received = now;
+        supervisor_->take(frame, now);
+        was_good_ = supervisor_->alive(now);
+        return JudgedFrame{.state = supervisor_->state(now),
+                           .lost_before = std::exchange(lost_before_, std::nullopt)};
+    }
+
+  private:
+    std::optional<LinkSupervisor> supervisor_;
+    bool was_good_ = false;
+    std::optional<LinkState> lost_before_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,63 @@
+#include "app/node_log.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "app/log_limit.h"
+#include "config/build_dronecan.h"
+
+namespace tribus {
+
+NodeLog::NodeLog(const Appliance& appliance) {
+    for (const NodePlan& plan : plan_nodes(appliance.configuration(), {})) {
+        const dronecan::NodeSettings& node = plan.settings;
+        nodes_.push_back(
+            {.interface = plan.port.device,
+             .wanted = node.id,
+             .dynamic = node.dynamic,
+             .stage = node.dynamic ? dronecan::NodeStage::allocating : dronecan::NodeStage::online,
+             .id = node.dynamic ? dronecan::kNobody : node.id,
+             .limit = log_limit()});
+    }
+}
+
+void NodeLog::look(const Appliance& appliance, Instant now) {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        Memory& memory = nodes_[i];
+        const dronecan::NodeReport report = appliance.node_report(i);
+        const bool changed =
+            report.stage != memory.stage ||
+            (report.stage == dronecan::NodeStage::online && report.id != memory.id);
+        if (!changed) {
+            continue;
+        }
+        memory.stage = report.stage;
+        memory.id = report.id;
+        if (const auto swallowed = memory.limit.pass(now)) {
+            say_change(memory, swallowed_note(*swallowed));
+        }
+    }
+}
+
+void NodeLog::say_change(const Memory& memory, const std::string& note) {
+    switch (memory.stage) {
+        case dronecan::NodeStage::online:
+            spdlog::info("{}: this program is DroneCAN node {}{}", memory.interface, memory.id,
+                         note);
+            break;
+        case dronecan::NodeStage::conflict:
+            spdlog::error(
+                "{}: another DroneCAN node has the id {} too; nothing is sent until it has been "
+                "silent for 5 s; give one of the two another node_id{}",
+                memory.interface, memory.wanted, note);
+            break;
+        case dronecan::NodeStage::allocating:
+            spdlog::warn(
+                "{}: another DroneCAN node has the same id; nothing is sent until an "
+                "allocator gives another one{}",
+                memory.interface, note);
+            break;
+    }
+}
+
+}  // namespace tribus

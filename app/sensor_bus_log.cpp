@@ -1,0 +1,129 @@
+#include "app/sensor_bus_log.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "app/log_limit.h"
+
+namespace tribus {
+namespace {
+
+/// Receivers and sensors that are on have spoken by then; a receiver's own start takes 0.6 s.
+constexpr Duration kFirstWait = std::chrono::seconds(3);
+/// A single one costs a slot, which the receiver repeats.
+constexpr std::uint64_t kWorthSaying = 10;
+/// A receiver that is on asks every 7.7 ms.
+constexpr Duration kAskedNoMore = std::chrono::seconds(1);
+
+template <class... Arguments>
+void say(RateLimit& limit, Instant now, spdlog::level::level_enum level,
+         fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    if (const auto swallowed = limit.pass(now)) {
+        spdlog::log(level, "{}{}", fmt::format(format, std::forward<Arguments>(arguments)...),
+                    swallowed_note(*swallowed));
+    }
+}
+
+}  // namespace
+
+SensorBusLog::SensorBusLog(const Appliance& appliance, Instant start) : start_(start) {
+    const Configuration& configuration = appliance.configuration();
+    for (const SensorBusConfig& bus : configuration.sensor_buses) {
+        buses_.push_back({.name = bus.name,
+                          .sensors = bus.sensors.size(),
+                          .types = SensorTypes(bus.dialect, configuration.sensor_types),
+                          .limit = log_limit()});
+    }
+}
+
+std::string SensorBusLog::type_name(const Memory& memory, std::uint8_t type) {
+    const SensorType* known = memory.types.find(type);
+    if (known == nullptr) {
+        return fmt::format("a sensor of the unknown type {:02x}", type);
+    }
+    std::string name = known->name;
+    std::ranges::replace(name, '_', ' ');
+    return name;
+}
+
+void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, Instant now) {
+    const bool asked = state.sensor.requests > 0 && now - state.latest_request < kAskedNoMore;
+    if (asked != memory.asked) {
+        memory.asked = asked;
+        if (asked && state.first_address == 0) {
+            say(memory.limit, now, spdlog::level::info,
+                "sensor bus {}: a receiver asks; waiting for an address", memory.name);
+        } else if (asked) {
+            say(memory.limit, now, spdlog::level::info,
+                "sensor bus {}: a receiver asks; sensors at addresses {} to {}", memory.name,
+                state.first_address, state.first_address + memory.sensors - 1);
+        } else {
+            say(memory.limit, now, spdlog::level::warn,
+                "sensor bus {}: the receiver does not ask any more", memory.name);
+        }
+    }
+    if (!memory.silence_said && state.sensor.requests == 0 && now - start_ >= kFirstWait) {
+        memory.silence_said = true;
+        spdlog::warn(
+            "sensor bus {}: not one request yet; check wire, ground and power, and that it is the "
+            "receiver's SENS port",
+            memory.name);
+    }
+}
+
+void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory, Instant now) {
+    for (std::size_t i = 0; i < std::max(state.found_count, memory.found_count); ++i) {
+        const bool was = i < memory.found_count;
+        const bool is = i < state.found_count;
+        if (was && (!is || state.found[i] != memory.found[i])) {
+            say(memory.limit, now, spdlog::level::warn, "sensor bus {}: address {}, {}, is gone",
+                memory.name, i + 1, type_name(memory, memory.found[i].type));
+        }
+        if (is && (!was || state.found[i] != memory.found[i])) {
+            say(memory.limit, now, spdlog::level::info, "sensor bus {}: address {} is {}",
+                memory.name, i + 1, type_name(memory, state.found[i].type));
+        }
+    }
+    memory.found = state.found;
+    memory.found_count = state.found_count;
+    if (!memory.silence_said && state.found_count == 0 && now - start_ >= kFirstWait) {
+        memory.silence_said = true;
+        spdlog::warn(
+            "sensor bus {}: no sensor answers yet; check wire, ground and power{}", memory.name,
+            state.echo.heard == 0 ? ", and that TX and RX are joined if it is one wire" : "");
+    }
+}
+
+void SensorBusLog::look_at_troubles(const SensorBusState& state, Memory& memory, Instant now) {
+    if (state.echo.collisions >= memory.collisions + kWorthSaying) {
+        say(memory.limit, now, spdlog::level::warn,
+            "sensor bus {}: {} of its frames came back altered; two devices speak at once, say "
+            "with the same address, or the wire is disturbed",
+            memory.name, state.echo.collisions - memory.collisions);
+        memory.collisions = state.echo.collisions;
+    }
+    if (state.sensor.late >= memory.late + kWorthSaying) {
+        say(memory.limit, now, spdlog::level::warn,
+            "sensor bus {}: {} answers withheld because they were late; `tribus bench` shows what "
+            "delays this board",
+            memory.name, state.sensor.late - memory.late);
+        memory.late = state.sensor.late;
+    }
+}
+
+void SensorBusLog::look(const Appliance& appliance, Instant now) {
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+        const SensorBusState state = appliance.bus_state(i);
+        if (state.is_receiver) {
+            look_at_receiver(state, buses_[i], now);
+        } else {
+            look_at_sensor(state, buses_[i], now);
+        }
+        look_at_troubles(state, buses_[i], now);
+    }
+}
+
+}  // namespace tribus

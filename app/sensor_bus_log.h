@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/appliance.h"
+#include "core/rate_limit.h"
+#include "core/time.h"
+#include "transports/codecs/ibus_sensor_types.h"
+
+namespace tribus {
+
+/// Says what changed on the sensor buses, and nothing while nothing does. Thread-bound to the main
+/// thread.
+class SensorBusLog {
+  public:
+    SensorBusLog(const Appliance& appliance, Instant start);
+
+    void look(const Appliance& appliance, Instant now);
+
+  private:
+    struct Memory {
+        std::string name;
+        std::size_t sensors = 0;  ///< role sensor
+        SensorTypes types;
+        RateLimit limit;
+        bool silence_said = false;
+        bool asked = false;  ///< role sensor: by a receiver, lately
+        std::array<FoundSensor, kMostSensors> found{};
+        std::size_t found_count = 0;
+        std::uint64_t collisions = 0;
+        std::uint64_t late = 0;
+    };
+
+    void look_at_sensor(const SensorBusState& state, Memory& memory, Instant now);
+    void look_at_receiver(const SensorBusState& state, Memory& memory, Instant now);
+    static void look_at_troubles(const SensorBusState& state, Memory& memory, Instant now);
+    static std::string type_name(const Memory& memory, std::uint8_t type);
+
+    Instant start_;
+    std::vector<Memory> buses_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,171 @@
+#include "app/sensor_conversation.h"
+
+#include <utility>
+
+namespace tribus {
+namespace {
+
+bool same_request(const SensorFrame& one, const SensorFrame& other) {
+    return one.is_request() && other.is_request() && one.command == other.command &&
+           one.address == other.address;
+}
+
+/// Whether the second follows too fast to be of another slot.
+bool follows_at_once(const HeardSensorFrame& one, const HeardSensorFrame& other) {
+    return one.end && other.start && *other.start - *one.end <= kLongestSensorPause;
+}
+
+}  // namespace
+
+SensorConversation::SensorConversation(std::function<void(const SensorExchange&)> handler)
+    : handler_(std::move(handler)) {}
+
+void SensorConversation::hear(const HeardSensorFrame& heard) {
+    if (heard.frame.command == SensorCommand::power_up) {
+        settle(&heard);
+        tell({.outcome = SensorOutcome::power_up, .asked = heard});
+    } else if (heard.frame.is_request()) {
+        hear_request(heard);
+    } else {
+        hear_answer(heard);
+    }
+}
+
+void SensorConversation::hear_request(const HeardSensorFrame& heard) {
+    if (pending_.empty() || !same_request(pending_.back().frame, heard.frame)) {
+        settle(&heard);
+        pending_.push_back(heard);
+        return;
+    }
+    const bool timed = pending_.back().end && heard.start;
+    const bool discover = heard.frame.command == SensorCommand::discover;
+    if (!timed && discover && pending_.size() > 1) {
+        // Of three alike the first had no answer.
+        leave_unanswered(pending_.front(), 0, &heard);
+        pending_.erase(pending_.begin());
+    } else if (timed ? !follows_at_once(pending_.back(), heard) : !discover) {
+        settle(&heard);
+    }
+    pending_.push_back(heard);
+}
+
+void SensorConversation::hear_answer(const HeardSensorFrame& heard) {
+    if (!is_pending(heard)) {
+        settle(&heard);
+        tell({.outcome = SensorOutcome::unasked, .asked = heard});
+        return;
+    }
+    answer(pending_.front(), static_cast<unsigned>(pending_.size() - 1), pending_.back(), heard);
+    pending_.clear();
+}
+
+bool SensorConversation::is_pending(const HeardSensorFrame& heard) const {
+    return !pending_.empty() && pending_.back().frame.command == heard.frame.command &&
+           pending_.back().frame.address == heard.frame.address;
+}
+
+void SensorConversation::finish() {
+    settle(nullptr);
+}
+
+/// Ends what is pending, without an answer that has data; `next` is what follows, if anything does.
+void SensorConversation::settle(const HeardSensorFrame* next) {
+    if (pending_.empty()) {
+        return;
+    }
+    if (pending_.front().frame.command == SensorCommand::discover && pending_.size() > 1) {
+        settle_discover(next);
+    } else {
+        leave_unanswered(pending_.front(), static_cast<unsigned>(pending_.size() - 1), next);
+    }
+    pending_.clear();
+}
+
+/// What was heard twice or more: see the rule at the class.
+void SensorConversation::settle_discover(const HeardSensorFrame* next) {
+    const HeardSensorFrame& first = pending_.front();
+    const HeardSensorFrame& last = pending_.back();
+    const auto again = static_cast<unsigned>(pending_.size() - 1);
+    const bool timed = first.end && last.start;
+    const bool asks_type = next != nullptr && next->frame.command == SensorCommand::type &&
+                           next->frame.address == first.frame.address;
+    const bool ends_there = next == nullptr && timed && counts_.echoes == 0;
+    if (asks_type || ends_there) {
+        answer(first, again - 1, pending_[again - 1], last);
+    } else if (timed) {
+        leave_unanswered(first, again, next);
+    } else {
+        leave_unanswered(first, 0, &last);
+        leave_unanswered(last, 0, next);
+    }
+}
+
+void SensorConversation::leave_unanswered(const HeardSensorFrame& asked, unsigned echoes,
+                                          const HeardSensorFrame* next) {
+    const bool discover = asked.frame.command == SensorCommand::discover;
+    SensorOutcome outcome = discover ? SensorOutcome::free : SensorOutcome::missed;
+    if (next == nullptr) {
+        outcome = SensorOutcome::cut;
+    }
+    tell({.outcome = outcome,
+          .asked = asked,
+          .echoes = echoes,
+          .asked_again = next != nullptr && same_request(asked.frame, next->frame)});
+}
+
+void SensorConversation::answer(const HeardSensorFrame& asked, unsigned echoes,
+                                const HeardSensorFrame& asked_end, const HeardSensorFrame& answer) {
+    SensorExchange exchange{
+        .outcome = SensorOutcome::answered, .asked = asked, .answer = answer, .echoes = echoes};
+    if (asked_end.end && answer.start) {
+        exchange.response_time = *answer.start - *asked_end.end;
+    }
+    const SensorFrame& frame = answer.frame;
+    if (frame.command == SensorCommand::type && frame.data_size == 2) {
+        addresses_[frame.address].type = {.id = frame.data[0], .size = frame.data[1]};
+    }
+    tell(exchange);
+}
+
+void SensorConversation::tell(SensorExchange exchange) {
+    exchange.type = addresses_[exchange.asked.frame.address].type;
+    count(exchange);
+    handler_(exchange);
+}
+
+void SensorConversation::count(const SensorExchange& exchange) {
+    const SensorFrame& asked = exchange.asked.frame;
+    SensorAddressCounts& address = addresses_[asked.address];
+    counts_.echoes += exchange.echoes;
+    if (exchange.outcome == SensorOutcome::power_up) {
+        ++counts_.power_up;
+        return;
+    }
+    if (exchange.outcome == SensorOutcome::unasked) {
+        ++counts_.unasked;
+        return;
+    }
+    counts_.discover += asked.command == SensorCommand::discover ? 1U : 0U;
+    counts_.type += asked.command == SensorCommand::type ? 1U : 0U;
+    counts_.value += asked.command == SensorCommand::value ? 1U : 0U;
+    if (exchange.outcome == SensorOutcome::free) {
+        ++counts_.probes;
+        ++address.probes;
+        return;
+    }
+    ++counts_.requests;
+    ++address.requests;
+    if (exchange.outcome == SensorOutcome::answered) {
+        ++counts_.replies;
+        ++address.replies;
+    } else if (exchange.outcome == SensorOutcome::missed) {
+        ++counts_.misses;
+        ++address.misses;
+        counts_.misses_asked_again += exchange.asked_again ? 1U : 0U;
+    }
+    if (exchange.response_time) {
+        address.response_times.push_back(*exchange.response_time);
+    }
+}
+
+}  // namespace tribus

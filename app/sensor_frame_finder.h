@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "app/frame_finder.h"
+#include "app/sensor_conversation.h"
+#include "core/time.h"
+#include "transports/codecs/ibus_sensor.h"
+#include "transports/links/recording.h"
+
+namespace tribus {
+
+/// What the bytes of a sensor bus held.
+struct SensorTally {
+    Tally frames;
+    std::uint64_t servo_frames = 0;
+};
+
+/// Runs the parser of the sensor bus over bursts and tells when each frame starts and ends. Within
+/// a burst the bytes stand as genuine receivers and sensors send them, with one more bit of silence
+/// between two (ibus-sbus.md 6): a request ends 43 bits after its start.
+class SensorFrameFinder {
+  public:
+    using Handler = std::function<void(const HeardSensorFrame&)>;
+    explicit SensorFrameFinder(Handler handler);
+
+    /// Bursts come in the order of the recording.
+    void feed(const Burst& burst);
+    SensorTally tally() const;
+
+  private:
+    /// More than the parser ever keeps.
+    static constexpr std::size_t kRememberedBytes = 64;
+
+    void feed_byte(std::uint8_t byte, bool damaged, std::optional<Duration> start);
+    std::optional<Duration> start_of(std::uint64_t position) const {
+        return starts_[position % kRememberedBytes];
+    }
+
+    Handler handler_;
+    SensorFrameParser parser_;
+    std::array<std::optional<Duration>, kRememberedBytes> starts_{};
+    std::uint64_t bytes_ = 0;
+    std::uint64_t frames_ = 0;
+};
+
+/// Whether at least half of the bytes belong to frames of the sensor bus.
+bool is_sensor_bus(const Recording& recording);
+
+}  // namespace tribus

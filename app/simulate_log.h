@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/time.h"
+#include "pipelines/engine.h"
+#include "pipelines/link_supervisor.h"
+#include "pipelines/output.h"
+
+namespace tribus {
+
+/// Says what changes in a simulated engine, with the time: causes of inputs, states of outputs.
+class SimulateLog {
+  public:
+    explicit SimulateLog(const Engine& engine);
+    /// Compares with the last look and prints each change to standard error.
+    void look(Instant now);
+
+  private:
+    const Engine& engine_;
+    std::vector<std::string> input_names_;
+    std::vector<LinkCause> causes_;
+    std::vector<OutputState> outputs_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "config/keys.h"
+#include "core/channel_frame.h"
+
+/// How rows of the key table are written. For config/keys.cpp and its tables only.
+namespace tribus::key_rows {
+
+using enum SettingType;
+
+constexpr Setting channel_number(std::string_view key, std::string_view help) {
+    return {.key = key, .type = integer, .least = 1, .most = kChannelCount, .help = help};
+}
+
+constexpr Setting pulse_key(std::string_view key, std::string_view help) {
+    return {.key = key, .type = pulse, .least = kLeastPulse, .most = kMostPulse, .help = help};
+}
+
+constexpr Setting pulses_key(std::string_view key, std::string_view help) {
+    return {.key = key, .type = pulses, .least = 0, .most = kMostWirePulse, .help = help};
+}
+
+constexpr Setting structure(std::string_view key, std::string_view help) {
+    return {.key = key, .help = help};
+}
+
+}  // namespace tribus::key_rows

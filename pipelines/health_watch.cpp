@@ -1,0 +1,105 @@
+#include "pipelines/health_watch.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace tribus {
+namespace {
+
+double in_seconds(Duration duration) {
+    return std::chrono::duration<double>(duration).count();
+}
+
+double yes_or_no(bool yes) {
+    return yes ? 1 : 0;
+}
+
+}  // namespace
+
+HealthWatch::HealthWatch(std::size_t inputs, std::size_t outputs)
+    : inputs_(inputs), outputs_(outputs) {}
+
+void HealthWatch::look(const Engine& engine, Instant now) {
+    const std::size_t place = looks_++ % kLooks;
+    looked_at_[place] = now;
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        const InputCounts& counts = engine.inputs()[i].counts();
+        inputs_[i][place] = {.frames = counts.frames,
+                             .lost = counts.frame_lost_frames + counts.failsafe_frames};
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        outputs_[i][place] = {.frames = engine.outputs()[i].counts().sent};
+    }
+}
+
+const HealthWatch::Counts& HealthWatch::newest(const Looks& looks) const {
+    return looks[(looks_ - 1) % kLooks];
+}
+
+const HealthWatch::Counts& HealthWatch::oldest(const Looks& looks) const {
+    return looks[looks_ < kLooks ? 0 : looks_ % kLooks];
+}
+
+Duration HealthWatch::watched() const {
+    return looks_ < 2 ? Duration::zero()
+                      : looked_at_[(looks_ - 1) % kLooks] -
+                            looked_at_[looks_ < kLooks ? 0 : looks_ % kLooks];
+}
+
+double HealthWatch::rate(const Looks& looks) const {
+    return static_cast<double>(newest(looks).frames - oldest(looks).frames) / in_seconds(watched());
+}
+
+/// Of the frames that should have come by the rhythm of the input, those that carried nothing new.
+double HealthWatch::loss_ratio(const Engine& engine, std::size_t input) const {
+    const Looks& looks = inputs_[input];
+    const auto frames = static_cast<double>(newest(looks).frames - oldest(looks).frames);
+    const auto lost = static_cast<double>(newest(looks).lost - oldest(looks).lost);
+    const Duration interval = engine.inputs()[input].arrivals().interval();
+    const double due =
+        interval > Duration::zero() ? in_seconds(watched()) / in_seconds(interval) : frames;
+    // A frame more or less fits into the second by chance.
+    const double expected = due - frames > 1 ? due : frames;
+    const double good = std::max(frames - lost, 0.0);
+    return expected > 0 ? 100 * (1 - good / expected) : 100;
+}
+
+std::optional<double> HealthWatch::number(const Engine& engine, std::size_t input, InputFact fact,
+                                          Instant now) const {
+    const Input& source = engine.inputs()[input];
+    const bool nothing_counted = watched() == Duration::zero();
+    switch (fact) {
+        case InputFact::frame_rate:
+            return nothing_counted ? std::nullopt : std::optional(rate(inputs_[input]));
+        case InputFact::loss_ratio:
+            return nothing_counted || !source.link().ever_good()
+                       ? std::nullopt
+                       : std::optional(loss_ratio(engine, input));
+        case InputFact::age:
+            return source.link().ever_good()
+                       ? std::optional(1000 * in_seconds(now - source.control().received))
+                       : std::nullopt;
+        case InputFact::good:
+            return yes_or_no(source.state().cause == LinkCause::good);
+        case InputFact::cause:
+            return static_cast<double>(source.state().cause);
+    }
+    return std::nullopt;
+}
+
+std::optional<double> HealthWatch::number(const Engine& engine, std::size_t output, OutputFact fact,
+                                          Instant /*now*/) const {
+    const OutputStage stage = engine.outputs()[output].stage();
+    switch (fact) {
+        case OutputFact::frame_rate:
+            return watched() == Duration::zero() ? std::nullopt
+                                                 : std::optional(rate(outputs_[output]));
+        case OutputFact::failsafe:
+            return yes_or_no(stage == OutputStage::failsafe);
+        case OutputFact::holding:
+            return yes_or_no(stage == OutputStage::holding);
+    }
+    return std::nullopt;
+}
+
+}  // namespace tribus

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/time.h"
+#include "pipelines/engine.h"
+
+namespace tribus {
+
+/// What is told of an input as a named value, input.NAME.FACT.
+enum class InputFact : std::uint8_t {
+    frame_rate,  ///< Hz, of the latest second
+    loss_ratio,  ///< %, of the latest second: frames marked as lost, and those that did not come
+    age,         ///< ms, of the latest good frame
+    good,        ///< 1 or 0
+    cause,       ///< the number of the LinkCause
+};
+/// And of an output.
+enum class OutputFact : std::uint8_t {
+    frame_rate,
+    failsafe,  ///< 1 or 0
+    holding,   ///< 1 while old values are held, marked frame-lost
+};
+
+struct FactName {
+    std::string_view name;
+    std::string_view unit;
+};
+/// In the order of the facts.
+inline constexpr std::array<FactName, 5> kInputFacts{
+    {{"frame_rate", "Hz"}, {"loss_ratio", "%"}, {"age", "ms"}, {"good", ""}, {"cause", ""}}};
+inline constexpr std::array<FactName, 3> kOutputFacts{
+    {{"frame_rate", "Hz"}, {"failsafe", ""}, {"holding", ""}}};
+
+/// The health of inputs and outputs in numbers. Pure; thread-bound; no allocation after
+/// construction.
+class HealthWatch {
+  public:
+    HealthWatch(std::size_t inputs, std::size_t outputs);
+
+    /// How often to look, at most.
+    static constexpr Duration kPeriod = std::chrono::milliseconds(100);
+
+    void look(const Engine& engine, Instant now);
+    /// As of the latest look. Nothing where there is nothing to say yet.
+    std::optional<double> number(const Engine& engine, std::size_t input, InputFact fact,
+                                 Instant now) const;
+    std::optional<double> number(const Engine& engine, std::size_t output, OutputFact fact,
+                                 Instant now) const;
+
+  private:
+    /// Of one input or output, counted since the start.
+    struct Counts {
+        std::uint64_t frames = 0;
+        std::uint64_t lost = 0;
+    };
+    static constexpr std::size_t kLooks = 10;
+    using Looks = std::array<Counts, kLooks>;
+
+    double rate(const Looks& looks) const;
+    double loss_ratio(const Engine& engine, std::size_t input) const;
+    const Counts& newest(const Looks& looks) const;
+    const Counts& oldest(const Looks& looks) const;
+    Duration watched() const;
+
+    std::vector<Looks> inputs_;
+    std::vector<Looks> outputs_;
+    std::array<Instant, kLooks> looked_at_{};
+    std::uint64_t looks_ = 0;
+};
+
+}  // namespace tribus

@@ -1,0 +1,208 @@
+#include "pipelines/link_supervisor.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace tribus {
+namespace {
+
+/// Channels that have a number on every wire; SBUS has only switches in 17 and 18.
+constexpr std::size_t kNumberedChannels = 16;
+
+}  // namespace
+
+LinkSupervisor::LinkSupervisor(SupervisionSettings settings) : settings_(std::move(settings)) {}
+
+bool LinkSupervisor::all_zero(const ChannelFrame& frame) const {
+    if (!settings_.raw_zero || !frame.has(0)) {
+        return false;
+    }
+    for (std::size_t channel = 0; channel < kNumberedChannels; ++channel) {
+        if (frame.channel_or(channel, *settings_.raw_zero) != *settings_.raw_zero) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool LinkSupervisor::any_zero(const ChannelFrame& frame) const {
+    const auto numbered = std::span(frame.pulses()).first(kNumberedChannels);
+    for (std::size_t channel = 0; channel < kNumberedChannels; ++channel) {
+        if (numbered[channel] == *settings_.raw_zero && frame.has(channel)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+bool LinkSupervisor::rule_says_loss(const ChannelFrame& frame) const {
+    return std::ranges::any_of(settings_.failsafe_when, [&](const ValueRule& rule) {
+        return rule.all_zero ? all_zero(frame) : rule.matches(frame);
+    });
+}
+
+/// A receiver that clears its flag before its channels are back sends zeros for a while.
+bool LinkSupervisor::plausible(const ChannelFrame& frame, Instant now) {
+    if (settings_.plausible) {
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            if (frame.has(channel) && !settings_.plausible->contains(frame.pulses()[channel])) {
+                return false;
+            }
+        }
+    }
+    if (!settings_.raw_zero || settings_.zero_guard == Duration::zero()) {
+        return true;
+    }
+    const bool lost = !alive(now);
+    const bool resumed = ever_frame_ && now - latest_frame_ >= settings_.timeout;
+    if (lost && (!guarded_ || resumed)) {
+        guarded_ = true;
+        guarded_until_ = later(now, settings_.zero_guard);
+    }
+    const bool within = guarded_ && now < guarded_until_;
+    guarded_ = guarded_ && (lost || within);
+    return !within || !any_zero(frame);
+}
+
+/// Of links that mark no frame nothing is kept, as they are most.
+void LinkSupervisor::count_frame_lost(bool lost) {
+    if (!lost && lost_count_ == 0) {
+        return;
+    }
+    lost_count_ -= lost_marks_[next_mark_] ? 1U : 0U;
+    lost_marks_[next_mark_] = lost;
+    lost_count_ += lost ? 1U : 0U;
+    next_mark_ = (next_mark_ + 1) % kRatioFrames;
+}
+
+/// A ratio that was too high must fall well below, so that the link does not flutter.
+bool LinkSupervisor::too_many_lost() const {
+    constexpr double kSlack = 0.1;
+    const bool already = radio_lost_ && sign_ == RadioLossSign::frame_lost_ratio;
+    const double most = settings_.frame_lost_ratio - (already ? kSlack : 0);
+    return static_cast<double>(lost_count_) > most * kRatioFrames;
+}
+
+LinkSupervisor::Verdict LinkSupervisor::judge(const ChannelFrame& frame, Instant now) {
+    if (frame.failsafe) {
+        return {Kind::radio_lost, RadioLossSign::failsafe_flag};
+    }
+    if (rule_says_loss(frame)) {
+        return {Kind::radio_lost, RadioLossSign::value_rule};
+    }
+    if (too_many_lost()) {
+        return {Kind::radio_lost, RadioLossSign::frame_lost_ratio};
+    }
+    if (frame.frame_lost) {
+        return {Kind::frame_lost, RadioLossSign::frame_lost_run};
+    }
+    return {plausible(frame, now) ? Kind::good : Kind::implausible, RadioLossSign::none};
+}
+
+/// Flags that change say nothing of the values.
+void LinkSupervisor::watch_for_change(const ChannelFrame& frame, Instant now) {
+    if (settings_.frozen > Duration::zero() && (!ever_frame_ || !frame.same_channels(unchanged_))) {
+        unchanged_ = frame;
+        unchanged_since_ = now;
+    }
+}
+
+Instant LinkSupervisor::not_after_frozen(Instant expiry) const {
+    return settings_.frozen > Duration::zero()
+               ? std::min(expiry, later(unchanged_since_, settings_.frozen))
+               : expiry;
+}
+
+void LinkSupervisor::take(ChannelFrame& frame, Instant now) {
+    watch_for_change(frame, now);
+    frame.frame_lost = frame.frame_lost && settings_.frame_lost_flag;
+    frame.failsafe = frame.failsafe && settings_.failsafe_flag;
+    count_frame_lost(frame.frame_lost);
+    const Verdict verdict = judge(frame, now);
+    if (verdict.kind == Kind::good) {
+        accept(frame, now);
+    } else {
+        refuse(verdict, now);
+    }
+    frame.failsafe = verdict.kind == Kind::radio_lost;
+    kind_since_ = verdict.kind == latest_kind_ && ever_frame_ ? kind_since_ : now;
+    latest_kind_ = verdict.kind;
+    latest_frame_ = now;
+    ever_frame_ = true;
+}
+
+void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
+    const bool was_lost = !alive(now);
+    if (was_lost) {
+        ++runs_;
+    }
+    // A frame-lost mark breaks the run that recovery waits for, though the link was not lost.
+    if (was_lost || run_broken_) {
+        run_start_ = now;
+    }
+    run_broken_ = false;
+    radio_lost_ = false;
+    ever_good_ = true;
+    good_ = frame;
+    expires_ = not_after_frozen(frame.received + settings_.timeout);
+}
+
+void LinkSupervisor::refuse(Verdict verdict, Instant now) {
+    run_broken_ = true;
+    good_.frame_lost = true;
+    if (verdict.kind == Kind::radio_lost) {
+        if (!radio_lost_) {
+            radio_lost_since_ = now;
+            sign_ = verdict.sign;
+        }
+        radio_lost_ = true;
+        guarded_ = false;
+    } else if (verdict.kind == Kind::frame_lost && settings_.frame_lost_run && now < expires_) {
+        // The wire is there; what is lost already stays so.
+        expires_ = not_after_frozen(
+            std::min(now + settings_.timeout, good_.received + *settings_.frame_lost_run));
+    }
+}
+
+LinkState LinkSupervisor::state_without_frames(Instant now) const {
+    if (!ever_bytes_) {
+        return {};
+    }
+    if (now - latest_bytes_ < settings_.timeout) {
+        return {LinkCause::garbled, RadioLossSign::none,
+                ever_frame_ ? std::max(bytes_since_, latest_frame_) : bytes_since_};
+    }
+    return {LinkCause::wire_silent, RadioLossSign::none, latest_bytes_};
+}
+
+LinkState LinkSupervisor::state(Instant now) const {
+    if (alive(now)) {
+        return {LinkCause::good, RadioLossSign::none, run_start_};
+    }
+    if (!ever_frame_ || now - latest_frame_ >= settings_.timeout) {
+        return state_without_frames(now);
+    }
+    if (latest_kind_ == Kind::implausible) {
+        return {LinkCause::implausible, RadioLossSign::none, kind_since_};
+    }
+    if (radio_lost_) {
+        return {LinkCause::radio_lost, sign_, radio_lost_since_};
+    }
+    const bool frozen =
+        settings_.frozen > Duration::zero() && now >= later(unchanged_since_, settings_.frozen);
+    if (latest_kind_ == Kind::frame_lost && !frozen) {
+        return {LinkCause::radio_lost, RadioLossSign::frame_lost_run, kind_since_};
+    }
+    return {LinkCause::stale, RadioLossSign::none, unchanged_since_};
+}
+
+void LinkSupervisor::bytes_came(Instant now) {
+    if (!ever_bytes_ || now - latest_bytes_ >= settings_.timeout) {
+        bytes_since_ = now;
+    }
+    ever_bytes_ = true;
+    latest_bytes_ = now;
+}
+
+}  // namespace tribus

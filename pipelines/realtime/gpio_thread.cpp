@@ -1,0 +1,211 @@
+#include "pipelines/realtime/gpio_thread.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
+#include <utility>
+
+#include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/scheduling.h"
+
+namespace tribus {
+namespace {
+
+/// How often every line is looked at although nothing happens: a chip that is pulled out wakes
+/// nobody who already waits for its edges.
+constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
+
+}  // namespace
+
+GpioThread::GpioThread(LineExchange& exchange, const std::vector<LineTask>& tasks,
+                       std::vector<std::unique_ptr<HeldLine>> lines, GpioThreadSettings settings)
+    : exchange_(exchange), settings_(settings) {
+    const Instant now = monotonic_now();
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+        lines_.emplace_back(tasks[i], now).held = std::move(lines[i]);
+    }
+    read_inputs(now, true);
+}
+
+GpioThread::~GpioThread() {
+    end();
+    for (const bool inverters : {false, true}) {
+        for (Line& line : lines_) {
+            if ((line.task.role == LineRole::inverter) == inverters) {
+                line.held.reset();
+                delete line.lost.exchange(nullptr);
+                delete line.given.exchange(nullptr);
+            }
+        }
+    }
+}
+
+tl::expected<void, std::string> GpioThread::start() {
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setstacksize(&attributes, kRealtimeStackBytes);
+    const int error = ::pthread_create(&thread_, &attributes, &GpioThread::main, this);
+    ::pthread_attr_destroy(&attributes);
+    if (error != 0) {
+        return tl::unexpected(std::string("cannot start the thread of the GPIO lines: ") +
+                              std::strerror(error));
+    }
+    started_ = true;
+    return {};
+}
+
+void GpioThread::end() {
+    if (!started_) {
+        return;
+    }
+    end_requested_.store(true, std::memory_order_release);
+    exchange_.ring_lines();
+    ::pthread_join(thread_, nullptr);
+    started_ = false;
+}
+
+std::unique_ptr<HeldLine> GpioThread::take_lost(std::size_t line) {
+    return std::unique_ptr<HeldLine>(
+        lines_[line].lost.exchange(nullptr, std::memory_order_acquire));
+}
+
+void GpioThread::give(std::size_t line, std::unique_ptr<HeldLine> held) {
+    delete lines_[line].given.exchange(held.release(), std::memory_order_acq_rel);
+    exchange_.ring_lines();
+}
+
+void* GpioThread::main(void* self) {
+    static_cast<GpioThread*>(self)->run();
+    return nullptr;
+}
+
+void GpioThread::run() {
+    ::pthread_setname_np(::pthread_self(), "tribus-gpio");
+    if (settings_.priority) {
+        // Where it is refused, so it was for the data thread, which has said so.
+        const sched_param parameters{.sched_priority = *settings_.priority};
+        ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
+    }
+    while (!end_requested_.load(std::memory_order_acquire)) {
+        const Instant now = monotonic_now();
+        const bool all = now >= next_look_;
+        next_look_ = all ? now + kLookPeriod : next_look_;
+        accept_given_lines();
+        read_inputs(now, all);
+        show_outputs(now, all);
+        wait(next_deadline(now));
+    }
+    for (Line& line : lines_) {
+        if (line.task.role == LineRole::link || line.task.role == LineRole::channel_switch) {
+            say(line, false);
+        }
+    }
+}
+
+void GpioThread::wait(Instant until) {
+    std::array<Line*, kMostLines> inputs{};
+    std::size_t count = 0;
+    for (Line& line : lines_) {
+        if (line.held && line.held->input) {
+            polled_[count] = {.fd = line.held->input->descriptor(), .events = POLLIN, .revents = 0};
+            inputs[count++] = &line;
+        }
+    }
+    polled_[count] = {.fd = exchange_.lines_bell(), .events = POLLIN, .revents = 0};
+    const Duration pause = std::clamp(until - monotonic_now(), Duration::zero(), kLookPeriod);
+    const timespec timeout{.tv_sec = 0, .tv_nsec = pause.count()};
+    if (::ppoll(polled_.data(), count + 1, &timeout, nullptr) <= 0) {
+        return;
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        inputs[i]->moved = polled_[i].revents != 0;
+    }
+    if (polled_[count].revents != 0) {
+        exchange_.hush_lines();
+    }
+}
+
+void GpioThread::accept_given_lines() {
+    for (Line& line : lines_) {
+        if (HeldLine* given = line.given.exchange(nullptr, std::memory_order_acquire)) {
+            line.held.reset(given);
+            line.said.reset();
+            line.moved = true;
+        }
+    }
+}
+
+void GpioThread::read_inputs(Instant now, bool all) {
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        Line& line = lines_[i];
+        if (is_input_role(line.task.role)) {
+            const bool moved = std::exchange(line.moved, false);
+            if (line.held && (moved || all || line.contact.settles_at() <= now)) {
+                const std::optional<bool> level = line.held->input->read();
+                line.contact.look(level, moved, now);
+                if (!level) {
+                    lose(line);
+                }
+            }
+            levels_.set(i, line.contact.level());
+        }
+    }
+    exchange_.tell_levels(levels_);
+}
+
+bool GpioThread::wanted(std::size_t index, Instant now) {
+    Line& line = lines_[index];
+    if (line.task.role == LineRole::fresh) {
+        if (now >= line.wave.next()) {
+            line.wave.turn(exchange_.fresh_at(line.task.outputs), now);
+        }
+        return line.wave.active();
+    }
+    const LineStates states = exchange_.states();
+    return (states.on & line_bit(index)) != 0 ||
+           ((states.blinking & line_bit(index)) != 0 && blink_is_on(now));
+}
+
+void GpioThread::show_outputs(Instant now, bool all) {
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+        if (!is_input_role(lines_[i].task.role)) {
+            const bool active = wanted(i, now);
+            if (all || lines_[i].said != active) {
+                say(lines_[i], active);
+            }
+        }
+    }
+}
+
+void GpioThread::say(Line& line, bool active) {
+    if (!line.held) {
+        return;
+    }
+    line.said = active;
+    if (!line.held->output->set(active)) {
+        lose(line);
+    }
+}
+
+void GpioThread::lose(Line& line) {
+    // Closing may take the kernel long: the main thread does it.
+    line.lost.store(line.held.release(), std::memory_order_release);
+}
+
+Instant GpioThread::next_deadline(Instant now) const {
+    Instant next = next_look_;
+    if (exchange_.states().blinking != 0) {
+        next = std::min(next, next_blink(now));
+    }
+    for (const Line& line : lines_) {
+        next = std::min(next, line.contact.settles_at());
+        if (line.task.role == LineRole::fresh) {
+            next = std::min(next, line.wave.next());
+        }
+    }
+    return next;
+}
+
+}  // namespace tribus

@@ -1,0 +1,79 @@
+#include <sys/epoll.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <utility>
+
+#include "pipelines/realtime/loop.h"
+
+/// Links on their way between the data thread, which uses them, and the main thread, which opens
+/// and closes them.
+namespace tribus {
+
+void Loop::watch(std::size_t port) {
+    Link* link = ports_[port].link.get();
+    if (link == nullptr || link->descriptor() < 0) {
+        return;
+    }
+    epoll_event event{};
+    // A hang-up is reported without being asked for; bytes that nobody wants would wake for ever.
+    // A CAN socket also tells what became of frames that were sent.
+    const PortWiring& wiring = ports_[port].wiring;
+    const bool wanted =
+        !wiring.inputs.empty() || !wiring.sensor_buses.empty() || link->as_can() != nullptr;
+    event.events = wanted ? EPOLLIN : 0U;
+    event.data.u64 = port;
+    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, link->descriptor(), &event) != 0) {
+        lose(ports_[port]);
+    }
+}
+
+void Loop::set_watched(std::size_t port, bool watched) {
+    epoll_event event{};
+    event.events = watched ? EPOLLIN : 0U;
+    event.data.u64 = port;
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, ports_[port].link->descriptor(), &event);
+}
+
+void Loop::lose(Port& port) {
+    if (port.quiet_until != kNever) {
+        port.quiet_until = kNever;
+        --quiet_ports_;
+    }
+    ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
+    for (const std::size_t input : port.wiring.inputs) {
+        engine_.device_lost(input);
+    }
+    for (const std::size_t bus : port.wiring.sensor_buses) {
+        settings_.values->device_lost(bus);
+    }
+    // Closing may take the kernel long: the main thread does it.
+    port.lost.store(port.link.release(), std::memory_order_release);
+}
+
+std::unique_ptr<Link> Loop::take_lost(std::size_t port) {
+    return std::unique_ptr<Link>(ports_[port].lost.exchange(nullptr, std::memory_order_acquire));
+}
+
+void Loop::give(std::size_t port, std::unique_ptr<Link> link) {
+    delete ports_[port].given.exchange(link.release(), std::memory_order_acq_rel);
+    const std::uint64_t one = 1;
+    [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
+}
+
+void Loop::accept_given_links() {
+    std::uint64_t count = 0;
+    [[maybe_unused]] const auto taken = ::read(wake_up_.get(), &count, sizeof count);
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        Link* given = ports_[port].given.exchange(nullptr, std::memory_order_acquire);
+        if (given != nullptr) {
+            ports_[port].link.reset(given);
+            watch(port);
+        }
+    }
+}
+
+}  // namespace tribus

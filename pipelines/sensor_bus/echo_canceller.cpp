@@ -1,0 +1,70 @@
+#include "pipelines/sensor_bus/echo_canceller.h"
+
+#include <algorithm>
+#include <chrono>
+
+namespace tribus {
+namespace {
+
+/// Of one byte at 115200 baud with a start and two stop bits.
+constexpr Duration kByteTime = std::chrono::nanoseconds(95'486);
+/// For drivers that deliver late. Well before the next slot of a receiver, whose shortest distance
+/// from a reply is 4 ms.
+constexpr Duration kPatience = std::chrono::milliseconds(2);
+
+}  // namespace
+
+void EchoCanceller::sent(std::span<const std::uint8_t> frame, Instant now) {
+    finish();
+    length_ = std::min(frame.size(), frame_.size());
+    std::copy_n(frame.begin(), length_, frame_.begin());
+    until_ = now + static_cast<Duration::rep>(length_) * kByteTime + kPatience;
+}
+
+void EchoCanceller::cancel(std::span<const std::uint8_t>& bytes, Instant now) {
+    expire(now);
+    const std::size_t echoed = std::min(bytes.size(), length_ - heard_);
+    differs_ =
+        differs_ || !std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(echoed),
+                                frame_.begin() + static_cast<std::ptrdiff_t>(heard_));
+    heard_ += echoed;
+    bytes = bytes.subspan(echoed);
+    if (heard_ == length_) {
+        finish();
+    }
+}
+
+bool EchoCanceller::cancel_damaged(Instant now) {
+    expire(now);
+    if (length_ == 0) {
+        return false;
+    }
+    differs_ = true;
+    if (++heard_ == length_) {
+        finish();
+    }
+    return true;
+}
+
+void EchoCanceller::expire(Instant now) {
+    if (now > until_) {
+        finish();
+    }
+}
+
+void EchoCanceller::finish() {
+    if (length_ > 0) {
+        if (heard_ == 0) {
+            ++counts_.unheard;
+        } else if (differs_ || heard_ < length_) {
+            ++counts_.collisions;
+        } else {
+            ++counts_.heard;
+        }
+    }
+    length_ = 0;
+    heard_ = 0;
+    differs_ = false;
+}
+
+}  // namespace tribus

@@ -1,0 +1,284 @@
+#include "pipelines/sensor_bus/receiver_role.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tribus {
+namespace {
+
+/// As a genuine receiver (ibus-sbus.md 2.3): ten power-up frames, then 508 ms of silence.
+constexpr int kPowerUpFrames = 10;
+constexpr int kSilentSlots = 66;
+constexpr std::uint8_t kPowerUpByte = 0xF0;
+/// Nearly all sensors have one of these.
+constexpr std::uint8_t kShortValue = 2;
+constexpr std::uint8_t kLongValue = 4;
+/// Longer ones do not fit where raw values go.
+constexpr std::size_t kLongestRaw = 4;
+
+}  // namespace
+
+ReceiverRole::ReceiverRole(ReceiverRoleSettings settings) : settings_(std::move(settings)) {
+    for (const SensorType& type : settings_.types.all()) {
+        types_by_id_[type.id] = &type;
+        if (type.size == kShortValue || type.size == kLongValue) {
+            resized_.push_back(
+                with_size(type, type.size == kShortValue ? kLongValue : kShortValue));
+        }
+    }
+}
+
+void ReceiverRole::start(Instant now) {
+    next_slot_ = now;
+    stage_ = settings_.power_up_frames ? Stage::power_up : Stage::polling;
+}
+
+bool ReceiverRole::hears_itself() const {
+    const bool told = settings_.power_up_frames && stage_ != Stage::power_up;
+    return settings_.wires == Wires::one ||
+           (settings_.wires == Wires::automatic && (!told || echo_.counts().heard > 0));
+}
+
+void ReceiverRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
+    if (hears_itself()) {
+        echo_.cancel(bytes, now);
+    }
+    while (const auto frame = parser_.next(bytes, now)) {
+        take(*frame, now, board);
+    }
+}
+
+void ReceiverRole::damaged_byte(Instant now) {
+    if (!hears_itself() || !echo_.cancel_damaged(now)) {
+        parser_.damaged_byte(now);
+    }
+}
+
+std::span<const std::uint8_t> ReceiverRole::run(Instant now, ValueBoard& board) {
+    if (now < next_slot_) {
+        return {};
+    }
+    next_slot_ += settings_.slot * ((now - next_slot_) / settings_.slot + 1);
+    conclude(board);
+    const auto request = next_request();
+    return request ? send(*request) : std::span<const std::uint8_t>{};
+}
+
+/// The slot before is over.
+void ReceiverRole::conclude(ValueBoard& board) {
+    const auto unanswered = std::exchange(open_, std::nullopt);
+    if (!unanswered || unanswered->command == SensorCommand::power_up) {
+        return;
+    }
+    if (unanswered->command == SensorCommand::discover) {
+        return;
+    }
+    ++counts_.misses;
+    if (unanswered->command == SensorCommand::value) {
+        value_missed(unanswered->address, board);
+    } else if (!std::exchange(repeated_, !repeated_)) {
+        follow_up_ = unanswered;
+    }
+}
+
+/// Asked once more in the next slot, as genuine receivers do; then the others have their turn, so
+/// that a sensor without a value costs them little.
+void ReceiverRole::value_missed(std::uint8_t address, ValueBoard& board) {
+    const std::size_t sensor = address - 1U;
+    if (++sensors_[sensor].misses >= settings_.drop_after) {
+        drop_from(sensor, board);
+        repeated_ = false;
+        follow_up_ = Request{SensorCommand::discover, address};
+    } else if (!std::exchange(repeated_, !repeated_)) {
+        follow_up_ = Request{SensorCommand::value, address};
+    }
+}
+
+std::optional<ReceiverRole::Request> ReceiverRole::next_request() {
+    ++slots_in_stage_;
+    if (stage_ == Stage::power_up) {
+        if (slots_in_stage_ <= kPowerUpFrames) {
+            return Request{SensorCommand::power_up, 0};
+        }
+        stage_ = Stage::silence;
+        slots_in_stage_ = 1;
+    }
+    if (stage_ == Stage::silence) {
+        if (slots_in_stage_ <= kSilentSlots) {
+            return std::nullopt;
+        }
+        stage_ = Stage::polling;
+    }
+    ++slots_since_probe_;
+    const auto follow_up = std::exchange(follow_up_, std::nullopt);
+    return follow_up ? follow_up : next_poll();
+}
+
+ReceiverRole::Request ReceiverRole::next_poll() {
+    const auto next_free = static_cast<std::uint8_t>(found_count_ + 1);
+    const bool probe = slots_since_probe_ >= settings_.probe_every && found_count_ < kMostSensors;
+    if (found_count_ == 0 || probe) {
+        slots_since_probe_ = 0;
+        return {SensorCommand::discover, next_free};
+    }
+    next_polled_ = next_polled_ % found_count_ + 1;
+    return {SensorCommand::value, static_cast<std::uint8_t>(next_polled_)};
+}
+
+std::span<const std::uint8_t> ReceiverRole::send(const Request& request) {
+    if (request.command == SensorCommand::power_up) {
+        wire_ = {kSensorRequestBytes, kPowerUpByte, 0x0B, 0xFF};
+        wire_length_ = kSensorRequestBytes;
+    } else {
+        wire_length_ = encode_sensor_frame(request.command, request.address, {}, wire_);
+    }
+    open_ = request;
+    return {wire_.data(), wire_length_};
+}
+
+void ReceiverRole::written(Instant now, ValueBoard& /*board*/) {
+    ++counts_.requests;
+    if (hears_itself()) {
+        echo_.sent({wire_.data(), wire_length_}, now);
+    }
+}
+
+void ReceiverRole::dropped() {
+    ++counts_.dropped;
+    open_.reset();
+    if (stage_ == Stage::power_up) {
+        slots_in_stage_ = 0;
+    }
+}
+
+void ReceiverRole::device_lost(ValueBoard& board) {
+    for (std::size_t sensor = 0; sensor < kMostSensors; ++sensor) {
+        forget_reading(sensor, board);
+    }
+    counts_.lost_sensors += found_count_;
+    found_count_ = 0;
+    open_.reset();
+    follow_up_.reset();
+    repeated_ = false;
+    slots_in_stage_ = 0;
+    stage_ = settings_.power_up_frames ? Stage::power_up : Stage::polling;
+}
+
+void ReceiverRole::take(const SensorFrame& frame, Instant now, ValueBoard& board) {
+    const std::size_t sensor = frame.address - 1U;
+    const auto size_due = [&]() -> std::size_t {
+        switch (frame.command) {
+            case SensorCommand::type:
+                return 2;
+            case SensorCommand::value:
+                return sensor < found_count_ ? found_[sensor].size : 0;
+            default:
+                return 0;
+        }
+    };
+    if (open_ != Request{frame.command, frame.address} || frame.address == 0 ||
+        frame.data_size != size_due()) {
+        ++counts_.wrong;
+        return;
+    }
+    open_.reset();
+    repeated_ = false;
+    ++counts_.replies;
+    switch (frame.command) {
+        case SensorCommand::discover:
+            follow_up_ = Request{SensorCommand::type, frame.address};
+            break;
+        case SensorCommand::type:
+            add_sensor(frame);
+            break;
+        default:
+            sensors_[sensor].misses = 0;
+            read_value(sensor, frame.payload(), now, board);
+            break;
+    }
+}
+
+void ReceiverRole::add_sensor(const SensorFrame& frame) {
+    const std::size_t sensor = frame.address - 1U;
+    if (sensor != found_count_) {
+        return;
+    }
+    found_[sensor] = {.type = frame.data[0], .size = frame.data[1]};
+    sensors_[sensor] = {.type = type_of(found_[sensor]),
+                        .by_type = places_of_first(found_[sensor].type)};
+    ++found_count_;
+    if (found_count_ < kMostSensors) {
+        follow_up_ = Request{SensorCommand::discover, static_cast<std::uint8_t>(found_count_ + 1)};
+    }
+}
+
+const SensorType* ReceiverRole::type_of(const FoundSensor& found) const {
+    const SensorType* type = types_by_id_[found.type];
+    if (type == nullptr || type->size == found.size) {
+        return type;
+    }
+    const auto resized = std::ranges::find_if(resized_, [&](const SensorType& candidate) {
+        return candidate.id == found.type && candidate.size == found.size;
+    });
+    return resized == resized_.end() ? nullptr : &*resized;
+}
+
+/// Only where none of those that were found before has the type.
+const TypePlaces* ReceiverRole::places_of_first(std::uint8_t type) const {
+    const auto places = std::ranges::find(settings_.first_of_type, type, &TypePlaces::type);
+    const bool first = std::ranges::find(found(), type, &FoundSensor::type) == found().end();
+    return first && places != settings_.first_of_type.end() ? &*places : nullptr;
+}
+
+void ReceiverRole::read_value(std::size_t sensor, std::span<const std::uint8_t> data, Instant now,
+                              ValueBoard& board) {
+    const Sensor& known = sensors_[sensor];
+    const ReadingPlaces& places = settings_.readings[sensor];
+    const std::uint8_t tag = found_[sensor].type;
+    const std::size_t fields = known.type == nullptr ? 0 : known.type->fields.size();
+    for (std::size_t i = 0; i < fields; ++i) {
+        const SensorField& field = known.type->fields[i];
+        const auto raw = raw_in(field, data);
+        const auto number = raw ? number_of(field, *raw) : std::nullopt;
+        const auto tell = [&](const std::vector<std::size_t>& values) {
+            if (i < values.size() && number) {
+                board.set(values[i], *number, now, tag);
+            } else if (i < values.size()) {
+                board.remove(values[i]);
+            }
+        };
+        tell(places.fields);
+        if (known.by_type != nullptr) {
+            tell(known.by_type->fields);
+        }
+    }
+    const auto signed_raw = fields == 1 ? raw_in(known.type->fields[0], data) : std::nullopt;
+    if (data.size() <= kLongestRaw) {
+        board.set(places.raw,
+                  signed_raw ? static_cast<double>(*signed_raw)
+                             : static_cast<double>(*plain_raw_in(data)),
+                  now, tag);
+    }
+}
+
+/// What those behind it said stays until it is stale: mostly they are found again at once.
+void ReceiverRole::drop_from(std::size_t sensor, ValueBoard& board) {
+    forget_reading(sensor, board);
+    counts_.lost_sensors += found_count_ - sensor;
+    found_count_ = sensor;
+    next_polled_ = 0;
+}
+
+void ReceiverRole::forget_reading(std::size_t sensor, ValueBoard& board) {
+    board.remove(settings_.readings[sensor].raw);
+    for (const std::size_t value : settings_.readings[sensor].fields) {
+        board.remove(value);
+    }
+    if (sensors_[sensor].by_type != nullptr) {
+        for (const std::size_t value : sensors_[sensor].by_type->fields) {
+            board.remove(value);
+        }
+    }
+}
+
+}  // namespace tribus

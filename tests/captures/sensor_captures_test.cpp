@@ -1,0 +1,196 @@
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "app/decode_sensor.h"
+#include "app/exit_status.h"
+#include "app/sensor_frame_finder.h"
+#include "transports/links/recording.h"
+
+/// The recordings of a genuine receiver (FS-iA6B) with genuine sensors. Expected counts are those
+/// of the recordings' own README, which were found by another program, and of ibus-sbus.md 2.3.
+namespace tribus {
+namespace {
+
+using nlohmann::json;
+
+std::filesystem::path capture(std::string_view name) {
+    return std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / name;
+}
+
+Recording recording_of(std::string_view name) {
+    std::ifstream file(capture(name), std::ios::binary);
+    EXPECT_TRUE(file) << name;
+    const std::string content{std::istreambuf_iterator<char>(file), {}};
+    auto recording = parse_recording(content, name);
+    EXPECT_TRUE(recording) << recording.error();
+    return recording ? std::move(*recording) : Recording{};
+}
+
+class SensorCaptures : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!std::filesystem::exists(capture("README.md"))) {
+            GTEST_SKIP() << "no recordings in " << capture("")
+                         << "; set TRIBUS_SHARED to the folder that holds captures/";
+        }
+    }
+};
+
+struct Decoded {
+    std::vector<json> exchanges;
+    json summary;
+};
+
+Decoded decoded(std::string_view name) {
+    const Recording recording = recording_of(name);
+    const SensorTypes types;
+    std::ostringstream results;
+    std::ostringstream talk;
+    SensorPrinter printer(DecodeFormat::json, recording.kind, types, results, talk);
+    EXPECT_EQ(decode_sensor_recording(recording, printer, talk), kExitFine) << talk.str();
+    Decoded result;
+    std::istringstream lines(results.str());
+    for (std::string line; std::getline(lines, line);) {
+        json object = json::parse(line);
+        if (object.contains("summary")) {
+            result.summary = object["summary"];
+        } else {
+            result.exchanges.push_back(std::move(object));
+        }
+    }
+    return result;
+}
+
+void expect_complete(const json& summary, int frames) {
+    EXPECT_EQ(summary["frames"], frames);
+    EXPECT_EQ(summary["skipped_bytes"], 0);
+    EXPECT_EQ(summary["unasked"], 0);
+    EXPECT_EQ(summary["echoes"], 0);
+    for (const auto& [cause, count] : summary["rejected"].items()) {
+        EXPECT_EQ(count, 0) << cause;
+    }
+}
+
+/// Genuine sensors answer 0.62 to 0.64 ms after the end of the request; to a hundredth.
+void expect_response_of_genuine_sensors(const json& address) {
+    EXPECT_GE(address["response_us"]["least"], 615);
+    EXPECT_LE(address["response_us"]["most"], 645);
+}
+
+/// Each miss at one of `addresses` is followed by the same request in the next slot, and that is
+/// answered.
+void expect_misses_asked_again(const std::vector<json>& exchanges, const std::set<int>& addresses,
+                               int count) {
+    int misses = 0;
+    for (std::size_t i = 0; i + 1 < exchanges.size(); ++i) {
+        const json& missed = exchanges[i];
+        const json& next = exchanges[i + 1];
+        if (missed["answer"] != "miss" || addresses.count(missed["address"].get<int>()) == 0) {
+            continue;
+        }
+        ++misses;
+        EXPECT_EQ(missed["asked_again"], true) << missed;
+        EXPECT_EQ(next["address"], missed["address"]) << missed;
+        EXPECT_EQ(next["asked"], "value") << missed;
+        EXPECT_EQ(next["answer"], "reply") << missed;
+        EXPECT_NEAR(next["t_us"].get<double>() - missed["t_us"].get<double>(), 7701, 5) << missed;
+    }
+    EXPECT_EQ(misses, count);
+}
+
+void expect_two_sensors(std::string_view name) {
+    const Decoded result = decoded(name);
+    expect_complete(result.summary, 1286);
+    EXPECT_EQ(result.summary["requests"], 642);
+    EXPECT_EQ(result.summary["replies"], 634);
+    EXPECT_EQ(result.summary["probes"], 10);
+    EXPECT_EQ(result.summary["misses"], 8);
+    const json& addresses = result.summary["addresses"];
+    ASSERT_EQ(addresses.size(), 3U);
+    EXPECT_EQ(addresses[2]["address"], 3);
+    EXPECT_EQ(addresses[2]["probes"], 10);
+    expect_response_of_genuine_sensors(addresses[0]);
+    expect_response_of_genuine_sensors(addresses[1]);
+    expect_misses_asked_again(result.exchanges, {1, 2}, 8);
+}
+
+TEST_F(SensorCaptures, TwoSensorsAreExplainedCompletely) {
+    expect_two_sensors("ibus_sensor_ia6b_2sensors.timed.txt");
+}
+
+TEST_F(SensorCaptures, TheAnalysersExportSaysTheSame) {
+    expect_two_sensors("ibus_sensor_ia6b_2sensors.saleae.csv");
+}
+
+TEST_F(SensorCaptures, OneSensorIsExplainedUpToTheCutAtTheEnd) {
+    const Decoded result = decoded("ibus_sensor_ia6b_rpmsensor.timed.txt");
+    expect_complete(result.summary, 1418);
+    EXPECT_EQ(result.summary["requests"], 707);
+    EXPECT_EQ(result.summary["replies"], 700);
+    EXPECT_EQ(result.summary["probes"], 11);
+    EXPECT_EQ(result.summary["misses"], 7);
+    expect_response_of_genuine_sensors(result.summary["addresses"][0]);
+    expect_misses_asked_again(result.exchanges, {1}, 7);
+}
+
+// The first sensor hides its answers from the wire behind it, but passes the requests on.
+TEST_F(SensorCaptures, BehindTheFirstSensorOnlyItsRequestsAreSeen) {
+    const Decoded result = decoded("ibus_sensor_ia6b_tap_between.timed.txt");
+    expect_complete(result.summary, 967);
+    const json& addresses = result.summary["addresses"];
+    ASSERT_EQ(addresses.size(), 3U);
+    EXPECT_EQ(addresses[0]["requests"], 321);
+    EXPECT_EQ(addresses[0]["replies"], 0);
+    EXPECT_EQ(addresses[1]["requests"], 320);
+    EXPECT_EQ(addresses[1]["replies"], 316);
+    EXPECT_EQ(addresses[2]["probes"], 10);
+    expect_response_of_genuine_sensors(addresses[1]);
+    expect_misses_asked_again(result.exchanges, {2}, 4);
+}
+
+TEST_F(SensorCaptures, ProbesComeEvery66Slots) {
+    const Decoded result = decoded("ibus_sensor_ia6b_2sensors.timed.txt");
+    std::vector<double> probes;
+    for (const json& exchange : result.exchanges) {
+        if (exchange["answer"] == "free") {
+            probes.push_back(exchange["t_us"].get<double>());
+        }
+    }
+    ASSERT_EQ(probes.size(), 10U);
+    for (std::size_t i = 1; i < probes.size(); ++i) {
+        EXPECT_NEAR(probes[i] - probes[i - 1], 508250, 50);
+    }
+}
+
+TEST_F(SensorCaptures, TheSensorWireIsToldFromTheServoWire) {
+    EXPECT_TRUE(is_sensor_bus(recording_of("ibus_sensor_ia6b_2sensors.timed.txt")));
+    EXPECT_TRUE(is_sensor_bus(recording_of("ibus_sensor_ia6b_rpmsensor.timed.txt")));
+    EXPECT_TRUE(is_sensor_bus(recording_of("ibus_sensor_ia6b_tap_between.timed.txt")));
+    EXPECT_FALSE(is_sensor_bus(recording_of("ibus_servo14_ia6b_2sensors.timed.txt")));
+    EXPECT_FALSE(is_sensor_bus(recording_of("ibus_servo18_afhds3.timed.txt")));
+    EXPECT_FALSE(is_sensor_bus(recording_of("sbus2_r7008SB.timed.txt")));
+    EXPECT_FALSE(is_sensor_bus(recording_of("single_frames.txt")));
+}
+
+TEST_F(SensorCaptures, ServoFramesOnTheSameWireHoldNoSensorFrame) {
+    SensorFrameFinder finder([](const HeardSensorFrame&) { ADD_FAILURE(); });
+    for (const Burst& burst : recording_of("ibus_servo14_ia6b_2sensors.timed.txt").bursts) {
+        finder.feed(burst);
+    }
+    EXPECT_EQ(finder.tally().servo_frames, 651U);
+    EXPECT_EQ(finder.tally().frames.skipped_bytes, 11U);
+}
+
+}  // namespace
+}  // namespace tribus

@@ -1,0 +1,260 @@
+#include <csignal>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/lab/two_programs.h"
+#include "tests/support/dronecan_frames.h"
+#include "transports/codecs/dronecan/types.h"
+
+/// DroneCAN on a virtual bus: built programs, and nodes that the tests play.
+namespace tribus::test {
+namespace {
+
+using namespace dronecan;
+using std::chrono::milliseconds;
+
+const BusJob kJob{.format = "protocol = \"dronecan\"", .sender_lines = "node_id = 42"};
+const BusJob kFdJob{.format = "protocol = \"dronecan\"\nfd = true", .sender_lines = "node_id = 42"};
+
+void send(RawCan& bus, const std::vector<CanFrame>& frames) {
+    for (const CanFrame& frame : frames) {
+        EXPECT_EQ(bus.send(frame), 0);
+    }
+}
+
+/// Puts the transfers of one type together that it hears.
+template <class Message>
+class Ear {
+  public:
+    std::optional<std::pair<TransferHead, Message>> take(const CanFrame& frame) {
+        const auto taken = receiver_.take(frame, now_ += milliseconds(1));
+        if (!taken.transfer) {
+            return std::nullopt;
+        }
+        const auto message = read<Message>(taken.transfer->payload, taken.transfer->fd);
+        EXPECT_TRUE(message);
+        return message ? std::optional(std::pair(taken.transfer->head, *message)) : std::nullopt;
+    }
+
+  private:
+    static constexpr DataType kType = data_type_of<Message>();
+    TransferReceiver receiver_{{{kType.kind, kType.id, kType.signature, kMostBytes<Message>}}, 8};
+    Instant now_ = kStart;
+};
+
+/// Everything that comes until `done` says so of a message.
+template <class Message, class Done>
+bool hear_until(RawCan& bus, Done done) {
+    Ear<Message> ear;
+    return eventually([&] {
+        for (const CanSight& sight : bus.receive_all()) {
+            if (const auto heard = ear.take(sight.frame);
+                heard && done(heard->first, heard->second)) {
+                return true;
+            }
+        }
+        return false;
+    });
+}
+
+class DroneCan : public TwoPrograms {};
+
+TEST_F(DroneCan, EndsInFailsafeWhenTheSenderIsKilledAndComesBack) {
+    const VirtualBus bus;
+    Program* sender = &start_sender(kJob);
+    Program& reader = start_reader(kJob);
+    expect_times(expect_failsafe_and_recovery(
+        "DroneCAN sender killed, started again",
+        [&] {
+            sender->signal(SIGKILL);
+            sender->end();
+        },
+        [&] { sender = &start_sender(kJob); }));
+    expect_clean_end(*sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(DroneCan, TellsTheFailsafeOfTheReceiver) {
+    const VirtualBus bus;
+    Program& sender = start_sender(kJob);
+    Program& reader = start_reader(kJob);
+    ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
+    // Nothing is sent to the i.Bus input any more.
+    EXPECT_TRUE(eventually([&] {
+        const auto seen = servos().listen();
+        return std::ranges::any_of(seen, [](const SbusSight& sight) { return sight.failsafe; });
+    }));
+    RawCan listener("vcan0");
+    EXPECT_TRUE(hear_until<RcInput>(listener, [](const TransferHead&, const RcInput& message) {
+        return message.status == RcInput::kFailsafe && message.quality == 0;
+    }));
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(DroneCan, FallsSilentWhileAnotherNodeHasItsId) {
+    const VirtualBus bus;
+    Program& sender = start_sender(kJob);
+    Program& reader = start_reader(kJob);
+    ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
+    RawCan other("vcan0");
+    send(other, frames_of_message(NodeStatus{}, 42, 0));
+    EXPECT_TRUE(carry_until_failsafe());
+    EXPECT_NE(sender.errors().find("another DroneCAN node has the id 42 too"), std::string::npos)
+        << sender.errors();
+    EXPECT_TRUE(carry_until_control()) << "not back after 5 s of silence";
+    expect_clean_end(sender);
+    expect_clean_end(reader);
+}
+
+TEST_F(DroneCan, SaysThatItIsThereAndAnswersWhoItIs) {
+    const VirtualBus bus;
+    RawCan tool("vcan0");
+    Program& sender = start_sender(kJob);
+    EXPECT_TRUE(hear_until<NodeStatus>(tool, [](const TransferHead& head, const NodeStatus&) {
+        return head.source == 42;
+    })) << sender.errors();
+    send(tool, frames_of_transfer({.source = 127, .destination = 42, .transfer_id = 3},
+                                  GetNodeInfo::Request{}));
+    EXPECT_TRUE(hear_until<GetNodeInfo::Response>(tool, [](const TransferHead& head,
+                                                           const GetNodeInfo::Response& info) {
+        return head.destination == 127 && head.transfer_id == 3 &&
+               info.name.view() == "org.tribus" && info.hardware_version.unique_id != UniqueId{};
+    }));
+    expect_clean_end(sender);
+}
+
+/// Plays the allocator: gives ids from `next` on, one to each unique id (can.md 1.3).
+class Allocator {
+  public:
+    Allocator(const std::string& interface, NodeId next) : bus_(interface), next_(next) {}
+
+    /// Answers what has come; the ids that it has given.
+    const std::map<std::vector<std::uint8_t>, NodeId>& serve() {
+        for (const CanSight& sight : bus_.receive_all()) {
+            const auto heard = ear_.take(sight.frame);
+            if (heard && heard->first.source == kNobody) {
+                answer(heard->second);
+            }
+        }
+        return given_;
+    }
+
+  private:
+    void answer(const Allocation& request) {
+        if (request.first_part_of_unique_id) {
+            known_.clear();
+        }
+        known_.insert(known_.end(), request.unique_id.begin(), request.unique_id.end());
+        Allocation response;
+        for (const std::uint8_t byte : known_) {
+            response.unique_id.push_back(byte);
+        }
+        if (known_.size() == 16) {
+            const auto [given, fresh] = given_.try_emplace(known_, next_);
+            next_ = static_cast<NodeId>(next_ + (fresh ? 1 : 0));
+            response.node_id = given->second;
+        }
+        send(bus_, frames_of_message(response, 1, transfer_id_));
+        transfer_id_ = (transfer_id_ + 1) & kMostTransferId;
+    }
+
+    RawCan bus_;
+    Ear<Allocation> ear_;
+    NodeId next_;
+    std::uint8_t transfer_id_ = 0;
+    std::vector<std::uint8_t> known_;
+    std::map<std::vector<std::uint8_t>, NodeId> given_;
+};
+
+TEST_F(DroneCan, TwoNodesGetIdsFromAnAllocatorAndOneSendsToTheOther) {
+    for (const bool fd : {false, true}) {
+        const VirtualBus bus;
+        BusJob job{.format = fd ? kFdJob.format : kJob.format};
+        job.sender_tables = "[dronecan.own]\ninterface = \"vcan0\"\ndynamic = true\nnode_id = 30\n";
+        Allocator allocator("vcan0", 60);
+        Program& sender = start_sender(job);
+        Program& reader = start_reader(job);
+        Program& other = run(write_config(
+            "[input.radio]\nprotocol = \"dronecan\"\ninterface = \"vcan0\"\n"
+            "[output.servos]\nprotocol = \"dronecan\"\ninterface = \"vcan0\"\n"
+            "carries = \"servos\"\n[dronecan.own]\ninterface = \"vcan0\"\ndynamic = true\n"
+            "[pipeline.main]\nfrom = \"radio\"\nto = \"servos\"\n",
+            "other.toml"));
+        const auto has_id = [](Program& program) {
+            return program.errors().find("this program is DroneCAN node 6") != std::string::npos;
+        };
+        EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
+            return allocator.serve().size() == 2 && sight.good() && has_id(sender) && has_id(other);
+        })) << sender.errors()
+            << reader.errors() << other.errors();
+        expect_clean_end(sender);
+        expect_clean_end(reader);
+        expect_clean_end(other);
+    }
+}
+
+TEST_F(DroneCan, CommandsOfAnAutopilotMoveServosAndTheirEndIsAFailsafe) {
+    const VirtualBus bus;
+    RawCan autopilot("vcan0");
+    Program& program = run(write_config(R"([input.autopilot]
+protocol = "dronecan"
+interface = "vcan0"
+carries = "servos"
+timeout = "400ms"
+[output.servos]
+protocol = "sbus"
+device = "@servos"
+period = "7ms"
+[pipeline.main]
+from = "autopilot"
+to = "servos"
+[pipeline.main.failsafe]
+hold = "300ms"
+preset = { 1 = 1000, 3 = 988, other = 1500 }
+recover = "300ms"
+)"));
+    ArrayCommand message;
+    message.commands.push_back({.actuator_id = 1, .command_value = 0.5F});
+    std::uint8_t transfer_id = 0;
+    auto next = Clock::now();
+    const auto wanted = sbus_raw(1750);
+    EXPECT_TRUE(eventually([&] {
+        if (Clock::now() >= next) {
+            next += milliseconds(20);
+            send(autopilot, frames_of_message(message, 10, transfer_id));
+            transfer_id = (transfer_id + 1) & kMostTransferId;
+        }
+        const auto seen = servos().listen();
+        return std::ranges::any_of(
+            seen, [&](const SbusSight& sight) { return sight.good() && sight.raw[0] == wanted; });
+    })) << program.errors();
+    const auto end = Clock::now();
+    milliseconds to_failsafe{};
+    EXPECT_TRUE(eventually([&] {
+        for (const SbusSight& sight : servos().listen()) {
+            if (sight.failsafe) {
+                to_failsafe = std::chrono::duration_cast<milliseconds>(sight.seen - end);
+                return true;
+            }
+        }
+        return false;
+    }));
+    // Timeout and hold, less the period that a frame speaks for; how much later is the machine's.
+    EXPECT_GE(to_failsafe, milliseconds(300));
+    expect_clean_end(program);
+}
+
+}  // namespace
+}  // namespace tribus::test

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace tribus::test {
+
+/// A simulated GPIO chip of eight lines (gpio-sim), gone with its object.
+class GpioBank {
+  public:
+    struct Settings {
+        std::string name = "lab";                 ///< not that of another bank
+        std::map<unsigned, std::string> names{};  ///< of lines, by offset
+        std::optional<unsigned> hogged{};         ///< a line that the kernel keeps, as "lab-hog"
+    };
+
+    GpioBank() : GpioBank(Settings{}) {}
+    explicit GpioBank(const Settings& settings);
+    GpioBank(const GpioBank&) = delete;
+    GpioBank& operator=(const GpioBank&) = delete;
+    ~GpioBank();
+
+    /// As "gpiochip0".
+    const std::string& chip() const { return chip_; }
+    std::string path() const { return "/dev/" + chip_; }
+    /// What an oscilloscope at the line would show.
+    std::string level(unsigned line) const;
+    /// Drives a line that is an input.
+    void pull(unsigned line, bool up) const;
+    /// Pulls the chip out, and puts it back, perhaps as another one.
+    void remove();
+    void put_back();
+
+  private:
+    std::filesystem::path line_folder(unsigned line) const;
+
+    std::filesystem::path device_;
+    std::filesystem::path bank_;
+    std::map<unsigned, std::string> names_;
+    std::optional<unsigned> hogged_;
+    std::string chip_;
+    std::string platform_device_;
+    bool live_ = false;
+};
+
+}  // namespace tribus::test

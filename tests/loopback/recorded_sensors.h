@@ -1,0 +1,107 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/loopback/sensor_bus.h"
+
+/// The recorded talk between a genuine receiver and its two sensors, to be had again with the
+/// program as the sensors.
+namespace tribus::test {
+
+/// The speed sensor at 1 stood still and the voltage sensor at 2 had an open input: 0 rpm and
+/// -0.01 V in all 634 answers. For behind [sensor_bus.telemetry].
+inline constexpr std::string_view kRecordedSensors = R"(
+[[sensor_bus.telemetry.sensor]]
+type  = "rotation_speed"
+value = "speed"
+[[sensor_bus.telemetry.sensor]]
+type  = "external_voltage"
+value = "probe"
+[values.speed]
+constant = 0
+unit     = "rpm"
+[values.probe]
+constant = -0.01
+unit     = "V"
+)";
+inline constexpr std::string_view kNoRecordings =
+    "no recordings in " TRIBUS_SHARED_DIR "; set TRIBUS_SHARED to the folder that holds captures/";
+
+struct RecordedExchange {
+    unsigned request = 0;  ///< its second byte
+    /// Empty where nobody ever answered, to the probes of address 3. Of a request that its sensor
+    /// missed, what it answered at other times.
+    Bytes answer;
+};
+
+/// The first `count` of the 652 requests, in their order; none where the captures are missing.
+inline std::vector<RecordedExchange> recorded_exchanges(std::size_t count) {
+    std::ifstream file(std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" /
+                       "ibus_sensor_ia6b_2sensors.timed.txt");
+    Bytes wire;
+    for (std::string line; std::getline(file, line);) {
+        std::istringstream words(line.starts_with('#') ? "" : line);
+        std::string word;
+        words >> word;
+        while (words >> word) {
+            wire.push_back(static_cast<std::uint8_t>(std::stoi(word, nullptr, 16)));
+        }
+    }
+    std::size_t strays = 0;
+    std::map<unsigned, Bytes> answers;
+    std::vector<RecordedExchange> exchanges;
+    for (const Bytes& frame : cut_sensor_frames(wire, strays)) {
+        if (frame.size() == 4) {
+            exchanges.push_back({frame[1], {}});
+        } else {
+            EXPECT_EQ(answers.try_emplace(frame[1], frame).first->second, frame);
+        }
+    }
+    EXPECT_EQ(strays, 0U);
+    EXPECT_TRUE(exchanges.empty() || exchanges.size() == 652);
+    for (RecordedExchange& exchange : exchanges) {
+        exchange.answer = answers[exchange.request];
+    }
+    exchanges.resize(std::min(count, exchanges.size()));
+    return exchanges;
+}
+
+/// Has the talk with the program. A withheld answer is asked for again, as the receiver does; no
+/// more than half of them may be.
+inline void expect_recorded_answers(Asker& receiver,
+                                    const std::vector<RecordedExchange>& exchanges) {
+    std::map<unsigned, Bytes> answers;
+    std::size_t wanted = 0;
+    std::size_t at_once = 0;
+    for (const auto& [request, recorded] : exchanges) {
+        answers[request] = recorded;
+        Bytes answer = receiver.ask(request);
+        if (!recorded.empty()) {
+            ++wanted;
+            at_once += answer.empty() ? 0U : 1U;
+            answer = answer.empty() ? receiver.ask_until_answered(request) : answer;
+        }
+        ASSERT_EQ(answer, recorded);
+    }
+    for (const Bytes& frame : receiver.frames()) {
+        ASSERT_EQ(frame, answers[frame[1]]) << "nobody asked for that";
+    }
+    EXPECT_LE(receiver.frames().size(), receiver.requests()) << "it spoke unasked";
+    EXPECT_EQ(receiver.strays(), 0U);
+    testing::Test::RecordProperty("answered_at_once", static_cast<int>(at_once));
+    EXPECT_GE(at_once, wanted / 2) << "of " << wanted;
+}
+
+}  // namespace tribus::test

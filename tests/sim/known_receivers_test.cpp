@@ -1,0 +1,99 @@
+#include "tests/sim/loss_run.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gtest/gtest.h>
+
+#include "tests/sim/stored_table.h"
+
+/// Each receiver of the reference loses its transmitter for ten seconds: `learn` studies it, its
+/// lines go into a configuration, and the whole engine runs over the same bytes.
+namespace tribus::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kHold = 300ms;
+constexpr Duration kPeriod = 10ms;
+
+Flight pilot_of(const KnownReceiver& receiver) {
+    return [&receiver](Duration since) { return pilot(since, receiver.trembling); };
+}
+
+class KnownReceivers : public testing::TestWithParam<KnownReceiver> {};
+
+TEST_P(KnownReceivers, loss_is_recognised_with_the_lines_that_learn_prints_or_said_not_to_be) {
+    const KnownReceiver& receiver = GetParam();
+    const LossStudyResult learned = study(receiver);
+    const LossRun run = run_with(learned, receiver, pilot_of(receiver));
+    const bool recognisable = receiver.told_by != ToldBy::nothing;
+    EXPECT_EQ(learned.recognised, recognisable) << fmt::format("{}", learned.findings);
+    EXPECT_TRUE(run.always_in_control_before());
+    EXPECT_EQ(run.in_failsafe_at(study_times().back - 1s), recognisable);
+    EXPECT_FALSE(run.in_failsafe_at(study_end() - 500ms)) << "it comes back";
+}
+
+TEST_P(KnownReceivers, loss_ends_in_failsafe_no_later_than_its_kind_allows) {
+    const KnownReceiver& receiver = GetParam();
+    const LossStudyResult learned = study(receiver);
+    const LossRun run = run_with(learned, receiver, pilot_of(receiver));
+    switch (receiver.told_by) {
+        case ToldBy::flag:
+        case ToldBy::value:
+            EXPECT_LE(run.to_failsafe(), kHold + kPeriod + receiver.period);
+            break;
+        case ToldBy::frame_lost:
+            EXPECT_LE(run.to_failsafe(), kHold + 100ms + kPeriod + receiver.period);
+            break;
+        case ToldBy::silence:  // one of them sends for 400 ms more
+            EXPECT_LE(run.to_failsafe(), kHold + 500ms + kPeriod);
+            break;
+        case ToldBy::standing_still:
+            EXPECT_LE(run.to_failsafe(), kHold + 2s + kPeriod);
+            break;
+        case ToldBy::nothing:
+            EXPECT_FALSE(learned.advice.empty()) << "the person is told what to set";
+            EXPECT_TRUE(learned.lines.empty());
+            break;
+    }
+}
+
+std::string test_name(const testing::TestParamInfo<KnownReceiver>& info) {
+    std::string name = fmt::format("{:02}_{}", info.index, info.param.name);
+    std::ranges::replace_if(
+        name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
+    return name;
+}
+INSTANTIATE_TEST_SUITE_P(Reference, KnownReceivers, testing::ValuesIn(known_receivers()),
+                         test_name);
+
+std::string seconds(const std::optional<Duration>& duration) {
+    return duration ? fmt::format("{:.2f}", std::chrono::duration<double>(*duration).count()) : "-";
+}
+
+TEST(KnownReceiversTable, what_is_learned_of_each_and_its_times_are_as_stored) {
+    std::string table =
+        "# Each receiver of ibus-sbus.md 1.8 and 3.6 loses its transmitter for ten seconds. Time\n"
+        "# from the loss to failsafe, and from the return to control, at the SBUS output (timeout\n"
+        "# 100 ms, hold 300 ms, recover 500 ms), with the lines that `tribus learn` prints.\n\n"
+        "failsafe s  control s  receiver: lines\n";
+    for (const KnownReceiver& receiver : known_receivers()) {
+        const LossStudyResult learned = study(receiver);
+        const LossRun run = run_with(learned, receiver, pilot_of(receiver));
+        table += fmt::format(
+            "{:>10} {:>10}  {} {}: {}\n", seconds(run.to_failsafe()),
+            learned.recognised ? seconds(run.to_control()) : "-", receiver.protocol, receiver.name,
+            !learned.recognised     ? "NOT RECOGNISABLE"
+            : learned.lines.empty() ? "(the defaults)"
+                                    : fmt::format("{}", fmt::join(learned.lines, "; ")));
+    }
+    expect_stored("known_receivers.txt", table);
+}
+
+}  // namespace
+}  // namespace tribus::test

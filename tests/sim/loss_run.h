@@ -1,0 +1,121 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "app/loss_study.h"
+#include "config/build.h"
+#include "pipelines/virtual_loop.h"
+#include "tests/sim/simulation.h"
+#include "tests/support/known_receivers.h"
+#include "transports/codecs/sbus.h"
+
+/// Receivers that lose their transmitter, through `learn` and the whole engine.
+namespace tribus::test {
+
+inline std::string job_with(std::string_view protocol, const std::vector<std::string>& lines) {
+    return fmt::format(R"([input.receiver]
+protocol = "{}"
+device   = "/dev/ttyA"
+{}
+[output.servos]
+protocol = "sbus"
+device   = "/dev/ttyB"
+schedule = "grid"
+period   = "10ms"
+[pipeline.main]
+from = "receiver"
+to   = "servos"
+)",
+                       protocol, fmt::join(lines, "\n"));
+}
+
+inline std::vector<StudiedFrame> decoded(const InputConfig& input,
+                                         const std::vector<WireFrame>& wire) {
+    const auto decoder = input.protocol->make_decoder(input.settings);
+    std::vector<StudiedFrame> frames;
+    DecodedFrame found;
+    for (const WireFrame& frame : wire) {
+        std::span<const std::uint8_t> bytes = frame.bytes;
+        while (decoder->next(bytes, frame.at, found)) {
+            frames.push_back({frame.at, found.channels});
+        }
+    }
+    return frames;
+}
+
+/// What the output of a configuration says while a receiver loses its link and finds it again.
+class LossRun final : public OutputObserver {
+  public:
+    LossRun(const Configuration& configuration, const std::vector<WireFrame>& wire)
+        : engine_(build_engine(configuration)) {
+        VirtualLoop loop(*engine_, *this, Instant{});
+        for (const WireFrame& frame : wire) {
+            loop.receive(0, std::span(frame.bytes), std::vector<bool>(frame.bytes.size()),
+                         frame.at);
+        }
+        loop.run_until(study_end());
+    }
+    void wrote(std::size_t /*output*/, Instant at, const Transmission& sent) override {
+        if (at < study_times().back) {
+            cause_while_lost_ = engine_->inputs()[0].state().cause;
+        }
+        const SbusFrame frame = parse_sbus(sent.bytes.first<kSbusFrameLength>());
+        says_.push_back({at, frame.failsafe});
+    }
+    std::optional<Duration> to_failsafe() const { return first(study_times().off, true); }
+    std::optional<Duration> to_control() const { return first(study_times().back, false); }
+    /// From the start until the loss, less the first two seconds.
+    bool always_in_control_before() const {
+        return std::ranges::none_of(says_, [](const Says& says) {
+            return says.at > Instant(std::chrono::seconds(2)) && says.at < study_times().off &&
+                   says.failsafe;
+        });
+    }
+    bool in_failsafe_at(Instant when) const {
+        const auto says = std::ranges::find_if(says_, [=](const Says& s) { return s.at >= when; });
+        return says != says_.end() && says->failsafe;
+    }
+    LinkCause cause_while_lost() const { return cause_while_lost_; }
+
+  private:
+    struct Says {
+        Instant at;
+        bool failsafe = false;
+    };
+    std::optional<Duration> first(Instant from, bool failsafe) const {
+        const auto says = std::ranges::find_if(
+            says_, [=](const Says& s) { return s.at >= from && s.failsafe == failsafe; });
+        return says == says_.end() ? std::nullopt : std::optional(says->at - from);
+    }
+
+    std::unique_ptr<Engine> engine_;
+    std::vector<Says> says_;
+    LinkCause cause_while_lost_ = LinkCause::never_seen;
+};
+
+/// What `learn` finds out about it, with a pilot at the sticks.
+inline LossStudyResult study(const KnownReceiver& receiver) {
+    const Configuration plain = configuration_of(job_with(receiver.protocol, {}));
+    const auto wire =
+        wire_of(receiver, [&](Duration since) { return pilot(since, receiver.trembling); });
+    return study_loss(plain.inputs[0], decoded(plain.inputs[0], wire), study_times());
+}
+
+/// With the lines that were learned, over what the receiver sends for a flight.
+inline LossRun run_with(const LossStudyResult& learned, const KnownReceiver& receiver,
+                        const Flight& flight) {
+    return LossRun(configuration_of(job_with(receiver.protocol, learned.lines)),
+                   wire_of(receiver, flight));
+}
+
+}  // namespace tribus::test

@@ -1,0 +1,97 @@
+#include "tests/sim/loss_run.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "app/frame_collector.h"
+#include "transports/links/recording.h"
+
+/// Recordings of real receivers, over and over, whose loss is simulated in each of the known ways,
+/// with the lines that were learned of that way.
+namespace tribus::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct RecordedFlight {
+    std::string_view file;
+    std::string_view protocol;
+    Duration period{};
+    /// Values move all the time, so that `frozen` has something to tell them by.
+    bool moving = false;
+};
+
+/// Periods and movement: README of the recordings, ibus-sbus.md 1.4 and 3.4.
+constexpr RecordedFlight kFlights[]{
+    {"ibus_servo18_afhds3.timed.txt", "ibus", 4ms, true},
+    {"ibus_servo14_ia6b_2sensors.timed.txt", "ibus", 7701us, false},
+    {"ibus_servo14_ia6b_rpmsensor.timed.txt", "ibus", 7701us, false},
+    {"sbus2_r7008SB.timed.txt", "sbus", 15ms, false},
+};
+
+std::vector<ChannelFrame> recorded_frames(const RecordedFlight& flight) {
+    const auto path = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / flight.file;
+    std::ifstream file(path, std::ios::binary);
+    const std::string content{std::istreambuf_iterator<char>(file), {}};
+    const auto recording = parse_recording(content, path.string());
+    const Configuration job = configuration_of(job_with(flight.protocol, {}));
+    FrameCollector collector(job.inputs[0]);
+    for (const Burst& burst : recording->bursts) {
+        collector.receive(burst.bytes, burst.damaged, Instant(*burst.start));
+    }
+    std::vector<ChannelFrame> frames;
+    for (const StudiedFrame& studied : collector.frames()) {
+        frames.push_back(studied.frame);
+    }
+    return frames;
+}
+
+class RecordedLoss : public testing::TestWithParam<RecordedFlight> {
+  protected:
+    void SetUp() override {
+        if (!std::filesystem::exists(std::filesystem::path(TRIBUS_SHARED_DIR) / "captures")) {
+            GTEST_SKIP() << "no recordings in " << TRIBUS_SHARED_DIR
+                         << "; set TRIBUS_SHARED to the folder that holds captures/";
+        }
+    }
+};
+
+TEST_P(RecordedLoss, is_recognised_in_each_known_way_and_nothing_before_is_taken_for_it) {
+    const RecordedFlight& recorded = GetParam();
+    const std::vector<ChannelFrame> frames = recorded_frames(recorded);
+    ASSERT_GT(frames.size(), 80U);
+    const Flight flight = [&](Duration since) {
+        return frames[static_cast<std::size_t>(since / recorded.period) % frames.size()];
+    };
+    int ways = 0;
+    for (KnownReceiver receiver : known_receivers()) {
+        const bool told = receiver.told_by != ToldBy::nothing &&
+                          (receiver.told_by != ToldBy::standing_still || recorded.moving);
+        if (receiver.protocol != recorded.protocol || !told) {
+            continue;
+        }
+        SCOPED_TRACE(receiver.name);
+        const LossStudyResult learned = study(receiver);
+        receiver.period = recorded.period;
+        const LossRun run = run_with(learned, receiver, flight);
+        EXPECT_TRUE(run.always_in_control_before());
+        EXPECT_TRUE(run.in_failsafe_at(study_times().back - 1s));
+        EXPECT_FALSE(run.in_failsafe_at(study_end() - 500ms)) << "it comes back";
+        ++ways;
+    }
+    EXPECT_GE(ways, 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Captures, RecordedLoss, testing::ValuesIn(kFlights), [](const auto& test) {
+    return std::string(test.param.file.substr(0, test.param.file.find('.')));
+});
+
+}  // namespace
+}  // namespace tribus::test

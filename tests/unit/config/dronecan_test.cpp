@@ -1,0 +1,214 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "config/build.h"
+#include "config/build_dronecan.h"
+#include "config/effective.h"
+#include "config/load.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::string_view kReceiver = R"([input.receiver]
+protocol = "ibus"
+device = "/dev/ttyAMA2"
+
+[pipeline.main]
+from = "receiver"
+to = "autopilot"
+)";
+
+/// A receiver that feeds [output.autopilot] with those lines.
+std::string with_output(const std::string& lines, const std::string& more = {}) {
+    return std::string(kReceiver) +
+           "\n[output.autopilot]\nprotocol = \"dronecan\"\ninterface = \"can1\"\n" + lines + "\n" +
+           more;
+}
+
+/// All the mistakes, one a line; empty where there are none.
+std::string mistakes_of(const std::string& text) {
+    const auto loaded = load_configuration(text, "test.toml");
+    std::string all;
+    if (!loaded) {
+        for (const Mistake& mistake : loaded.error()) {
+            all += format_mistake(mistake) + "\n";
+        }
+    }
+    return all;
+}
+
+Configuration load(const std::string& text) {
+    auto loaded = load_configuration(text, "test.toml");
+    EXPECT_TRUE(loaded) << mistakes_of(text);
+    return loaded ? std::move(*loaded) : Configuration{};
+}
+
+TEST(DroneCanConfiguration, TakesTheNodeOfTheContract) {
+    const Configuration configuration = load(with_output("node_id = 42"));
+    const auto nodes = plan_nodes(configuration, "machine");
+    ASSERT_EQ(nodes.size(), 1U);
+    EXPECT_EQ(nodes[0].port.device, "can1");
+    EXPECT_EQ(nodes[0].settings.id, 42);
+    EXPECT_FALSE(nodes[0].settings.dynamic);
+    EXPECT_FALSE(nodes[0].settings.may_restart);
+    EXPECT_FALSE(nodes[0].settings.may_write);
+    EXPECT_EQ(nodes[0].settings.name, "org.tribus");
+}
+
+TEST(DroneCanConfiguration, TakesTheNodeOfATable) {
+    const Configuration configuration =
+        load(with_output("",
+                         "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\n"
+                         "name = \"rover.rc\"\nallow_restart = true\nallow_writes = true\n"));
+    const auto nodes = plan_nodes(configuration, {});
+    ASSERT_EQ(nodes.size(), 1U);
+    EXPECT_EQ(nodes[0].settings.id, 7);
+    EXPECT_EQ(nodes[0].settings.name, "rover.rc");
+    EXPECT_TRUE(nodes[0].settings.may_restart);
+    EXPECT_TRUE(nodes[0].settings.may_write);
+}
+
+TEST(DroneCanConfiguration, AsksForAnIdWhereItIsToldTo) {
+    const Configuration configuration =
+        load(with_output("", "[dronecan.bus]\ninterface = \"can1\"\ndynamic = true\n"));
+    EXPECT_TRUE(plan_nodes(configuration, {})[0].settings.dynamic);
+}
+
+TEST(DroneCanConfiguration, MakesAUniqueIdOfTheMachineAndTheInterface) {
+    const Configuration configuration = load(with_output("node_id = 42"));
+    const auto id = [&](std::string_view machine) {
+        return plan_nodes(configuration, machine)[0].settings.unique_id;
+    };
+    EXPECT_EQ(id("a"), id("a"));
+    EXPECT_NE(id("a"), id("b"));
+    EXPECT_NE(id(""), dronecan::UniqueId{});
+}
+
+TEST(DroneCanConfiguration, ShowsThePeriodsOfOutputsAsParameters) {
+    const Configuration configuration = load(with_output("node_id = 42\nperiod = \"20ms\""));
+    const auto parameters = plan_nodes(configuration, {})[0].settings.parameters;
+    ASSERT_EQ(parameters.size(), 2U);
+    EXPECT_EQ(parameters[0].name, "uavcan.node_id");
+    EXPECT_FALSE(parameters[0].output);
+    EXPECT_EQ(parameters[1].name, "uavcan.pubp-RCInput");
+    EXPECT_EQ(parameters[1].value, 20000);
+    EXPECT_EQ(parameters[1].least, 10000);
+    EXPECT_EQ(parameters[1].output, std::optional<std::size_t>(0));
+}
+
+TEST(DroneCanConfiguration, AsksForANodeIdWhereThereIsNone) {
+    EXPECT_EQ(mistakes_of(with_output("")),
+              "test.toml:9:9: [output.autopilot] has no node_id; required: one of 1 to 125 that "
+              "no other node on \"can1\" has, here or in a table [dronecan.NAME] with that "
+              "interface\n");
+}
+
+TEST(DroneCanConfiguration, RefusesTwoIdsOnOneInterface) {
+    const std::string mistakes = mistakes_of(
+        with_output("node_id = 42", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\n"));
+    EXPECT_NE(mistakes.find("the node_id of [output.autopilot] is 42, that of [dronecan.bus] in "
+                            "line 15 is 7; allowed: one node on an interface"),
+              std::string::npos)
+        << mistakes;
+}
+
+TEST(DroneCanConfiguration, RefusesTwoTablesForOneInterface) {
+    const std::string mistakes =
+        mistakes_of(with_output("",
+                                "[dronecan.a]\ninterface = \"can1\"\nnode_id = 7\n[dronecan.b]\n"
+                                "interface = \"can1\"\n"));
+    EXPECT_NE(mistakes.find("[dronecan.a] is already a node on \"can1\""), std::string::npos)
+        << mistakes;
+}
+
+TEST(DroneCanConfiguration, RefusesAMessageThatTwoOutputsSend) {
+    const std::string mistakes =
+        mistakes_of(with_output("node_id = 42",
+                                "[output.second]\nprotocol = \"dronecan\"\n"
+                                "interface = \"can1\"\n[pipeline.b]\nfrom = \"receiver\"\n"
+                                "to = \"second\"\n"));
+    EXPECT_NE(mistakes.find("[output.autopilot] in line 9 sends the same message on \"can1\""),
+              std::string::npos)
+        << mistakes;
+}
+
+TEST(DroneCanConfiguration, TakesTheSameMessageOfTwoReceivers) {
+    EXPECT_EQ(mistakes_of(with_output("node_id = 42",
+                                      "[output.second]\nprotocol = \"dronecan\"\nreceiver = 1\n"
+                                      "interface = \"can1\"\n[pipeline.b]\nfrom = \"receiver\"\n"
+                                      "to = \"second\"\n")),
+              "");
+}
+
+TEST(DroneCanConfiguration, NamesKeysThatAreForOtherMessages) {
+    for (const char* line :
+         {"first = 2", "arms = true", "command = \"pulse\"", "reversible = true"}) {
+        const std::string mistakes = mistakes_of(with_output(std::string("node_id = 42\n") + line));
+        EXPECT_NE(mistakes.find("leave it out"), std::string::npos) << line << mistakes;
+    }
+    for (const char* line : {"receiver = 2", "quality = \"none\"", "quality_type = \"snr\""}) {
+        const std::string mistakes =
+            mistakes_of(with_output(std::string("node_id = 42\ncarries = \"servos\"\n") + line));
+        EXPECT_NE(mistakes.find("leave it out"), std::string::npos) << line << mistakes;
+    }
+}
+
+TEST(DroneCanConfiguration, RefusesMoreMotorsThanAMessageHolds) {
+    const std::string mistakes =
+        mistakes_of(with_output("node_id = 42\ncarries = \"motors\"\nfirst = 10\nchannels = 11"));
+    EXPECT_NE(mistakes.find("21 are more than one message holds; allowed: 20 motors"),
+              std::string::npos)
+        << mistakes;
+}
+
+TEST(DroneCanConfiguration, RefusesMoreThan100MessagesASecondUnlessForced) {
+    EXPECT_NE(mistakes_of(with_output("node_id = 42\nperiod = \"5ms\"")), "");
+    EXPECT_EQ(mistakes_of(with_output("node_id = 42\nperiod = \"5ms\"\nforce = true")), "");
+}
+
+TEST(DroneCanConfiguration, RefusesANameThatNoNodeMayHave) {
+    const std::string mistakes = mistakes_of(
+        with_output("", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\nname = \"Rover 1\"\n"));
+    EXPECT_NE(mistakes.find("\"Rover 1\" is not a name of a node; allowed: 1 to 50 small letters"),
+              std::string::npos)
+        << mistakes;
+}
+
+TEST(DroneCanConfiguration, NamesAQualityThatNobodyGives) {
+    const std::string mistakes = mistakes_of(with_output("node_id = 42\nquality = \"radio.rssi\""));
+    EXPECT_NE(mistakes.find("radio.rssi"), std::string::npos) << mistakes;
+}
+
+TEST(DroneCanConfiguration, NeedsNoNodeToListen) {
+    const Configuration configuration = load(
+        "[input.radio]\nprotocol = \"dronecan\"\ninterface = \"can0\"\nfrom_node = 42\n"
+        "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyAMA3\"\n"
+        "[pipeline.main]\nfrom = \"radio\"\nto = \"servos\"\n");
+    EXPECT_TRUE(plan_nodes(configuration, {}).empty());
+    EXPECT_EQ(build_engine(configuration)->inputs().size(), 1U);
+}
+
+TEST(DroneCanConfiguration, IsTheSameAfterItWasPrinted) {
+    const Configuration configuration = load(
+        with_output("carries = \"servos\"\nfirst = 3\narms = true",
+                    "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\nname = \"rover.rc\"\n"));
+    const std::string printed = effective_toml(configuration);
+    EXPECT_EQ(effective_toml(load(printed)), printed);
+}
+
+TEST(DroneCanConfiguration, PutsTheNodeOnThePortOfItsInterface) {
+    const auto plans = plan_ports(load(with_output("node_id = 42")));
+    const auto can = std::ranges::find_if(
+        plans, [](const PortPlan& plan) { return plan.config.device == "can1"; });
+    ASSERT_NE(can, plans.end());
+    EXPECT_EQ(can->wiring.node, std::optional<std::size_t>(0));
+    EXPECT_EQ(can->wiring.outputs.size(), 1U);
+}
+
+}  // namespace
+}  // namespace tribus

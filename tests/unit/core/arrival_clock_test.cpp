@@ -1,0 +1,116 @@
+#include "core/arrival_clock.h"
+
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/core/arrivals.h"
+
+namespace tribus::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(ArrivalClock, knows_no_interval_before_the_second_frame) {
+    ArrivalClock arrivals;
+    EXPECT_FALSE(arrivals.ever());
+    arrivals.arrived(at(5ms));
+    EXPECT_TRUE(arrivals.ever());
+    EXPECT_EQ(arrivals.interval(), 0ms);
+}
+
+TEST(ArrivalClock, one_late_frame_hardly_changes_the_interval) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
+    arrivals.arrived(arrivals.latest() + 9300us);
+    EXPECT_EQ(arrivals.interval(), 7'700'904ns);
+}
+
+TEST(ArrivalClock, the_interval_of_frames_that_jitter_is_exact_to_a_thousandth) {
+    std::minstd_rand random(4);
+    ArrivalClock arrivals;
+    for (int i = 0; i < 1000; ++i) {
+        arrivals.arrived(at(i * 7700us + std::chrono::microseconds(random() % 400)));
+        if (i > 100) {
+            ASSERT_NEAR(static_cast<double>(arrivals.interval().count()), 7'700e3, 8e3) << i;
+        }
+    }
+}
+
+TEST(ArrivalClock, the_rhythm_goes_through_the_middle_of_arrivals_that_jitter) {
+    ArrivalClock arrivals;
+    for (int i = 0; i < 1000; ++i) {
+        arrivals.arrived(at(i * 7700us + (i % 2 == 0 ? 0us : 200us)));
+    }
+    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - at(999 * 7700us)).count()), 100e3, 20e3);
+    EXPECT_NEAR(static_cast<double>(arrivals.lateness().count()), 100e3, 20e3);
+}
+
+TEST(ArrivalClock, the_rhythm_begins_anew_with_the_second_frame_that_misses_it_by_the_same) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
+    const Instant anew = arrivals.latest() + 3 * 7700us + 3ms;
+    arrivals.arrived(anew);
+    EXPECT_NE(arrivals.rhythm(), arrivals.latest());
+    arrivals.arrived(anew + 7700us);
+    EXPECT_EQ(arrivals.rhythm(), arrivals.latest());
+}
+
+TEST(ArrivalClock, frames_that_miss_the_rhythm_each_by_another_time_do_not_begin_it_anew) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
+    const Instant latest = arrivals.latest();
+    arrivals.arrived(latest + 7700us + 2500us);
+    arrivals.arrived(latest + 2 * 7700us - 1500us);
+    arrivals.arrived(latest + 3 * 7700us + 1200us);
+    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - latest - 3 * 7700us).count()), 0, 200e3);
+}
+
+TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
+    ArrivalClock arrivals;
+    arrivals.arrived(at(5ms));
+    arrivals.arrived(at(5ms));
+    EXPECT_EQ(arrivals.interval(), 0ms);
+    EXPECT_EQ(arrivals.rhythm(), at(5ms));
+    arrivals.arrived(at(12ms));
+    EXPECT_EQ(arrivals.interval(), 7ms);
+}
+
+TEST(ArrivalClock, one_missing_frame_does_not_change_the_interval) {
+    ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 10);
+    arrivals.arrived(arrivals.latest() + 2 * 7700us);
+    EXPECT_EQ(arrivals.interval(), 7700us);
+}
+
+TEST(ArrivalClock, learns_a_new_period_from_a_few_frames) {
+    ArrivalClock arrivals = arrivals_each(14ms, at(0ms), 10);
+    for (int i = 0; i < 4; ++i) {
+        arrivals.arrived(arrivals.latest() + 4ms);
+    }
+    EXPECT_EQ(arrivals.interval(), 4ms);
+}
+
+TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
+    for (Duration before = 1ms; before < 30ms; before += 370us) {
+        for (Duration after = 4ms; after < 30ms; after += 410us) {
+            ArrivalClock arrivals = arrivals_each(before, at(0ms), 300);
+            const Instant anew = arrivals.latest() + 11ms;
+            for (int i = 0; i < 40; ++i) {
+                arrivals.arrived(anew + i * after);
+            }
+            ASSERT_NEAR(static_cast<double>(arrivals.interval() / 1us),
+                        static_cast<double>(after / 1us), static_cast<double>(after / 100us))
+                << "before: " << before / 1us << " us";
+        }
+    }
+}
+
+TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_rhythm_with_frames_missing) {
+    // 7 ms are five quarters of 5.6 ms: every fifth would be missing.
+    ArrivalClock arrivals = arrivals_each(4ms, at(0ms), 2);
+    const Instant regular = arrivals.latest() + 5ms;
+    for (int i = 0; i < 40; ++i) {
+        arrivals.arrived(regular + i * 7ms);
+    }
+    EXPECT_NEAR(static_cast<double>(arrivals.interval() / 1us), 7000, 10);
+}
+
+}  // namespace
+}  // namespace tribus::test

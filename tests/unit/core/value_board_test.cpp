@@ -1,0 +1,58 @@
+#include "core/value_board.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <optional>
+
+namespace tribus {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Instant kStart{5s};
+
+class ValueBoardOfTwo : public testing::Test {
+  protected:
+    ValueBoard board_{{{.name = "battery.voltage", .unit = "V", .lasts = 1s},
+                       {.name = "cells", .unit = "", .lasts = kForever}}};
+};
+
+TEST_F(ValueBoardOfTwo, FindsValuesByTheirNames) {
+    EXPECT_EQ(board_.find("cells"), 1U);
+    EXPECT_EQ(board_.value(0).unit, "V");
+    EXPECT_EQ(board_.find("battery"), std::nullopt);
+}
+
+TEST_F(ValueBoardOfTwo, HasNoNumberBeforeTheFirst) {
+    EXPECT_FALSE(board_.ever(0));
+    EXPECT_EQ(board_.fresh(0, kStart), std::nullopt);
+    EXPECT_EQ(board_.fresh_until(0), kNever);
+}
+
+TEST_F(ValueBoardOfTwo, GivesTheLatestNumberUntilItIsStale) {
+    board_.set(0, 11.1, kStart - 2s);
+    board_.set(0, 12.6, kStart, 3);
+    EXPECT_EQ(board_.fresh(0, kStart + 1s), 12.6);
+    EXPECT_EQ(board_.fresh_until(0), kStart + 1s);
+    EXPECT_EQ(board_.fresh(0, kStart + 1s + 1ns), std::nullopt);
+    EXPECT_EQ(board_.age(0, kStart + 3s), 3s);
+    EXPECT_EQ(board_.tag(0), 3);
+}
+
+TEST_F(ValueBoardOfTwo, KeepsForeverWhatDoesNotGrowStale) {
+    board_.set(1, 6, kStart);
+    EXPECT_EQ(board_.fresh(1, kNever), 6);
+    EXPECT_EQ(board_.fresh_until(1), kNever);
+}
+
+TEST_F(ValueBoardOfTwo, HasNoNumberOnceItsSourceSaysSo) {
+    board_.set(0, 12.6, kStart, 3);
+    board_.remove(0);
+    EXPECT_EQ(board_.fresh(0, kStart), std::nullopt);
+    EXPECT_TRUE(board_.ever(0));
+    EXPECT_EQ(board_.tag(0), 3);
+}
+
+}  // namespace
+}  // namespace tribus

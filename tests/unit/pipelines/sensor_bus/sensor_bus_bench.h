@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "core/value_board.h"
+#include "pipelines/sensor_bus/role.h"
+#include "pipelines/sensor_bus/sensor_role.h"
+
+/// Both roles of a sensor bus on a bench, under virtual time.
+namespace tribus::test::sensor_bus {
+
+using Bytes = std::vector<std::uint8_t>;
+using namespace std::chrono_literals;
+
+inline constexpr Instant kStart{10s};
+
+/// With the checksum behind it (ibus-sbus.md 1.2).
+inline Bytes framed(Bytes bytes) {
+    unsigned sum = 0xFFFF;
+    for (const std::uint8_t byte : bytes) {
+        sum -= byte;
+    }
+    bytes.push_back(static_cast<std::uint8_t>(sum & 0xFFU));
+    bytes.push_back(static_cast<std::uint8_t>((sum >> 8U) & 0xFFU));
+    return bytes;
+}
+inline Bytes request(unsigned command_and_address) {
+    return framed({0x04, static_cast<std::uint8_t>(command_and_address)});
+}
+
+inline SensorSettings sensor(const char* type, std::size_t value) {
+    SensorSettings settings;
+    settings.type = *SensorTypes().find(std::string_view(type));
+    settings.sources.resize(settings.type.fields.size());
+    settings.sources.front() = FieldSource{.value = value};
+    return settings;
+}
+
+/// What a role writes at its turn, which counts as written.
+inline Bytes turn(SensorBusRole& role, Instant now, ValueBoard& board) {
+    const auto bytes = role.run(now, board);
+    Bytes said(bytes.begin(), bytes.end());
+    if (!said.empty()) {
+        role.written(now, board);
+    }
+    return said;
+}
+
+}  // namespace tribus::test::sensor_bus

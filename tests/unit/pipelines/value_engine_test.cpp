@@ -1,0 +1,79 @@
+#include "pipelines/value_engine.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <utility>
+
+#include "tests/unit/pipelines/engine_bench.h"
+
+namespace tribus::test::serial {
+namespace {
+
+/// A receiver and a servo output, each with channel 1 and whether all is well as values, beside a
+/// constant and a fact of the machine.
+class ValuesOfAPipeline : public testing::Test {
+  protected:
+    ValuesOfAPipeline() {
+        ValueEngineSettings settings;
+        for (const char* name : {"in.1", "out.1", "in.good", "cells", "load"}) {
+            settings.values.push_back({name, "", 500ms});
+        }
+        settings.channels = {{.value = 0, .of_output = false, .index = 0, .channel = 0},
+                             {.value = 1, .of_output = true, .index = 0, .channel = 0}};
+        settings.health = {{.value = 2, .index = 0, .fact = InputFact::good}};
+        settings.constants = {{.value = 3, .number = 6}};
+        settings.values[3].lasts = kForever;
+        settings.machine = {4};
+        values_.emplace(std::move(settings));
+        values_->start(at(0ms));
+    }
+    /// Frames each 10 ms until then, or none.
+    void fly(Duration until, bool frames = true) {
+        for (; now_ < until; now_ += 10ms) {
+            if (frames) {
+                bench_.ibus(0, at(now_), us(1234));
+            }
+            bench_.loop().run_until(at(now_));
+            values_->poll(bench_.engine(), at(now_));
+        }
+    }
+    std::optional<double> value(std::size_t index) {
+        return values_->board().fresh(index, at(now_));
+    }
+
+    Bench bench_{list(ibus_input()),
+                 list(sbus_output({0}, {.action = FailsafeAction::silence, .recover = 0ms}))};
+    std::optional<ValueEngine> values_;
+    Duration now_ = 10ms;
+};
+
+TEST_F(ValuesOfAPipeline, TellChannelsAsPulses) {
+    fly(1s);
+    EXPECT_EQ(value(0), 1234);
+    EXPECT_EQ(value(1), 1234);
+    EXPECT_EQ(value(2), 1);
+}
+
+TEST_F(ValuesOfAPipeline, HaveNoChannelOfAnInputThatIsLostNorOfASilentOutput) {
+    fly(1s);
+    fly(3s, false);
+    EXPECT_EQ(value(0), std::nullopt);
+    EXPECT_EQ(value(1), std::nullopt);
+    EXPECT_EQ(value(2), 0);
+}
+
+TEST_F(ValuesOfAPipeline, KeepConstantsAndTellTheMachineWhileItTells) {
+    fly(10s, false);
+    EXPECT_EQ(value(3), 6);
+    EXPECT_EQ(value(4), std::nullopt);
+    values_->set_machine(0, 42, at(now_));
+    EXPECT_EQ(value(4), 42);
+    values_->set_machine(0, 42, at(now_ - 501ms));
+    EXPECT_EQ(value(4), std::nullopt) << "told so long ago: whoever tells it hangs";
+    values_->set_machine(0, std::nullopt, at(now_));
+    EXPECT_EQ(value(4), std::nullopt);
+}
+
+}  // namespace
+}  // namespace tribus::test::serial

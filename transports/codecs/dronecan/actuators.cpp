@@ -1,0 +1,270 @@
+#include "transports/codecs/dronecan/actuators.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <vector>
+
+#include "core/rounding.h"
+#include "transports/codecs/dronecan/payload.h"
+
+namespace tribus::dronecan {
+namespace {
+
+constexpr double kCentre = 1500;
+constexpr double kHalfTravel = 500;
+constexpr double kLow = 1000;
+constexpr double kTravel = 1000;
+constexpr double kMostThrottle = 8191;
+constexpr double kLeastThrottle = -8192;
+/// Permissions come once or twice a second; one that old says nothing (can.md 1.3: then the whole
+/// node counts as gone).
+constexpr Duration kPermissionLasts = std::chrono::seconds(3);
+/// A vehicle that has been silent for so long begins anew, perhaps with fewer actuators.
+constexpr Duration kNewBeginning = std::chrono::seconds(1);
+/// How often others are told that they may move: those that wait for it want to hear it soon.
+constexpr Duration kPermissionPeriod = std::chrono::milliseconds(200);
+constexpr std::uint8_t kPermissionPriority = 16;
+
+std::uint16_t command_id(CommandKind kind) {
+    return kind == CommandKind::servos ? ArrayCommand::kId : EscRawCommand::kId;
+}
+
+WantedTransfer wanted_command(CommandKind kind) {
+    return kind == CommandKind::servos ? wanted_transfer<ArrayCommand>()
+                                       : wanted_transfer<EscRawCommand>();
+}
+
+/// Nothing for positions, forces and speeds, which are no pulse.
+std::optional<Pulse> pulse_of(const ActuatorCommand& command) {
+    const double value = command.command_value;
+    if (std::isnan(value)) {
+        return std::nullopt;
+    }
+    switch (command.command_type) {
+        case ActuatorCommand::kUnitless:
+            return Pulse::from_fractional_microseconds(kCentre +
+                                                       kHalfTravel * std::clamp(value, -1.0, 1.0));
+        case ActuatorCommand::kPwm:
+            return Pulse::from_fractional_microseconds(value);
+        default:
+            return std::nullopt;
+    }
+}
+
+Pulse pulse_of_throttle(std::int16_t throttle, bool reversible) {
+    const double share = throttle / kMostThrottle;
+    return Pulse::from_fractional_microseconds(reversible
+                                                   ? kCentre + kHalfTravel * std::max(share, -1.0)
+                                                   : kLow + kTravel * std::max(share, 0.0));
+}
+
+std::int16_t throttle_of(Pulse pulse, bool reversible) {
+    const double share = reversible ? (pulse.microseconds() - kCentre) / kHalfTravel
+                                    : std::max((pulse.microseconds() - kLow) / kTravel, 0.0);
+    return static_cast<std::int16_t>(
+        nearest_whole(std::clamp(share * kMostThrottle, kLeastThrottle, kMostThrottle)));
+}
+
+}  // namespace
+
+CommandDecoder::CommandDecoder(CommandInputFormat format)
+    : format_(format),
+      wanted_{ids_of(TransferKind::message, command_id(format.kind)),
+              ids_of(TransferKind::message, SafetyState::kId),
+              ids_of(TransferKind::message, ArmingStatus::kId)},
+      source_(format.source),
+      receiver_({wanted_command(format.kind), wanted_transfer<SafetyState>(),
+                 wanted_transfer<ArmingStatus>()},
+                1),
+      details_{{{"source_node", {&told_[0], 1}}}} {
+    commanded_.fill(Instant::min());
+}
+
+std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant received) {
+    const bool wants =
+        std::ranges::any_of(wanted_, [&](const CanIdMatch& id) { return id.matches(frame); });
+    const auto head = wants ? head_of(frame) : std::nullopt;
+    if (!head) {
+        return std::nullopt;
+    }
+    const bool command = head->data_type_id == command_id(format_.kind);
+    // Permissions are those of whoever commands.
+    const bool listens =
+        command ? source_.listens_to(head->source, received) : head->source == source_.current();
+    if (!listens) {
+        rejected_.count_other_source();
+        return std::nullopt;
+    }
+    const auto taken = receiver_.take(frame, received);
+    rejected_.count(taken);
+    if (!taken.transfer) {
+        return std::nullopt;
+    }
+    if (!command) {
+        take_permission(*taken.transfer);
+        return std::nullopt;
+    }
+    if (!take_command(*taken.transfer)) {
+        rejected_.count_layout();
+        return std::nullopt;
+    }
+    told_ = {head->source};
+    return snapshot(taken.transfer->first_at);
+}
+
+bool CommandDecoder::take_command(const ReceivedTransfer& transfer) {
+    if (latest_ != Instant::min() && transfer.first_at - latest_ > kNewBeginning) {
+        commanded_.fill(Instant::min());
+    }
+    latest_ = transfer.first_at;
+    return format_.kind == CommandKind::servos ? take_servos(transfer) : take_motors(transfer);
+}
+
+bool CommandDecoder::take_servos(const ReceivedTransfer& transfer) {
+    const auto message = read<ArrayCommand>(transfer.payload, transfer.fd);
+    if (!message) {
+        return false;
+    }
+    bool any = false;
+    for (const ActuatorCommand& command : message->commands) {
+        if (const auto pulse = pulse_of(command)) {
+            set(command.actuator_id, *pulse, transfer.first_at);
+            any = true;
+        }
+    }
+    return any;
+}
+
+bool CommandDecoder::take_motors(const ReceivedTransfer& transfer) {
+    const auto message = read<EscRawCommand>(transfer.payload, transfer.fd);
+    if (!message) {
+        return false;
+    }
+    for (std::size_t motor = 0; motor < message->cmd.size(); ++motor) {
+        set(motor, pulse_of_throttle(message->cmd[motor], format_.reversible), transfer.first_at);
+    }
+    return true;
+}
+
+void CommandDecoder::take_permission(const ReceivedTransfer& transfer) {
+    if (transfer.head.data_type_id == SafetyState::kId) {
+        if (const auto message = read<SafetyState>(transfer.payload, transfer.fd)) {
+            safety_ = {message->status == SafetyState::kSafetyOff, transfer.first_at};
+        }
+    } else if (const auto message = read<ArmingStatus>(transfer.payload, transfer.fd)) {
+        arming_ = {message->status == ArmingStatus::kFullyArmed, transfer.first_at};
+    }
+}
+
+void CommandDecoder::set(std::size_t actuator, Pulse pulse, Instant at) {
+    if (actuator >= format_.first && actuator - format_.first < format_.channels) {
+        pulses_[actuator - format_.first] = pulse;
+        commanded_[actuator - format_.first] = at;
+    }
+}
+
+bool CommandDecoder::may_move(const Permission& permission, Instant now) const {
+    const bool heard =
+        permission.heard != Instant::min() && now - permission.heard <= kPermissionLasts;
+    return heard ? permission.granted : format_.safety != SafetyRule::required;
+}
+
+ChannelFrame CommandDecoder::snapshot(Instant now) {
+    ChannelFrame frame;
+    frame.origin = Origin::dronecan;
+    frame.frame_lost = false;
+    frame.received = now;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        if (commanded_[channel] != Instant::min()) {
+            frame.set(channel, pulses_[channel]);
+            frame.received = std::min(frame.received, commanded_[channel]);
+        }
+    }
+    frame.failsafe = format_.safety != SafetyRule::ignored &&
+                     (!may_move(safety_, now) ||
+                      (format_.kind == CommandKind::motors && !may_move(arming_, now)));
+    return frame;
+}
+
+std::size_t CommandEncoder::encode(const ChannelFrame& snapshot, Instant now,
+                                   std::span<CanFrame, kMostSnapshotFrames> frames) {
+    if (voice_->id == kNobody) {
+        return 0;
+    }
+    const std::size_t count = format_.kind == CommandKind::servos ? encode_servos(snapshot, frames)
+                                                                  : encode_motors(snapshot, frames);
+    return count + encode_permissions(snapshot, now, std::span(frames).subspan(count));
+}
+
+std::size_t CommandEncoder::encode_servos(const ChannelFrame& snapshot,
+                                          std::span<CanFrame> frames) {
+    ArrayCommand message;
+    for (std::size_t channel = 0; channel < format_.channels; ++channel) {
+        if (const auto pulse = snapshot.channel(channel)) {
+            const double value =
+                format_.pulses
+                    ? pulse->microseconds()
+                    : std::clamp((pulse->microseconds() - kCentre) / kHalfTravel, -1.0, 1.0);
+            message.commands.push_back(
+                {.actuator_id = static_cast<std::uint8_t>(format_.first + channel),
+                 .command_type =
+                     format_.pulses ? ActuatorCommand::kPwm : ActuatorCommand::kUnitless,
+                 .command_value = static_cast<float>(value)});
+        }
+    }
+    return encode_message(message, CommandOutputFormat::kServoPriority, command_transfer_id_,
+                          frames);
+}
+
+std::size_t CommandEncoder::encode_motors(const ChannelFrame& snapshot,
+                                          std::span<CanFrame> frames) {
+    EscRawCommand message;
+    for (std::size_t before = 0; before < format_.first; ++before) {
+        message.cmd.push_back(0);
+    }
+    for (std::size_t channel = 0; channel < format_.channels; ++channel) {
+        const auto pulse = snapshot.channel(channel);
+        message.cmd.push_back(pulse ? throttle_of(*pulse, format_.reversible) : std::int16_t{0});
+    }
+    return encode_message(message, CommandOutputFormat::kMotorPriority, command_transfer_id_,
+                          frames);
+}
+
+/// Nobody is armed before somebody had control, nor are motors in failsafe.
+std::size_t CommandEncoder::encode_permissions(const ChannelFrame& snapshot, Instant now,
+                                               std::span<CanFrame> frames) {
+    ever_in_control_ = ever_in_control_ || snapshot.good();
+    const bool due = permitted_ == Instant::min() || now - permitted_ >= kPermissionPeriod;
+    if (!format_.arms || !ever_in_control_ || !due) {
+        return 0;
+    }
+    permitted_ = now;
+    SafetyState safety;
+    safety.status = SafetyState::kSafetyOff;
+    const std::size_t count =
+        encode_message(safety, kPermissionPriority, safety_transfer_id_, frames);
+    if (format_.kind == CommandKind::servos) {
+        return count;
+    }
+    ArmingStatus arming;
+    arming.status = snapshot.failsafe ? ArmingStatus::kDisarmed : ArmingStatus::kFullyArmed;
+    return count +
+           encode_message(arming, kPermissionPriority, arming_transfer_id_, frames.subspan(count));
+}
+
+template <class Message>
+std::size_t CommandEncoder::encode_message(const Message& message, std::uint8_t priority,
+                                           std::uint8_t& transfer_id,
+                                           std::span<CanFrame> frames) const {
+    const auto payload = write(message, format_.fd);
+    const TransferHead head{.kind = TransferKind::message,
+                            .data_type_id = Message::kId,
+                            .source = voice_->id,
+                            .priority = priority,
+                            .transfer_id = transfer_id};
+    transfer_id = (transfer_id + 1) & kMostTransferId;
+    return encode_transfer(head, Message::kSignature, payload, format_.fd, frames);
+}
+
+}  // namespace tribus::dronecan

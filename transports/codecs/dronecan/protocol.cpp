@@ -1,0 +1,289 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "transports/codecs/dronecan/actuators.h"
+#include "transports/codecs/dronecan/dronecan.h"
+#include "transports/codecs/dronecan/rc.h"
+
+namespace tribus {
+namespace dronecan {
+namespace {
+
+constexpr std::array<std::string_view, 3> kCarries{"rc", "servos", "motors"};
+constexpr std::array<std::string_view, 3> kScales{"us", "sbus", "full_range"};
+constexpr std::array<std::string_view, 3> kSafetyRules{"heard", "required", "ignored"};
+constexpr std::array<std::string_view, 2> kCommands{"unitless", "pulse"};
+constexpr std::array<std::string_view, 5> kQualityTypes{"link_quality", "rssi", "rssi_dbm", "snr",
+                                                        "tx_power"};
+constexpr std::size_t kMostServos = 15;
+constexpr std::size_t kMostMotors = 20;
+
+constexpr std::array kSettings{
+    Setting{.key = "carries",
+            .type = SettingType::choice,
+            .fallback = "\"rc\"",
+            .choices = kCarries,
+            .help = "rc: channels as RCInput; servos: ArrayCommand; motors: RawCommand"},
+    Setting{.key = "node_id",
+            .type = SettingType::integer,
+            .least = 1,
+            .most = kMostNodeId,
+            .scope = SettingScope::output,
+            .help = "Of this program on the interface; absent: that of [dronecan.NAME]"},
+    Setting{.key = "fd",
+            .type = SettingType::boolean,
+            .fallback = "false",
+            .help = "An output sends CAN FD frames with bit rate switching; an input takes such "
+                    "frames too"},
+    Setting{.key = "from_node",
+            .type = SettingType::integer,
+            .least = 1,
+            .most = kMostNodeId,
+            .scope = SettingScope::input,
+            .help = "Only this node is listened to; absent: the first one that is heard"},
+    Setting{.key = "receiver",
+            .type = SettingType::integer,
+            .least = 0,
+            .most = 15,
+            .help = "rc: number of the receiver, where a node has several; an output says 0 where "
+                    "it is absent, an input takes any"},
+    Setting{.key = "channels",
+            .type = SettingType::integer,
+            .least = 1,
+            .most = static_cast<double>(kChannelCount),
+            .help = "How many; the default is 18, of an output 4 servos or motors"},
+    Setting{.key = "first",
+            .type = SettingType::integer,
+            .least = 0,
+            .most = 255,
+            .help = "servos, motors: the number that is channel 1; the default is servo 1, or "
+                    "motor 0"},
+    Setting{.key = "scale",
+            .type = SettingType::choice,
+            .fallback = "\"us\"",
+            .choices = kScales,
+            .scope = SettingScope::input,
+            .help = "rc: what the numbers of the sender are: microseconds, raw SBUS numbers, or 0 "
+                    "to 4095 for 1000 to 2000 us"},
+    Setting{.key = "safety",
+            .type = SettingType::choice,
+            .fallback = "\"heard\"",
+            .choices = kSafetyRules,
+            .scope = SettingScope::input,
+            .help = "servos, motors. heard: failsafe while the sender says that it is not safe to "
+                    "move; required: failsafe unless it says that it is; ignored"},
+    Setting{.key = "command",
+            .type = SettingType::choice,
+            .fallback = "\"unitless\"",
+            .choices = kCommands,
+            .scope = SettingScope::output,
+            .help = "servos: -1 to 1 for 1000 to 2000 us, or pulses in us"},
+    Setting{.key = "reversible",
+            .type = SettingType::boolean,
+            .fallback = "false",
+            .help = "motors: 1500 us is standstill; false: 1000 us is"},
+    Setting{.key = "arms",
+            .type = SettingType::boolean,
+            .fallback = "false",
+            .scope = SettingScope::output,
+            .help = "servos, motors: tells their nodes that they may move (SafetyState, "
+                    "ArmingStatus), once an input has had control"},
+    Setting{.key = "quality",
+            .type = SettingType::text,
+            .fallback = "\"link\"",
+            .scope = SettingScope::output,
+            .help = "rc: link: that of the input, or the share of its frames that are good; none; "
+                    "or a named value, such as \"input.main.channel.16\""},
+    Setting{.key = "quality_type",
+            .type = SettingType::choice,
+            .fallback = "\"link_quality\"",
+            .choices = kQualityTypes,
+            .scope = SettingScope::output,
+            .help = "rc: what the receiver of the message shows: percent (link_quality, rssi), "
+                    "dBm, dB, mW"},
+};
+
+bool carries_rc(const SettingValues& settings) {
+    return settings.get_or<std::string>("carries", "rc") == "rc";
+}
+CommandKind command_kind(const SettingValues& settings) {
+    return settings.get_or<std::string>("carries", "rc") == "motors" ? CommandKind::motors
+                                                                     : CommandKind::servos;
+}
+
+template <class Integer>
+std::optional<Integer> number(const SettingValues& settings, std::string_view key) {
+    const auto* value = settings.find_as<std::int64_t>(key);
+    return value == nullptr ? std::nullopt : std::optional(static_cast<Integer>(*value));
+}
+
+/// On a bus the node says it; what is written without one is in the name of the first.
+NodeId node_of(const SettingValues& settings) {
+    return number<NodeId>(settings, "node_id").value_or(1);
+}
+
+std::size_t place_of(std::string_view name, std::span<const std::string_view> names) {
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+}
+
+RcInputFormat rc_input(const SettingValues& settings) {
+    return {.source = {number<NodeId>(settings, "from_node")},
+            .scale = static_cast<RcScale>(
+                place_of(settings.get_or<std::string>("scale", "us"), kScales)),
+            .receiver = number<std::uint8_t>(settings, "receiver"),
+            .fd = settings.get_or("fd", false)};
+}
+
+RcOutputFormat rc_output(const SettingValues& settings) {
+    constexpr std::array kTypes{RcInput::kQualityTypeLinkQuality, RcInput::kQualityTypeRssi,
+                                RcInput::kQualityTypeRssiDbm, RcInput::kQualityTypeSnr,
+                                RcInput::kQualityTypeTxPower};
+    const auto quality = settings.get_or<std::string>("quality", "link");
+    return {.node = node_of(settings),
+            .fd = settings.get_or("fd", false),
+            .receiver = number<std::uint8_t>(settings, "receiver").value_or(0),
+            .channels = number<std::size_t>(settings, "channels").value_or(kChannelCount),
+            .quality = quality == "none"   ? RcQuality::none
+                       : quality == "link" ? RcQuality::link
+                                           : RcQuality::value,
+            .quality_type = kTypes[place_of(
+                settings.get_or<std::string>("quality_type", "link_quality"), kQualityTypes)],
+            .quality_value = quality};
+}
+
+std::uint8_t first_of(const SettingValues& settings) {
+    return number<std::uint8_t>(settings, "first")
+        .value_or(command_kind(settings) == CommandKind::servos ? 1 : 0);
+}
+
+CommandInputFormat command_input(const SettingValues& settings) {
+    return {.kind = command_kind(settings),
+            .source = {number<NodeId>(settings, "from_node")},
+            .first = first_of(settings),
+            .channels = number<std::size_t>(settings, "channels").value_or(kChannelCount),
+            .reversible = settings.get_or("reversible", false),
+            .safety = static_cast<SafetyRule>(
+                place_of(settings.get_or<std::string>("safety", "heard"), kSafetyRules)),
+            .fd = settings.get_or("fd", false)};
+}
+
+CommandOutputFormat command_output(const SettingValues& settings) {
+    return {.node = node_of(settings),
+            .kind = command_kind(settings),
+            .fd = settings.get_or("fd", false),
+            .first = first_of(settings),
+            .channels =
+                number<std::size_t>(settings, "channels").value_or(CommandOutputFormat{}.channels),
+            .pulses = settings.get_or<std::string>("command", "unitless") == "pulse",
+            .reversible = settings.get_or("reversible", false),
+            .arms = settings.get_or("arms", false)};
+}
+
+/// Those that have a default count as given where they differ from it.
+void refuse(const SettingValues& settings, std::string_view key, std::string_view fallback,
+            std::string_view meant_for, std::vector<SettingMistake>& mistakes) {
+    const auto* text = settings.find_as<std::string>(key);
+    const auto* truth = settings.find_as<bool>(key);
+    const bool given = text != nullptr    ? *text != fallback
+                       : truth != nullptr ? *truth
+                                          : settings.find(key) != nullptr;
+    if (given) {
+        mistakes.push_back({{std::string(key)},
+                            "\"" + std::string(key) + "\" is for carries = " +
+                                std::string(meant_for) + "; leave it out"});
+    }
+}
+
+void check_count(const SettingValues& settings, std::vector<SettingMistake>& mistakes) {
+    const CommandOutputFormat format = command_output(settings);
+    const bool servos = format.kind == CommandKind::servos;
+    const std::size_t most = servos ? kMostServos : kMostMotors;
+    const std::size_t count = servos ? format.channels : format.first + format.channels;
+    if (count > most) {
+        mistakes.push_back({{"channels"},
+                            std::to_string(count) + " are more than one message holds; allowed: " +
+                                std::to_string(most) + (servos ? " servos" : " motors, from 0") +
+                                ", or further outputs for more"});
+    }
+    if (servos && format.first + format.channels > 256) {
+        mistakes.push_back({{"first"}, "the numbers of actuators end at 255"});
+    }
+}
+
+std::vector<SettingMistake> check(const SettingValues& settings, SettingScope scope) {
+    std::vector<SettingMistake> mistakes;
+    constexpr std::string_view kActuators = "\"servos\" or \"motors\"";
+    const auto carries = settings.get_or<std::string>("carries", "rc");
+    if (carries == "rc") {
+        refuse(settings, "first", {}, kActuators, mistakes);
+        refuse(settings, "safety", "heard", kActuators, mistakes);
+        refuse(settings, "arms", {}, kActuators, mistakes);
+    } else {
+        refuse(settings, "receiver", {}, "\"rc\"", mistakes);
+        refuse(settings, "scale", "us", "\"rc\"", mistakes);
+        refuse(settings, "quality", "link", "\"rc\"", mistakes);
+        refuse(settings, "quality_type", "link_quality", "\"rc\"", mistakes);
+    }
+    if (carries != "servos") {
+        refuse(settings, "command", "unitless", "\"servos\"", mistakes);
+    }
+    if (carries != "motors") {
+        refuse(settings, "reversible", {}, "\"motors\"", mistakes);
+    }
+    if (carries != "rc" && scope == SettingScope::output) {
+        check_count(settings, mistakes);
+    }
+    return mistakes;
+}
+
+std::vector<NamedUse> value_names(const SettingValues& settings) {
+    const RcOutputFormat format = rc_output(settings);
+    const bool named = carries_rc(settings) && format.quality == RcQuality::value;
+    return named ? std::vector<NamedUse>{{format.quality_value, {"quality"}}}
+                 : std::vector<NamedUse>{};
+}
+
+std::unique_ptr<CanDecoder> make_decoder(const SettingValues& settings) {
+    if (carries_rc(settings)) {
+        return std::make_unique<RcDecoder>(rc_input(settings));
+    }
+    return std::make_unique<CommandDecoder>(command_input(settings));
+}
+
+std::unique_ptr<CanEncoder> make_encoder(const SettingValues& settings) {
+    if (carries_rc(settings)) {
+        return std::make_unique<RcEncoder>(rc_output(settings));
+    }
+    return std::make_unique<CommandEncoder>(command_output(settings));
+}
+
+}  // namespace
+}  // namespace dronecan
+
+const Protocol kDroneCanProtocol{
+    .name = "dronecan",
+    .description = "DroneCAN: RCInput, ArrayCommand, RawCommand",
+    .link = LinkKind::can,
+    .line = {},
+    .settings = dronecan::kSettings,
+    .default_period = std::chrono::milliseconds(10),
+    // Faster than 100 Hz fills a shared bus, and autopilots tell no shorter intervals apart.
+    .least_period = std::chrono::milliseconds(10),
+    .says_failsafe = dronecan::carries_rc,
+    .check = dronecan::check,
+    .value_names = dronecan::value_names,
+    .make_can_decoder = dronecan::make_decoder,
+    .make_can_encoder = dronecan::make_encoder,
+};
+
+}  // namespace tribus

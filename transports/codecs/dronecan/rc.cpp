@@ -1,0 +1,220 @@
+#include "transports/codecs/dronecan/rc.h"
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <utility>
+
+#include "core/rounding.h"
+#include "transports/codecs/dronecan/payload.h"
+
+namespace tribus::dronecan {
+namespace {
+
+constexpr std::uint8_t kMostLinkQuality = 100;
+constexpr double kMostRssi = 255;
+/// Values that a sender tells in turn with others are believed so long.
+constexpr Duration kQualityLasts = std::chrono::seconds(1);
+constexpr double kSbusCentre = 992;
+constexpr double kMicrosecondsPerSbusStep = 0.625;
+
+/// Nothing for the kinds that are no share of a full signal.
+std::optional<double> percent_of(const RcInput& message) {
+    constexpr std::uint8_t kLinkQualityBits = 0x7F;  // the other bit is the antenna
+    switch (message.status & RcInput::kQualityTypeMask) {
+        case RcInput::kQualityTypeRssi:
+            return kMostLinkQuality * message.quality / kMostRssi;
+        case RcInput::kQualityTypeLinkQuality:
+            return message.quality & kLinkQualityBits;
+        default:
+            return std::nullopt;
+    }
+}
+
+/// A number in the unit of its kind as the type writes it.
+double encoded_quality(std::uint16_t type, double number) {
+    constexpr double kSnrOffset = 128;
+    constexpr double kMilliwattsPerStep = 5;
+    switch (type) {
+        case RcInput::kQualityTypeRssiDbm:
+            return -number;
+        case RcInput::kQualityTypeSnr:
+            return number + kSnrOffset;
+        case RcInput::kQualityTypeTxPower:
+            return number / kMilliwattsPerStep;
+        case RcInput::kQualityTypeRssi:
+            return kMostRssi * number / kMostLinkQuality;
+        default:
+            return number;
+    }
+}
+
+}  // namespace
+
+RcDecoder::RcDecoder(RcInputFormat format)
+    : format_(format),
+      wanted_(ids_of(TransferKind::message, RcInput::kId)),
+      source_(format.source),
+      receiver_({wanted_transfer<RcInput>()}, 1),
+      details_{{{"source_node", {&told_[0], 1}},
+                {"quality", {&told_[1], 1}},
+                {"quality_type", {&told_[2], 1}}}} {}
+
+std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant received) {
+    const auto head = wanted_.matches(frame) ? head_of(frame) : std::nullopt;
+    if (!head) {
+        return std::nullopt;
+    }
+    if (!source_.listens_to(head->source, received)) {
+        rejected_.count_other_source();
+        return std::nullopt;
+    }
+    const auto taken = receiver_.take(frame, received);
+    rejected_.count(taken);
+    if (!taken.transfer) {
+        return std::nullopt;
+    }
+    const auto message = read<RcInput>(taken.transfer->payload, taken.transfer->fd);
+    if (!message) {
+        rejected_.count_layout();
+        return std::nullopt;
+    }
+    if (format_.receiver && message->id != *format_.receiver) {
+        rejected_.count_other_source();
+        return std::nullopt;
+    }
+    told_ = {head->source, message->quality,
+             static_cast<std::uint16_t>(message->status & RcInput::kQualityTypeMask)};
+    return channels_of(*message, taken.transfer->first_at);
+}
+
+ChannelFrame RcDecoder::channels_of(const RcInput& message, Instant at) {
+    note_quality(message, at);
+    ChannelFrame frame;
+    frame.origin = Origin::dronecan;
+    frame.received = at;
+    frame.failsafe = (message.status & RcInput::kFailsafe) != 0;
+    frame.frame_lost = link_quality_ == 0;
+    frame.link_quality = link_quality_;
+    const std::size_t count = std::min(message.rcin.size(), kChannelCount);
+    for (std::size_t channel = 0; channel < count; ++channel) {
+        frame.set(channel, pulse_of(message.rcin[channel]));
+    }
+    return frame;
+}
+
+void RcDecoder::note_quality(const RcInput& message, Instant at) {
+    const bool valid = (message.status & RcInput::kQualityValid) != 0;
+    const auto percent = valid ? percent_of(message) : std::nullopt;
+    if (percent) {
+        link_quality_ = static_cast<std::uint8_t>(std::clamp<std::int64_t>(
+            nearest_whole(*percent), message.quality == 0 ? 0 : 1, kMostLinkQuality));
+        link_quality_at_ = at;
+    } else if (!valid || at - link_quality_at_ > kQualityLasts) {
+        link_quality_ = kNoLinkQuality;
+    }
+}
+
+Pulse RcDecoder::pulse_of(std::uint16_t raw) const {
+    constexpr double kCentre = 1500;
+    constexpr double kLow = 1000;
+    constexpr double kSpan = 1000;
+    constexpr double kMostRaw = 4095;
+    switch (format_.scale) {
+        case RcScale::sbus:
+            return Pulse::from_fractional_microseconds(kCentre + (raw - kSbusCentre) *
+                                                                     kMicrosecondsPerSbusStep);
+        case RcScale::full_range:
+            return Pulse::from_fractional_microseconds(kLow + kSpan * raw / kMostRaw);
+        case RcScale::microseconds:
+            break;
+    }
+    return Pulse::from_microseconds(raw);
+}
+
+void RcEncoder::use(const ValueBoard& board) {
+    board_ = &board;
+    value_ = board.find(format_.quality_value);
+}
+
+std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
+                              std::span<CanFrame, kMostSnapshotFrames> frames) {
+    if (voice_->id == kNobody) {
+        return 0;
+    }
+    RcInput message;
+    message.id = format_.receiver;
+    if (snapshot.failsafe) {
+        message.status = RcInput::kFailsafe;
+    } else {
+        tell_quality(snapshot, now, message);
+    }
+    std::size_t count = 0;
+    for (std::size_t channel = 0; channel < format_.channels; ++channel) {
+        count = snapshot.has(channel) ? channel + 1 : count;
+    }
+    for (std::size_t channel = 0; channel < count; ++channel) {
+        constexpr std::int32_t kMost = 4095;
+        message.rcin.push_back(static_cast<std::uint16_t>(
+            std::clamp(snapshot.channel_or(channel, kCentrePulse).whole_microseconds(), 0, kMost)));
+    }
+    const auto payload = write(message, format_.fd);
+    const TransferHead head{.kind = TransferKind::message,
+                            .data_type_id = RcInput::kId,
+                            .source = voice_->id,
+                            .priority = RcOutputFormat::kPriority,
+                            .transfer_id = transfer_id_};
+    transfer_id_ = (transfer_id_ + 1) & kMostTransferId;
+    return encode_transfer(head, RcInput::kSignature, payload, format_.fd, frames);
+}
+
+void RcEncoder::tell_quality(const ChannelFrame& snapshot, Instant now, RcInput& message) {
+    if (snapshot.frame_lost) {
+        share_of_good(snapshot);
+        message.status = RcInput::kQualityValid | RcInput::kQualityTypeLinkQuality;
+        message.quality = 0;
+        return;
+    }
+    const auto number = quality_of(snapshot, now);
+    if (!number) {
+        return;
+    }
+    const auto quality =
+        nearest_whole(std::clamp(encoded_quality(format_.quality_type, *number), 0.0, kMostRssi));
+    // Some read a valid 0 as "lost", whatever its kind; a good link is never that.
+    message.quality = static_cast<std::uint8_t>(std::max<std::int64_t>(quality, 1));
+    message.status = RcInput::kQualityValid | format_.quality_type;
+}
+
+/// In percent, or in the unit of the kind.
+std::optional<double> RcEncoder::quality_of(const ChannelFrame& snapshot, Instant now) {
+    switch (format_.quality) {
+        case RcQuality::none:
+            break;
+        case RcQuality::link: {
+            const double share = share_of_good(snapshot);
+            return snapshot.link_quality == kNoLinkQuality ? share : snapshot.link_quality;
+        }
+        case RcQuality::value:
+            if (board_ != nullptr && value_) {
+                const auto number = board_->fresh(*value_, now);
+                const bool pulse = number && board_->value(*value_).unit == "us";
+                constexpr double kLow = 1000;
+                constexpr double kPulsePerPercent = 10;
+                return pulse ? std::clamp((*number - kLow) / kPulsePerPercent, 0.0, 100.0) : number;
+            }
+            break;
+    }
+    return std::nullopt;
+}
+
+/// Of the latest frames of the input, in percent.
+double RcEncoder::share_of_good(const ChannelFrame& snapshot) {
+    if (snapshot.sequence != latest_sequence_) {
+        latest_sequence_ = snapshot.sequence;
+        good_ones_ = good_ones_ << 1U | (snapshot.frame_lost ? 0U : 1U);
+    }
+    return kMostLinkQuality * static_cast<double>(std::popcount(good_ones_)) / kJudgedFrames;
+}
+
+}  // namespace tribus::dronecan

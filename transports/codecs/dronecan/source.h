@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/time.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/dronecan/transfer.h"
+
+namespace tribus::dronecan {
+
+/// Whom an input listens to.
+struct SourceChoice {
+    std::optional<NodeId> node{};  ///< absent: the first one that is heard
+};
+
+/// Holds on to one source: two nodes that send the same must not be mixed. The first one that is
+/// heard stays the one until it has been silent for as long as a node is counted as gone. Pure.
+class SourceWatch {
+  public:
+    /// NodeStatus of a node that is there comes at least so often (can.md 1.3).
+    static constexpr Duration kGone = std::chrono::seconds(3);
+
+    explicit SourceWatch(SourceChoice choice) : chosen_(choice.node) {}
+
+    bool listens_to(NodeId source, Instant at) {
+        if (chosen_) {
+            return source == *chosen_;
+        }
+        if (source == kNobody ||
+            (source != current_ && current_ != kNobody && at - heard_ < kGone)) {
+            return false;
+        }
+        current_ = source;
+        heard_ = at;
+        return true;
+    }
+    /// kNobody: none yet.
+    NodeId current() const { return chosen_.value_or(current_); }
+
+  private:
+    std::optional<NodeId> chosen_;
+    NodeId current_ = kNobody;
+    Instant heard_{};
+};
+
+/// What a decoder of transfers refused, by cause.
+class TransferRejects {
+  public:
+    void count(const TransferReceiver::Taken& taken) {
+        ++counts_[cause_of(taken.fate)].count;
+        counts_[kIncomplete].count += taken.broke_off ? 1U : 0U;
+    }
+    /// Whole, but not as its type describes it.
+    void count_layout() { ++counts_[kLayout].count; }
+    void count_other_source() { ++counts_[kOtherSource].count; }
+    std::span<const NamedCount> counts() const { return std::span(counts_).first(kUncounted); }
+
+  private:
+    enum Cause : std::size_t {
+        kCrc,
+        kIncomplete,
+        kOutOfTurn,
+        kRepeated,
+        kLayout,
+        kOtherSource,
+        kUncounted,
+    };
+    static Cause cause_of(FrameFate fate) {
+        switch (fate) {
+            case FrameFate::bad_crc:
+                return kCrc;
+            case FrameFate::out_of_turn:
+                return kOutOfTurn;
+            case FrameFate::repeated:
+                return kRepeated;
+            case FrameFate::too_long:
+                return kLayout;
+            case FrameFate::foreign:
+            case FrameFate::unwanted:
+            case FrameFate::taken:
+            case FrameFate::complete:
+            case FrameFate::crowded_out:
+                break;
+        }
+        return kUncounted;
+    }
+
+    std::array<NamedCount, kUncounted + 1> counts_{{{"crc"},
+                                                    {"incomplete"},
+                                                    {"out of turn"},
+                                                    {"repeated"},
+                                                    {"layout"},
+                                                    {"other source"},
+                                                    {"none"}}};
+};
+
+}  // namespace tribus::dronecan
