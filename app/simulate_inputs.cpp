@@ -134,7 +134,9 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
             sources.push_back({.kind = SimulatedSource::Kind::value_message,
                                .index = message++,
                                .name = values.name,
-                               .protocol = "dbc",
+                               .protocol = std::holds_alternative<DbcValueSource>(source->layout)
+                                               ? "dbc"
+                                               : "dronecan",
                                .port = &source->port});
         }
     }

@@ -83,8 +83,7 @@ std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configurati
     }
     for (ValueCatalog::Message& message : catalog.messages) {
         settings.messages.push_back(
-            {.reader = DbcValueReader(message.config->described.messages.front()),
-             .values = std::move(message.signals)});
+            {.reader = make_reader(*message.config), .values = std::move(message.values)});
     }
     auto values = std::make_unique<ValueEngine>(std::move(settings));
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {

@@ -59,6 +59,17 @@ void set_receiver_role(const SensorBusConfig& bus, SettingValues& values) {
     values.set("timeout", bus.timeout);
 }
 
+void set_dronecan_source(const DroneCanValueSource& source, SettingValues& values) {
+    values.set("dronecan", source.message);
+    if (source.from.node) {
+        values.set("node", std::int64_t{*source.from.node});
+    }
+    if (source.from.instance) {
+        values.set("instance", std::int64_t{*source.from.instance});
+    }
+    values.set("fd", source.fd);
+}
+
 }  // namespace
 
 Json sensor_bus_json(const SensorBusConfig& bus) {
@@ -107,8 +118,12 @@ Json named_values_json(const ValuesConfig& named) {
     }
     const auto& message = std::get<ValueMessageConfig>(named.source);
     values.set("interface", message.port.device);
-    values.set("dbc", message.dbc);
-    values.set("message", message.message);
+    if (const auto* dbc = std::get_if<DbcValueSource>(&message.layout)) {
+        values.set("dbc", dbc->dbc);
+        values.set("message", dbc->message);
+    } else {
+        set_dronecan_source(std::get<DroneCanValueSource>(message.layout), values);
+    }
     values.set("timeout", message.timeout);
     Json json = values_json(values, values_keys());
     for (const auto& [name, signal] : message.names) {

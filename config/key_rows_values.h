@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "config/key_rows_ports.h"
+#include "transports/codecs/dronecan/value_reader.h"
 #include "transports/codecs/ibus_sensor_types.h"
 
 /// Rows of sensor buses, their types, and named values.
@@ -148,13 +149,32 @@ inline constexpr std::array kValuesKeys{
     Key{{.key = "message",
          .type = text,
          .help = "Its name in that file; each of its signals is a value, NAME.SIGNAL"}},
-    Key{structure("signals", "Shorter names for signals: { name = signal }"), KeyKind::texts},
+    Key{{.key = "dronecan",
+         .type = choice,
+         .choices = dronecan::kValueMessages,
+         .help = "Instead of a DBC file: the message of DroneCAN; each of its numbers is a value, "
+                 "NAME.FIELD"}},
+    Key{{.key = "node",
+         .type = integer,
+         .least = 1,
+         .most = dronecan::kMostNodeId,
+         .help = "The DroneCAN node that is listened to; absent: the first one that is heard"}},
+    Key{{.key = "instance",
+         .type = integer,
+         .most = 65535,
+         .help = "Which one of several on the node: its battery_id, circuit_id, esc_index, "
+                 "device_id, fuel_tank_id or sensor_id; absent: the first one that is heard"}},
+    Key{{.key = "fd",
+         .type = boolean,
+         .help = "DroneCAN: frames of CAN FD are read too; absent: false"}},
+    Key{structure("signals", "Own names for values of the message: { name = signal }"),
+        KeyKind::texts},
     Key{{.key = "timeout",
          .type = duration,
          .least = 0.001,
          .most = 3600,
          .help = "A value that was not renewed for so long is stale; the default is three cycles "
-                 "of the message, or 1s where the file does not tell its cycle"}},
+                 "of the message, or 1s where the file does not tell its cycle; of DroneCAN 3s"}},
 };
 
 }  // namespace tribus::key_rows

@@ -6,21 +6,47 @@
 #include <array>
 #include <chrono>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "config/nearest.h"
+#include "config/value_catalog.h"
 #include "config/values.h"
 #include "core/quotes.h"
 #include "transports/codecs/dbc/value_reader.h"
+#include "transports/codecs/dronecan/value_reader.h"
 
 namespace tribus {
 namespace {
 
 constexpr Duration kDefaultTimeout = std::chrono::seconds(1);
 constexpr int kCyclesToStale = 3;
-constexpr std::array<std::string_view, 5> kMessageKeys{"interface", "dbc", "message", "signals",
-                                                       "timeout"};
+
+/// What a table of values is of: the key that says so, what it must have, and what else it may.
+struct ValuesKind {
+    std::string_view key;
+    std::span<const std::string_view> required;
+    std::span<const std::string_view> optional;
+};
+constexpr std::array<std::string_view, 1> kConstantNeeds{"constant"};
+constexpr std::array<std::string_view, 1> kConstantTakes{"unit"};
+constexpr std::array<std::string_view, 3> kDbcNeeds{"interface", "dbc", "message"};
+constexpr std::array<std::string_view, 2> kDbcTakes{"signals", "timeout"};
+constexpr std::array<std::string_view, 2> kDroneCanNeeds{"interface", "dronecan"};
+constexpr std::array<std::string_view, 5> kDroneCanTakes{"node", "instance", "fd", "signals",
+                                                         "timeout"};
+constexpr ValuesKind kConstant{"constant", kConstantNeeds, kConstantTakes};
+constexpr ValuesKind kDbc{"dbc", kDbcNeeds, kDbcTakes};
+constexpr ValuesKind kDroneCan{"dronecan", kDroneCanNeeds, kDroneCanTakes};
+
+const ValuesKind& kind_of(const TableContent& content) {
+    if (content.given(kConstant.key)) {
+        return kConstant;
+    }
+    return content.given(kDroneCan.key) ? kDroneCan : kDbc;
+}
 
 /// The message that the table names, as the file describes it.
 std::optional<DbcMessage> find_message(const TableContent& content, const SettingFile& dbc,
@@ -39,29 +65,68 @@ std::optional<DbcMessage> find_message(const TableContent& content, const Settin
     return *file->find(name);
 }
 
-std::vector<std::pair<std::string, std::string>> read_signal_names(const TableContent& content,
-                                                                   const DbcMessage& message,
-                                                                   Mistakes& mistakes) {
+std::optional<DbcValueSource> read_dbc(const TableContent& content, Mistakes& mistakes) {
+    const auto* dbc = content.values().find_as<SettingFile>("dbc");
+    const auto* name = content.values().find_as<std::string>("message");
+    const auto message = dbc != nullptr && name != nullptr
+                             ? find_message(content, *dbc, *name, mistakes)
+                             : std::nullopt;
+    if (!message) {
+        return std::nullopt;
+    }
+    return DbcValueSource{.dbc = *dbc, .message = *name, .described = {.messages = {*message}}};
+}
+
+std::optional<DroneCanValueSource> read_dronecan_source(const TableContent& content,
+                                                        Mistakes& mistakes) {
+    const SettingValues& values = content.values();
+    const auto* message = values.find_as<std::string>("dronecan");
+    if (message == nullptr) {
+        return std::nullopt;
+    }
+    DroneCanValueSource source{.message = *message, .from = {}, .fd = values.get_or("fd", false)};
+    if (const auto* node = values.find_as<std::int64_t>("node")) {
+        source.from.node = static_cast<dronecan::NodeId>(*node);
+    }
+    if (const auto* instance = values.find_as<std::int64_t>("instance")) {
+        source.from.instance = static_cast<std::uint32_t>(*instance);
+    }
+    if (source.from.instance && dronecan::instance_field(*message).empty()) {
+        mistakes.add(content.find("instance")->where,
+                     fmt::format("a node has one {} only; leave \"instance\" out", *message));
+    }
+    return source;
+}
+
+std::string_view message_name(const ValueMessageConfig& config) {
+    return std::visit([](const auto& source) -> std::string_view { return source.message; },
+                      config.layout);
+}
+
+std::vector<std::pair<std::string, std::string>> read_own_names(const TableContent& content,
+                                                                const ValueMessageConfig& config,
+                                                                Mistakes& mistakes) {
     std::vector<std::pair<std::string, std::string>> names;
     const Entry* signals = content.find("signals");
     if (signals == nullptr) {
         return names;
     }
+    const auto reader = make_reader(config);
     std::vector<std::string_view> known;
-    for (const DbcSignal& signal : message.signals) {
-        known.emplace_back(signal.name);
+    for (const CanValueReader::Value& value : reader->values()) {
+        known.emplace_back(value.name);
     }
+    const std::string_view message = message_name(config);
     for (const NamedText& named : read_texts(*signals, "the name of a signal", mistakes)) {
-        if (message.find(named.text) == nullptr) {
+        if (std::ranges::find(known, named.text) == known.end()) {
             mistakes.add(named.entry->value.where,
-                         fmt::format("message {} has no signal {}; {}", message.name,
+                         fmt::format("message {} has no signal {}; {}", message,
                                      in_quotes(named.text), suggestion(named.text, known)));
         } else if (std::ranges::find(known, named.entry->key) != known.end() &&
                    named.entry->key != named.text) {
-            mistakes.add(
-                named.entry->where,
-                fmt::format("{} is itself a signal of {}; give {} another name",
-                            in_quotes(named.entry->key), message.name, in_quotes(named.text)));
+            mistakes.add(named.entry->where,
+                         fmt::format("{} is itself a signal of {}; give {} another name",
+                                     in_quotes(named.entry->key), message, in_quotes(named.text)));
         } else {
             names.emplace_back(named.entry->key, named.text);
         }
@@ -69,50 +134,58 @@ std::vector<std::pair<std::string, std::string>> read_signal_names(const TableCo
     return names;
 }
 
+Duration default_timeout(const ValueMessageConfig& config) {
+    const auto* dbc = std::get_if<DbcValueSource>(&config.layout);
+    if (dbc == nullptr) {
+        return dronecan::SourceWatch::kGone;
+    }
+    const Duration cycle = dbc->described.messages.front().cycle_time.value_or(Duration::zero());
+    return cycle > Duration::zero() ? kCyclesToStale * cycle : kDefaultTimeout;
+}
+
 std::optional<ValueMessageConfig> read_message(const TableContent& content, Mistakes& mistakes) {
-    const SettingValues& values = content.values();
-    const auto* dbc = values.find_as<SettingFile>("dbc");
-    const auto* name = values.find_as<std::string>("message");
-    const auto* interface = values.find_as<std::string>("interface");
-    if (dbc == nullptr || name == nullptr || interface == nullptr) {
-        return std::nullopt;
-    }
-    const auto message = find_message(content, *dbc, *name, mistakes);
-    if (!message) {
-        return std::nullopt;
-    }
     ValueMessageConfig config;
+    bool sound = false;
+    if (&kind_of(content) == &kDroneCan) {
+        auto source = read_dronecan_source(content, mistakes);
+        sound = source.has_value();
+        config.layout = std::move(source).value_or(DroneCanValueSource{});
+    } else {
+        auto source = read_dbc(content, mistakes);
+        sound = source.has_value();
+        config.layout = std::move(source).value_or(DbcValueSource{});
+    }
+    const auto* interface = content.values().find_as<std::string>("interface");
+    if (!sound || interface == nullptr) {
+        return std::nullopt;
+    }
     config.port.link = LinkKind::can;
     config.port.device = *interface;
     config.port.where = content.where("interface");
-    config.dbc = *dbc;
-    config.message = *name;
-    config.names = read_signal_names(content, *message, mistakes);
-    const Duration cycle = message->cycle_time.value_or(Duration::zero());
-    config.timeout = values.get_or<Duration>(
-        "timeout", cycle > Duration::zero() ? kCyclesToStale * cycle : kDefaultTimeout);
-    config.described.messages = {*message};
+    config.names = read_own_names(content, config, mistakes);
+    config.timeout = content.values().get_or<Duration>("timeout", default_timeout(config));
     return config;
 }
 
+bool has(std::span<const std::string_view> keys, std::string_view key) {
+    return std::ranges::find(keys, key) != keys.end();
+}
+
 void check_kind(const TableContent& content, const std::string& title, Mistakes& mistakes) {
-    for (const std::string_view key : kMessageKeys) {
-        if (content.given("constant") && content.given(key)) {
+    const ValuesKind& kind = kind_of(content);
+    for (const std::string_view key : names_of(values_keys())) {
+        if (content.given(key) && content.given(kind.key) && !has(kind.required, key) &&
+            !has(kind.optional, key)) {
             mistakes.add(content.find(key)->where,
-                         fmt::format("{} has no effect beside \"constant\"; leave one of them out",
-                                     in_quotes(key)));
+                         fmt::format("{} has no effect beside {}; leave one of them out",
+                                     in_quotes(key), in_quotes(kind.key)));
         }
     }
-    if (!content.given("constant") && content.given("unit")) {
-        mistakes.add(content.find("unit")->where,
-                     "\"unit\" is that of a constant; those of signals are in the DBC file; leave "
-                     "it out");
-    }
-    for (const std::string_view key : {"interface", "dbc", "message"}) {
-        if (!content.given("constant") && !content.given(key)) {
+    for (const std::string_view key : kind.required) {
+        if (!content.given(key)) {
             mistakes.add(content.where(key),
-                         fmt::format("{} lacks {}; required: \"interface\", \"dbc\" and "
-                                     "\"message\", or else \"constant\"",
+                         fmt::format("{} lacks {}; required: \"interface\" and either \"dbc\" "
+                                     "with \"message\" or \"dronecan\"; or else \"constant\"",
                                      title, in_quotes(key)));
         }
     }

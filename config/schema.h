@@ -15,6 +15,7 @@
 #include "pipelines/sensor_bus/receiver_role.h"
 #include "pipelines/settings.h"
 #include "transports/codecs/dbc/file.h"
+#include "transports/codecs/dronecan/source.h"
 #include "transports/codecs/ibus_sensor_types.h"
 #include "transports/codecs/protocol.h"
 #include "transports/links/gpio_place.h"
@@ -122,14 +123,26 @@ struct ConstantConfig {
     std::string unit;
 };
 
-/// A message whose signals are values.
-struct ValueMessageConfig {
-    PortConfig port;
+/// How a DBC file describes a message.
+struct DbcValueSource {
     SettingFile dbc;
     std::string message;
     DbcFile described;  ///< that message alone
+};
+
+/// A message of DroneCAN, one of dronecan::kValueMessages.
+struct DroneCanValueSource {
+    std::string message;
+    dronecan::SourceChoice from;
+    bool fd = false;
+};
+
+/// A message on CAN with values.
+struct ValueMessageConfig {
+    PortConfig port;
+    std::variant<DbcValueSource, DroneCanValueSource> layout;
     Duration timeout{};
-    /// Names for signals, in the order of the file.
+    /// Own names for values, beside theirs in the message.
     std::vector<std::pair<std::string, std::string>> names;
 };
 

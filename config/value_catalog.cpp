@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "pipelines/machine_facts.h"
+#include "transports/codecs/dbc/value_reader.h"
+#include "transports/codecs/dronecan/value_reader.h"
 
 namespace tribus {
 namespace {
@@ -48,15 +51,16 @@ class Catalog {
     void add_message(const std::string& name, const ValueMessageConfig& config) {
         ValueCatalog::Message& message = catalog_.messages.emplace_back();
         message.config = &config;
-        if (config.described.messages.empty()) {
+        const auto reader = make_reader(config);
+        if (!reader) {
             return;
         }
-        for (const DbcSignal& signal : config.described.messages.front().signals) {
-            const auto renamed = std::ranges::find(config.names, signal.name,
+        for (const CanValueReader::Value& value : reader->values()) {
+            const auto renamed = std::ranges::find(config.names, value.name,
                                                    &std::pair<std::string, std::string>::second);
-            const std::string& own = renamed == config.names.end() ? signal.name : renamed->first;
-            message.signals.emplace_back(
-                add(fmt::format("{}.{}", name, own), signal.unit, config.timeout));
+            const std::string& own = renamed == config.names.end() ? value.name : renamed->first;
+            message.values.emplace_back(
+                add(fmt::format("{}.{}", name, own), value.unit, config.timeout));
         }
     }
 
@@ -139,6 +143,14 @@ ValueSources value_sources(const Configuration& configuration) {
     }
     sources.own_types = configuration.sensor_types;
     return sources;
+}
+
+std::unique_ptr<CanValueReader> make_reader(const ValueMessageConfig& config) {
+    if (const auto* message = std::get_if<DroneCanValueSource>(&config.layout)) {
+        return dronecan::make_value_reader(message->message, message->from, message->fd);
+    }
+    const auto& dbc = std::get<DbcValueSource>(config.layout).described;
+    return dbc.messages.empty() ? nullptr : std::make_unique<DbcValueReader>(dbc.messages.front());
 }
 
 bool needs_values(const Configuration& configuration) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,7 @@
 #include "config/schema.h"
 #include "core/value_board.h"
 #include "pipelines/value_engine.h"
+#include "transports/codecs/can_value_reader.h"
 
 namespace tribus {
 
@@ -24,15 +26,18 @@ struct ValueSources {
 };
 ValueSources value_sources(const Configuration& configuration);
 
+/// Null where the message could not be read from the configuration.
+std::unique_ptr<CanValueReader> make_reader(const ValueMessageConfig& config);
+
 /// Whether anything says or asks for a value while the configuration runs.
 bool needs_values(const Configuration& configuration);
 
 /// Every value that a configuration has a name for, and where each comes from.
 struct ValueCatalog {
-    /// Where the signals of one [values.NAME] with a message go.
+    /// Where the values of one [values.NAME] with a message go.
     struct Message {
         const ValueMessageConfig* config = nullptr;
-        std::vector<std::optional<std::size_t>> signals;
+        std::vector<std::optional<std::size_t>> values;
     };
     /// Where what a bus in the receiver role says goes.
     struct Readings {

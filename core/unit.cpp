@@ -182,6 +182,7 @@ constexpr std::array kUnits{
     Unit{"degrees", Measured::angle},
     Unit{"rad", Measured::angle, 180, kPi},
     Unit{"mrad", Measured::angle, 0.18, kPi},
+    Unit{"1e-8 deg", Measured::angle, 1, 1e8},
 
     Unit{"s", Measured::time},
     Unit{"sec", Measured::time},
@@ -210,6 +211,7 @@ constexpr std::array kUnits{
     Unit{"L", Measured::volume},
     Unit{"ml", Measured::volume, 1, 1e3},
     Unit{"mL", Measured::volume, 1, 1e3},
+    Unit{"cm3", Measured::volume, 1, 1e3},
 };
 
 constexpr bool each_spelling_once() {

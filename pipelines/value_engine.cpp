@@ -22,11 +22,11 @@ ValueEngine::ValueEngine(ValueEngineSettings settings)
         roles_.push_back(std::visit([](const auto& role) -> SensorBusRole* { return role.get(); },
                                     buses_.back()));
     }
-    std::size_t most_signals = 0;
+    std::size_t most_values = 0;
     for (const ValueMessageSettings& message : messages_) {
-        most_signals = std::max(most_signals, message.values.size());
+        most_values = std::max(most_values, message.values.size());
     }
-    readings_.resize(most_signals);
+    readings_.resize(most_values);
     make_health_watch();
     speeches_.reserve(buses_.size());
 }
@@ -59,15 +59,16 @@ void ValueEngine::start(Instant now) {
 void ValueEngine::receive(std::size_t message, const CanFrame& frame, Instant at) {
     ValueMessageSettings& source = messages_[message];
     const auto readings = std::span(readings_).first(source.values.size());
-    if (!source.reader.take(frame, readings)) {
+    const auto of = source.reader->take(frame, at, readings);
+    if (!of) {
         return;
     }
-    for (std::size_t signal = 0; signal < readings.size(); ++signal) {
-        const auto value = source.values[signal];
-        const DbcReading& reading = readings[signal];
-        if (value && reading.state == DbcReading::State::number) {
-            board_.set(*value, reading.number, at);
-        } else if (value && reading.state == DbcReading::State::not_available) {
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const auto value = source.values[i];
+        const ValueReading& reading = readings[i];
+        if (value && reading.state == ValueReading::State::number) {
+            board_.set(*value, reading.number, *of);
+        } else if (value && reading.state == ValueReading::State::not_available) {
             board_.remove(*value);
         }
     }

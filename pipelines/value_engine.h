@@ -16,16 +16,16 @@
 #include "pipelines/health_watch.h"
 #include "pipelines/sensor_bus/receiver_role.h"
 #include "pipelines/sensor_bus/sensor_role.h"
-#include "transports/codecs/dbc/value_reader.h"
+#include "transports/codecs/can_value_reader.h"
 
 namespace tribus {
 
 using SensorBusSettings = std::variant<SensorRoleSettings, ReceiverRoleSettings>;
 
-/// A message of a CAN bus whose signals are values.
+/// A message of a CAN bus with values.
 struct ValueMessageSettings {
-    DbcValueReader reader;
-    /// For each signal of the message its place on the board; nothing: nobody may ask for it.
+    std::unique_ptr<CanValueReader> reader;
+    /// For each value of the message its place on the board; nothing: nobody may ask for it.
     std::vector<std::optional<std::size_t>> values;
 };
 
@@ -125,9 +125,9 @@ class ValueEngine {
 
     SensorBusState bus_state(std::size_t bus) const;
     std::span<const CanIdMatch> wanted_ids(std::size_t message) const {
-        return messages_[message].reader.wanted();
+        return messages_[message].reader->wanted();
     }
-    bool uses_fd(std::size_t message) const { return messages_[message].reader.uses_fd(); }
+    bool uses_fd(std::size_t message) const { return messages_[message].reader->uses_fd(); }
 
   private:
     SensorBusRole& role(std::size_t bus) { return *roles_[bus]; }
@@ -139,7 +139,7 @@ class ValueEngine {
     std::vector<std::variant<std::unique_ptr<SensorRole>, std::unique_ptr<ReceiverRole>>> buses_;
     std::vector<SensorBusRole*> roles_;
     std::vector<ValueMessageSettings> messages_;
-    std::vector<DbcReading> readings_;
+    std::vector<ValueReading> readings_;
     std::vector<HealthValue> health_;
     std::vector<ChannelValue> channels_;
     std::vector<std::size_t> machine_;

@@ -238,5 +238,38 @@ value = "battery.Voltage"
         << program.errors();
 }
 
+/// The same with DroneCAN: "batteryinfo" of captures/dronecan_vectors.json, which says 16.5 V.
+TEST_F(Simulate, PlaysMessagesOfDroneCanToo) {
+    const std::string config = write_config(R"(
+[values.battery]
+interface = "can0"
+dronecan = "uavcan.equipment.power.BatteryInfo"
+[sensor_bus.telemetry]
+device = "/dev/nowhere"
+role = "sensor"
+[[sensor_bus.telemetry.sensor]]
+type = "external_voltage"
+value = "battery.voltage"
+)");
+    std::ofstream(folder() / "bus.log") << "(1.000000) can0 1004441E#23F9A85C204C2086\n"
+                                           "(1.000200) can0 1004441E#4A505A4052A05426\n"
+                                           "(1.000400) can0 1004441E#0000011FE2030006\n"
+                                           "(1.000600) can0 1004441E#000000006C697026\n"
+                                           "(1.000800) can0 1004441E#6F347346\n";
+    std::ofstream(folder() / "asked.txt") << "# t_us\n100 04 81 7a ff\n8000 04 a1 5a ff\n"
+                                             "2900000 04 a1 5a ff\n3100000 04 a1 5a ff\n";
+    Program& program =
+        start({"simulate", config, "--in", "battery=" + (folder() / "bus.log").string(), "--in",
+               "telemetry=" + (folder() / "asked.txt").string(), "--out",
+               "telemetry=" + (folder() / "said.txt").string()});
+    EXPECT_EQ(program.end(), 0) << program.errors();
+    const auto said = read_timed(folder() / "said.txt");
+    ASSERT_EQ(said.size(), 4U) << program.errors();
+    const Bytes volts_16_50{0x06, 0xA1, 0x72, 0x06, 0xE0, 0xFE};
+    EXPECT_EQ(said[1].bytes, volts_16_50);
+    EXPECT_EQ(said[2].bytes, volts_16_50);
+    EXPECT_EQ(said[3].bytes, (Bytes{0x06, 0xA1, 0x00, 0x80, 0xD8, 0xFE})) << "after 3 s";
+}
+
 }  // namespace
 }  // namespace tribus::test

@@ -24,17 +24,16 @@ namespace tribus::test {
 
 inline constexpr Instant kStart = Instant{} + std::chrono::seconds(1000);
 
-inline std::vector<CanFrame> frames_from(std::uint32_t id,
-                                         std::initializer_list<std::string_view> hex) {
+inline std::vector<CanFrame> frames_from(std::uint32_t id, const std::vector<std::string>& hex) {
     std::vector<CanFrame> frames;
-    for (const std::string_view text : hex) {
+    for (const std::string& text : hex) {
         CanFrame& frame = frames.emplace_back();
         frame.id = id;
         frame.extended = true;
         frame.length = static_cast<std::uint8_t>(text.size() / 2);
         for (std::size_t i = 0; i < frame.length; ++i) {
-            frame.data[i] = static_cast<std::uint8_t>(
-                std::stoul(std::string(text.substr(2 * i, 2)), nullptr, 16));
+            frame.data[i] =
+                static_cast<std::uint8_t>(std::stoul(text.substr(2 * i, 2), nullptr, 16));
         }
     }
     return frames;

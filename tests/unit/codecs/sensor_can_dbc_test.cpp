@@ -72,7 +72,7 @@ TEST(SensorsDbc, NamesTheTypes) {
 class SentReading {
   public:
     explicit SentReading(const std::string& dbc)
-        : reader_(*parsed(dbc).find("Sensor1")), readings_(reader_.signals().size()) {
+        : reader_(*parsed(dbc).find("Sensor1")), readings_(reader_.values().size()) {
         encoder_.use(board_);
     }
 
@@ -80,21 +80,21 @@ class SentReading {
         board_.set(0, raw, at(0), type.id);
         const CanFrames frames = frames_of(encoder_, ChannelFrame{}, at(0));
         ASSERT_EQ(frames.size(), 1U);
-        ASSERT_TRUE(reader_.take(frames[0], readings_));
+        ASSERT_TRUE(reader_.take(frames[0], Instant{}, readings_));
     }
     std::size_t index(const std::string& name) const {
         const auto found =
-            std::ranges::find(reader_.signals(), name, &DbcValueReader::Signal::name);
-        return static_cast<std::size_t>(found - reader_.signals().begin());
+            std::ranges::find(reader_.values(), name, &DbcValueReader::Value::name);
+        return static_cast<std::size_t>(found - reader_.values().begin());
     }
-    const DbcReading& reading(const std::string& name) const { return readings_.at(index(name)); }
-    std::string unit(const std::string& name) const { return reader_.signals()[index(name)].unit; }
+    const ValueReading& reading(const std::string& name) const { return readings_.at(index(name)); }
+    std::string unit(const std::string& name) const { return reader_.values()[index(name)].unit; }
 
   private:
     ValueBoard board_{{{.name = "probes.1.raw", .unit = "", .lasts = kForever}}};
     SensorCanEncoder encoder_{{.sensor_bus = "probes"}};
     DbcValueReader reader_;
-    std::vector<DbcReading> readings_;
+    std::vector<ValueReading> readings_;
 };
 
 std::string signal_name(const SensorType& type, const SensorField& field) {
@@ -122,7 +122,7 @@ TEST(SensorsDbc, AnEncodedReadingHasTheNumberAndUnitOfItsType) {
                 continue;  // a code in the midst has a text, which is no range
             }
             ASSERT_EQ(sent.reading(name).state,
-                      expected ? DbcReading::State::number : DbcReading::State::not_available)
+                      expected ? ValueReading::State::number : ValueReading::State::not_available)
                 << name << " " << raw;
             EXPECT_NEAR(sent.reading(name).number, expected.value_or(0),
                         1e-12 * std::abs(expected.value_or(0)))
@@ -150,7 +150,7 @@ TEST(SensorsDbc, SignalsOfOtherTypesAreAbsent) {
     sent.send(*SensorTypes().find("temperature"), 650);
     EXPECT_EQ(sent.reading("temperature").number, 25);
     EXPECT_EQ(sent.reading("available").number, 1);
-    EXPECT_EQ(sent.reading("external_voltage").state, DbcReading::State::absent);
+    EXPECT_EQ(sent.reading("external_voltage").state, ValueReading::State::absent);
 }
 
 }  // namespace

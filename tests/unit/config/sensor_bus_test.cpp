@@ -224,8 +224,9 @@ TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithAMessage) {
         "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\n";
     EXPECT_EQ(mistakes(probes + "message = \"Batery\"\n").size(), 1U);
     EXPECT_EQ(mistakes(probes + "message = \"Batery\"\n").front().substr(0, 5), "7:11:");
-    EXPECT_EQ(mistakes(probes), Lines{"4:1: [values.x] lacks \"message\"; required: \"interface\", "
-                                      "\"dbc\" and \"message\", or else \"constant\""});
+    EXPECT_EQ(mistakes(probes), Lines{"4:1: [values.x] lacks \"message\"; required: \"interface\" "
+                                      "and either \"dbc\" with \"message\" or \"dronecan\"; or "
+                                      "else \"constant\""});
     EXPECT_EQ(mistakes(probes + "message = \"Battery\"\nsignals = { u = \"Voltge\" }\n"),
               Lines{"8:17: message Battery has no signal \"Voltge\"; did you mean \"Voltage\"? "
                     "Allowed: \"Voltage\", \"Current\", \"Odd\""});

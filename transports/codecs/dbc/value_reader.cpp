@@ -18,34 +18,35 @@ DbcValueReader::DbcValueReader(const DbcMessage& message)
     }
 }
 
-bool DbcValueReader::take(const CanFrame& frame, std::span<DbcReading> readings) {
+std::optional<Instant> DbcValueReader::take(const CanFrame& frame, Instant at,
+                                            std::span<ValueReading> readings) {
     if (!wanted_.matches(frame)) {
-        return false;
+        return std::nullopt;
     }
     if (frame.remote) {
         ++rejected_[kRemote].count;
-        return false;
+        return std::nullopt;
     }
     if (frame.length < message_.length || frame.fd != message_.fd) {
         ++rejected_[kLength].count;
-        return false;
+        return std::nullopt;
     }
     for (std::size_t signal = 0; signal < layouts_.size(); ++signal) {
         readings[signal] = read(signal, frame.bytes());
     }
-    return true;
+    return at;
 }
 
-DbcReading DbcValueReader::read(std::size_t signal, std::span<const std::uint8_t> data) const {
+ValueReading DbcValueReader::read(std::size_t signal, std::span<const std::uint8_t> data) const {
     if (!present(message_, message_.signals[signal], data)) {
         return {};
     }
     const std::uint64_t bits = layouts_[signal].raw_bits(data);
     const double value = layouts_[signal].physical(bits);
     if (!is_number(signal, bits, value)) {
-        return {.state = DbcReading::State::not_available};
+        return {.state = ValueReading::State::not_available};
     }
-    return {.state = DbcReading::State::number, .number = value};
+    return {.state = ValueReading::State::number, .number = value};
 }
 
 bool DbcValueReader::is_number(std::size_t index, std::uint64_t bits, double value) const {

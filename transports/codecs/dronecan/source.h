@@ -13,38 +13,49 @@
 
 namespace tribus::dronecan {
 
-/// Whom an input listens to.
+/// Whom is listened to.
 struct SourceChoice {
     std::optional<NodeId> node{};  ///< absent: the first one that is heard
+    /// Which one of several on its node, such as a battery; absent: likewise.
+    std::optional<std::uint32_t> instance{};
+
+    bool operator==(const SourceChoice&) const = default;
 };
 
-/// Holds on to one source: two nodes that send the same must not be mixed. The first one that is
-/// heard stays the one until it has been silent for as long as a node is counted as gone. Pure.
+/// Holds on to one source: two that send the same must not be mixed. The first one that is heard
+/// stays the one until it has been silent for as long as a node is counted as gone. Pure.
 class SourceWatch {
   public:
     /// NodeStatus of a node that is there comes at least so often (can.md 1.3).
     static constexpr Duration kGone = std::chrono::seconds(3);
 
-    explicit SourceWatch(SourceChoice choice) : chosen_(choice.node) {}
+    explicit SourceWatch(SourceChoice choice) : choice_(choice) {}
 
-    bool listens_to(NodeId source, Instant at) {
-        if (chosen_) {
-            return source == *chosen_;
+    /// Whether it is worth putting the frames of that node together.
+    bool may_be(NodeId source) const {
+        return source != kNobody && (!choice_.node || source == *choice_.node);
+    }
+    /// To a message of that source.
+    bool listens_to(NodeId source, Instant at, std::uint32_t instance = 0) {
+        if (!may_be(source) || (choice_.instance && instance != *choice_.instance)) {
+            return false;
         }
-        if (source == kNobody ||
-            (source != current_ && current_ != kNobody && at - heard_ < kGone)) {
+        const bool the_same = source == current_ && instance == current_instance_;
+        if (!the_same && current_ != kNobody && at - heard_ < kGone) {
             return false;
         }
         current_ = source;
+        current_instance_ = instance;
         heard_ = at;
         return true;
     }
     /// kNobody: none yet.
-    NodeId current() const { return chosen_.value_or(current_); }
+    NodeId current() const { return choice_.node.value_or(current_); }
 
   private:
-    std::optional<NodeId> chosen_;
+    SourceChoice choice_;
     NodeId current_ = kNobody;
+    std::uint32_t current_instance_ = 0;
     Instant heard_{};
 };
 

@@ -15,17 +15,17 @@ namespace tribus {
 namespace {
 
 using namespace test;
-using State = DbcReading::State;
+using State = ValueReading::State;
 
 /// A reader and what it read last.
 class Reader {
   public:
     explicit Reader(std::string_view dbc, std::string_view message = "M")
         : reader_(*make_dbc_value_reader(*parse_dbc(dbc), message)),
-          readings_(reader_.signals().size()) {}
+          readings_(reader_.values().size()) {}
 
     DbcValueReader* operator->() { return &reader_; }
-    bool take(const CanFrame& frame) { return reader_.take(frame, readings_); }
+    bool take(const CanFrame& frame) { return reader_.take(frame, Instant{}, readings_).has_value(); }
     /// The number of a signal in this frame; nothing if it has none.
     std::optional<double> number(const CanFrame& frame, std::size_t signal = 0) {
         EXPECT_TRUE(take(frame));
@@ -36,7 +36,7 @@ class Reader {
 
   private:
     DbcValueReader reader_;
-    std::vector<DbcReading> readings_;
+    std::vector<ValueReading> readings_;
 };
 
 constexpr std::string_view kBattery = R"(
@@ -52,10 +52,10 @@ BA_ "GenMsgCycleTime" BO_ 256 100;
 
 TEST(DbcValueReader, TellsTheSignalsOfTheMessageInTheOrderOfTheFile) {
     Reader reader(kBattery);
-    ASSERT_EQ(reader->signals().size(), 3U);
-    EXPECT_EQ(reader->signals()[0].name, "Voltage");
-    EXPECT_EQ(reader->signals()[0].unit, "V");
-    EXPECT_EQ(reader->signals()[2].name, "Temperature");
+    ASSERT_EQ(reader->values().size(), 3U);
+    EXPECT_EQ(reader->values()[0].name, "Voltage");
+    EXPECT_EQ(reader->values()[0].unit, "V");
+    EXPECT_EQ(reader->values()[2].name, "Temperature");
     EXPECT_EQ(reader->cycle_time(), milliseconds(100));
     EXPECT_FALSE(reader->uses_fd());
     ASSERT_EQ(reader->wanted().size(), 1U);
