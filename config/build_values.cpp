@@ -1,6 +1,7 @@
 #include <memory>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "config/build.h"
 #include "config/value_catalog.h"
@@ -70,10 +71,10 @@ std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configurati
         return nullptr;
     }
     ValueCatalog catalog = catalog_of(value_sources(configuration));
-    ValueEngineSettings settings = catalog.settings;
+    std::vector<SensorBusSettings> buses;
     for (std::size_t i = 0; i < configuration.sensor_buses.size(); ++i) {
         const SensorBusConfig& bus = configuration.sensor_buses[i];
-        SensorBusSettings& made = settings.buses.emplace_back();
+        SensorBusSettings& made = buses.emplace_back();
         if (bus.receiver) {
             made = receiver_role(bus, catalog.readings[i],
                                  SensorTypes(bus.dialect, configuration.sensor_types));
@@ -81,6 +82,8 @@ std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configurati
             made = sensor_role(bus, catalog);
         }
     }
+    ValueEngineSettings settings = std::move(catalog.settings);
+    settings.buses = std::move(buses);
     for (ValueCatalog::Message& message : catalog.messages) {
         settings.messages.push_back(
             {.reader = make_reader(*message.config), .values = std::move(message.values)});
