@@ -101,11 +101,12 @@ class NodePlans {
         }
         const std::int64_t period = microseconds(output.schedule.period);
         const std::int64_t least = std::min(period, microseconds(output.protocol->least_period));
+        const Duration most = output.protocol->most_period(output.settings).value_or(kMostPeriod);
         node.parameters.push_back({.name = fmt::format("uavcan.pubp-{}", message_name(output)),
                                    .value = period,
                                    .at_start = period,
                                    .least = least,
-                                   .most = microseconds(kMostPeriod),
+                                   .most = microseconds(most),
                                    .output = index});
     }
 

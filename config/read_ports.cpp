@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <utility>
 
 #include "config/nearest.h"
@@ -142,15 +143,21 @@ bool port_sound(const PortKeys& port, const TableContent& content) {
            content.sound("protocol");
 }
 
+/// Of every output, as its key says.
+constexpr Duration kMostPeriod = std::chrono::seconds(1);
+
 /// A frame must have left before the next one is due, with a byte of silence between.
 Duration wire_period(const OutputConfig& output) {
     return output.port.line.bytes_time(output.protocol->longest_frame + 1);
 }
 
-void check_period(const OutputConfig& output, const TableContent& content, Mistakes& mistakes) {
+/// `most`: of the protocol with its settings, where they are sound.
+void check_period(const OutputConfig& output, std::optional<Duration> most,
+                  const TableContent& content, Mistakes& mistakes) {
     const Duration period = output.schedule.period;
     const Duration wire = wire_period(output);
     const Duration protocol = output.protocol->least_period;
+    const std::string longest = in_quotes(format_duration(most.value_or(kMostPeriod)));
     const Location where = content.where("period");
     const std::string found =
         in_quotes(format_duration(period)) + (content.given("period") ? "" : " by default");
@@ -158,13 +165,19 @@ void check_period(const OutputConfig& output, const TableContent& content, Mista
     if (period < wire) {
         const Duration least = output.force ? wire : std::max(wire, protocol);
         mistakes.add(where, fmt::format("\"period\" is {}, shorter than a frame of {} takes on the "
-                                        "wire at {} baud; allowed: {} to \"1s\"",
+                                        "wire at {} baud; allowed: {} to {}",
                                         found, name, output.port.line.baud,
-                                        in_quotes(format_duration(least))));
+                                        in_quotes(format_duration(least)), longest));
     } else if (period < protocol && !output.force) {
-        mistakes.add(where, fmt::format("\"period\" is {}, shorter than readers of {} can follow; "
-                                        "allowed: {} to \"1s\", or add force = true",
-                                        found, name, in_quotes(format_duration(protocol))));
+        mistakes.add(where,
+                     fmt::format("\"period\" is {}, shorter than readers of {} can follow; "
+                                 "allowed: {} to {}, or add force = true",
+                                 found, name, in_quotes(format_duration(protocol)), longest));
+    } else if (most && period > *most) {
+        mistakes.add(where,
+                     fmt::format("\"period\" is {}, longer than readers of {} wait for the next "
+                                 "command; allowed: {} to {}",
+                                 found, name, in_quotes(format_duration(protocol)), longest));
     }
 }
 
@@ -272,7 +285,10 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     const bool judged = port.protocol != nullptr && content.sound("protocol") &&
                         content.sound("period") && content.sound("baud") && content.sound("force");
     if (judged) {
-        check_period(draft.config, content, reading.mistakes);
+        const bool limited = draft.settings_sound && port.protocol->most_period != nullptr;
+        check_period(draft.config,
+                     limited ? port.protocol->most_period(draft.config.settings) : std::nullopt,
+                     content, reading.mistakes);
     }
     check_phase(draft.config, content, reading.mistakes);
     return draft;

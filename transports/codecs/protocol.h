@@ -44,6 +44,9 @@ struct Protocol {
     std::optional<Duration> (*own_period)(const SettingValues&) = nullptr;
     /// Shorter periods need `force = true`: readers in the field would lose frames.
     Duration least_period{};
+    /// Receivers of these settings' frames stop what they do if they wait longer; null, or nothing:
+    /// none does.
+    std::optional<Duration> (*most_period)(const SettingValues&) = nullptr;
     /// Whether the wire format, with these settings, can say "failsafe", so that a frame that says
     /// it is not stale.
     bool (*says_failsafe)(const SettingValues&) = nullptr;

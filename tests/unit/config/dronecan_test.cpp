@@ -171,6 +171,42 @@ TEST(DroneCanConfiguration, RefusesMoreThan100MessagesASecondUnlessForced) {
     EXPECT_EQ(mistakes_of(with_output("node_id = 42\nperiod = \"5ms\"\nforce = true")), "");
 }
 
+TEST(DroneCanConfiguration, RefusesToCommandServosOrMotorsLessThan25TimesASecond) {
+    for (const std::string carries : {"servos", "motors"}) {
+        const std::string command = "node_id = 42\ncarries = \"" + carries + "\"\n";
+        EXPECT_EQ(mistakes_of(with_output(command + "period = \"41ms\"")),
+                  "test.toml:14:10: \"period\" is \"41ms\", longer than readers of "
+                  "\"dronecan\" wait for the next command; allowed: \"10ms\" to \"40ms\"\n");
+        EXPECT_EQ(mistakes_of(with_output(command + "period = \"40ms\"")), "");
+    }
+}
+
+TEST(DroneCanConfiguration, RefusesASlowCommandEvenIfForced) {
+    EXPECT_NE(mistakes_of(with_output(
+                  "node_id = 42\ncarries = \"servos\"\nperiod = \"41ms\"\nforce = true")),
+              "");
+}
+
+TEST(DroneCanConfiguration, TellsThatCommandsHaveALeastAndALongestPeriod) {
+    const std::string mistakes =
+        mistakes_of(with_output("node_id = 42\ncarries = \"motors\"\nperiod = \"5ms\""));
+    EXPECT_NE(mistakes.find("allowed: \"10ms\" to \"40ms\", or add force = true"),
+              std::string::npos)
+        << mistakes;
+}
+
+TEST(DroneCanConfiguration, SendsRcLessThan25TimesASecondIfToldTo) {
+    EXPECT_EQ(mistakes_of(with_output("node_id = 42\nperiod = \"41ms\"")), "");
+}
+
+TEST(DroneCanConfiguration, OthersCannotSlowCommandsBelow25TimesASecond) {
+    const Configuration configuration = load(with_output("node_id = 42\ncarries = \"servos\""));
+    const auto parameters = plan_nodes(configuration, {})[0].settings.parameters;
+    ASSERT_EQ(parameters.size(), 2U);
+    EXPECT_EQ(parameters[1].name, "uavcan.pubp-ArrayCommand");
+    EXPECT_EQ(parameters[1].most, 40000);
+}
+
 TEST(DroneCanConfiguration, RefusesANameThatNoNodeMayHave) {
     const std::string mistakes = mistakes_of(
         with_output("", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\nname = \"Rover 1\"\n"));

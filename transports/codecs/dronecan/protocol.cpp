@@ -116,6 +116,14 @@ constexpr std::array kSettings{
 bool carries_rc(const SettingValues& settings) {
     return settings.get_or<std::string>("carries", "rc") == "rc";
 }
+
+/// Servo and motor nodes have timeouts of their own, so even an unchanged command is repeated at 25
+/// Hz (can.md 1.2).
+std::optional<Duration> most_period(const SettingValues& settings) {
+    constexpr Duration kMostCommandPeriod = std::chrono::milliseconds(40);
+    return carries_rc(settings) ? std::nullopt : std::optional(kMostCommandPeriod);
+}
+
 CommandKind command_kind(const SettingValues& settings) {
     return settings.get_or<std::string>("carries", "rc") == "motors" ? CommandKind::motors
                                                                      : CommandKind::servos;
@@ -279,6 +287,7 @@ const Protocol kDroneCanProtocol{
     .default_period = std::chrono::milliseconds(10),
     // Faster than 100 Hz fills a shared bus, and autopilots tell no shorter intervals apart.
     .least_period = std::chrono::milliseconds(10),
+    .most_period = dronecan::most_period,
     .says_failsafe = dronecan::carries_rc,
     .check = dronecan::check,
     .value_names = dronecan::value_names,
