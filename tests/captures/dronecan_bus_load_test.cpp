@@ -1,0 +1,89 @@
+#include <chrono>
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/can_bits.h"
+#include "tests/support/shell.h"
+#include "transports/links/recording.h"
+
+/// What a recorded 18-channel receiver costs on a DroneCAN bus: the program itself makes the
+/// frames, at the output's period.
+namespace tribus {
+namespace {
+
+using test::BusBits;
+
+struct Second {
+    std::size_t frames = 0;
+    BusBits bits;
+};
+
+class BusLoadOfARecordedReceiver : public testing::Test {
+  protected:
+    /// Of the whole seconds in which the receiver sends.
+    std::map<std::chrono::seconds::rep, Second> seconds(const std::string& lines) {
+        const auto captures = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures";
+        folder_.write("bus.toml",
+                      "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyAMA2\"\n"
+                      "[output.bus]\nprotocol = \"dronecan\"\ninterface = \"can0\"\n"
+                      "node_id = 42\nschedule = \"grid\"\n" +
+                          lines + "[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n");
+        const test::Ended ended = test::run_in_shell(
+            "cd '" + folder_.path("") + "'; \"$TRIBUS\" simulate bus.toml --in receiver='" +
+            (captures / "ibus_servo18_afhds3.timed.txt").string() + "' --out bus=bus.log");
+        EXPECT_EQ(ended.status, 0) << ended.output;
+        const auto recording =
+            parse_recording(folder_.read("bus.log"), "bus.log", RecordingKind::candump);
+        EXPECT_TRUE(recording) << recording.error();
+        std::map<std::chrono::seconds::rep, Second> all;
+        for (const RecordedCanFrame& recorded :
+             recording ? recording->can_frames : std::vector<RecordedCanFrame>{}) {
+            const auto second = std::chrono::floor<std::chrono::seconds>(recorded.at).count();
+            if (second >= 1 && second < 4) {
+                ++all[second].frames;
+                all[second].bits += test::bits_on_bus(recorded.frame);
+            }
+        }
+        EXPECT_EQ(all.size(), 3U);
+        return all;
+    }
+    void SetUp() override {
+        const auto captures = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures";
+        if (!std::filesystem::exists(captures)) {
+            GTEST_SKIP() << "no recordings in " << captures
+                         << "; set TRIBUS_SHARED to the folder that holds captures/";
+        }
+    }
+
+    test::TemporaryFolder folder_;
+};
+
+TEST_F(BusLoadOfARecordedReceiver, At10MsIs500ClassicFramesASecondAndAbout658BitsForEachFive) {
+    for (const auto& [number, second] : seconds("")) {
+        EXPECT_EQ(second.frames, 500U) << number;
+        EXPECT_NEAR(static_cast<double>(second.bits.nominal) / 100, 658, 6) << number;
+    }
+}
+
+TEST_F(BusLoadOfARecordedReceiver, At20MsIsHalfOfThat) {
+    for (const auto& [number, second] : seconds("period = \"20ms\"\n")) {
+        EXPECT_EQ(second.frames, 250U) << number;
+        EXPECT_NEAR(static_cast<double>(second.bits.nominal) / 50, 658, 6) << number;
+    }
+}
+
+/// 57 and 519 bits at most (can.md 4.2); as many zeros as there are get a stuff bit each five.
+TEST_F(BusLoadOfARecordedReceiver, At10MsIs100FdFramesASecondOf50And454Bits) {
+    for (const auto& [number, second] : seconds("fd = true\n")) {
+        EXPECT_EQ(second.frames, 100U) << number;
+        EXPECT_EQ(second.bits.nominal, 5'000U) << number;
+        EXPECT_NEAR(static_cast<double>(second.bits.data) / 100, 454, 6) << number;
+    }
+}
+
+}  // namespace
+}  // namespace tribus
