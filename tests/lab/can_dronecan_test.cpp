@@ -13,8 +13,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/lab/dronecan_ear.h"
 #include "tests/lab/two_programs.h"
-#include "tests/support/dronecan_frames.h"
 #include "transports/codecs/dronecan/types.h"
 
 /// DroneCAN on a virtual bus: built programs, and nodes that the tests play.
@@ -26,47 +26,6 @@ using std::chrono::milliseconds;
 
 const BusJob kJob{.format = "protocol = \"dronecan\"", .sender_lines = "node_id = 42"};
 const BusJob kFdJob{.format = "protocol = \"dronecan\"\nfd = true", .sender_lines = "node_id = 42"};
-
-void send(RawCan& bus, const std::vector<CanFrame>& frames) {
-    for (const CanFrame& frame : frames) {
-        EXPECT_EQ(bus.send(frame), 0);
-    }
-}
-
-/// Puts the transfers of one type together that it hears.
-template <class Message>
-class Ear {
-  public:
-    std::optional<std::pair<TransferHead, Message>> take(const CanFrame& frame) {
-        const auto taken = receiver_.take(frame, now_ += milliseconds(1));
-        if (!taken.transfer) {
-            return std::nullopt;
-        }
-        const auto message = read<Message>(taken.transfer->payload, taken.transfer->fd);
-        EXPECT_TRUE(message);
-        return message ? std::optional(std::pair(taken.transfer->head, *message)) : std::nullopt;
-    }
-
-  private:
-    static constexpr DataType kType = data_type_of<Message>();
-    TransferReceiver receiver_{{{kType.kind, kType.id, kType.signature, kMostBytes<Message>}}, 8};
-    Instant now_ = kStart;
-};
-
-/// Everything that comes until `done` says so of a message.
-template <class Message, class Done>
-bool hear_until(RawCan& bus, Done done) {
-    Ear<Message> ear;
-    return eventually([&] {
-        for (const CanSight& sight : bus.receive_all()) {
-            if (const auto heard = ear.take(sight.frame);
-                heard && done(heard->first, heard->second)) {
-                return true;
-            }
-        }
-        return false;
-    });
-}
 
 class DroneCan : public TwoPrograms {};
 
@@ -135,6 +94,16 @@ TEST_F(DroneCan, SaysThatItIsThereAndAnswersWhoItIs) {
     expect_clean_end(sender);
 }
 
+/// The id that a program says that it has.
+std::optional<NodeId> own_id(const Program& program) {
+    const std::string errors = program.errors();
+    const std::string words = "this program is DroneCAN node ";
+    const std::size_t at = errors.find(words);
+    return at == std::string::npos
+               ? std::nullopt
+               : std::optional(static_cast<NodeId>(std::stoi(errors.substr(at + words.size()))));
+}
+
 /// Plays the allocator: gives ids from `next` on, one to each unique id (can.md 1.3).
 class Allocator {
   public:
@@ -178,31 +147,37 @@ class Allocator {
     std::map<std::vector<std::uint8_t>, NodeId> given_;
 };
 
-TEST_F(DroneCan, TwoNodesGetIdsFromAnAllocatorAndOneSendsToTheOther) {
-    for (const bool fd : {false, true}) {
-        const VirtualBus bus;
-        BusJob job{.format = fd ? kFdJob.format : kJob.format};
-        job.sender_tables = "[dronecan.own]\ninterface = \"vcan0\"\ndynamic = true\nnode_id = 30\n";
-        Allocator allocator("vcan0", 60);
-        Program& sender = start_sender(job);
-        Program& reader = start_reader(job);
-        Program& other = run(write_config(
-            "[input.radio]\nprotocol = \"dronecan\"\ninterface = \"vcan0\"\n"
-            "[output.servos]\nprotocol = \"dronecan\"\ninterface = \"vcan0\"\n"
-            "carries = \"servos\"\n[dronecan.own]\ninterface = \"vcan0\"\ndynamic = true\n"
-            "[pipeline.main]\nfrom = \"radio\"\nto = \"servos\"\n",
-            "other.toml"));
-        const auto has_id = [](Program& program) {
-            return program.errors().find("this program is DroneCAN node 6") != std::string::npos;
-        };
-        EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
-            return allocator.serve().size() == 2 && sight.good() && has_id(sender) && has_id(other);
-        })) << sender.errors()
-            << reader.errors() << other.errors();
-        expect_clean_end(sender);
-        expect_clean_end(reader);
-        expect_clean_end(other);
-    }
+class DroneCanAllocation : public TwoPrograms, public testing::WithParamInterface<bool> {};
+
+INSTANTIATE_TEST_SUITE_P(Frames, DroneCanAllocation, testing::Bool(),
+                         [](const auto& test) { return test.param ? "Fd" : "Classic"; });
+
+TEST_P(DroneCanAllocation, TwoNodesGetIdsFromAnAllocatorAndRcGoesFromOneToTheOther) {
+    const VirtualBus bus;
+    BusJob job{.format = GetParam() ? kFdJob.format : kJob.format};
+    job.sender_tables = "[dronecan.own]\ninterface = \"vcan0\"\ndynamic = true\nnode_id = 30\n";
+    job.reader_tables = "[dronecan.own]\ninterface = \"vcan0\"\ndynamic = true\n";
+    Allocator allocator("vcan0", 60);
+    Program& sender = start_sender(job);
+    Program& reader = start_reader(job);
+    EXPECT_TRUE(carry_until([&](const SbusSight& sight) {
+        return allocator.serve().size() == 2 && own_id(sender) && own_id(reader) && sight.good();
+    })) << sender.errors()
+        << reader.errors();
+    EXPECT_EQ((std::set{own_id(sender), own_id(reader)}),
+              (std::set<std::optional<NodeId>>{60, 61}));
+    RawCan listener("vcan0");
+    EXPECT_TRUE(eventually([&] {
+        const auto heard = listener.receive_all();
+        return std::ranges::any_of(heard, [&](const CanSight& sight) {
+            const auto head = head_of(sight.frame);
+            return head && head->kind == TransferKind::message &&
+                   head->data_type_id == RcInput::kId && head->source == own_id(sender) &&
+                   sight.frame.fd == GetParam();
+        });
+    }));
+    expect_clean_end(sender);
+    expect_clean_end(reader);
 }
 
 TEST_F(DroneCan, CommandsOfAnAutopilotMoveServosAndTheirEndIsAFailsafe) {
@@ -229,10 +204,12 @@ recover = "300ms"
     message.commands.push_back({.actuator_id = 1, .command_value = 0.5F});
     std::uint8_t transfer_id = 0;
     auto next = Clock::now();
+    Clock::time_point last_sent{};
     const auto wanted = sbus_raw(1750);
     EXPECT_TRUE(eventually([&] {
         if (Clock::now() >= next) {
             next += milliseconds(20);
+            last_sent = Clock::now();
             send(autopilot, frames_of_message(message, 10, transfer_id));
             transfer_id = (transfer_id + 1) & kMostTransferId;
         }
@@ -240,19 +217,17 @@ recover = "300ms"
         return std::ranges::any_of(
             seen, [&](const SbusSight& sight) { return sight.good() && sight.raw[0] == wanted; });
     })) << program.errors();
-    const auto end = Clock::now();
-    milliseconds to_failsafe{};
+    std::optional<Clock::duration> to_failsafe;
     EXPECT_TRUE(eventually([&] {
         for (const SbusSight& sight : servos().listen()) {
-            if (sight.failsafe) {
-                to_failsafe = std::chrono::duration_cast<milliseconds>(sight.seen - end);
-                return true;
+            if (sight.failsafe && !to_failsafe) {
+                to_failsafe = sight.seen - last_sent;
             }
         }
-        return false;
-    }));
-    // Timeout and hold, less the period that a frame speaks for; how much later is the machine's.
-    EXPECT_GE(to_failsafe, milliseconds(300));
+        return to_failsafe.has_value();
+    })) << program.errors();
+    ASSERT_TRUE(to_failsafe);
+    expect_failsafe_time(*to_failsafe, milliseconds(7));
     expect_clean_end(program);
 }
 

@@ -61,7 +61,7 @@ to   = "servos"
 hold    = "300ms"
 preset  = { 1 = 1000, 3 = 988, other = 1500 }
 recover = "300ms"
-)");
+)" + job.reader_tables);
 }
 
 bool TwoPrograms::carry_until(const std::function<bool(const SbusSight&)>& done) {
@@ -129,6 +129,12 @@ void TwoPrograms::expect_times(const Outcome& outcome) {
     constexpr milliseconds kPeriods{2 * 10};
     EXPECT_GE(outcome.to_failsafe, kHold - kPeriods);
     EXPECT_GE(outcome.to_control, kRecover - kPeriods);
+}
+
+void TwoPrograms::expect_failsafe_time(Clock::duration since_last_frame, milliseconds periods) {
+    constexpr milliseconds kStandstill{5000};
+    EXPECT_GE(since_last_frame, kTimeout + kHold - periods);
+    EXPECT_LE(since_last_frame, kTimeout + kHold + periods + kStandstill);
 }
 
 }  // namespace tribus::test

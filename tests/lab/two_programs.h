@@ -24,6 +24,7 @@ struct BusJob {
     std::string format = "protocol = \"can\"";  ///< lines that both sides have
     std::string sender_lines{};                 ///< of the sender's output alone
     std::string sender_tables{};                ///< tables that the sender has besides
+    std::string reader_tables{};                ///< and the reader
 };
 
 inline std::ostream& operator<<(std::ostream& out, const BusJob& job) {
@@ -65,6 +66,11 @@ class TwoPrograms : public Loopback {
     /// Not sooner than the times that are set; how much later is told by the table, for an emulated
     /// machine stands still now and then.
     static void expect_times(const Outcome& outcome);
+    /// From the last frame that was sent to the servos' failsafe: timeout and hold, and not sooner
+    /// than the periods for which the frames on the way speak. An emulated machine that stands
+    /// still may add seconds.
+    static void expect_failsafe_time(Clock::duration since_last_frame,
+                                     std::chrono::milliseconds periods);
 
   private:
     Program& start_side(const std::string& name, const std::string& text);
