@@ -1,5 +1,3 @@
-#include <csignal>
-
 #include <algorithm>
 #include <cstddef>
 #include <fstream>
@@ -11,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/lab/candump.h"
 #include "tests/lab/two_programs.h"
 
 /// Clients that others wrote, on one bus with the built program: can-utils, and canmatrix with the
@@ -140,10 +139,7 @@ class CandumpLog : public CanClient, public testing::WithParamInterface<LogCase>
     /// What `candump -L` writes while the receiver goes through the sticks, each until the servos
     /// have it.
     std::string record(const std::vector<Sticks>& rows) {
-        Program candump(folder(), {"-L", "vcan0"}, tool("candump"));
-        EXPECT_TRUE(eventually([] {
-            return read_file("/proc/net/can/rcvlist_all").find(" raw") != std::string::npos;
-        })) << candump.errors();
+        Candump candump(folder(), "vcan0");
         const BusJob job{.format = GetParam().format};
         Program& sender = start_sender(job);
         Program& reader = start_reader(job);
@@ -160,9 +156,7 @@ class CandumpLog : public CanClient, public testing::WithParamInterface<LogCase>
         }
         expect_clean_end(sender);
         expect_clean_end(reader);
-        candump.signal(SIGTERM);
-        candump.end();
-        return candump.output();
+        return candump.log();
     }
 };
 

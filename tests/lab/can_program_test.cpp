@@ -1,13 +1,12 @@
 #include <csignal>
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/lab/recorded_receiver.h"
 #include "tests/lab/two_programs.h"
 
 /// Two built programs with a bus between them, and the faults that a bus can have.
@@ -16,28 +15,10 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// The rows of the capture of a real 18-channel receiver.
-std::vector<Sticks> captured_sticks() {
-    std::ifstream file(std::string(TRIBUS_SHARED_DIR) +
-                       "/captures/ibus_servo18_afhds3.channels.csv");
-    std::vector<Sticks> rows;
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-        std::istringstream cells(line);
-        Sticks sticks;
-        for (std::string cell; std::getline(cells, cell, ',');) {
-            sticks.push_back(std::stoi(cell));
-        }
-        rows.push_back(std::move(sticks));
-    }
-    return rows;
-}
-
 /// The sticks of every tenth row, so that a slow machine has them through in seconds; the stick
 /// movements of the capture are far slower.
 std::vector<Sticks> some_sticks() {
-    const auto all = captured_sticks();
+    const auto all = recorded_sticks();
     std::vector<Sticks> some;
     for (std::size_t i = 0; i < all.size(); i += 10) {
         if (some.empty() || some.back() != all[i]) {
