@@ -1,11 +1,13 @@
 #include "app/run.h"
 
+#include <algorithm>
 #include <csignal>
 #include <ctime>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -38,10 +40,18 @@ struct Running {
             log->say_interfaces(*appliance);
         }
     }
-    /// Tells of it, which goes on.
-    void watch_on() {
+    /// Tells of it, which goes on from one that had those ports.
+    void watch_on(const std::vector<PortPlan>& ports_before) {
         log = std::make_unique<StateLog>(*appliance, monotonic_now());
         log->take_as_known(*appliance);
+        const bool new_port = std::ranges::any_of(appliance->ports(), [&](const PortPlan& port) {
+            return std::ranges::none_of(ports_before, [&](const PortPlan& before) {
+                return same_device(before.config, port.config);
+            });
+        });
+        if (new_port) {
+            log->say_interfaces(*appliance);
+        }
         // Devices with other line settings are opened here.
         log->look(*appliance, monotonic_now());
     }
@@ -114,6 +124,7 @@ void reload(Running& running, const std::string& path) {
         stop_and_start(running, std::move(*fresh));
         return;
     }
+    const std::vector<PortPlan> ports_before = running.appliance->ports();
     auto next = Appliance::succeed(running.appliance, std::move(*fresh), carry_over);
     if (!next) {
         for (const std::string& error : next.error()) {
@@ -124,7 +135,7 @@ void reload(Running& running, const std::string& path) {
     }
     running.appliance = std::move(*next);
     spdlog::info("reloaded {}", summary(running.appliance->configuration()));
-    running.watch_on();
+    running.watch_on(ports_before);
 }
 
 /// As another node of DroneCAN asked for.

@@ -78,11 +78,31 @@ void ReloadRun::node_spoke(std::size_t node, Instant at, std::span<const CanFram
 }
 
 void ReloadRun::bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) {
-    said_["bus " + std::to_string(bus)].push_back({at, {bytes.begin(), bytes.end()}, {}});
+    const std::string& name = stage_->configuration.sensor_buses[bus].name;
+    said_[name].push_back({at, {bytes.begin(), bytes.end()}, {}});
 }
 
-void ReloadRun::receive_on_bus(std::size_t bus, std::span<const std::uint8_t> bytes, Instant at) {
-    loop_->receive_on_bus(bus, bytes, NothingDamaged{}, at);
+std::size_t ReloadRun::bus_index(const std::string& name) const {
+    const auto& buses = stage_->configuration.sensor_buses;
+    const auto found = std::ranges::find(buses, name, &SensorBusConfig::name);
+    EXPECT_NE(found, buses.end()) << name;
+    return static_cast<std::size_t>(found - buses.begin());
+}
+
+void ReloadRun::receive_on_bus(const std::string& bus, std::span<const std::uint8_t> bytes,
+                               Instant at) {
+    loop_->receive_on_bus(bus_index(bus), bytes, NothingDamaged{}, at);
+}
+
+SensorBusState ReloadRun::bus_state(const std::string& bus) const {
+    return stage_->values->bus_state(bus_index(bus));
+}
+
+std::optional<double> ReloadRun::value(const std::string& name, Instant now) const {
+    const ValueBoard& board = stage_->values->board();
+    const auto index = board.find(name);
+    EXPECT_TRUE(index) << name;
+    return index ? board.fresh(*index, now) : std::nullopt;
 }
 
 const Input& ReloadRun::input(const std::string& name) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,10 +45,12 @@ class ReloadRun final : public OutputObserver {
     std::uint64_t allocations() const { return allocations_; }
 
     void wrote(std::size_t output, Instant at, const Transmission& sent) override;
-    /// Under the names "node 0" and "bus 0", and so on, by their places.
+    /// Under the name "node 0", and so on, by its place.
     void node_spoke(std::size_t node, Instant at, std::span<const CanFrame> frames) override;
     void bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override;
-    void receive_on_bus(std::size_t bus, std::span<const std::uint8_t> bytes, Instant at);
+    void receive_on_bus(const std::string& bus, std::span<const std::uint8_t> bytes, Instant at);
+    SensorBusState bus_state(const std::string& bus) const;
+    std::optional<double> value(const std::string& name, Instant now) const;
 
   private:
     struct Stage {
@@ -57,6 +60,7 @@ class ReloadRun final : public OutputObserver {
     };
     static std::unique_ptr<Stage> stage_of(const std::string& text);
     std::size_t input_index(const std::string& name) const;
+    std::size_t bus_index(const std::string& name) const;
 
     std::unique_ptr<Stage> stage_;
     std::map<std::string, std::vector<Said>> said_;
