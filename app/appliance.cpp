@@ -84,14 +84,18 @@ std::vector<std::string> Appliance::make_threads(std::vector<PortWiring> wiring,
         line_exchange_->tell_states(engine_->shown_on_lines());
     }
     loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links),
-                                   LoopSettings{.spin = runtime.spin,
-                                                .lines = line_exchange_.get(),
-                                                .values = values_.get(),
-                                                .machine = &machine_});
+                                   loop_settings(line_exchange_.get()));
     if (auto prepared = loop_->prepare(); !prepared) {
         return {prepared.error()};
     }
     return {};
+}
+
+LoopSettings Appliance::loop_settings(LineExchange* lines) {
+    return {.spin = configuration_.runtime.spin,
+            .lines = lines,
+            .values = values_.get(),
+            .machine = &machine_};
 }
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(

@@ -11,6 +11,7 @@
 
 #include "app/machine_values.h"
 #include "config/build.h"
+#include "config/carry_over.h"
 #include "config/schema.h"
 #include "core/time.h"
 #include "pipelines/engine.h"
@@ -35,6 +36,14 @@ class Appliance {
     /// nothing stays open then.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
         Configuration configuration, MissingDevices missing = MissingDevices::refuse);
+
+    /// A fresh configuration in the place of the running one, between two frames. All that is new
+    /// is made and opened beside it first: where that fails, `running` runs on as if nothing had
+    /// been asked for, and the error says why, a line for each thing. Afterwards it is gone. Needs
+    /// a `carry_over` without obstacles, of the two configurations. A serial device that is to be
+    /// used with other line settings, or that is missing already, is left to `tend`.
+    static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> succeed(
+        std::unique_ptr<Appliance>& running, Configuration fresh, const CarryOver& carry_over);
 
     Appliance(const Appliance&) = delete;
     Appliance& operator=(const Appliance&) = delete;
@@ -84,6 +93,13 @@ class Appliance {
                                           std::vector<std::unique_ptr<Link>> links,
                                           std::vector<std::unique_ptr<HeldLine>> lines);
     void tend_lines(std::vector<DeviceEvent>& events);
+    LoopSettings loop_settings(LineExchange* lines);
+    PortCarry carry_port(const PortPlan& plan, const Appliance& before) const;
+    bool same_can_use(const PortPlan& plan, const Appliance& before,
+                      const PortPlan& plan_before) const;
+    std::vector<std::string> open_beside(const Appliance& before, std::vector<PortCarry>& ports,
+                                         std::vector<std::unique_ptr<Link>>& links);
+    void retire_parts(const Leaving& leaving);
 
     Configuration configuration_;
     std::vector<PortPlan> plans_;

@@ -14,6 +14,7 @@
 #include "app/dbc_command.h"
 #include "app/decode.h"
 #include "app/demo.h"
+#include "app/diff.h"
 #include "app/encode.h"
 #include "app/exit_status.h"
 #include "app/learn.h"
@@ -46,6 +47,7 @@ int run_command_line(int argc, char** argv) {
     int status = tribus::kExitFine;
     tribus::add_run_command(app, status);
     tribus::add_check_command(app, status);
+    tribus::add_diff_command(app, status);
     tribus::add_demo_command(app, status);
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);

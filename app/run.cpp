@@ -1,11 +1,13 @@
 #include "app/run.h"
 
+#include <algorithm>
 #include <csignal>
 #include <ctime>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
@@ -16,6 +18,7 @@
 #include "app/exit_status.h"
 #include "app/load_or_explain.h"
 #include "app/state_log.h"
+#include "config/carry_over.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -24,6 +27,35 @@ namespace {
 /// Often enough that a replugged device is back before a failsafe has run its course; each time
 /// costs about as much as a frame.
 constexpr timespec kTendPeriod{.tv_sec = 0, .tv_nsec = 200'000'000};
+
+/// What runs, with what tells of it; neither where nothing could be started.
+struct Running {
+    std::unique_ptr<Appliance> appliance;
+    std::unique_ptr<StateLog> log;
+
+    /// Tells of the appliance, which has just started.
+    void watch() {
+        log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+        if (log) {
+            log->say_interfaces(*appliance);
+        }
+    }
+    /// Tells of it, which goes on from one that had those ports.
+    void watch_on(const std::vector<PortPlan>& ports_before) {
+        log = std::make_unique<StateLog>(*appliance, monotonic_now());
+        log->take_as_known(*appliance);
+        const bool new_port = std::ranges::any_of(appliance->ports(), [&](const PortPlan& port) {
+            return std::ranges::none_of(ports_before, [&](const PortPlan& before) {
+                return same_device(before.config, port.config);
+            });
+        });
+        if (new_port) {
+            log->say_interfaces(*appliance);
+        }
+        // Devices with other line settings are opened here.
+        log->look(*appliance, monotonic_now());
+    }
+};
 
 sigset_t handled_signals() {
     sigset_t signals;
@@ -34,16 +66,19 @@ sigset_t handled_signals() {
     return signals;
 }
 
+std::string summary(const Configuration& configuration) {
+    const std::size_t buses = configuration.sensor_buses.size();
+    return fmt::format("{}: {} inputs, {} outputs, {} pipelines{}", configuration.file,
+                       configuration.inputs.size(), configuration.outputs.size(),
+                       configuration.pipelines.size(),
+                       buses == 0 ? "" : fmt::format(", {} sensor buses", buses));
+}
+
 void log_start(const Appliance& appliance) {
-    const Configuration& configuration = appliance.configuration();
     for (const std::string& missing : appliance.missing_realtime()) {
         spdlog::warn("no full real time: {}", missing);
     }
-    const std::size_t buses = configuration.sensor_buses.size();
-    spdlog::info("started {}: {} inputs, {} outputs, {} pipelines{}", configuration.file,
-                 configuration.inputs.size(), configuration.outputs.size(),
-                 configuration.pipelines.size(),
-                 buses == 0 ? "" : fmt::format(", {} sensor buses", buses));
+    spdlog::info("started {}", summary(appliance.configuration()));
 }
 
 std::unique_ptr<Appliance> start_or_log(
@@ -60,30 +95,57 @@ std::unique_ptr<Appliance> start_or_log(
     return std::move(*appliance);
 }
 
-/// A faulty new configuration leaves the old one running. A good one whose devices cannot be opened
-/// gives way to the old one again, whether or not one of its own devices is unplugged just now.
-std::unique_ptr<Appliance> reload(std::unique_ptr<Appliance> appliance, const std::string& path) {
+/// For what cannot change while frames flow. A configuration whose devices cannot be opened gives
+/// way to the old one again, whether or not one of its own devices is unplugged just now.
+void stop_and_start(Running& running, Configuration fresh) {
+    Configuration old = running.appliance->configuration();
+    running.appliance.reset();
+    running.appliance = start_or_log(std::move(fresh));
+    if (!running.appliance) {
+        spdlog::error("reload failed; back to the old configuration");
+        running.appliance = start_or_log(std::move(old), Appliance::MissingDevices::wait_for);
+    }
+    running.watch();
+}
+
+/// A configuration that has mistakes, or whose devices cannot be opened, leaves the old one running
+/// as if nothing had been asked for.
+void reload(Running& running, const std::string& path) {
     std::optional<Configuration> fresh = load_or_explain(path);
     if (!fresh) {
         spdlog::error("reload refused: {} has mistakes; the old configuration runs on", path);
-        return appliance;
+        return;
     }
-    Configuration old = appliance->configuration();
-    appliance.reset();
-    if (auto started = start_or_log(std::move(*fresh))) {
-        return started;
+    const CarryOver carry_over = plan_carry_over(running.appliance->configuration(), *fresh);
+    if (!carry_over.obstacles.empty()) {
+        for (const std::string& obstacle : carry_over.obstacles) {
+            spdlog::warn("reload with a stop, outputs go into failsafe: {}", obstacle);
+        }
+        stop_and_start(running, std::move(*fresh));
+        return;
     }
-    spdlog::error("reload failed; back to the old configuration");
-    return start_or_log(std::move(old), Appliance::MissingDevices::wait_for);
+    const std::vector<PortPlan> ports_before = running.appliance->ports();
+    auto next = Appliance::succeed(running.appliance, std::move(*fresh), carry_over);
+    if (!next) {
+        for (const std::string& error : next.error()) {
+            spdlog::error("{}", error);
+        }
+        spdlog::error("reload refused: {} cannot be set up; the old configuration runs on", path);
+        return;
+    }
+    running.appliance = std::move(*next);
+    spdlog::info("reloaded {}", summary(running.appliance->configuration()));
+    running.watch_on(ports_before);
 }
 
 /// As another node of DroneCAN asked for.
-std::unique_ptr<Appliance> restart(std::unique_ptr<Appliance> appliance) {
+void restart(Running& running) {
     spdlog::info("restarting, as another DroneCAN node asked for");
-    Configuration configuration = appliance->configuration();
-    appliance->end();
-    appliance.reset();
-    return start_or_log(std::move(configuration), Appliance::MissingDevices::wait_for);
+    Configuration configuration = running.appliance->configuration();
+    running.appliance->end();
+    running.appliance.reset();
+    running.appliance = start_or_log(std::move(configuration), Appliance::MissingDevices::wait_for);
+    running.watch();
 }
 
 int run(const std::string& path) {
@@ -94,25 +156,23 @@ int run(const std::string& path) {
     // Blocked before the data thread exists, so that it inherits that.
     const sigset_t signals = handled_signals();
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    std::unique_ptr<Appliance> appliance = start_or_log(std::move(*configuration));
-    auto log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
-    while (appliance) {
+    Running running{start_or_log(std::move(*configuration)), nullptr};
+    running.watch();
+    while (running.appliance) {
         const int signal = ::sigtimedwait(&signals, nullptr, &kTendPeriod);
         if (signal == SIGTERM || signal == SIGINT) {
-            appliance->end();
+            running.appliance->end();
             spdlog::info("stopped");
             return kExitFine;
         }
         if (signal == SIGHUP) {
-            appliance = reload(std::move(appliance), path);
-            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+            reload(running, path);
         } else {
-            log->look(*appliance, monotonic_now());
-            appliance->look_at_machine(monotonic_now());
+            running.log->look(*running.appliance, monotonic_now());
+            running.appliance->look_at_machine(monotonic_now());
         }
-        if (appliance && appliance->restart_wanted()) {
-            appliance = restart(std::move(appliance));
-            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+        if (running.appliance && running.appliance->restart_wanted()) {
+            restart(running);
         }
     }
     return kExitFailed;
@@ -126,7 +186,9 @@ void add_run_command(CLI::App& app, int& status) {
     command->add_option("CONFIG", *path, "Configuration file")->required();
     command->footer(
         "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
-        "SIGHUP: reads the configuration again; one with mistakes is refused.");
+        "SIGHUP: reads the configuration again and takes it between two frames; one with "
+        "mistakes,\n"
+        "or whose devices cannot be opened, is refused and the old one runs on.");
     command->callback([path, &status] {
         auto logger = spdlog::stderr_color_st("tribus");
         logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");

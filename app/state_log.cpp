@@ -17,7 +17,6 @@ constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
 StateLog::StateLog(const Appliance& appliance, Instant start)
     : start_(start), can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
     const Configuration& configuration = appliance.configuration();
-    can_.start(appliance);
     for (const InputConfig& input : configuration.inputs) {
         const bool on_can = input.port.link == LinkKind::can;
         input_names_.push_back(input.name);
@@ -25,6 +24,18 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
         outputs_.push_back({OutputState{}, 0, 0, log_limit()});
+    }
+}
+
+void StateLog::take_as_known(const Appliance& appliance) {
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        inputs_[i].cause = appliance.input_status(i).state.cause;
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        const OutputStatus status = appliance.output_status(i);
+        outputs_[i].state = status.state;
+        outputs_[i].busy_drops = status.counts.busy_drops;
+        outputs_[i].foreign_frames = status.counts.foreign_frames;
     }
 }
 

@@ -21,6 +21,11 @@ class StateLog {
   public:
     StateLog(const Appliance& appliance, Instant start);
 
+    /// Logs how every CAN interface is set up.
+    void say_interfaces(const Appliance& appliance) { can_.start(appliance); }
+    /// What is so already is no change: after a reload nobody needs to be told again.
+    void take_as_known(const Appliance& appliance);
+
     /// Compares with the last look and logs each change, at most a few lines a while for each
     /// input, output and device.
     void look(Appliance& appliance, Instant now);

@@ -44,23 +44,7 @@ void append(std::vector<CanIdMatch>& ids, const Ids& more) {
 tl::expected<std::unique_ptr<Link>, std::string> open_can(const Engine& engine,
                                                           const ValueEngine* values,
                                                           const PortPlan& plan) {
-    CanSocketSettings settings;
-    for (const std::size_t input : plan.wiring.inputs) {
-        append(settings.wanted, engine.inputs()[input].wanted_ids());
-        settings.fd = settings.fd || engine.inputs()[input].uses_fd();
-    }
-    for (const std::size_t output : plan.wiring.outputs) {
-        append(settings.sent, engine.outputs()[output].sent_ids());
-        settings.fd = settings.fd || engine.outputs()[output].uses_fd();
-    }
-    if (plan.wiring.node) {
-        append(settings.wanted, engine.node(*plan.wiring.node).wanted());
-    }
-    for (const std::size_t message : plan.wiring.value_messages) {
-        append(settings.wanted, values->wanted_ids(message));
-        settings.fd = settings.fd || values->uses_fd(message);
-    }
-    auto socket = CanSocket::open(plan.config.device, settings);
+    auto socket = CanSocket::open(plan.config.device, can_socket_settings(engine, values, plan));
     if (!socket) {
         return tl::unexpected(socket.error());
     }
@@ -160,6 +144,27 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
         }
     }
     return plans;
+}
+
+CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* values,
+                                      const PortPlan& plan) {
+    CanSocketSettings settings;
+    for (const std::size_t input : plan.wiring.inputs) {
+        append(settings.wanted, engine.inputs()[input].wanted_ids());
+        settings.fd = settings.fd || engine.inputs()[input].uses_fd();
+    }
+    for (const std::size_t output : plan.wiring.outputs) {
+        append(settings.sent, engine.outputs()[output].sent_ids());
+        settings.fd = settings.fd || engine.outputs()[output].uses_fd();
+    }
+    if (plan.wiring.node) {
+        append(settings.wanted, engine.node(*plan.wiring.node).wanted());
+    }
+    for (const std::size_t message : plan.wiring.value_messages) {
+        append(settings.wanted, values->wanted_ids(message));
+        settings.fd = settings.fd || values->uses_fd(message);
+    }
+    return settings;
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,

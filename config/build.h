@@ -14,6 +14,7 @@
 #include "pipelines/realtime/gpio_thread.h"
 #include "pipelines/realtime/loop.h"
 #include "pipelines/value_engine.h"
+#include "transports/links/can_socket.h"
 #include "transports/links/link.h"
 
 namespace tribus {
@@ -36,6 +37,10 @@ std::vector<LineTask> line_tasks(const Configuration& configuration);
 
 /// The devices that it needs, each once.
 std::vector<PortPlan> plan_ports(const Configuration& configuration);
+
+/// What the users of one CAN interface need of it.
+CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* values,
+                                      const PortPlan& plan);
 
 /// Opens one device. With `open_line` the only place in the program that does. The error is for the
 /// person who set it up: `file:line:column: ...`. The ids that a CAN interface is to pass are those

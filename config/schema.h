@@ -27,6 +27,9 @@ namespace tribus {
 struct Location {
     unsigned line = 0;
     unsigned column = 0;
+
+    /// Where a thing stands is no part of what it is.
+    friend bool operator==(Location, Location) { return true; }
 };
 
 enum class Realtime : std::uint8_t { automatic, off, require };
@@ -37,6 +40,8 @@ struct RuntimeConfig {
     std::optional<int> cpu;
     /// So long before a deadline the data thread stays awake for it.
     Duration spin{};
+
+    bool operator==(const RuntimeConfig&) const = default;
 };
 
 /// The serial device or CAN interface that an input or output uses.
@@ -45,6 +50,8 @@ struct PortConfig {
     std::string device;  ///< path of a device, or name of an interface
     LineSettings line;   ///< serial only
     Location where;      ///< of the value of `device` or `interface`
+
+    bool operator==(const PortConfig&) const = default;
 };
 
 struct InputConfig {
@@ -54,6 +61,8 @@ struct InputConfig {
     PortConfig port;
     SupervisionSettings supervision;
     std::vector<ChannelRule> channels;  ///< of the input itself, before any pipeline
+
+    bool operator==(const InputConfig&) const = default;
 };
 
 struct OutputConfig {
@@ -64,6 +73,8 @@ struct OutputConfig {
     ScheduleSettings schedule;
     bool force = false;
     bool yield_to_foreign_sender = true;
+
+    bool operator==(const OutputConfig&) const = default;
 };
 
 struct PipelineConfig {
@@ -72,6 +83,8 @@ struct PipelineConfig {
     std::vector<std::size_t> outputs;  ///< indices
     std::vector<ChannelRule> channels;
     std::vector<FailsafeSettings> failsafe;  ///< one for each of `outputs`
+
+    bool operator==(const PipelineConfig&) const = default;
 };
 
 /// A GPIO line and what it is for.
@@ -82,6 +95,8 @@ struct LineConfig {
     bool active_low = false;
     GpioBias bias = GpioBias::as_is;
     LineTask task;
+
+    bool operator==(const LineConfig&) const = default;
 };
 
 /// One sensor that the appliance is.
@@ -95,6 +110,8 @@ struct SensorConfig {
     std::optional<double> scale;
     double offset = 0;
     std::optional<double> not_available;
+
+    bool operator==(const SensorConfig&) const = default;
 };
 
 struct SensorBusConfig {
@@ -115,12 +132,16 @@ struct SensorBusConfig {
     int probe_every = 0;
     int drop_after = 0;
     Duration timeout{};
+
+    bool operator==(const SensorBusConfig&) const = default;
 };
 
 /// A number that does not change.
 struct ConstantConfig {
     double number = 0;
     std::string unit;
+
+    bool operator==(const ConstantConfig&) const = default;
 };
 
 /// How a DBC file describes a message.
@@ -128,6 +149,10 @@ struct DbcValueSource {
     SettingFile dbc;
     std::string message;
     DbcFile described;  ///< that message alone
+
+    bool operator==(const DbcValueSource& other) const {
+        return dbc == other.dbc && message == other.message;
+    }
 };
 
 /// A message of DroneCAN, one of dronecan::kValueMessages.
@@ -135,6 +160,8 @@ struct DroneCanValueSource {
     std::string message;
     dronecan::SourceChoice from;
     bool fd = false;
+
+    bool operator==(const DroneCanValueSource&) const = default;
 };
 
 /// A message on CAN with values.
@@ -144,11 +171,15 @@ struct ValueMessageConfig {
     Duration timeout{};
     /// Own names for values, beside theirs in the message.
     std::vector<std::pair<std::string, std::string>> names;
+
+    bool operator==(const ValueMessageConfig&) const = default;
 };
 
 struct ValuesConfig {
     std::string name;
     std::variant<ConstantConfig, ValueMessageConfig> source;
+
+    bool operator==(const ValuesConfig&) const = default;
 };
 
 /// [dronecan.NAME]: this program as a node of DroneCAN.
@@ -161,6 +192,8 @@ struct DroneCanConfig {
     std::string node_name;
     bool allow_restart = false;
     bool allow_writes = false;
+
+    bool operator==(const DroneCanConfig&) const = default;
 };
 
 struct Configuration {

@@ -38,6 +38,16 @@ void Schedule::frame_arrived(const ArrivalClock& arrivals) {
     }
 }
 
+void Schedule::continue_from(const Schedule& before, Instant now) {
+    const ScheduleSettings settings = std::exchange(settings_, before.settings_);
+    *this = before;
+    settings_ = settings;
+    const Instant at_most = later(before.latest_write_.value_or(now), settings.period);
+    due_ = std::max(now, std::min(before.due_, at_most));
+    // A grid that begins here must not count the time before it as missed.
+    point_ = due_;
+}
+
 /// A frame that must wait because another was written not long ago holds up the one behind it as
 /// well, and that the next. Where the one behind it is nearly there, it is sent in its place; so it
 /// is when frame upon frame has had to wait, as after a stall where both periods are the same.

@@ -22,6 +22,8 @@ struct ScheduleSettings {
     ScheduleKind kind = ScheduleKind::follow;
     Duration period = std::chrono::milliseconds(14);
     Phase phase = Phase::free;
+
+    bool operator==(const ScheduleSettings&) const = default;
 };
 
 /// Decides when an output is due. Pure arithmetic on absolute instants; thread-bound.
@@ -34,6 +36,10 @@ class Schedule {
 
     /// An input frame that this output should carry arrived, the latest that `arrivals` knows.
     void frame_arrived(const ArrivalClock& arrivals);
+
+    /// Goes on at `now` as `before`, by its own settings: the next deadline stays, unless a shorter
+    /// period asks for an earlier one.
+    void continue_from(const Schedule& before, Instant now);
 
     /// From the next deadline on.
     void set_period(Duration period) { settings_.period = period; }

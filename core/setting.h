@@ -129,6 +129,8 @@ class SettingValues {
         return value == nullptr ? std::move(fallback) : *value;
     }
 
+    bool operator==(const SettingValues&) const = default;
+
     auto begin() const { return values_.begin(); }
     auto end() const { return values_.end(); }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -31,6 +32,13 @@ class ValueBoard {
   public:
     explicit ValueBoard(std::vector<NamedValue> values)
         : values_(std::move(values)), entries_(values_.size()) {}
+
+    /// The numbers of `before` at the places that `from` gives for each value; the others stay.
+    void continue_from(const ValueBoard& before, std::span<const std::optional<std::size_t>> from) {
+        for (std::size_t i = 0; i < entries_.size(); ++i) {
+            entries_[i] = from[i] ? before.entries_[*from[i]] : entries_[i];
+        }
+    }
 
     std::size_t size() const { return values_.size(); }
     const NamedValue& value(std::size_t index) const { return values_[index]; }

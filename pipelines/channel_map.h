@@ -85,6 +85,7 @@ class ChannelMap {
 
     /// What input lines say from now on.
     void set_lines(LineLevels levels) { lines_ = levels; }
+    LineLevels lines() const { return lines_; }
 
     /// The output said `frame` instead (presets): a slew goes on from there.
     void restart_from(const ChannelFrame& frame, Instant now);

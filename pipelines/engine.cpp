@@ -43,6 +43,25 @@ void Engine::start(Instant now) {
     }
 }
 
+void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now) {
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        if (const CarriedFrom from = carry.inputs[i].from) {
+            inputs_[i].continue_from(before.inputs_[*from], carry.inputs[i].same_channels, now);
+        }
+    }
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (const CarriedFrom from = carry.nodes[i]) {
+            nodes_[i]->continue_from(*before.nodes_[*from]);
+        }
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        if (const CarriedFrom from = carry.outputs[i].from) {
+            outputs_[i].continue_from(before.outputs_[*from], carry.outputs[i], carry.inputs, now);
+            due_[i] = outputs_[i].due();
+        }
+    }
+}
+
 bool Engine::announce(std::size_t input, bool frame_came) {
     if (frame_came) {
         for (const std::size_t output : fed_by_[input]) {
@@ -107,16 +126,32 @@ dronecan::NodeHealth Engine::health_of(std::size_t node) const {
     return dronecan::NodeHealth::ok;
 }
 
-Instant Engine::end(Instant now) {
+/// Returns when its last frames have been said.
+Instant Engine::end_output(std::size_t output, Instant now) {
     constexpr int kLastFrames = 3;
+    outputs_[output].end(now);
+    due_[output] = outputs_[output].due();
+    return later(now, kLastFrames * outputs_[output].period());
+}
+
+Instant Engine::end(Instant now) {
     Instant until = now;
     for (const auto& node : nodes_) {
         node->end(now);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
-        outputs_[i].end(now);
-        due_[i] = outputs_[i].due();
-        until = std::max(until, later(now, kLastFrames * outputs_[i].period()));
+        until = std::max(until, end_output(i, now));
+    }
+    return until;
+}
+
+Instant Engine::end(const Leaving& leaving, Instant now) {
+    Instant until = now;
+    for (const std::size_t node : leaving.nodes) {
+        nodes_[node]->end(now);
+    }
+    for (const std::size_t output : leaving.outputs) {
+        until = std::max(until, end_output(output, now));
     }
     return until;
 }

@@ -9,6 +9,7 @@
 
 #include "core/can_frame.h"
 #include "core/time.h"
+#include "pipelines/carry_over.h"
 #include "pipelines/dronecan/node.h"
 #include "pipelines/input.h"
 #include "pipelines/line_roles.h"
@@ -26,6 +27,9 @@ class Engine {
            std::vector<LineTask> lines = {}, std::vector<dronecan::NodeSettings> nodes = {});
 
     void start(Instant now);
+    /// After `start`: what `carry` names goes on at `now` as it was in `before`, which is left
+    /// without use.
+    void continue_from(Engine& before, const EngineCarry& carry, Instant now);
 
     /// Bytes of one input, read at `now`, none of them damaged. Returns whether a frame came out.
     bool receive(std::size_t input, std::span<const std::uint8_t> bytes, Instant now) {
@@ -67,6 +71,8 @@ class Engine {
     /// Puts every output into failsafe for good: the program is about to end. Poll and write on
     /// until the returned instant, so that readers get several of the last frames.
     Instant end(Instant now);
+    /// The same for some of them.
+    Instant end(const Leaving& leaving, Instant now);
 
     std::span<const Input> inputs() const { return inputs_; }
     std::span<const Output> outputs() const { return outputs_; }
@@ -77,6 +83,7 @@ class Engine {
     const dronecan::Node& node(std::size_t index) const { return *nodes_[index]; }
 
   private:
+    Instant end_output(std::size_t output, Instant now);
     bool announce(std::size_t input, bool frame_came);
     Instant poll_nodes(Instant now);
     dronecan::NodeHealth health_of(std::size_t node) const;

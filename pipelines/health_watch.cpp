@@ -19,6 +19,20 @@ double yes_or_no(bool yes) {
 HealthWatch::HealthWatch(std::size_t inputs, std::size_t outputs)
     : inputs_(inputs), outputs_(outputs) {}
 
+void HealthWatch::continue_from(const HealthWatch& before, const EngineCarry& carry) {
+    const auto take = [](auto& looks, const auto& looks_before, const auto& carried) {
+        for (std::size_t i = 0; i < looks.size(); ++i) {
+            if (carried[i].from && *carried[i].from < looks_before.size()) {
+                looks[i] = looks_before[*carried[i].from];
+            }
+        }
+    };
+    take(inputs_, before.inputs_, carry.inputs);
+    take(outputs_, before.outputs_, carry.outputs);
+    looked_at_ = before.looked_at_;
+    looks_ = before.looks_;
+}
+
 void HealthWatch::look(const Engine& engine, Instant now) {
     const std::size_t place = looks_++ % kLooks;
     looked_at_[place] = now;

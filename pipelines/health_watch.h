@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/time.h"
+#include "pipelines/carry_over.h"
 #include "pipelines/engine.h"
 
 namespace tribus {
@@ -46,6 +47,9 @@ class HealthWatch {
 
     /// How often to look, at most.
     static constexpr Duration kPeriod = std::chrono::milliseconds(100);
+
+    /// Goes on with the looks of `before`: of each input and output at the place that is given.
+    void continue_from(const HealthWatch& before, const EngineCarry& carry);
 
     void look(const Engine& engine, Instant now);
     /// As of the latest look. Nothing where there is nothing to say yet.

@@ -17,6 +17,24 @@ Input::Input(InputSettings settings, std::uint8_t index)
     }
 }
 
+void Input::continue_from(Input& before, bool same_channels, Instant now) {
+    std::swap(decoder_, before.decoder_);
+    std::swap(can_decoder_, before.can_decoder_);
+    state_ = before.state_;
+    latest_ = before.latest_;
+    latest_.source = index_;
+    arrivals_ = before.arrivals_;
+    counts_ = before.counts_;
+    mapped_ = before.control();
+    supervisor_.continue_from(before.supervisor_, now);
+    if (same_channels) {
+        std::swap(map_, before.map_);
+    } else if (map_ && supervisor_.ever_good()) {
+        map_->restart_from(mapped_, now);
+        mapped_ = map_->apply(supervisor_.control(), now);
+    }
+}
+
 bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
     bool any = false;
     while (decoder_->next(bytes, now, decoded_)) {

@@ -49,6 +49,10 @@ class Input {
   public:
     Input(InputSettings settings, std::uint8_t index);
 
+    /// Goes on at `now` as `before`, an input of the same protocol and settings, which is left
+    /// without use: half a frame, what is known of the link, and the counters.
+    void continue_from(Input& before, bool same_channels, Instant now);
+
     /// Takes bytes that were read at `now`. Returns whether a frame came out of them.
     bool receive(std::span<const std::uint8_t> bytes, Instant now) {
         count_bytes(bytes.size(), now);

@@ -53,6 +53,27 @@ void InputSelector::judge_service(Instant now, Instant until, std::span<const In
     }
 }
 
+void InputSelector::continue_from(const InputSelector& before,
+                                  std::span<const InputCarry> carried) {
+    for (std::size_t place = 0; place < voters_.size(); ++place) {
+        const CarriedFrom from = carried[settings_.inputs[place]].from;
+        const auto known = from ? std::ranges::find(before.settings_.inputs, *from)
+                                : before.settings_.inputs.end();
+        if (known == before.settings_.inputs.end()) {
+            continue;
+        }
+        const auto place_before = static_cast<std::size_t>(known - before.settings_.inputs.begin());
+        voters_[place] = before.voters_[place_before];
+        place_ = before.place_ == place_before ? std::optional(place) : place_;
+    }
+    bereft_ = before.place_ && !place_;
+    const bool same_choice = settings_ == before.settings_;
+    voted_ = before.voted_ && settings_.mode == SelectionMode::median;
+    position_ = same_choice ? before.position_ : std::nullopt;
+    frame_ = before.frame_;
+    outvoted_count_ = before.outvoted_count_;
+}
+
 std::optional<std::size_t> InputSelector::chosen_by_a_person(std::span<const Input> inputs) {
     if (picked_) {
         return voters_[*picked_].serves ? picked_ : std::nullopt;
@@ -125,7 +146,8 @@ bool InputSelector::select(Instant now, Instant until, std::span<const Input> in
         return false;
     }
     const bool voting = settings_.mode == SelectionMode::median && !by_person;
-    changed_over_ = follows_one() && place_ && (voting != voted_ || (!voting && place != place_));
+    const bool another = place_ && (voting != voted_ || (!voting && place != place_));
+    changed_over_ = follows_one() && (another || std::exchange(bereft_, false));
     place_ = place;
     voted_ = voting;
     if (voting) {

@@ -9,6 +9,7 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
+#include "pipelines/carry_over.h"
 #include "pipelines/input.h"
 #include "pipelines/settings.h"
 
@@ -29,6 +30,11 @@ class InputSelector {
     /// Decides at `now` for a frame that speaks until `until`. `bridging`: the output has not been
     /// in failsafe since the latest choice. False if no input serves.
     bool select(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
+
+    /// Goes on as `before`, whose inputs `carried` gives for each input of the engine: an input
+    /// that was trusted stays so. One that is new must earn that, and one that is not there any
+    /// more has lost control.
+    void continue_from(const InputSelector& before, std::span<const InputCarry> carried);
 
     /// Indices of all inputs that may be chosen, the preferred first.
     std::span<const std::size_t> inputs() const { return settings_.inputs; }
@@ -89,6 +95,8 @@ class InputSelector {
     std::optional<std::size_t> picked_;
     std::optional<std::size_t> position_;  ///< of the handover channel, latest
     bool changed_over_ = false;
+    /// The input that was in control is not among the inputs any more.
+    bool bereft_ = false;
     ChannelFrame frame_;
     /// Channels on which most voters of three or more agree.
     std::bitset<kChannelCount> majority_;

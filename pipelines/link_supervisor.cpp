@@ -14,6 +14,20 @@ constexpr std::size_t kNumberedChannels = 16;
 
 LinkSupervisor::LinkSupervisor(SupervisionSettings settings) : settings_(std::move(settings)) {}
 
+void LinkSupervisor::continue_from(LinkSupervisor& before, Instant now) {
+    const bool begins_to_watch =
+        settings_.frozen > Duration::zero() && before.settings_.frozen == Duration::zero();
+    std::swap(*this, before);
+    std::swap(settings_, before.settings_);
+    if (begins_to_watch) {
+        unchanged_ = good_;
+        unchanged_since_ = now;
+    }
+    if (ever_good_) {
+        expires_ = not_after_frozen(std::min(expires_, good_.received + settings_.timeout));
+    }
+}
+
 bool LinkSupervisor::all_zero(const ChannelFrame& frame) const {
     if (!settings_.raw_zero || !frame.has(0)) {
         return false;

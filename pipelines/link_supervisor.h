@@ -29,6 +29,11 @@ class LinkSupervisor {
   public:
     explicit LinkSupervisor(SupervisionSettings settings);
 
+    /// Goes on at `now` with all that `before` knows, which is left empty; judges by its own
+    /// settings. A timeout that was shortened counts at once, one that was prolonged from the next
+    /// good frame on.
+    void continue_from(LinkSupervisor& before, Instant now);
+
     /// Bytes came, whether or not a frame will come of them.
     void bytes_came(Instant now);
     /// A whole frame came at `now`. What is ignored, or found by a rule, is set right in its flags.

@@ -15,6 +15,7 @@
 #include "core/schedule.h"
 #include "core/time.h"
 #include "core/value_board.h"
+#include "pipelines/carry_over.h"
 #include "pipelines/channel_map.h"
 #include "pipelines/glide.h"
 #include "pipelines/input.h"
@@ -101,6 +102,11 @@ class Output {
     void start(Instant now) { schedule_.start(now); }
     /// Where the named values are that it may send. Before `start`; must outlive it.
     void use(const ValueBoard& board);
+    /// Goes on at `now` as `before`, which is the same port's output of the same protocol: what
+    /// stage it is in, its rhythm, its counters. What its settings say else counts from its next
+    /// frame on. An input in control that is gone is a lost one.
+    void continue_from(Output& before, const OutputCarry& carry,
+                       std::span<const InputCarry> carried_inputs, Instant now);
     /// In whose name it sends. As above.
     void speak_as(const dronecan::Voice& voice);
     void set_period(Duration period) { schedule_.set_period(period); }
@@ -158,6 +164,7 @@ class Output {
     std::optional<ChannelFrame> failsafe_frame(Instant now);
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
+    void take_up_channels();
 
     std::string name_;
     std::unique_ptr<Encoder> encoder_;

@@ -23,6 +23,8 @@ struct PulseRange {
     Pulse high;
 
     bool contains(Pulse pulse) const { return low <= pulse && pulse <= high; }
+
+    bool operator==(const PulseRange&) const = default;
 };
 
 /// A condition on the values of a frame, for `failsafe_when` and `release_when`. True when the
@@ -43,6 +45,8 @@ struct ValueRule {
     bool matches(const ChannelFrame& frame) const {
         return frame.has(channel) && matches(frame.pulses()[channel]);
     }
+
+    bool operator==(const ValueRule&) const = default;
 };
 
 /// How an input is judged. Every detector but the timeout has a value that turns it off.
@@ -65,31 +69,45 @@ struct SupervisionSettings {
     std::optional<Pulse> raw_zero{};
     /// For so long after the start and after a loss, a frame with such a channel does not count.
     Duration zero_guard = std::chrono::seconds(1);
+
+    bool operator==(const SupervisionSettings&) const = default;
 };
 
 struct FromChannel {
     std::size_t channel = 0;
+
+    bool operator==(const FromChannel&) const = default;
 };
 struct MixTerm {
     std::size_t channel = 0;
     double weight = 0;
+
+    bool operator==(const MixTerm&) const = default;
 };
 /// Weighted sum of the deviations from 1500 us; absent if any of its channels is.
 struct Mix {
     std::vector<MixTerm> terms;
+
+    bool operator==(const Mix&) const = default;
 };
 struct Fixed {
     Pulse pulse;
+
+    bool operator==(const Fixed&) const = default;
 };
 /// 2000 us while the channel is beyond the limit, else 1000 us.
 struct Switch {
     std::size_t channel = 0;
     std::optional<Pulse> above{};
     std::optional<Pulse> below{};
+
+    bool operator==(const Switch&) const = default;
 };
 /// 2000 us while that input line is active, else 1000 us; absent while it cannot be read.
 struct FromLine {
     std::size_t line = 0;
+
+    bool operator==(const FromLine&) const = default;
 };
 using ChannelSource = std::variant<FromChannel, Mix, Fixed, Switch, FromLine>;
 
@@ -104,6 +122,8 @@ struct ChannelRule {
     std::optional<double> slew_us_per_second{};  ///< fastest change
     std::optional<Pulse> min{};
     std::optional<Pulse> max{};
+
+    bool operator==(const ChannelRule&) const = default;
 };
 
 enum class SelectionMode : std::uint8_t {
@@ -118,6 +138,8 @@ enum class SelectionMode : std::uint8_t {
 struct HandoverSettings {
     std::size_t input = 0;  ///< place in the list of inputs
     std::size_t channel = 0;
+
+    bool operator==(const HandoverSettings&) const = default;
 };
 
 /// No pipeline has more inputs.
@@ -133,6 +155,8 @@ struct SelectionSettings {
     std::optional<HandoverSettings> handover{};
     /// Fastest change of a channel while control passes to another input; absent: at once.
     std::optional<double> changeover_us_per_second{};
+
+    bool operator==(const SelectionSettings&) const = default;
 };
 
 enum class FailsafeAction : std::uint8_t { preset, hold, silence };
@@ -150,6 +174,8 @@ struct FailsafeSettings {
     Duration power_on{};
     /// After failsafe, and at the start, control waits until this is true of the output's channels.
     std::optional<ValueRule> release_when{};
+
+    bool operator==(const FailsafeSettings&) const = default;
 };
 
 /// What a GPIO line is for. By outputs, those of `LineTask`.
@@ -178,6 +204,8 @@ struct LineTask {
     Duration period = std::chrono::milliseconds(40);
     /// A level counts once it has stood still for so long.
     Duration debounce = std::chrono::milliseconds(20);
+
+    bool operator==(const LineTask&) const = default;
 };
 
 }  // namespace tribus

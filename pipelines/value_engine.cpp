@@ -56,6 +56,30 @@ void ValueEngine::start(Instant now) {
     }
 }
 
+void ValueEngine::continue_from(ValueEngine& before, const ValueCarry& carry,
+                                const EngineCarry& engine) {
+    board_.continue_from(before.board_, carry.values);
+    for (std::size_t i = 0; i < messages_.size(); ++i) {
+        if (const CarriedFrom from = carry.messages[i]) {
+            std::swap(messages_[i].reader, before.messages_[*from].reader);
+        }
+    }
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+        const CarriedFrom from = carry.buses[i];
+        if (!from) {
+            continue;
+        }
+        if (const auto* sensor = std::get_if<0>(&buses_[i])) {
+            (*sensor)->continue_from(*std::get<0>(before.buses_[*from]));
+        } else {
+            std::get<1>(buses_[i])->continue_from(*std::get<1>(before.buses_[*from]));
+        }
+    }
+    if (health_watch_ && before.health_watch_) {
+        health_watch_->continue_from(*before.health_watch_, engine);
+    }
+}
+
 void ValueEngine::receive(std::size_t message, const CanFrame& frame, Instant at) {
     ValueMessageSettings& source = messages_[message];
     const auto readings = std::span(readings_).first(source.values.size());

@@ -12,6 +12,7 @@
 #include "core/can_frame.h"
 #include "core/time.h"
 #include "core/value_board.h"
+#include "pipelines/carry_over.h"
 #include "pipelines/engine.h"
 #include "pipelines/health_watch.h"
 #include "pipelines/sensor_bus/receiver_role.h"
@@ -87,6 +88,9 @@ class ValueEngine {
     std::size_t bus_count() const { return buses_.size(); }
 
     void start(Instant now);
+    /// After `start`: what the carries name goes on as it was in `before`, which is left without
+    /// use.
+    void continue_from(ValueEngine& before, const ValueCarry& carry, const EngineCarry& engine);
 
     /// Bytes of one bus, read at `now`. `damaged` answers [position] with whether the line damaged
     /// that byte.

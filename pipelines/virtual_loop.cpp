@@ -6,8 +6,8 @@ namespace tribus {
 
 VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start,
                          ValueEngine* values)
-    : engine_(engine), observer_(observer), values_(values), now_(start) {
-    engine_.start(start);
+    : engine_(&engine), observer_(observer), values_(values), now_(start) {
+    engine_->start(start);
     if (values_ != nullptr) {
         values_->start(start);
     }
@@ -15,19 +15,19 @@ VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start
 }
 
 void VirtualLoop::poll(Instant at) {
-    next_ = engine_.poll(at);
-    for (const std::size_t output : engine_.ran()) {
-        const Transmission sent = engine_.output(output).take();
+    next_ = engine_->poll(at);
+    for (const std::size_t output : engine_->ran()) {
+        const Transmission sent = engine_->output(output).take();
         if (!sent.empty()) {
-            engine_.output(output).written();
+            engine_->output(output).written();
             observer_.wrote(output, at, sent);
         }
     }
-    for (std::size_t node = 0; node < engine_.node_count(); ++node) {
-        for (auto frames = engine_.node(node).speech(at); !frames.empty();
-             frames = engine_.node(node).speech(at)) {
+    for (std::size_t node = 0; node < engine_->node_count(); ++node) {
+        for (auto frames = engine_->node(node).speech(at); !frames.empty();
+             frames = engine_->node(node).speech(at)) {
             observer_.node_spoke(node, at, frames);
-            engine_.node(node).written();
+            engine_->node(node).written();
         }
     }
     next_ = std::min(next_, poll_values(at));
@@ -39,7 +39,7 @@ Instant VirtualLoop::poll_values(Instant at) {
     if (values_ == nullptr) {
         return kNever;
     }
-    const Instant next = values_->poll(engine_, at);
+    const Instant next = values_->poll(*engine_, at);
     for (const ValueEngine::Speech& speech : values_->speeches()) {
         observer_.bus_spoke(speech.bus, at, speech.bytes);
         values_->written(speech.bus, at);
@@ -54,9 +54,22 @@ void VirtualLoop::run_until(Instant until) {
     now_ = std::max(now_, until);
 }
 
+void VirtualLoop::go_on_with(Engine& next, ValueEngine* values, Instant at) {
+    engine_ = &next;
+    values_ = values;
+    poll(at);
+}
+
+Instant VirtualLoop::retire(const Leaving& leaving, Instant at) {
+    run_until(at);
+    const Instant until = engine_->end(leaving, at);
+    poll(at);
+    return until;
+}
+
 void VirtualLoop::end(Instant at) {
     run_until(at);
-    const Instant until = engine_.end(at);
+    const Instant until = engine_->end(at);
     poll(at);
     run_until(until);
 }

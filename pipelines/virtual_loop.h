@@ -41,14 +41,14 @@ class VirtualLoop {
     void receive(std::size_t input, std::span<const std::uint8_t> bytes,
                  const DamagedMarks& damaged, Instant at) {
         run_until(at);
-        engine_.receive(input, bytes, damaged, at);
+        engine_->receive(input, bytes, damaged, at);
         poll(at);
     }
 
     /// A CAN frame arrives at an input.
     void receive(std::size_t input, const CanFrame& frame, Instant at) {
         run_until(at);
-        engine_.receive(input, frame, at);
+        engine_->receive(input, frame, at);
         poll(at);
     }
     /// Bytes arrive on a sensor bus.
@@ -68,15 +68,20 @@ class VirtualLoop {
     /// A CAN frame arrives on the interface of a node of DroneCAN.
     void receive_node(std::size_t node, const CanFrame& frame, Instant at) {
         run_until(at);
-        engine_.receive_node(node, frame, at);
+        engine_->receive_node(node, frame, at);
         poll(at);
     }
     /// A CAN frame of another node arrives on the interface of an output.
     void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at) {
         run_until(at);
-        engine_.watch_for_foreign_sender(output, frame, at);
+        engine_->watch_for_foreign_sender(output, frame, at);
         poll(at);
     }
+
+    /// `next`, which has continued from the engine so far, runs from `at` on.
+    void go_on_with(Engine& next, ValueEngine* values, Instant at);
+    /// These parts say their last frames; returns when they have.
+    Instant retire(const Leaving& leaving, Instant at);
 
     /// As when the program is told to stop.
     void end(Instant at);
@@ -87,7 +92,7 @@ class VirtualLoop {
     void poll(Instant at);
     Instant poll_values(Instant at);
 
-    Engine& engine_;
+    Engine* engine_;
     OutputObserver& observer_;
     ValueEngine* values_;
     Instant now_;

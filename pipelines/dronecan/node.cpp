@@ -69,6 +69,20 @@ void Node::start(Instant now) {
     next_status_ = now;
 }
 
+void Node::continue_from(Node& before) {
+    std::swap(*this, before);
+    std::swap(settings_, before.settings_);
+    for (Parameter& parameter : settings_.parameters) {
+        const auto known =
+            std::ranges::find(before.settings_.parameters, parameter.name, &Parameter::name);
+        if (known != before.settings_.parameters.end() && known->at_start == parameter.at_start) {
+            parameter.value = known->value;
+        }
+    }
+    // It speaks of an output by its place before.
+    wish_.reset();
+}
+
 void Node::receive(const CanFrame& frame, Instant at) {
     const auto head = head_of(frame);
     if (!head) {

@@ -65,6 +65,9 @@ class Node {
     explicit Node(NodeSettings settings);
 
     void start(Instant now);
+    /// Goes on as `before`, a node of the same interface, id and name, which is left without use.
+    /// A parameter that was written keeps its value where the configuration still says the same.
+    void continue_from(Node& before);
     /// A frame of somebody else on its interface.
     void receive(const CanFrame& frame, Instant at);
     /// Does what is due; returns when to call next at the latest.

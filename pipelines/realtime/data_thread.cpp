@@ -3,6 +3,7 @@
 #include <malloc.h>
 
 #include <cstring>
+#include <utility>
 
 namespace tribus {
 
@@ -14,7 +15,7 @@ DataThread::~DataThread() {
         cancelled_ = true;
         run();
     }
-    loop_.request_end();
+    loop_->request_end();
     join();
 }
 
@@ -23,8 +24,11 @@ void* DataThread::main(void* self) {
     thread.got_ = make_realtime(thread.scheduling_);
     thread.prepared_.release();
     thread.go_.acquire();
-    if (!thread.cancelled_) {
-        thread.loop_.run();
+    if (thread.cancelled_) {
+        return nullptr;
+    }
+    for (Loop* loop = thread.loop_->run(); loop != nullptr; loop = loop->run()) {
+        thread.handed_over_.release();
     }
     return nullptr;
 }
@@ -48,6 +52,12 @@ tl::expected<std::vector<std::string>, std::string> DataThread::prepare() {
 void DataThread::run() {
     released_ = true;
     go_.release();
+}
+
+void DataThread::hand_over_to(Loop& next, LoopCarry carry) {
+    loop_->hand_over_to(next, std::move(carry));
+    handed_over_.acquire();
+    loop_ = &next;
 }
 
 void DataThread::join() {

@@ -17,10 +17,6 @@
 namespace tribus {
 namespace {
 
-/// Stands for the wake-up descriptor among the port numbers of epoll events.
-constexpr std::uint64_t kWakeUp = ~std::uint64_t{0};
-/// The same for the bell of the lines.
-constexpr std::uint64_t kLines = kWakeUp - 1;
 /// The longest sleep without a deadline, so that figures do not stand still.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
 
@@ -46,14 +42,19 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
       input_status_(engine.inputs().size()),
       output_status_(engine.outputs().size()),
       bus_states_(settings.values == nullptr ? 0 : settings.values->bus_count()),
-      node_reports_(engine.node_count()),
-      input_timing_(engine.inputs().size()),
-      output_timing_(engine.outputs().size()) {
+      node_reports_(engine.node_count()) {
+    for (std::size_t i = 0; i < engine.inputs().size(); ++i) {
+        input_timing_.push_back(std::make_unique<InputTiming>());
+    }
+    for (std::size_t i = 0; i < engine.outputs().size(); ++i) {
+        output_timing_.push_back(std::make_unique<OutputTiming>());
+    }
     bus_ports_.resize(bus_states_.size());
     for (std::size_t i = 0; i < wiring.size(); ++i) {
         Port& port = ports_.emplace_back();
         port.wiring = wiring[i];
         port.link = std::move(links[i]);
+        port.place = std::make_unique<std::size_t>(i);
         port.pacer = ReadPacer(wiring[i].byte_time);
         for (std::size_t lane = 0; lane < wiring[i].outputs.size(); ++lane) {
             routes_[wiring[i].outputs[lane]] = {.port = i, .lane = lane};
@@ -84,13 +85,12 @@ tl::expected<void, std::string> Loop::prepare() {
     if (wake_up_.get() < 0) {
         return tl::unexpected(error_text("eventfd"));
     }
+    // The bells have no place.
     epoll_event event{};
     event.events = EPOLLIN;
-    event.data.u64 = kWakeUp;
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), &event) != 0) {
         return tl::unexpected(error_text("epoll_ctl"));
     }
-    event.data.u64 = kLines;
     if (settings_.lines != nullptr &&
         ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, settings_.lines->data_bell(), &event) != 0) {
         return tl::unexpected(error_text("epoll_ctl"));
@@ -103,8 +103,7 @@ tl::expected<void, std::string> Loop::prepare() {
 
 void Loop::request_end() {
     end_requested_.store(true, std::memory_order_release);
-    const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
+    ring();
 }
 
 ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
@@ -117,7 +116,7 @@ ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
     for (const std::size_t input : ports_[port].wiring.inputs) {
         if (clean ? engine_.receive(input, reception_.view(), now)
                   : engine_.receive(input, reception_.view(), reception_.damaged, now)) {
-            input_timing_[input].frame_came(now);
+            input_timing_[input]->frame_came(now);
             frame_came = true;
         }
     }
@@ -139,7 +138,7 @@ ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) 
         for (const ReceivedCanFrame& received : can_reception_.view()) {
             for (const std::size_t input : wiring.inputs) {
                 if (engine_.receive(input, received.frame, received.at)) {
-                    input_timing_[input].frame_came(received.at);
+                    input_timing_[input]->frame_came(received.at);
                 }
             }
             for (const std::size_t message : wiring.value_messages) {
@@ -223,11 +222,11 @@ void Loop::write_outputs(Instant now) {
         clock_ = monotonic_now();
         count(status, output);
         if (status == WriteStatus::written) {
-            output_timing_[index].frame_went({.due = output.latest_due(),
-                                              .taken = now,
-                                              .handed_over = clock_,
-                                              .read = output.latest().received,
-                                              .period = output.period()});
+            output_timing_[index]->frame_went({.due = output.latest_due(),
+                                               .taken = now,
+                                               .handed_over = clock_,
+                                               .read = output.latest().received,
+                                               .period = output.period()});
             if (settings_.lines != nullptr && is_fresh(output, clock_)) {
                 settings_.lines->tell_fresh(index, clock_);
             }
@@ -287,13 +286,14 @@ std::size_t Loop::wait_until(Instant until) {
     const int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
     std::size_t ready = 0;
     for (int i = 0; i < count; ++i) {
-        const std::uint64_t source = events[static_cast<std::size_t>(i)].data.u64;
-        if (source == kWakeUp) {
-            accept_given_links();
-        } else if (source == kLines) {
+        const void* place = events[static_cast<std::size_t>(i)].data.ptr;
+        if (place != nullptr) {
+            ready_[ready++] = *static_cast<const std::size_t*>(place);
+            continue;
+        }
+        accept_given_links();
+        if (settings_.lines != nullptr) {
             settings_.lines->hush_data();
-        } else {
-            ready_[ready++] = static_cast<std::size_t>(source);
         }
     }
     return ready;
@@ -310,7 +310,7 @@ void Loop::look_at_lines(Instant now) {
     }
 }
 
-void Loop::run() {
+void Loop::begin() {
     // From here on this thread allocates nothing; the tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
@@ -319,14 +319,23 @@ void Loop::run() {
         settings_.values->start(clock_);
     }
     look_at_lines(clock_);
+}
+
+Loop* Loop::run() {
+    if (!took_over_) {
+        begin();
+    }
     std::optional<Instant> end_at;
     Instant next = advance(clock_);
     Instant now = clock_;
     while (!end_at || now < *end_at) {
-        const std::size_t ready = wait(std::min(next, end_at.value_or(kNever)));
+        const std::size_t ready = wait(std::min({next, end_at.value_or(kNever), retire_until_}));
         now = clock_;
         if (!end_at && end_requested_.load(std::memory_order_acquire)) {
             end_at = engine_.end(now);
+        }
+        if (Loop* following = successor(now)) {
+            return following;
         }
         look_at_lines(now);
         for (std::size_t i = 0; i < ready; ++i) {
@@ -340,6 +349,7 @@ void Loop::run() {
     }
     next_publish_ = now;
     publish(now);
+    return nullptr;
 }
 
 }  // namespace tribus

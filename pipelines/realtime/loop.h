@@ -13,6 +13,7 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
+#include "pipelines/carry_over.h"
 #include "pipelines/engine.h"
 #include "pipelines/line_words.h"
 #include "pipelines/read_pacer.h"
@@ -39,6 +40,23 @@ struct PortWiring {
     std::optional<std::size_t> node{};
     /// Of one byte on its wire; zero where that is not known or has no meaning.
     Duration byte_time{};
+};
+
+/// How a port of a new loop goes on from the one before.
+struct PortCarry {
+    /// Of the loop before: the same device or interface.
+    CarriedFrom from{};
+    /// It takes the open link with all that waits in it. Else it has its own, or will be given one.
+    bool takes_link = false;
+    /// Nobody read there until now: what waits in the link is old.
+    bool discards_unread = false;
+};
+
+/// How a loop goes on from the one before.
+struct LoopCarry {
+    EngineCarry engine;
+    ValueCarry values;
+    std::vector<PortCarry> ports;
 };
 
 struct LoopSettings {
@@ -88,8 +106,22 @@ class Loop {
     /// Sets up what the loop waits on. Main thread, before `run`. The error is a sentence.
     tl::expected<void, std::string> prepare();
 
-    /// Data thread. Returns after `request_end`, when every output has said its last frames.
-    void run();
+    /// Data thread. Returns nothing after `request_end`, when every output has said its last
+    /// frames, or the loop that goes on in its place, after `hand_over_to`.
+    Loop* run();
+
+    /// These parts say their last frames from now on, as at the end; the others go on. Once, before
+    /// `hand_over_to`. Main thread.
+    void retire(Leaving leaving);
+    /// They have said them. Thread-safe.
+    bool retired() const { return retired_.load(std::memory_order_acquire); }
+    /// Throws away what waits in the links of a loop that has not run yet: it is for the loop that
+    /// still runs. Main thread.
+    void discard_unread();
+    /// `next`, which is prepared and has never run, goes on in the place of this loop, between two
+    /// frames. Once `run` has returned it, this loop is of no use any more; links that `next` did
+    /// not take are still in it. Main thread; both must live until then.
+    void hand_over_to(Loop& next, LoopCarry carry);
 
     /// Thread-safe.
     void request_end();
@@ -103,8 +135,8 @@ class Loop {
     /// Thread-safe.
     InputStatus input_status(std::size_t input) const { return input_status_[input].read(); }
     OutputStatus output_status(std::size_t output) const { return output_status_[output].read(); }
-    const InputTiming& input_timing(std::size_t input) const { return input_timing_[input]; }
-    const OutputTiming& output_timing(std::size_t output) const { return output_timing_[output]; }
+    const InputTiming& input_timing(std::size_t input) const { return *input_timing_[input]; }
+    const OutputTiming& output_timing(std::size_t output) const { return *output_timing_[output]; }
     SensorBusState bus_state(std::size_t bus) const { return bus_states_[bus].read(); }
     dronecan::NodeReport node_report(std::size_t node) const { return node_reports_[node].read(); }
     /// Of a port that is a CAN interface.
@@ -114,6 +146,8 @@ class Loop {
     struct Port {
         PortWiring wiring;
         std::unique_ptr<Link> link;
+        /// Its own number, where the kernel points to when the link is ready; goes with the link.
+        std::unique_ptr<std::size_t> place;
         std::atomic<Link*> lost{nullptr};
         std::atomic<Link*> given{nullptr};
         Snapshot<CanLinkStatus> can_status;
@@ -127,6 +161,16 @@ class Loop {
         std::size_t lane = 0;
     };
 
+    void begin();
+    void ring();
+    Loop* successor(Instant now);
+    void take_over(Loop& before, Instant now);
+    void take_ports(Loop& before, Instant now);
+    void take_link(std::size_t port, Port& before, const PortCarry& carry, Instant now);
+    void read_second_sockets(Loop& before, Instant now);
+    void take_waiting(Loop& before);
+    static bool wants_bytes(const PortWiring& wiring);
+    void discard_unread_of(Link& link, Instant now);
     void watch(std::size_t port);
     void set_watched(std::size_t port, bool watched);
     void lose(Port& port);
@@ -162,6 +206,16 @@ class Loop {
     bool has_epoll_pwait2_ = true;
     UniqueFd wake_up_;
     std::atomic<bool> end_requested_{false};
+    /// Written before the flag is set, and only read after it.
+    Leaving leaving_;
+    std::atomic<bool> retire_requested_{false};
+    std::atomic<bool> retired_{false};
+    bool retiring_ = false;
+    Instant retire_until_ = kNever;
+    std::atomic<Loop*> successor_{nullptr};
+    /// From the loop before; set by its `hand_over_to`.
+    LoopCarry carry_;
+    bool took_over_ = false;
     std::array<std::size_t, kEventsPerWake> ready_{};
     /// The latest reading of the clock.
     Instant clock_{};
@@ -174,8 +228,9 @@ class Loop {
     std::deque<Snapshot<OutputStatus>> output_status_;
     std::deque<Snapshot<SensorBusState>> bus_states_;
     std::deque<Snapshot<dronecan::NodeReport>> node_reports_;
-    std::deque<InputTiming> input_timing_;
-    std::deque<OutputTiming> output_timing_;
+    /// They pass from loop to loop.
+    std::vector<std::unique_ptr<InputTiming>> input_timing_;
+    std::vector<std::unique_ptr<OutputTiming>> output_timing_;
 };
 
 }  // namespace tribus

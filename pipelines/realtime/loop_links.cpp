@@ -21,20 +21,22 @@ void Loop::watch(std::size_t port) {
     epoll_event event{};
     // A hang-up is reported without being asked for; bytes that nobody wants would wake for ever.
     // A CAN socket also tells what became of frames that were sent.
-    const PortWiring& wiring = ports_[port].wiring;
-    const bool wanted =
-        !wiring.inputs.empty() || !wiring.sensor_buses.empty() || link->as_can() != nullptr;
+    const bool wanted = wants_bytes(ports_[port].wiring) || link->as_can() != nullptr;
     event.events = wanted ? EPOLLIN : 0U;
-    event.data.u64 = port;
+    event.data.ptr = ports_[port].place.get();
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, link->descriptor(), &event) != 0) {
         lose(ports_[port]);
     }
 }
 
+bool Loop::wants_bytes(const PortWiring& wiring) {
+    return !wiring.inputs.empty() || !wiring.sensor_buses.empty();
+}
+
 void Loop::set_watched(std::size_t port, bool watched) {
     epoll_event event{};
     event.events = watched ? EPOLLIN : 0U;
-    event.data.u64 = port;
+    event.data.ptr = ports_[port].place.get();
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, ports_[port].link->descriptor(), &event);
 }
 
@@ -60,6 +62,11 @@ std::unique_ptr<Link> Loop::take_lost(std::size_t port) {
 
 void Loop::give(std::size_t port, std::unique_ptr<Link> link) {
     delete ports_[port].given.exchange(link.release(), std::memory_order_acq_rel);
+    ring();
+}
+
+/// Wakes the data thread.
+void Loop::ring() {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
 }

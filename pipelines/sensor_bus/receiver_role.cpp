@@ -212,6 +212,30 @@ void ReceiverRole::add_sensor(const SensorFrame& frame) {
     }
 }
 
+void ReceiverRole::continue_from(const ReceiverRole& before) {
+    parser_ = before.parser_;
+    echo_ = before.echo_;
+    stage_ = before.stage_;
+    slots_in_stage_ = before.slots_in_stage_;
+    next_slot_ = before.next_slot_;
+    open_ = before.open_;
+    follow_up_ = before.follow_up_;
+    repeated_ = before.repeated_;
+    next_polled_ = before.next_polled_;
+    slots_since_probe_ = before.slots_since_probe_;
+    wire_ = before.wire_;
+    wire_length_ = before.wire_length_;
+    counts_ = before.counts_;
+    // Types and places are those of this role's own tables.
+    for (const FoundSensor& found : before.found()) {
+        found_[found_count_] = found;
+        sensors_[found_count_] = {.type = type_of(found),
+                                  .by_type = places_of_first(found.type),
+                                  .misses = before.sensors_[found_count_].misses};
+        ++found_count_;
+    }
+}
+
 const SensorType* ReceiverRole::type_of(const FoundSensor& found) const {
     const SensorType* type = types_by_id_[found.type];
     if (type == nullptr || type->size == found.size) {

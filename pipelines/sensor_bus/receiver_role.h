@@ -71,6 +71,8 @@ class ReceiverRole final : public SensorBusRole {
     explicit ReceiverRole(ReceiverRoleSettings settings);
 
     void start(Instant now) override;
+    /// Goes on as `before`, a role with the same settings but for the places of its readings.
+    void continue_from(const ReceiverRole& before);
     void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) override;
     void damaged_byte(Instant now) override;
     Instant due() const override { return next_slot_; }

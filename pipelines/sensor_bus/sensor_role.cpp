@@ -32,6 +32,23 @@ void SensorRole::start(Instant now) {
     prepared_at_ = now - kPreparedFor;
 }
 
+void SensorRole::continue_from(const SensorRole& before) {
+    parser_ = before.parser_;
+    echo_ = before.echo_;
+    requests_ = before.requests_;
+    first_address_ = before.first_address_;
+    latest_request_ = before.latest_request_;
+    std::ranges::copy(before.answers_, answers_.begin());
+    prepared_at_ = before.prepared_at_;
+    pending_ = before.pending_;
+    reply_ = before.reply_;
+    reply_length_ = before.reply_length_;
+    reply_at_ = before.reply_at_;
+    reply_until_ = before.reply_until_;
+    rhythm_belief_ = before.rhythm_belief_;
+    counts_ = before.counts_;
+}
+
 void SensorRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
     if (settings_.hears_itself) {
         echo_.cancel(bytes, now);

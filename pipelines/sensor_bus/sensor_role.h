@@ -66,6 +66,8 @@ class SensorRole final : public SensorBusRole {
     explicit SensorRole(SensorRoleSettings settings);
 
     void start(Instant now) override;
+    /// Goes on as `before`, a role with the same settings but for the places of its values.
+    void continue_from(const SensorRole& before);
     void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) override;
     void damaged_byte(Instant now) override;
     Instant due() const override { return pending_ ? reply_at_ : kNever; }

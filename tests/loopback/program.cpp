@@ -140,6 +140,15 @@ std::ptrdiff_t Program::open_descriptors() const {
     return std::distance(std::filesystem::begin(entries), std::filesystem::end(entries));
 }
 
+long Program::memory_kib(const std::string& line) const {
+    const std::string status = content_of("/proc/" + std::to_string(pid_) + "/status");
+    const std::size_t at = status.find(line + ":");
+    if (at == std::string::npos) {
+        throw std::runtime_error("no process to ask");
+    }
+    return std::stol(status.substr(at + line.size() + 1));
+}
+
 std::optional<int> Program::end() {
     eventually([this] { return !runs(); });
     return ended_;

@@ -55,6 +55,8 @@ class Program {
     std::chrono::nanoseconds used_time() const;
     /// How many descriptors it has open.
     std::ptrdiff_t open_descriptors() const;
+    /// A line of /proc/PID/status, such as "VmRSS", in KiB.
+    long memory_kib(const std::string& line) const;
     /// Waits for its end; the exit status, or 128 and the signal that ended it.
     std::optional<int> end();
 

@@ -1,7 +1,12 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <csignal>
-
+#include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +14,11 @@
 
 namespace tribus::test {
 namespace {
+
+/// Another output for the receiver's channels.
+constexpr std::string_view kTail =
+    "[output.tail]\nprotocol = \"sbus\"\ndevice = \"@tail\"\nperiod = \"7ms\"\n"
+    "[pipeline.tail]\nfrom = \"receiver\"\nto = \"tail\"\n";
 
 class Reload : public Loopback {
   protected:
@@ -35,8 +45,9 @@ TEST_F(Reload, TakesANewConfiguration) {
     expect_first_channel(1100);
     write_config(with_channel("{ from = 1, reverse = true }"));
     program.signal(SIGHUP);
-    EXPECT_TRUE(program.says("started", 2));
+    EXPECT_TRUE(program.says("reloaded"));
     expect_first_channel(1900);
+    EXPECT_EQ(count_of("in failsafe", program.errors()), 0U) << "the reload was not seamless";
     EXPECT_EQ(servos_.strays(), 0U);
     expect_clean_end(program);
 }
@@ -65,27 +76,28 @@ TEST_F(Reload, RefusesAConfigurationFileThatIsGoneAndGoesOn) {
     expect_clean_end(program);
 }
 
-TEST_F(Reload, ReturnsToTheOldConfigurationWhereADeviceOfTheNewOneIsMissing) {
+TEST_F(Reload, RefusesAConfigurationWhoseDeviceIsMissingAndGoesOn) {
     Program& program = run(write_config(main_job(kPatientInput)));
     expect_first_channel(1100);
     std::string text = with_channel("{ from = 1, reverse = true }");
     text.replace(text.find("@receiver"), 9, "@missing");
     write_config(text);
     program.signal(SIGHUP);
-    EXPECT_TRUE(program.says("back to the old configuration"));
+    EXPECT_TRUE(program.says("reload refused"));
     EXPECT_TRUE(program.says("missing: there is no such device"));
     expect_first_channel(1100);
+    EXPECT_EQ(count_of("in failsafe", program.errors()), 0U) << "the refusal was not seamless";
     expect_clean_end(program);
 }
 
 /// A loose plug and an impatient hand: the outputs that are left must not die of it.
 TEST_F(Reload, WhileADeviceIsGoneDoesNotEndTheProgram) {
-    Program& program = run(write_config(main_job(kPatientInput)));
+    Program& program = run(write_config(main_job("timeout = \"2s\"")));
     expect_first_channel(1100);
     receiver_.pull();
     EXPECT_TRUE(program.says("is gone"));
     program.signal(SIGHUP);
-    EXPECT_TRUE(program.says("back to the old configuration"));
+    EXPECT_TRUE(program.says("reloaded"));
     servos_.listen();
     EXPECT_TRUE(eventually([&] {
         const auto seen = servos_.listen();
@@ -95,6 +107,136 @@ TEST_F(Reload, WhileADeviceIsGoneDoesNotEndTheProgram) {
     expect_first_channel(1100);
     EXPECT_TRUE(program.says("is back"));
     expect_clean_end(program);
+}
+
+TEST_F(Reload, OpensAndClosesWhatIsNewAndWhatIsGone) {
+    ServoBank tail(device("tail"));
+    Program& program = run(write_config(main_job(kPatientInput)));
+    expect_first_channel(1100);
+    const auto descriptors = program.open_descriptors();
+    write_config(main_job(kPatientInput) + std::string(kTail));
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded"));
+    EXPECT_TRUE(eventually([&] {
+        repeater_.send_if_due();
+        const auto seen = tail.listen();
+        return !seen.empty() && seen.back().good() && seen.back().raw[0] == sbus_raw(1100);
+    }));
+    write_config(main_job(kPatientInput));
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded", 2));
+    const auto last = tail.listen();
+    ASSERT_FALSE(last.empty());
+    EXPECT_TRUE(last.back().failsafe) << "it was left without its last frames";
+    EXPECT_EQ(program.open_descriptors(), descriptors);
+    expect_first_channel(1100);
+    EXPECT_EQ(count_of("output servos: in failsafe", program.errors()), 0U);
+    expect_clean_end(program);
+}
+
+/// A device cannot be open twice, so only that port has a gap.
+TEST_F(Reload, OpensADeviceAnewWhoseLineSettingsChanged) {
+    Program& program = run(write_config(main_job(kPatientInput)));
+    expect_first_channel(1100);
+    write_config(main_job(kPatientInput, "baud = 200000"));
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded"));
+    expect_first_channel(1100);
+    repeater_.change(ibus_bytes(sticks_with_first(1300)));
+    expect_first_channel(1300);
+    expect_clean_end(program);
+}
+
+TEST_F(Reload, WithAStopSaysSoWhereTheSchedulingChanges) {
+    Program& program = run(write_config(main_job(kPatientInput)));
+    expect_first_channel(1100);
+    write_config(main_job(kPatientInput) + "[runtime]\npriority = 70\n");
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reload with a stop"));
+    EXPECT_TRUE(program.says("started", 2));
+    expect_first_channel(1100);
+    expect_clean_end(program);
+}
+
+/// Half of the time a reload every 60 ms or so, between two configurations with an output that
+/// comes and goes and another map, half of the time none; in turns, so that both see the same
+/// machine.
+class ReloadsUnderLoad : public Reload {
+  protected:
+    using Gap = std::chrono::nanoseconds;
+
+    /// Feeds the receiver for a turn and returns the longest time between two frames.
+    Gap longest_gap(int reloads_so_far, bool reload) {
+        if (reload) {
+            const bool with_tail = reloads_so_far % 2 == 1;
+            write_config(main_job(kPatientInput, "",
+                                  with_tail
+                                      ? "[pipeline.main.channels]\n2 = { from = 2, expo = 0.5 }"
+                                      : "") +
+                         (with_tail ? std::string(kTail) : ""));
+            program_->signal(SIGHUP);
+        }
+        Gap longest{};
+        Clock::time_point latest{};
+        std::size_t frames = 0;
+        EXPECT_TRUE(eventually([&] {
+            repeater_.send_if_due();
+            for (const SbusSight& sight : servos_.listen()) {
+                marked_ += sight.good() && sight.raw[0] == sbus_raw(1100) ? 0U : 1U;
+                longest = frames++ == 0 ? longest : std::max(longest, Gap(sight.seen - latest));
+                latest = sight.seen;
+            }
+            return frames >= 5 && (!reload || count_of("reloaded", program_->errors()) ==
+                                                  static_cast<std::size_t>(reloads_so_far));
+        }));
+        return longest;
+    }
+    static Gap median(std::vector<Gap> gaps) {
+        std::ranges::sort(gaps);
+        return gaps[gaps.size() / 2];
+    }
+    static void tell(const char* what, std::vector<Gap> gaps) {
+        std::ranges::sort(gaps);
+        const auto us = [](Gap gap) { return static_cast<int>(gap.count() / 1000); };
+        std::printf("longest gap of a turn %s: median %d us, p90 %d us, most %d us\n", what,
+                    us(gaps[gaps.size() / 2]), us(gaps[gaps.size() * 9 / 10]), us(gaps.back()));
+    }
+
+    Program* program_ = nullptr;
+    std::size_t marked_ = 0;
+};
+
+TEST_F(ReloadsUnderLoad, AHundredInARowDelayNoFrameAndLeakNothing) {
+    constexpr int kReloads = 100;
+    constexpr int kWarmUp = 20;
+    device("tail");
+    program_ = &run(write_config(main_job(kPatientInput)));
+    expect_first_channel(1100);
+    std::vector<Gap> with;
+    std::vector<Gap> without;
+    std::ptrdiff_t descriptors = 0;
+    std::array<long, 2> memory{};
+    for (int i = 1; i <= kReloads; ++i) {
+        with.push_back(longest_gap(i, true));
+        without.push_back(longest_gap(i, false));
+        if (i == kWarmUp) {
+            descriptors = program_->open_descriptors();
+            memory = {program_->memory_kib("VmRSS"), program_->memory_kib("VmData")};
+        }
+    }
+    tell("with a reload", with);
+    tell("without", without);
+    std::printf("memory after %d and %d reloads: VmRSS %ld and %ld KiB, VmData %ld and %ld KiB\n",
+                kWarmUp, kReloads, memory[0], program_->memory_kib("VmRSS"), memory[1],
+                program_->memory_kib("VmData"));
+    EXPECT_EQ(marked_, 0U) << "frames that were not fresh control";
+    EXPECT_EQ(servos_.strays(), 0U);
+    EXPECT_LT(median(with), 2 * median(without));
+    EXPECT_EQ(program_->open_descriptors(), descriptors);
+    EXPECT_LE(program_->memory_kib("VmRSS"), memory[0] + 128);
+    EXPECT_LE(program_->memory_kib("VmData"), memory[1] + 128);
+    EXPECT_EQ(count_of("in failsafe", program_->errors()), 0U);
+    expect_clean_end(*program_);
 }
 
 }  // namespace

@@ -216,6 +216,13 @@ CanFrame CanChannelsEncoder::blank(std::size_t part) const {
             .length = static_cast<std::uint8_t>(format_.frame_length())};
 }
 
+void CanChannelsEncoder::continue_from(const CanEncoder& before) {
+    const auto* same = dynamic_cast<const CanChannelsEncoder*>(&before);
+    if (same != nullptr) {
+        counter_ = same->counter_;
+    }
+}
+
 std::size_t CanChannelsEncoder::encode(const ChannelFrame& snapshot, Instant now,
                                        std::span<CanFrame, kMostSnapshotFrames> frames) {
     const CanChannelsStatus status = status_of(snapshot, counter_);

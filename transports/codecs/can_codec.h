@@ -55,6 +55,10 @@ class CanEncoder {
     /// `encode`; outlives the encoder.
     virtual void speak_as(const dronecan::Voice& /*voice*/) {}
 
+    /// Goes on as `before`, an encoder of the same protocol and settings: with its counters, so
+    /// that readers see one sender.
+    virtual void continue_from(const CanEncoder& before) = 0;
+
     /// Writes the frames of one snapshot, in the order in which they go out, and returns how many.
     /// `now` is when they go out: the age of the values is told where the format can.
     virtual std::size_t encode(const ChannelFrame& snapshot, Instant now,

@@ -26,6 +26,8 @@ struct SensorField {
     /// The lowest raw value, where that is neither 0 nor what a sign makes it: a heading that some
     /// send as -180 to 180 degrees, and others as 0 to 360.
     std::optional<std::int64_t> least{};
+
+    bool operator==(const SensorField&) const = default;
 };
 
 struct SensorType {
@@ -33,6 +35,8 @@ struct SensorType {
     std::uint8_t id = 0;
     std::uint8_t size = 2;            ///< bytes of the value; what a type reply says wins over it
     std::vector<SensorField> fields;  ///< one, but for a few types that pack more
+
+    bool operator==(const SensorType&) const = default;
 };
 
 /// Whose meaning of the disputed types.

@@ -114,6 +114,13 @@ void SensorCanEncoder::use(const ValueBoard& board) {
     }
 }
 
+void SensorCanEncoder::continue_from(const CanEncoder& before) {
+    const auto* same = dynamic_cast<const SensorCanEncoder*>(&before);
+    if (same != nullptr) {
+        counters_ = same->counters_;
+    }
+}
+
 std::size_t SensorCanEncoder::encode(const ChannelFrame& /*snapshot*/, Instant now,
                                      std::span<CanFrame, kMostSnapshotFrames> frames) {
     std::size_t count = 0;

@@ -27,6 +27,8 @@ struct CanSocketSettings {
     /// Ids that outputs send: confirmations come by them, and other senders of them are seen.
     std::vector<CanIdMatch> sent;
     bool fd = false;  ///< an input or output uses FD frames
+
+    bool operator==(const CanSocketSettings&) const = default;
 };
 
 /// A SocketCAN interface. Thread-bound. No heap after `open`.

@@ -13,6 +13,8 @@ struct GpioPlace {
     std::string chip;
     /// The line's offset on its chip, or the name that the board gives it.
     std::variant<unsigned, std::string> line;
+
+    bool operator==(const GpioPlace&) const = default;
 };
 
 /// What holds an input at a level while nothing drives it. Chips without such resistors ignore it.

@@ -118,6 +118,7 @@ class DbcEncoder final : public CanEncoder {
     bool uses_fd() const override;
     std::span<const CanIdMatch> sent() const override { return sent_; }
     void use(const ValueBoard& board) override;
+    void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
 

@@ -130,6 +130,16 @@ std::optional<CanFrame> DbcEncoder::make_frame(std::size_t index, const ChannelF
     return frame;
 }
 
+void DbcEncoder::continue_from(const CanEncoder& before) {
+    const auto* same = dynamic_cast<const DbcEncoder*>(&before);
+    if (same != nullptr && same->counters_.size() == counters_.size() &&
+        same->sent_parts_.size() == sent_parts_.size()) {
+        std::ranges::copy(same->counters_, counters_.begin());
+        std::ranges::copy(same->sent_parts_, sent_parts_.begin());
+        encoded_ = same->encoded_;
+    }
+}
+
 std::size_t DbcEncoder::encode(const ChannelFrame& snapshot, Instant now,
                                std::span<CanFrame, kMostSnapshotFrames> frames) {
     std::size_t count = 0;

@@ -187,6 +187,17 @@ ChannelFrame CommandDecoder::snapshot(Instant now) {
     return frame;
 }
 
+void CommandEncoder::continue_from(const CanEncoder& before) {
+    const auto* same = dynamic_cast<const CommandEncoder*>(&before);
+    if (same != nullptr) {
+        command_transfer_id_ = same->command_transfer_id_;
+        safety_transfer_id_ = same->safety_transfer_id_;
+        arming_transfer_id_ = same->arming_transfer_id_;
+        ever_in_control_ = same->ever_in_control_;
+        permitted_ = same->permitted_;
+    }
+}
+
 std::size_t CommandEncoder::encode(const ChannelFrame& snapshot, Instant now,
                                    std::span<CanFrame, kMostSnapshotFrames> frames) {
     if (voice_->id == kNobody) {

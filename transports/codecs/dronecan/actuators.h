@@ -110,6 +110,7 @@ class CommandEncoder final : public CanEncoder {
     bool uses_fd() const override { return format_.fd; }
     std::span<const CanIdMatch> sent() const override { return {}; }
     void speak_as(const Voice& voice) override { voice_ = &voice; }
+    void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
 

@@ -137,6 +137,15 @@ void RcEncoder::use(const ValueBoard& board) {
     value_ = board.find(format_.quality_value);
 }
 
+void RcEncoder::continue_from(const CanEncoder& before) {
+    const auto* same = dynamic_cast<const RcEncoder*>(&before);
+    if (same != nullptr) {
+        transfer_id_ = same->transfer_id_;
+        good_ones_ = same->good_ones_;
+        latest_sequence_ = same->latest_sequence_;
+    }
+}
+
 std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
                               std::span<CanFrame, kMostSnapshotFrames> frames) {
     if (voice_->id == kNobody) {

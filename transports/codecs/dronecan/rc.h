@@ -95,6 +95,7 @@ class RcEncoder final : public CanEncoder {
     std::span<const CanIdMatch> sent() const override { return {}; }
     void use(const ValueBoard& board) override;
     void speak_as(const Voice& voice) override { voice_ = &voice; }
+    void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
 

@@ -1,0 +1,242 @@
+#include "app/diff.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "app/exit_status.h"
+#include "app/load_or_explain.h"
+#include "config/carry_over.h"
+#include "config/effective.h"
+
+namespace tribus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Lines = std::vector<std::string>;
+
+/// As it stands in the file, without the quotes around texts.
+std::string plain(const Json& json) {
+    if (json.is_string()) {
+        return json.get<std::string>();
+    }
+    if (json.is_object()) {
+        std::string text;
+        for (const auto& [key, value] : json.items()) {
+            text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key, plain(value));
+        }
+        return "{ " + text + " }";
+    }
+    return json.dump();
+}
+
+/// How one channel is made.
+std::string channel_words(const Json& rule) {
+    if (rule.is_number()) {
+        return "channel " + rule.dump();
+    }
+    std::string text = rule.contains("from") ? "channel " + plain(rule["from"]) : "";
+    for (const auto& [key, value] : rule.items()) {
+        const bool off = value == Json(false) || value == Json(0);
+        if (key == "from" || (off && key != "fixed")) {
+            continue;
+        }
+        const std::string words =
+            value == Json(true) ? key : fmt::format("{} {}", key, plain(value));
+        text += (text.empty() ? "" : ", ") + words;
+    }
+    return text;
+}
+
+void compare_channels(const Json& before, const Json& after, std::string_view input, Lines& lines) {
+    constexpr int kChannels = 18;
+    for (int channel = 1; channel <= kChannels; ++channel) {
+        const std::string key = std::to_string(channel);
+        const auto words = [&](const Json& rules) {
+            return rules.contains(key) ? channel_words(rules[key]) : "channel " + key;
+        };
+        if (words(before) != words(after)) {
+            lines.push_back(fmt::format("{}channel {}: {} before, now {}", input, channel,
+                                        words(before), words(after)));
+        }
+    }
+}
+
+/// Settings that differ, one line each; tables inside by their own keys.
+void compare(const Json& before, const Json& after, const std::string& path, Lines& lines) {
+    const auto compare_key = [&](const std::string& key) {
+        const Json old_value = before.value(key, Json());
+        const Json new_value = after.value(key, Json());
+        const std::string name = path.empty() ? key : path + "." + key;
+        if (key == "channels" || key == "map") {
+            compare_channels(old_value, new_value, key == "map" ? "its own " : "", lines);
+        } else if (old_value.is_object() && new_value.is_object()) {
+            compare(old_value, new_value, name, lines);
+        } else if (old_value.is_null()) {
+            lines.push_back(fmt::format("{}: not set before, now {}", name, plain(new_value)));
+        } else if (new_value.is_null()) {
+            lines.push_back(fmt::format("{}: {} before, now not set", name, plain(old_value)));
+        } else if (old_value != new_value) {
+            lines.push_back(
+                fmt::format("{}: {} before, now {}", name, plain(old_value), plain(new_value)));
+        }
+    };
+    for (const auto& [key, value] : before.items()) {
+        compare_key(key);
+    }
+    for (const auto& [key, value] : after.items()) {
+        if (!before.contains(key)) {
+            compare_key(key);
+        }
+    }
+}
+
+class Difference {
+  public:
+    Difference(const Configuration& running, const Configuration& fresh)
+        : running_(running),
+          fresh_(fresh),
+          plan_(plan_carry_over(running, fresh)),
+          before_(Json::parse(effective_json(running))),
+          after_(Json::parse(effective_json(fresh))) {}
+
+    std::string text() {
+        section("runtime", "", before_["runtime"], after_["runtime"]);
+        for (const std::string_view kind : {"input", "output", "pipeline", "gpio", "sensor_type",
+                                            "values", "sensor_bus", "dronecan"}) {
+            tables(std::string(kind));
+        }
+        if (text_.empty()) {
+            return {};
+        }
+        for (const std::string& obstacle : plan_.obstacles) {
+            text_ += fmt::format("a reload stops all outputs for a moment: {}\n", obstacle);
+        }
+        return text_;
+    }
+
+  private:
+    void section(const std::string& kind, const std::string& name, const Json& before,
+                 const Json& after) {
+        Lines lines;
+        compare(before, after, "", lines);
+        if (lines.empty()) {
+            return;
+        }
+        const std::string meaning = meaning_of(kind, name);
+        text_ += fmt::format("{}{}{}:\n", kind, name.empty() ? "" : " ", name);
+        for (const std::string& line : lines) {
+            text_ += fmt::format("  {}\n", line);
+        }
+        if (!meaning.empty()) {
+            text_ += fmt::format("  ({})\n", meaning);
+        }
+    }
+
+    void tables(const std::string& kind) {
+        const Json before = before_.value(kind, Json::object());
+        const Json after = after_.value(kind, Json::object());
+        for (const auto& [name, table] : before.items()) {
+            if (after.contains(name)) {
+                section(kind, name, table, after[name]);
+            } else if (const auto now = renamed_to(kind, name)) {
+                text_ += fmt::format("{} {}: is called {} now, and goes on\n", kind, name, *now);
+            } else {
+                text_ +=
+                    fmt::format("{} {}: removed{}\n", kind, name,
+                                kind == "output" ? "; it says its last frames as at the end" : "");
+            }
+        }
+        for (const auto& [name, table] : after.items()) {
+            if (!before.contains(name) && !came_from(kind, name)) {
+                text_ += fmt::format("{} {}: new\n", kind, name);
+            }
+        }
+    }
+
+    /// The part before from which a fresh one of that name goes on.
+    std::optional<std::string> came_from(const std::string& kind, const std::string& name) const {
+        const auto look = [&](const auto& parts, const auto& parts_before,
+                              const auto& carries) -> std::optional<std::string> {
+            for (std::size_t i = 0; i < parts.size(); ++i) {
+                if (parts[i].name == name && carries[i].from) {
+                    return parts_before[*carries[i].from].name;
+                }
+            }
+            return std::nullopt;
+        };
+        if (kind == "input") {
+            return look(fresh_.inputs, running_.inputs, plan_.engine.inputs);
+        }
+        return kind == "output" ? look(fresh_.outputs, running_.outputs, plan_.engine.outputs)
+                                : std::nullopt;
+    }
+
+    std::optional<std::string> renamed_to(const std::string& kind, const std::string& name) const {
+        const Json after = after_.value(kind, Json::object());
+        for (const auto& [fresh_name, table] : after.items()) {
+            if (came_from(kind, fresh_name) == name) {
+                return fresh_name;
+            }
+        }
+        return std::nullopt;
+    }
+
+    std::string meaning_of(const std::string& kind, const std::string& name) const {
+        if (kind == "input") {
+            return came_from(kind, name) ? "it goes on; nothing is lost"
+                                         : "it begins anew, as never seen";
+        }
+        if (kind == "output") {
+            return came_from(kind, name) ? "it goes on; the change counts from its next frame on"
+                                         : "the old one says its last frames, then it begins anew";
+        }
+        return kind == "pipeline" ? "counts from the next frame of its outputs on" : "";
+    }
+
+    const Configuration& running_;
+    const Configuration& fresh_;
+    CarryOver plan_;
+    Json before_;
+    Json after_;
+    std::string text_;
+};
+
+}  // namespace
+
+std::string configuration_difference(const Configuration& running, const Configuration& fresh) {
+    return Difference(running, fresh).text();
+}
+
+void add_diff_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand(
+        "diff", "Say what changes where another configuration takes the place of one");
+    struct Options {
+        std::string running;
+        std::string fresh;
+    };
+    auto options = std::make_shared<Options>();
+    command->add_option("CONFIG", options->running, "The configuration that runs")->required();
+    command->add_option("NEW", options->fresh, "The one that is to take its place")->required();
+    command->footer(
+        "Line by line: what is set otherwise, channel by channel, and what a reload does with it.\n"
+        "Prints nothing where nothing changes.");
+    command->callback([options, &status] {
+        const auto running = load_or_explain(options->running);
+        const auto fresh = load_or_explain(options->fresh);
+        if (!running || !fresh) {
+            status = kExitWrongUse;
+            return;
+        }
+        fmt::print("{}", configuration_difference(*running, *fresh));
+    });
+}
+
+}  // namespace tribus

@@ -1,0 +1,161 @@
+#include <sys/epoll.h>
+
+#include <atomic>
+#include <cstddef>
+#include <utility>
+
+#include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/loop.h"
+
+/// One loop in the place of another, between two frames. The data thread does bounded work here,
+/// and neither allocates nor closes anything: what is left over stays in the loop before, which the
+/// main thread destroys.
+namespace tribus {
+namespace {
+
+/// A receive buffer of the kernel has been read by then.
+constexpr int kMostDiscardedReads = 64;
+
+}  // namespace
+
+void Loop::retire(Leaving leaving) {
+    leaving_ = std::move(leaving);
+    retire_requested_.store(true, std::memory_order_release);
+    ring();
+}
+
+void Loop::hand_over_to(Loop& next, LoopCarry carry) {
+    next.carry_ = std::move(carry);
+    successor_.store(&next, std::memory_order_release);
+    ring();
+}
+
+void Loop::discard_unread() {
+    for (Port& port : ports_) {
+        if (port.link) {
+            discard_unread_of(*port.link, monotonic_now());
+        }
+    }
+}
+
+Loop* Loop::successor(Instant now) {
+    if (!retiring_ && retire_requested_.load(std::memory_order_acquire)) {
+        retiring_ = true;
+        retire_until_ = engine_.end(leaving_, now);
+    }
+    if (retiring_ && now >= retire_until_) {
+        retire_until_ = kNever;
+        retired_.store(true, std::memory_order_release);
+    }
+    Loop* next = successor_.load(std::memory_order_acquire);
+    if (next != nullptr) {
+        next->take_over(*this, now);
+    }
+    return next;
+}
+
+void Loop::take_over(Loop& before, Instant now) {
+    clock_ = now;
+    before.accept_given_links();
+    read_second_sockets(before, now);
+    take_waiting(before);
+    take_ports(before, now);
+    engine_.start(now);
+    engine_.continue_from(before.engine_, carry_.engine, now);
+    if (settings_.values != nullptr) {
+        settings_.values->start(now);
+        if (before.settings_.values != nullptr) {
+            settings_.values->continue_from(*before.settings_.values, carry_.values, carry_.engine);
+        }
+    }
+    if (settings_.lines != nullptr) {
+        levels_ = settings_.lines->levels();
+        engine_.set_lines(levels_, now);
+    }
+    for (std::size_t i = 0; i < input_timing_.size(); ++i) {
+        if (const CarriedFrom from = carry_.engine.inputs[i].from) {
+            std::swap(input_timing_[i], before.input_timing_[*from]);
+        }
+    }
+    for (std::size_t i = 0; i < output_timing_.size(); ++i) {
+        if (const CarriedFrom from = carry_.engine.outputs[i].from) {
+            std::swap(output_timing_[i], before.output_timing_[*from]);
+        }
+    }
+    took_over_ = true;
+    publish(now);
+}
+
+/// Of interfaces that both loops have open: what came so far is for the loop before. A frame that
+/// comes between the two lines is seen twice, rather than not at all.
+void Loop::read_second_sockets(Loop& before, Instant now) {
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        const CarriedFrom from = carry_.ports[port].from;
+        if (from && ports_[port].link) {
+            discard_unread_of(*ports_[port].link, now);
+            before.read_port(*from, now);
+        }
+    }
+}
+
+/// What the loop before waits on, as it is. To watch a tty anew may wait for the kernel's work on
+/// what is just arriving there: where that is starved, all outputs would be late.
+void Loop::take_waiting(Loop& before) {
+    std::swap(epoll_, before.epoll_);
+    std::swap(wake_up_, before.wake_up_);
+    has_epoll_pwait2_ = before.has_epoll_pwait2_;
+}
+
+void Loop::take_ports(Loop& before, Instant now) {
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        const PortCarry& carry = carry_.ports[port];
+        if (carry.takes_link) {
+            take_link(port, before.ports_[*carry.from], carry, now);
+        }
+    }
+    // The main thread closes what is left over, and nothing of it may be reported any more.
+    for (const Port& port : before.ports_) {
+        if (port.link && port.link->descriptor() >= 0) {
+            ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
+        }
+    }
+    for (std::size_t port = 0; port < ports_.size(); ++port) {
+        if (!carry_.ports[port].takes_link) {
+            watch(port);
+        }
+    }
+}
+
+void Loop::take_link(std::size_t index, Port& before, const PortCarry& carry, Instant now) {
+    Port& port = ports_[index];
+    port.link = std::move(before.link);
+    port.lost.store(before.lost.exchange(nullptr), std::memory_order_release);
+    std::swap(port.place, before.place);
+    *port.place = index;
+    if (port.wiring.byte_time == before.wiring.byte_time) {
+        port.pacer = before.pacer;
+    }
+    port.quiet_until = std::exchange(before.quiet_until, kNever);
+    quiet_ports_ += port.quiet_until == kNever ? 0U : 1U;
+    if (!port.link) {
+        return;
+    }
+    if (carry.discards_unread) {
+        discard_unread_of(*port.link, now);
+    }
+    if (port.link->as_bytes() != nullptr &&
+        wants_bytes(port.wiring) != wants_bytes(before.wiring)) {
+        set_watched(index, wants_bytes(port.wiring));
+    }
+}
+
+void Loop::discard_unread_of(Link& link, Instant now) {
+    ReadStatus status = ReadStatus::received;
+    for (int i = 0; i < kMostDiscardedReads && status == ReadStatus::received; ++i) {
+        ByteLink* bytes = link.as_bytes();
+        status = bytes != nullptr ? bytes->read(reception_)
+                                  : link.as_can()->read(can_reception_, now, wall_time_now());
+    }
+}
+
+}  // namespace tribus

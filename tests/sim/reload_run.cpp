@@ -1,0 +1,117 @@
+#include "tests/sim/reload_run.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "tests/sim/simulation.h"
+
+namespace tribus::test {
+namespace {
+
+struct NothingDamaged {
+    bool operator[](std::size_t /*position*/) const { return false; }
+};
+
+}  // namespace
+
+std::unique_ptr<ReloadRun::Stage> ReloadRun::stage_of(const std::string& text) {
+    auto stage = std::make_unique<Stage>();
+    stage->configuration = configuration_of(text);
+    stage->engine = build_engine(stage->configuration);
+    stage->values = build_value_engine(stage->configuration, *stage->engine);
+    return stage;
+}
+
+ReloadRun::ReloadRun(const std::string& text)
+    : stage_(stage_of(text)),
+      loop_(
+          std::make_unique<VirtualLoop>(*stage_->engine, *this, Instant{}, stage_->values.get())) {}
+
+std::size_t ReloadRun::input_index(const std::string& name) const {
+    const auto& inputs = stage_->configuration.inputs;
+    const auto found = std::ranges::find(inputs, name, &InputConfig::name);
+    EXPECT_NE(found, inputs.end()) << name;
+    return static_cast<std::size_t>(found - inputs.begin());
+}
+
+void ReloadRun::receive(const std::string& input, std::span<const std::uint8_t> bytes, Instant at) {
+    loop_->receive(input_index(input), bytes, NothingDamaged{}, at);
+}
+
+void ReloadRun::receive(const std::string& input, const CanFrame& frame, Instant at) {
+    loop_->receive(input_index(input), frame, at);
+}
+
+void ReloadRun::reload(const std::string& text, Instant at) {
+    auto next = stage_of(text);
+    const CarryOver plan = plan_carry_over(stage_->configuration, next->configuration);
+    EXPECT_TRUE(plan.obstacles.empty()) << plan.obstacles.front();
+    if (!plan.leaving.empty()) {
+        at = loop_->retire(plan.leaving, at);
+    }
+    loop_->run_until(at);
+    {
+        const HeapTrap trap;
+        next->engine->start(at);
+        next->engine->continue_from(*stage_->engine, plan.engine, at);
+        if (next->values && stage_->values) {
+            next->values->start(at);
+            next->values->continue_from(*stage_->values, plan.values, plan.engine);
+        }
+        allocations_ += trap.allocations();
+    }
+    std::swap(stage_, next);
+    loop_->go_on_with(*stage_->engine, stage_->values.get(), at);
+}
+
+void ReloadRun::wrote(std::size_t output, Instant at, const Transmission& sent) {
+    const std::string& name = stage_->configuration.outputs[output].name;
+    said_[name].push_back({at,
+                           {sent.bytes.begin(), sent.bytes.end()},
+                           {sent.can_frames.begin(), sent.can_frames.end()}});
+}
+
+void ReloadRun::node_spoke(std::size_t node, Instant at, std::span<const CanFrame> frames) {
+    said_["node " + std::to_string(node)].push_back({at, {}, {frames.begin(), frames.end()}});
+}
+
+void ReloadRun::bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) {
+    const std::string& name = stage_->configuration.sensor_buses[bus].name;
+    said_[name].push_back({at, {bytes.begin(), bytes.end()}, {}});
+}
+
+std::size_t ReloadRun::bus_index(const std::string& name) const {
+    const auto& buses = stage_->configuration.sensor_buses;
+    const auto found = std::ranges::find(buses, name, &SensorBusConfig::name);
+    EXPECT_NE(found, buses.end()) << name;
+    return static_cast<std::size_t>(found - buses.begin());
+}
+
+void ReloadRun::receive_on_bus(const std::string& bus, std::span<const std::uint8_t> bytes,
+                               Instant at) {
+    loop_->receive_on_bus(bus_index(bus), bytes, NothingDamaged{}, at);
+}
+
+SensorBusState ReloadRun::bus_state(const std::string& bus) const {
+    return stage_->values->bus_state(bus_index(bus));
+}
+
+std::optional<double> ReloadRun::value(const std::string& name, Instant now) const {
+    const ValueBoard& board = stage_->values->board();
+    const auto index = board.find(name);
+    EXPECT_TRUE(index) << name;
+    return index ? board.fresh(*index, now) : std::nullopt;
+}
+
+const Input& ReloadRun::input(const std::string& name) const {
+    return stage_->engine->inputs()[input_index(name)];
+}
+
+const Output& ReloadRun::output(const std::string& name) const {
+    const auto outputs = stage_->engine->outputs();
+    return *std::ranges::find(outputs, name, &Output::name);
+}
+
+}  // namespace tribus::test

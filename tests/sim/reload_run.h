@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "config/build.h"
+#include "config/carry_over.h"
+#include "pipelines/virtual_loop.h"
+#include "tests/support/heap_trap.h"
+
+namespace tribus::test {
+
+/// What an output wrote at one time.
+struct Said {
+    Instant at;
+    std::vector<std::uint8_t> bytes;
+    std::vector<CanFrame> frames;
+
+    bool operator==(const Said&) const = default;
+};
+
+/// Configurations one after the other under virtual time: inputs and outputs are those of the one
+/// that runs, by their names.
+class ReloadRun final : public OutputObserver {
+  public:
+    explicit ReloadRun(const std::string& text);
+
+    void receive(const std::string& input, std::span<const std::uint8_t> bytes, Instant at);
+    void receive(const std::string& input, const CanFrame& frame, Instant at);
+    /// `text` in the place of what runs, as the program does it: parts that leave say their last
+    /// frames first.
+    void reload(const std::string& text, Instant at);
+    void run_until(Instant at) { loop_->run_until(at); }
+
+    const std::vector<Said>& said(const std::string& output) { return said_[output]; }
+    const Input& input(const std::string& name) const;
+    const Output& output(const std::string& name) const;
+    /// On the heap, by all hand-overs so far.
+    std::uint64_t allocations() const { return allocations_; }
+
+    void wrote(std::size_t output, Instant at, const Transmission& sent) override;
+    /// Under the name "node 0", and so on, by its place.
+    void node_spoke(std::size_t node, Instant at, std::span<const CanFrame> frames) override;
+    void bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override;
+    void receive_on_bus(const std::string& bus, std::span<const std::uint8_t> bytes, Instant at);
+    SensorBusState bus_state(const std::string& bus) const;
+    std::optional<double> value(const std::string& name, Instant now) const;
+
+  private:
+    struct Stage {
+        Configuration configuration;
+        std::unique_ptr<ValueEngine> values;
+        std::unique_ptr<Engine> engine;
+    };
+    static std::unique_ptr<Stage> stage_of(const std::string& text);
+    std::size_t input_index(const std::string& name) const;
+    std::size_t bus_index(const std::string& name) const;
+
+    std::unique_ptr<Stage> stage_;
+    std::map<std::string, std::vector<Said>> said_;
+    std::unique_ptr<VirtualLoop> loop_;
+    std::uint64_t allocations_ = 0;
+};
+
+}  // namespace tribus::test
