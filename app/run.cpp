@@ -1,7 +1,7 @@
 #include "app/run.h"
 
+#include <algorithm>
 #include <csignal>
-#include <ctime>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,7 +14,9 @@
 
 #include "app/appliance.h"
 #include "app/exit_status.h"
+#include "app/inside_view.h"
 #include "app/load_or_explain.h"
+#include "app/main_wait.h"
 #include "app/state_log.h"
 #include "pipelines/realtime/clock.h"
 
@@ -23,16 +25,7 @@ namespace {
 
 /// Often enough that a replugged device is back before a failsafe has run its course; each time
 /// costs about as much as a frame.
-constexpr timespec kTendPeriod{.tv_sec = 0, .tv_nsec = 200'000'000};
-
-sigset_t handled_signals() {
-    sigset_t signals;
-    ::sigemptyset(&signals);
-    ::sigaddset(&signals, SIGTERM);
-    ::sigaddset(&signals, SIGINT);
-    ::sigaddset(&signals, SIGHUP);
-    return signals;
-}
+constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
 
 void log_start(const Appliance& appliance) {
     const Configuration& configuration = appliance.configuration();
@@ -86,18 +79,20 @@ std::unique_ptr<Appliance> restart(std::unique_ptr<Appliance> appliance) {
     return start_or_log(std::move(configuration), Appliance::MissingDevices::wait_for);
 }
 
-int run(const std::string& path) {
-    std::optional<Configuration> configuration = load_or_explain(path);
-    if (!configuration) {
-        return kExitWrongUse;
-    }
-    // Blocked before the data thread exists, so that it inherits that.
-    const sigset_t signals = handled_signals();
-    ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    std::unique_ptr<Appliance> appliance = start_or_log(std::move(*configuration));
-    auto log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+/// Until it is told to end.
+int run(const std::string& path, std::unique_ptr<Appliance> appliance, MainWait& wait,
+        InsideView& inside) {
+    std::unique_ptr<StateLog> log;
+    const auto begin = [&] {
+        if (appliance) {
+            log = std::make_unique<StateLog>(*appliance, monotonic_now());
+            inside.show(*appliance, monotonic_now());
+        }
+    };
+    begin();
+    Instant next_look = later(monotonic_now(), kTendPeriod);
     while (appliance) {
-        const int signal = ::sigtimedwait(&signals, nullptr, &kTendPeriod);
+        const auto signal = wait.until(std::min(next_look, inside.due()), inside.descriptors());
         if (signal == SIGTERM || signal == SIGINT) {
             appliance->end();
             spdlog::info("stopped");
@@ -105,33 +100,63 @@ int run(const std::string& path) {
         }
         if (signal == SIGHUP) {
             appliance = reload(std::move(appliance), path);
-            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
-        } else {
-            log->look(*appliance, monotonic_now());
-            appliance->look_at_machine(monotonic_now());
+            begin();
+        } else if (const Instant now = monotonic_now(); now >= next_look) {
+            next_look = later(now, kTendPeriod);
+            log->look(*appliance, now);
+            appliance->look_at_machine(now, inside.watched());
+            inside.look();
         }
         if (appliance && appliance->restart_wanted()) {
             appliance = restart(std::move(appliance));
-            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+            begin();
+        }
+        if (appliance) {
+            inside.serve(monotonic_now());
         }
     }
     return kExitFailed;
+}
+
+int run(const std::string& path, const std::optional<std::string>& socket) {
+    std::optional<Configuration> configuration = load_or_explain(path);
+    if (!configuration) {
+        return kExitWrongUse;
+    }
+    auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
+    if (!wait) {
+        spdlog::error("{}", wait.error());
+        return kExitFailed;
+    }
+    auto inside = InsideView::open(path, socket);
+    if (!inside) {
+        spdlog::error("{}", inside.error());
+        return kExitFailed;
+    }
+    return run(path, start_or_log(std::move(*configuration)), *wait, **inside);
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& app, int& status) {
     auto* command = app.add_subcommand("run", "Run a configuration, in the foreground");
-    auto path = std::make_shared<std::string>();
-    command->add_option("CONFIG", *path, "Configuration file")->required();
+    struct Options {
+        std::string path;
+        std::optional<std::string> socket;
+    };
+    auto options = std::make_shared<Options>();
+    command->add_option("CONFIG", options->path, "Configuration file")->required();
+    command->add_option("--socket", options->socket,
+                        "Control socket, for `tribus monitor`; default: `control` in\n"
+                        "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR");
     command->footer(
         "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
         "SIGHUP: reads the configuration again; one with mistakes is refused.");
-    command->callback([path, &status] {
+    command->callback([options, &status] {
         auto logger = spdlog::stderr_color_st("tribus");
         logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
         spdlog::set_default_logger(std::move(logger));
-        status = run(*path);
+        status = run(options->path, options->socket);
     });
 }
 

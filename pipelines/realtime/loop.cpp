@@ -46,6 +46,7 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
       input_status_(engine.inputs().size()),
       output_status_(engine.outputs().size()),
       bus_states_(settings.values == nullptr ? 0 : settings.values->bus_count()),
+      value_status_(settings.values == nullptr ? 0 : settings.values->board().size()),
       node_reports_(engine.node_count()),
       input_timing_(engine.inputs().size()),
       output_timing_(engine.outputs().size()) {
