@@ -16,6 +16,7 @@
 #include "app/demo.h"
 #include "app/encode.h"
 #include "app/exit_status.h"
+#include "app/graph.h"
 #include "app/learn.h"
 #include "app/monitor.h"
 #include "app/run.h"
@@ -48,6 +49,7 @@ int run_command_line(int argc, char** argv) {
     tribus::add_run_command(app, status);
     tribus::add_monitor_command(app, status);
     tribus::add_check_command(app, status);
+    tribus::add_graph_command(app, status);
     tribus::add_demo_command(app, status);
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);
