@@ -23,9 +23,17 @@ bool Appliance::restart_wanted() const {
     return false;
 }
 
-void Appliance::look_at_machine(Instant now) {
+std::size_t Appliance::reject_cause_count(std::size_t input) const {
+    return std::min(engine_->inputs()[input].decoder().rejected().size(), kMostRejectCauses);
+}
+
+std::string_view Appliance::reject_cause(std::size_t input, std::size_t cause) const {
+    return engine_->inputs()[input].decoder().rejected()[cause].name;
+}
+
+void Appliance::look_at_machine(Instant now, bool watches) {
     constexpr Duration kPeriod = std::chrono::seconds(1);
-    if (!values_ || now < next_machine_look_) {
+    if (!(values_ || watches) || now < next_machine_look_) {
         return;
     }
     next_machine_look_ = later(now, kPeriod);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -62,12 +63,25 @@ class Appliance {
     const Configuration& configuration() const { return configuration_; }
     /// What real time could not be had, as sentences.
     const std::vector<std::string>& missing_realtime() const { return missing_realtime_; }
+    /// When the data thread last wrote down its figures.
+    Instant figures_at() const { return loop_->published_at(); }
     InputStatus input_status(std::size_t input) const { return loop_->input_status(input); }
+    const InputTiming& input_timing(std::size_t input) const { return loop_->input_timing(input); }
+    /// What `InputStatus::rejected_by` counts.
+    std::string_view reject_cause(std::size_t input, std::size_t cause) const;
+    std::size_t reject_cause_count(std::size_t input) const;
     /// Indices of the inputs of an output, the preferred first.
     std::span<const std::size_t> inputs_of(std::size_t output) const {
         return engine_->outputs()[output].inputs();
     }
     OutputStatus output_status(std::size_t output) const { return loop_->output_status(output); }
+    const OutputTiming& output_timing(std::size_t output) const {
+        return loop_->output_timing(output);
+    }
+    /// Of all named values, by their places; none where nothing needs values.
+    std::size_t value_count() const { return loop_->value_count(); }
+    const NamedValue& value(std::size_t value) const { return values_->board().value(value); }
+    ValueStatus value_status(std::size_t value) const { return loop_->value_status(value); }
     /// Of a sensor bus, by its place in the configuration.
     SensorBusState bus_state(std::size_t bus) const { return loop_->bus_state(bus); }
     /// Of a node of DroneCAN, in the order of `plan_nodes`.
@@ -75,10 +89,16 @@ class Appliance {
     /// Another node has asked for a restart, and may.
     bool restart_wanted() const;
     /// Asks the machine what it tells of itself, at most once a second, and not at all where
-    /// nobody asks for values.
-    void look_at_machine(Instant now);
+    /// nobody asks for values, unless somebody `watches`.
+    void look_at_machine(Instant now, bool watches = false);
+    /// What it told; nothing where nobody asked.
+    const MachineNumbers& machine() const { return machine_; }
     /// Devices and interfaces, each once.
     const std::vector<PortPlan>& ports() const { return plans_; }
+    /// Its device is there and open.
+    bool port_present(std::size_t port) const { return !missing_[port]; }
+    /// Of a GPIO line.
+    bool line_present(std::size_t line) const { return !missing_lines_[line]; }
     /// Of a port that is a CAN interface.
     CanLinkStatus can_status(std::size_t port) const { return loop_->can_status(port); }
     /// An input or output of that port has FD frames.

@@ -1,12 +1,10 @@
 #include "app/demo.h"
 
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <optional>
@@ -23,6 +21,7 @@
 #include "app/demo_screen.h"
 #include "app/exit_status.h"
 #include "app/pty.h"
+#include "app/terminal.h"
 #include "config/load.h"
 #include "config/mistakes.h"
 #include "pipelines/realtime/clock.h"
@@ -53,40 +52,6 @@ to   = "servos"
 )",
                        receiver, servos);
 }
-
-ScreenStyle screen_style() {
-    ScreenStyle style;
-    winsize size{};
-    if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
-        style.columns = size.ws_col;
-        style.rows = size.ws_row;
-    }
-    style.colour = std::getenv("NO_COLOR") == nullptr;
-    std::string_view locale;
-    for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
-        const char* value = std::getenv(name);
-        if (value != nullptr && *value != '\0') {
-            locale = value;
-            break;
-        }
-    }
-    style.unicode = locale.find("UTF-8") != std::string_view::npos ||
-                    locale.find("utf8") != std::string_view::npos;
-    return style;
-}
-
-/// The terminal's other screen, without a cursor, for as long as it lives.
-class AlternateScreen {
-  public:
-    AlternateScreen() { show("\x1b[?1049h\x1b[?25l"); }
-    AlternateScreen(const AlternateScreen&) = delete;
-    AlternateScreen& operator=(const AlternateScreen&) = delete;
-    ~AlternateScreen() { show("\x1b[?25h\x1b[?1049l"); }
-    static void show(std::string_view text) {
-        std::fwrite(text.data(), 1, text.size(), stdout);
-        std::fflush(stdout);
-    }
-};
 
 /// Frames a second over the last window, from counts taken now and then.
 class RateMeter {

@@ -1,7 +1,6 @@
 #include "app/demo_screen.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -11,75 +10,19 @@
 namespace tribus {
 namespace {
 
-constexpr std::string_view kReset = "\x1b[0m";
-constexpr std::string_view kGreen = "\x1b[32m";
-constexpr std::string_view kYellow = "\x1b[33m";
-constexpr std::string_view kRed = "\x1b[31m";
-constexpr std::string_view kDim = "\x1b[2m";
-constexpr std::string_view kBold = "\x1b[1m";
-constexpr std::string_view kEraseRest = "\x1b[K\r\n";
+using namespace screen;
 
-constexpr double kBarLeastUs = 900;
-constexpr double kBarMostUs = 2100;
-constexpr std::size_t kLabelWidth = 4;   // "18  "
-constexpr std::size_t kNumberWidth = 5;  // "1500 "
+constexpr std::size_t kLabelWidth = 4;  // "18  "
+constexpr std::size_t kNumberWidth = kPulseNumberWidth;
 constexpr std::size_t kGap = 2;
 constexpr std::size_t kTwoBarsFrom = 2 * (kNumberWidth + 10) + kLabelWidth + kGap;
-
-/// One line of text of which the visible width is known, so that it can be cut without cutting
-/// into a colour.
-class Line {
-  public:
-    explicit Line(const ScreenStyle& style) : style_(style) {}
-
-    void add(std::string_view text, std::string_view colour = {}) {
-        const bool coloured = style_.colour && !colour.empty();
-        text_ += coloured ? colour : std::string_view();
-        for (std::size_t i = 0; i < text.size() && width_ < style_.columns; ++width_) {
-            std::size_t length = 1;
-            while (i + length < text.size() && (text[i + length] & 0xC0) == 0x80) {
-                ++length;
-            }
-            text_ += text.substr(i, length);
-            i += length;
-        }
-        text_ += coloured ? kReset : std::string_view();
-    }
-    std::string take() { return std::move(text_); }
-
-  private:
-    const ScreenStyle& style_;
-    std::string text_;
-    std::size_t width_ = 0;
-};
 
 std::string_view state_colour(const ChannelFrame& frame) {
     return frame.failsafe ? kRed : frame.frame_lost ? kYellow : kGreen;
 }
 
-/// A scale from 900 to 2100 us, filled from its centre to the value.
-std::string bar(std::optional<Pulse> pulse, std::size_t width, bool unicode) {
-    const std::string_view rest = unicode ? "·" : "-";
-    const std::string_view centre = unicode ? "│" : "|";
-    const std::string_view fill = unicode ? "━" : "=";
-    const std::string_view block = unicode ? "█" : "#";
-    const std::size_t middle = width / 2;
-    std::size_t at = middle;
-    if (pulse) {
-        const double share = (pulse->microseconds() - kBarLeastUs) / (kBarMostUs - kBarLeastUs);
-        const double last = static_cast<double>(width - 1);
-        at = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * last));
-    }
-    std::string text;
-    for (std::size_t i = 0; i < width; ++i) {
-        const bool filled = std::min(at, middle) < i && i < std::max(at, middle);
-        text += pulse && i == at ? block : i == middle ? centre : filled ? fill : rest;
-    }
-    return text;
-}
-
-std::string number(std::optional<Pulse> pulse) {
-    return pulse ? fmt::format("{:4} ", pulse->whole_microseconds()) : "   - ";
+std::optional<double> us_of(std::optional<Pulse> pulse) {
+    return pulse ? std::optional(pulse->microseconds()) : std::nullopt;
 }
 
 /// Of each bar where there are two.
@@ -92,20 +35,20 @@ std::string channel_line(const DemoFigures& figures, const ScreenStyle& style,
     Line line(style);
     line.add(fmt::format("{:2}  ", channel + 1), kDim);
     const std::string_view colour = state_colour(figures.after);
-    const std::optional<Pulse> before = figures.before.channel(channel);
-    const std::optional<Pulse> after = figures.after.channel(channel);
+    const std::optional<double> before = us_of(figures.before.channel(channel));
+    const std::optional<double> after = us_of(figures.after.channel(channel));
     if (style.columns < kTwoBarsFrom) {
         const std::size_t used = kLabelWidth + kNumberWidth;
-        line.add(number(after));
+        line.add(pulse_number(after));
         line.add(bar(after, std::max<std::size_t>(style.columns, used + 3) - used, style.unicode),
                  colour);
         return line.take();
     }
     const std::size_t width = bar_width(style);
-    line.add(number(before));
+    line.add(pulse_number(before));
     line.add(bar(before, width, style.unicode), figures.link_up ? kGreen : kDim);
     line.add(std::string(kGap, ' '));
-    line.add(number(after));
+    line.add(pulse_number(after));
     line.add(bar(after, width, style.unicode), colour);
     return line.take();
 }

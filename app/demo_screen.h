@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "app/screen_parts.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
 
@@ -25,13 +26,6 @@ struct DemoFigures {
     Duration latency_p50{};
     Duration latency_p99{};
     std::string latest_drop;  ///< a sentence, empty before the first
-};
-
-struct ScreenStyle {
-    std::size_t columns = 80;
-    std::size_t rows = 24;
-    bool unicode = true;
-    bool colour = true;
 };
 
 /// The whole screen, at most `rows` lines of at most `columns` characters; what does not fit is

@@ -17,7 +17,9 @@
 #include "app/diff.h"
 #include "app/encode.h"
 #include "app/exit_status.h"
+#include "app/graph.h"
 #include "app/learn.h"
+#include "app/monitor.h"
 #include "app/run.h"
 #include "app/simulate.h"
 #include "config/mistakes.h"
@@ -46,8 +48,10 @@ int run_command_line(int argc, char** argv) {
     app.set_version_flag("--version", TRIBUS_VERSION);
     int status = tribus::kExitFine;
     tribus::add_run_command(app, status);
+    tribus::add_monitor_command(app, status);
     tribus::add_check_command(app, status);
     tribus::add_diff_command(app, status);
+    tribus::add_graph_command(app, status);
     tribus::add_demo_command(app, status);
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <ctime>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,7 +15,9 @@
 
 #include "app/appliance.h"
 #include "app/exit_status.h"
+#include "app/inside_view.h"
 #include "app/load_or_explain.h"
+#include "app/main_wait.h"
 #include "app/state_log.h"
 #include "config/carry_over.h"
 #include "pipelines/realtime/clock.h"
@@ -26,23 +27,27 @@ namespace {
 
 /// Often enough that a replugged device is back before a failsafe has run its course; each time
 /// costs about as much as a frame.
-constexpr timespec kTendPeriod{.tv_sec = 0, .tv_nsec = 200'000'000};
+constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
 
-/// What runs, with what tells of it; neither where nothing could be started.
+/// What runs, with what tells of it; without an appliance where nothing could be started.
 struct Running {
     std::unique_ptr<Appliance> appliance;
-    std::unique_ptr<StateLog> log;
+    InsideView& inside;
+    std::unique_ptr<StateLog> log{};
 
     /// Tells of the appliance, which has just started.
     void watch() {
-        log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
-        if (log) {
+        const Instant now = monotonic_now();
+        if (appliance) {
+            log = std::make_unique<StateLog>(*appliance, now);
             log->say_interfaces(*appliance);
+            inside.show(*appliance, now);
         }
     }
     /// Tells of it, which goes on from one that had those ports.
     void watch_on(const std::vector<PortPlan>& ports_before) {
-        log = std::make_unique<StateLog>(*appliance, monotonic_now());
+        const Instant now = monotonic_now();
+        log = std::make_unique<StateLog>(*appliance, now);
         log->take_as_known(*appliance);
         const bool new_port = std::ranges::any_of(appliance->ports(), [&](const PortPlan& port) {
             return std::ranges::none_of(ports_before, [&](const PortPlan& before) {
@@ -53,18 +58,16 @@ struct Running {
             log->say_interfaces(*appliance);
         }
         // Devices with other line settings are opened here.
-        log->look(*appliance, monotonic_now());
+        log->look(*appliance, now);
+        inside.show(*appliance, now);
+    }
+    /// A few times a second.
+    void look(Instant now) {
+        log->look(*appliance, now);
+        appliance->look_at_machine(now, inside.watched());
+        inside.look();
     }
 };
-
-sigset_t handled_signals() {
-    sigset_t signals;
-    ::sigemptyset(&signals);
-    ::sigaddset(&signals, SIGTERM);
-    ::sigaddset(&signals, SIGINT);
-    ::sigaddset(&signals, SIGHUP);
-    return signals;
-}
 
 std::string summary(const Configuration& configuration) {
     const std::size_t buses = configuration.sensor_buses.size();
@@ -148,18 +151,14 @@ void restart(Running& running) {
     running.watch();
 }
 
-int run(const std::string& path) {
-    std::optional<Configuration> configuration = load_or_explain(path);
-    if (!configuration) {
-        return kExitWrongUse;
-    }
-    // Blocked before the data thread exists, so that it inherits that.
-    const sigset_t signals = handled_signals();
-    ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-    Running running{start_or_log(std::move(*configuration)), nullptr};
+/// Until it is told to end.
+int run(const std::string& path, std::unique_ptr<Appliance> appliance, MainWait& wait,
+        InsideView& inside) {
+    Running running{std::move(appliance), inside};
     running.watch();
+    Instant next_look = later(monotonic_now(), kTendPeriod);
     while (running.appliance) {
-        const int signal = ::sigtimedwait(&signals, nullptr, &kTendPeriod);
+        const auto signal = wait.until(std::min(next_look, inside.due()), inside.descriptors());
         if (signal == SIGTERM || signal == SIGINT) {
             running.appliance->end();
             spdlog::info("stopped");
@@ -167,33 +166,61 @@ int run(const std::string& path) {
         }
         if (signal == SIGHUP) {
             reload(running, path);
-        } else {
-            running.log->look(*running.appliance, monotonic_now());
-            running.appliance->look_at_machine(monotonic_now());
+        } else if (const Instant now = monotonic_now(); now >= next_look) {
+            next_look = later(now, kTendPeriod);
+            running.look(now);
         }
         if (running.appliance && running.appliance->restart_wanted()) {
             restart(running);
         }
+        if (running.appliance) {
+            inside.serve(monotonic_now());
+        }
     }
     return kExitFailed;
+}
+
+int run(const std::string& path, const std::optional<std::string>& socket) {
+    std::optional<Configuration> configuration = load_or_explain(path);
+    if (!configuration) {
+        return kExitWrongUse;
+    }
+    auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
+    if (!wait) {
+        spdlog::error("{}", wait.error());
+        return kExitFailed;
+    }
+    auto inside = InsideView::open(path, socket);
+    if (!inside) {
+        spdlog::error("{}", inside.error());
+        return kExitFailed;
+    }
+    return run(path, start_or_log(std::move(*configuration)), *wait, **inside);
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& app, int& status) {
     auto* command = app.add_subcommand("run", "Run a configuration, in the foreground");
-    auto path = std::make_shared<std::string>();
-    command->add_option("CONFIG", *path, "Configuration file")->required();
+    struct Options {
+        std::string path;
+        std::optional<std::string> socket;
+    };
+    auto options = std::make_shared<Options>();
+    command->add_option("CONFIG", options->path, "Configuration file")->required();
+    command->add_option("--socket", options->socket,
+                        "Control socket, for `tribus monitor`; default: `control` in\n"
+                        "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR");
     command->footer(
         "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
         "SIGHUP: reads the configuration again and takes it between two frames; one with "
         "mistakes,\n"
         "or whose devices cannot be opened, is refused and the old one runs on.");
-    command->callback([path, &status] {
+    command->callback([options, &status] {
         auto logger = spdlog::stderr_color_st("tribus");
         logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
         spdlog::set_default_logger(std::move(logger));
-        status = run(*path);
+        status = run(options->path, options->socket);
     });
 }
 

@@ -63,6 +63,10 @@ class ValueBoard {
     double latest(std::size_t index) const { return entries_[index].number; }
     /// Whether it ever had a number.
     bool ever(std::size_t index) const { return entries_[index].ever; }
+    /// Its source has a number now, stale or not.
+    bool available(std::size_t index) const { return entries_[index].available; }
+    /// Of the latest number; only where there ever was one.
+    Instant at(std::size_t index) const { return entries_[index].at; }
     /// Of the latest number, stale or not; only where there ever was one.
     Duration age(std::size_t index, Instant now) const { return now - entries_[index].at; }
     std::uint8_t tag(std::size_t index) const { return entries_[index].tag; }

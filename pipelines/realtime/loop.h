@@ -70,11 +70,18 @@ struct LoopSettings {
     const MachineNumbers* machine = nullptr;
 };
 
+/// No decoder refuses for more causes.
+inline constexpr std::size_t kMostRejectCauses = 12;
+
 /// What the main thread may know of an input.
 struct InputStatus {
+    /// As of when the data thread wrote this down.
+    Instant at{};
     ChannelFrame latest;
     InputCounts counts;
     std::uint64_t rejected = 0;
+    /// By cause, in the order in which its decoder names them.
+    std::array<std::uint64_t, kMostRejectCauses> rejected_by{};
     std::uint64_t skipped_bytes = 0;
     Duration interval{};
     LinkState state;
@@ -83,10 +90,23 @@ struct InputStatus {
 
 /// What the main thread may know of an output.
 struct OutputStatus {
+    /// As of when the data thread wrote this down.
+    Instant at{};
     ChannelFrame latest;
     OutputCounts counts;
     std::uint64_t overruns = 0;
     OutputState state;
+    Duration period{};
+    /// Its latest turn made a frame; a silent one makes none.
+    bool speaks = false;
+};
+
+/// What the main thread may know of a named value.
+struct ValueStatus {
+    double number = 0;
+    Instant at{};            ///< of the number
+    bool ever = false;       ///< it had one
+    bool available = false;  ///< its source has one now, stale or not
 };
 
 /// Drives an engine in real time: waits for bytes and deadlines, reads all that is ready, lets the
@@ -138,6 +158,13 @@ class Loop {
     const InputTiming& input_timing(std::size_t input) const { return *input_timing_[input]; }
     const OutputTiming& output_timing(std::size_t output) const { return *output_timing_[output]; }
     SensorBusState bus_state(std::size_t bus) const { return bus_states_[bus].read(); }
+    /// When the data thread last wrote down all of this: one that hangs does not any more.
+    Instant published_at() const {
+        return Instant(Duration(published_at_ns_.load(std::memory_order_acquire)));
+    }
+    /// By the places on the board.
+    std::size_t value_count() const { return value_status_.size(); }
+    ValueStatus value_status(std::size_t value) const { return value_status_[value].read(); }
     dronecan::NodeReport node_report(std::size_t node) const { return node_reports_[node].read(); }
     /// Of a port that is a CAN interface.
     CanLinkStatus can_status(std::size_t port) const { return ports_[port].can_status.read(); }
@@ -187,6 +214,10 @@ class Loop {
     Instant advance(Instant now);
     void look_at_lines(Instant now);
     void publish(Instant now);
+    void publish_input(std::size_t index, Instant now);
+    void publish_output(std::size_t index, Instant now);
+    void publish_values();
+    void publish_can_status();
     /// Returns how many ports are ready; their numbers are in `ready_`. Reads the clock.
     std::size_t wait(Instant until);
     std::size_t wait_until(Instant until);
@@ -222,11 +253,13 @@ class Loop {
     Reception reception_;
     CanReception can_reception_;
     Instant next_publish_{};
+    std::atomic<std::int64_t> published_at_ns_{0};
     /// The latest ones that the engine knows.
     LineLevels levels_ = kNoLineActive;
     std::deque<Snapshot<InputStatus>> input_status_;
     std::deque<Snapshot<OutputStatus>> output_status_;
     std::deque<Snapshot<SensorBusState>> bus_states_;
+    std::deque<Snapshot<ValueStatus>> value_status_;
     std::deque<Snapshot<dronecan::NodeReport>> node_reports_;
     /// They pass from loop to loop.
     std::vector<std::unique_ptr<InputTiming>> input_timing_;

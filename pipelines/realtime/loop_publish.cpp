@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cstddef>
+#include <span>
 
 #include "pipelines/realtime/loop.h"
 
@@ -10,35 +12,60 @@ constexpr Duration kPublishPeriod = std::chrono::milliseconds(100);
 
 }  // namespace
 
+void Loop::publish_input(std::size_t index, Instant now) {
+    engine_.look(index, now);
+    const Input& input = engine_.inputs()[index];
+    InputStatus status;
+    status.at = now;
+    status.latest = input.latest();
+    status.counts = input.counts();
+    const std::span<const NamedCount> causes = input.decoder().rejected();
+    for (std::size_t cause = 0; cause < causes.size(); ++cause) {
+        status.rejected += causes[cause].count;
+        status.rejected_by[std::min(cause, kMostRejectCauses - 1)] = causes[cause].count;
+    }
+    status.skipped_bytes = input.decoder().skipped_bytes();
+    status.interval = input.arrivals().interval();
+    status.state = input.state();
+    status.ever_good = input.link().ever_good();
+    input_status_[index].publish(status);
+}
+
+void Loop::publish_output(std::size_t index, Instant now) {
+    const Output& output = engine_.outputs()[index];
+    OutputStatus status;
+    status.at = now;
+    status.latest = output.latest();
+    status.counts = output.counts();
+    status.overruns = output.overruns();
+    status.state = output.state(now);
+    status.period = output.period();
+    status.speaks = output.speaks();
+    output_status_[index].publish(status);
+}
+
+void Loop::publish_values() {
+    for (std::size_t value = 0; value < value_status_.size(); ++value) {
+        const ValueBoard& board = settings_.values->board();
+        value_status_[value].publish({.number = board.latest(value),
+                                      .at = board.at(value),
+                                      .ever = board.ever(value),
+                                      .available = board.available(value)});
+    }
+}
+
 void Loop::publish(Instant now) {
     if (now < next_publish_) {
         return;
     }
     next_publish_ = now + kPublishPeriod;
     for (std::size_t i = 0; i < input_status_.size(); ++i) {
-        engine_.look(i, now);
-        const Input& input = engine_.inputs()[i];
-        InputStatus status;
-        status.latest = input.latest();
-        status.counts = input.counts();
-        for (const NamedCount& cause : input.decoder().rejected()) {
-            status.rejected += cause.count;
-        }
-        status.skipped_bytes = input.decoder().skipped_bytes();
-        status.interval = input.arrivals().interval();
-        status.state = input.state();
-        status.ever_good = input.link().ever_good();
-        input_status_[i].publish(status);
+        publish_input(i, now);
     }
     for (std::size_t i = 0; i < output_status_.size(); ++i) {
-        const Output& output = engine_.outputs()[i];
-        OutputStatus status;
-        status.latest = output.latest();
-        status.counts = output.counts();
-        status.overruns = output.overruns();
-        status.state = output.state(now);
-        output_status_[i].publish(status);
+        publish_output(i, now);
     }
+    publish_values();
     for (std::size_t bus = 0; bus < bus_states_.size(); ++bus) {
         bus_states_[bus].publish(settings_.values->bus_state(bus));
     }
@@ -50,6 +77,11 @@ void Loop::publish(Instant now) {
         settings_.values->set_machine(fact, settings_.machine->number(fact),
                                       settings_.machine->told_at());
     }
+    publish_can_status();
+    published_at_ns_.store(now.time_since_epoch().count(), std::memory_order_release);
+}
+
+void Loop::publish_can_status() {
     for (const std::size_t port : can_ports_) {
         if (ports_[port].link) {
             const CanLinkStatus status = ports_[port].link->as_can()->status();

@@ -86,6 +86,8 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
         redirect(STDOUT_FILENO, settings.terminal, O_RDWR);
         ::ioctl(STDOUT_FILENO, TIOCSCTTY, 0);
     }
+    // Where its control socket goes, so that tests at the same time do not meet.
+    ::setenv("RUNTIME_DIRECTORY", std::filesystem::path(output_file_).parent_path().c_str(), 1);
     if (heap_trap_works()) {
         ::setenv("LD_PRELOAD", TRIBUS_HEAP_TRAP, 1);
     }

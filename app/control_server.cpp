@@ -1,0 +1,116 @@
+#include "app/control_server.h"
+
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "core/quantity.h"
+#include "core/quotes.h"
+
+namespace tribus {
+namespace {
+
+/// Data threads tell figures ten times a second.
+constexpr Duration kLeastPeriod = std::chrono::milliseconds(50);
+constexpr Duration kMostPeriod = std::chrono::minutes(1);
+constexpr Duration kDefaultPeriod = std::chrono::milliseconds(200);
+/// Of a request that is no good, so much is shown.
+constexpr std::size_t kShown = 40;
+
+std::vector<std::string> words_of(const std::string& line) {
+    std::istringstream stream(line);
+    std::vector<std::string> words;
+    for (std::string word; stream >> word;) {
+        words.push_back(word);
+    }
+    return words;
+}
+
+}  // namespace
+
+std::string error_object(std::string_view text) {
+    const nlohmann::ordered_json json = {{"type", "error"}, {"error", text}};
+    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+tl::expected<std::unique_ptr<ControlServer>, std::string> ControlServer::open(
+    const std::string& path) {
+    auto listener = LocalListener::open(path);
+    if (!listener) {
+        return tl::unexpected(listener.error());
+    }
+    std::unique_ptr<ControlServer> control(new ControlServer(std::move(*listener)));
+    const SocketLimits limits{.refusal = error_object("too many clients; try again later") + "\n"};
+    const auto repeat = [self = control.get()](SocketClient& client, Instant now) {
+        return client.send(self->commands_["status"]({}) + "\n", now);
+    };
+    const auto request = [self = control.get()](SocketClient& client, Instant now) {
+        return self->answer(client, now);
+    };
+    auto server = SocketServer::make(std::move(control->listener_.descriptor()), limits,
+                                     {.request = request, .repeat = repeat});
+    if (!server) {
+        return tl::unexpected(server.error());
+    }
+    control->server_.emplace(std::move(*server));
+    return control;
+}
+
+void ControlServer::add(std::string name, Command command) {
+    commands_.insert_or_assign(std::move(name), std::move(command));
+}
+
+bool ControlServer::answer(SocketClient& client, Instant now) {
+    // One request at a time: the next one waits until this answer has left.
+    while (client.ready()) {
+        const auto line = client.take_line();
+        if (!line) {
+            break;
+        }
+        const std::string text = answer_line(client, *line, now);
+        if (!text.empty() && !client.send(text + "\n", now)) {
+            return false;
+        }
+    }
+    if (client.ready() && client.request_too_long()) {
+        client.close_when_sent();
+        return client.send(error_object("a request of more than 255 bytes; none is so long") + "\n",
+                           now);
+    }
+    return true;
+}
+
+std::string ControlServer::answer_line(SocketClient& client, const std::string& line, Instant now) {
+    const std::vector<std::string> words = words_of(line);
+    if (words.empty()) {
+        return "";
+    }
+    if (words.front() == "watch") {
+        return watch(client, std::span(words).subspan(1), now);
+    }
+    const auto command = commands_.find(words.front());
+    if (command == commands_.end()) {
+        std::string allowed = "\"watch [PERIOD]\"";
+        for (const auto& [name, ignored] : commands_) {
+            allowed += ", " + in_quotes(name);
+        }
+        return error_object(fmt::format("{} is no request; allowed: {}",
+                                        in_quotes(words.front(), kShown), allowed));
+    }
+    return command->second(std::span(words).subspan(1));
+}
+
+std::string ControlServer::watch(SocketClient& client, std::span<const std::string> words,
+                                 Instant now) {
+    const auto period = words.empty() ? kDefaultPeriod : parse_duration(words.front());
+    if (words.size() > 1 || !period || *period < kLeastPeriod || *period > kMostPeriod) {
+        return error_object("\"watch\" takes a period from \"50ms\" to \"60s\", or none");
+    }
+    client.repeat(*period, later(now, *period));
+    return commands_["status"]({});
+}
+
+}  // namespace tribus

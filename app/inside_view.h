@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/appliance.h"
+#include "app/control_server.h"
+#include "app/status.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// What a running daemon shows of itself to those who ask. Thread-bound to the main thread, which
+/// waits for `descriptors` and `due`; nothing here waits.
+class InsideView {
+  public:
+    /// Makes the control socket of the daemon that runs `config`: at `socket`, or, where none is
+    /// given, in the usual place. The error, a sentence, is about a given one; without a usual
+    /// place, or where it is taken, the daemon runs without, and the log says so.
+    static tl::expected<std::unique_ptr<InsideView>, std::string> open(
+        const std::string& config, const std::optional<std::string>& socket);
+    InsideView(const InsideView&) = delete;
+    InsideView& operator=(const InsideView&) = delete;
+
+    /// From now on it shows this one, which must outlive it or the next call.
+    void show(const Appliance& appliance, Instant now);
+    /// Looks at what it shows; call a few times a second.
+    void look();
+
+    /// Readable when there is something to serve.
+    std::vector<int> descriptors() const;
+    Instant due() const;
+    void serve(Instant now);
+    bool watched() const { return control_ && control_->watched(); }
+    /// None where the daemon runs without.
+    ControlServer* control() { return control_.get(); }
+
+  private:
+    InsideView() = default;
+    std::string status() const;
+
+    const Appliance* appliance_ = nullptr;
+    std::optional<StatusKeeper> keeper_;
+    std::unique_ptr<ControlServer> control_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,48 @@
+#include "app/main_wait.h"
+
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <vector>
+
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+
+tl::expected<MainWait, std::string> MainWait::for_signals(std::initializer_list<int> signals) {
+    sigset_t set;
+    ::sigemptyset(&set);
+    for (const int signal : signals) {
+        ::sigaddset(&set, signal);
+    }
+    ::pthread_sigmask(SIG_BLOCK, &set, nullptr);
+    UniqueFd descriptor(::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC));
+    if (!descriptor.valid()) {
+        return tl::unexpected(std::string("cannot wait for signals: ") + std::strerror(errno));
+    }
+    return MainWait(std::move(descriptor));
+}
+
+std::optional<int> MainWait::until(Instant deadline, std::span<const int> others) {
+    std::vector<pollfd> watched{{.fd = signals_.get(), .events = POLLIN, .revents = 0}};
+    for (const int descriptor : others) {
+        watched.push_back({.fd = descriptor, .events = POLLIN, .revents = 0});
+    }
+    constexpr Duration kLongest = std::chrono::hours(1);
+    const Duration left = std::clamp(deadline - monotonic_now(), Duration::zero(), kLongest);
+    // Rounded up: a wait that ends too early would be followed by one of nothing.
+    const auto wait = std::chrono::ceil<std::chrono::milliseconds>(left);
+    ::poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
+    signalfd_siginfo came{};
+    if (::read(signals_.get(), &came, sizeof came) != sizeof came) {
+        return std::nullopt;
+    }
+    return static_cast<int>(came.ssi_signo);
+}
+
+}  // namespace tribus

@@ -1,0 +1,244 @@
+#include "app/monitor.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/control_socket.h"
+#include "app/exit_status.h"
+#include "app/main_wait.h"
+#include "app/monitor_fields.h"
+#include "app/monitor_keys.h"
+#include "app/monitor_link.h"
+#include "app/monitor_screen.h"
+#include "app/terminal.h"
+#include "core/quantity.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+constexpr Duration kScreenPeriod = std::chrono::milliseconds(100);
+constexpr Duration kLinePeriod = std::chrono::seconds(1);
+constexpr std::string_view kJson = "json";
+
+struct MonitorOptions {
+    std::string name;
+    std::optional<std::string> socket;
+    std::string format = "text";
+    std::string period = "200ms";
+    bool once = false;
+};
+
+/// The error is for the person who asked.
+tl::expected<std::string, std::string> choose_socket(const MonitorOptions& options) {
+    if (options.socket) {
+        return *options.socket;
+    }
+    const std::vector<FoundSocket> found = find_sockets(SocketHomes::of_this_process());
+    std::string names;
+    std::vector<std::string> matches;
+    for (const FoundSocket& socket : found) {
+        names += (names.empty() ? "" : ", ") + socket.name;
+        if (options.name.empty() || options.name == socket.name) {
+            matches.push_back(socket.path);
+        }
+    }
+    if (matches.size() == 1) {
+        return matches.front();
+    }
+    if (found.empty()) {
+        return tl::unexpected<std::string>(
+            "no running tribus found that this user may look into; `tribus run` starts one, "
+            "--socket PATH names the socket of one elsewhere");
+    }
+    return tl::unexpected(
+        matches.empty()
+            ? fmt::format("no daemon is called {}; running: {}", options.name, names)
+            : fmt::format("several daemons run; say which, or --socket PATH: {}", names));
+}
+
+/// Follows one daemon until the user ends it.
+class Monitor {
+  public:
+    Monitor(MonitorLink link, MonitorOptions options, MainWait wait)
+        : link_(std::move(link)), options_(std::move(options)), wait_(std::move(wait)) {}
+
+    int run() {
+        link_.tend(monotonic_now());
+        if (!link_.connected()) {
+            fmt::print(stderr, "tribus: {}\n", link_.problem());
+            return kExitFailed;
+        }
+        const bool live = options_.format != kJson && !options_.once &&
+                          ::isatty(STDOUT_FILENO) == 1 && ::isatty(STDIN_FILENO) == 1;
+        if (!live) {
+            return follow(options_.format == kJson ? Duration::zero() : kLinePeriod, false);
+        }
+        const KeyMode keys;
+        const AlternateScreen screen;
+        return follow(kScreenPeriod, true);
+    }
+
+  private:
+    int follow(Duration period, bool live) {
+        // A line is told once there is something to tell.
+        Instant next_show = later(monotonic_now(), live ? Duration::zero() : period);
+        while (!quit_) {
+            std::vector<int> watched;
+            for (const int descriptor : {link_.descriptor(), live ? STDIN_FILENO : -1}) {
+                watched.push_back(descriptor);
+            }
+            const Instant wake =
+                period > Duration::zero() ? next_show : later(monotonic_now(), kLinePeriod);
+            const auto signal = wait_.until(wake, watched);
+            if (signal && signal != SIGWINCH) {
+                return kExitFine;
+            }
+            if (live) {
+                take_keys();
+            }
+            if (const auto status = take_objects()) {
+                return *status;
+            }
+            const Instant now = monotonic_now();
+            const bool due = period > Duration::zero() && now >= next_show;
+            if (due || (live && signal == SIGWINCH)) {
+                next_show = later(now, period);
+                if (!show(live, now)) {
+                    return kExitFine;
+                }
+            }
+        }
+        return kExitFine;
+    }
+
+    /// A status, where that ends it all.
+    std::optional<int> take_objects() {
+        const bool was_connected = link_.connected();
+        for (std::string& line : link_.read()) {
+            if (options_.format == kJson) {
+                std::fwrite((line + "\n").data(), 1, line.size() + 1, stdout);
+                if (std::fflush(stdout) != 0) {
+                    return kExitFine;
+                }
+            }
+            auto object = nlohmann::json::parse(line, nullptr, false);
+            if (monitor::text(object, "type") == "error") {
+                fmt::print(stderr, "tribus: {}\n", monitor::text(object, "error"));
+                return kExitFailed;
+            }
+            if (!view_.paused && object.is_object()) {
+                view_.status = std::move(object);
+                came_at_ = monotonic_now();
+            }
+            if (options_.once) {
+                return options_.format == kJson || show(false, monotonic_now())
+                           ? std::optional(kExitFine)
+                           : std::nullopt;
+            }
+        }
+        link_.tend(monotonic_now());
+        if (was_connected && !link_.connected() && options_.format == kJson) {
+            fmt::print(stderr, "tribus: {}\n", link_.problem());
+        }
+        return std::nullopt;
+    }
+
+    void take_keys() {
+        std::array<char, 64> bytes;
+        pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+        if (::poll(&input, 1, 0) <= 0) {
+            return;
+        }
+        const ssize_t count = ::read(STDIN_FILENO, bytes.data(), bytes.size());
+        if (count <= 0) {
+            quit_ = true;
+            return;
+        }
+        const std::size_t items = selectable(view_.status);
+        for (const MonitorKey key : keys_in({bytes.data(), static_cast<std::size_t>(count)})) {
+            if (key == MonitorKey::quit) {
+                quit_ = true;
+            } else if (key == MonitorKey::pause) {
+                view_.paused = !view_.paused;
+            } else if (items > 0) {
+                const std::size_t step = key == MonitorKey::next ? 1 : items - 1;
+                view_.selected = (view_.selected + step) % items;
+            }
+        }
+    }
+
+    bool show(bool live, Instant now) {
+        view_.connected = link_.connected();
+        view_.notice = link_.problem();
+        view_.age = now - came_at_;
+        if (live) {
+            AlternateScreen::show(draw_monitor(view_, screen_style()));
+            return true;
+        }
+        fmt::print("{}\n", monitor_line(view_));
+        return std::fflush(stdout) == 0;
+    }
+
+    MonitorLink link_;
+    MonitorOptions options_;
+    MainWait wait_;
+    MonitorView view_;
+    Instant came_at_{};
+    bool quit_ = false;
+};
+
+int monitor_daemon(const MonitorOptions& options) {
+    const auto period = parse_duration(options.period);
+    if (!period) {
+        fmt::print(stderr, "tribus: --period is no duration; allowed: such as \"200ms\"\n");
+        return kExitWrongUse;
+    }
+    const auto socket = choose_socket(options);
+    if (!socket) {
+        fmt::print(stderr, "tribus: {}\n", socket.error());
+        return kExitFailed;
+    }
+    // A reader that goes away (`| head`) ends it, and the terminal is set right at any end.
+    std::signal(SIGPIPE, SIG_IGN);
+    auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP, SIGWINCH});
+    if (!wait) {
+        fmt::print(stderr, "tribus: {}\n", wait.error());
+        return kExitFailed;
+    }
+    return Monitor(MonitorLink(*socket, *period), options, std::move(*wait)).run();
+}
+
+}  // namespace
+
+void add_monitor_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand("monitor", "Live view of a running daemon");
+    auto options = std::make_shared<MonitorOptions>();
+    command->add_option("NAME", options->name,
+                        "Which daemon, by its configuration file's name; needed where several run");
+    command->add_option("--socket", options->socket, "Its control socket, where that is elsewhere");
+    command->add_option("--format", options->format, "text, or json: one object a line")
+        ->check(CLI::IsMember({"text", "json"}))
+        ->capture_default_str();
+    command->add_option("--period", options->period, "How often it tells, 50ms to 60s")
+        ->capture_default_str();
+    command->add_flag("--once", options->once, "End after the first object or line");
+    command->footer(
+        "In a terminal: up and down (or Tab) select, p pauses, q quits. Without one it prints a\n"
+        "line a second. It waits for a daemon that restarts.");
+    command->callback([options, &status] { status = monitor_daemon(*options); });
+}
+
+}  // namespace tribus

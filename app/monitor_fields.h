@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+/// How a monitor reads what a daemon tells, which may be another version, or no daemon at all: a
+/// field that is not there, or of another kind, is nothing. Pure.
+namespace tribus::monitor {
+
+using Json = nlohmann::json;
+
+inline const Json& field(const Json& object, const char* key) {
+    static const Json kNothing;
+    if (!object.is_object()) {
+        return kNothing;
+    }
+    const auto found = object.find(key);
+    return found == object.end() ? kNothing : *found;
+}
+
+inline std::string text(const Json& object, const char* key) {
+    const Json& value = field(object, key);
+    return value.is_string() ? value.get<std::string>() : "";
+}
+
+inline std::optional<double> number(const Json& object, const char* key) {
+    const Json& value = field(object, key);
+    return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+/// Zero where there is none.
+inline std::uint64_t count(const Json& object, const char* key) {
+    const Json& value = field(object, key);
+    return value.is_number_unsigned() ? value.get<std::uint64_t>() : 0;
+}
+
+inline bool flag(const Json& object, const char* key) {
+    const Json& value = field(object, key);
+    return value.is_boolean() && value.get<bool>();
+}
+
+/// Empty where there is none.
+inline const Json& list(const Json& object, const char* key) {
+    static const Json kEmpty = Json::array();
+    const Json& value = field(object, key);
+    return value.is_array() ? value : kEmpty;
+}
+
+}  // namespace tribus::monitor

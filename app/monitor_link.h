@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/time.h"
+#include "transports/links/unique_fd.h"
+
+namespace tribus {
+
+/// A daemon's stream of status objects, over its control socket. Comes back by itself when the
+/// daemon does. Thread-bound.
+class MonitorLink {
+  public:
+    MonitorLink(std::string path, Duration period) : path_(std::move(path)), period_(period) {}
+
+    bool connected() const { return descriptor_.valid(); }
+    /// Readable when something has come; -1 while there is no connection.
+    int descriptor() const { return descriptor_.get(); }
+    /// Why there is no connection, as a sentence.
+    const std::string& problem() const { return problem_; }
+    /// Tries to connect, if there is no connection and the latest try was a while ago.
+    void tend(Instant now);
+    /// Whole lines that have come; does not wait.
+    std::vector<std::string> read();
+
+  private:
+    void lose(std::string why);
+
+    std::string path_;
+    Duration period_;
+    UniqueFd descriptor_;
+    std::string received_;
+    std::string problem_;
+    Instant next_try_{};
+};
+
+}  // namespace tribus

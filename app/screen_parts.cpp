@@ -1,0 +1,59 @@
+#include "app/screen_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace tribus::screen {
+namespace {
+
+constexpr double kBarLeastUs = 900;
+constexpr double kBarMostUs = 2100;
+
+bool is_control(char byte) {
+    constexpr char kDelete = 0x7F;
+    return (static_cast<unsigned char>(byte) < ' ') || byte == kDelete;
+}
+
+}  // namespace
+
+void Line::add(std::string_view text, std::string_view colour) {
+    const bool coloured = style_.colour && !colour.empty() && !text.empty();
+    text_ += coloured ? colour : std::string_view();
+    for (std::size_t i = 0; i < text.size() && width_ < style_.columns; ++width_) {
+        std::size_t length = 1;
+        while (i + length < text.size() && (text[i + length] & 0xC0) == 0x80) {
+            ++length;
+        }
+        text_ += is_control(text[i]) ? "?" : text.substr(i, length);
+        i += length;
+    }
+    text_ += coloured ? kReset : std::string_view();
+}
+
+std::string bar(std::optional<double> pulse_us, std::size_t width, bool unicode) {
+    const std::string_view rest = unicode ? "·" : "-";
+    const std::string_view centre = unicode ? "│" : "|";
+    const std::string_view fill = unicode ? "━" : "=";
+    const std::string_view block = unicode ? "█" : "#";
+    const std::size_t middle = width / 2;
+    std::size_t at = middle;
+    if (pulse_us) {
+        const double share = (*pulse_us - kBarLeastUs) / (kBarMostUs - kBarLeastUs);
+        const double last = static_cast<double>(width - 1);
+        at = static_cast<std::size_t>(std::lround(std::clamp(share, 0.0, 1.0) * last));
+    }
+    std::string text;
+    for (std::size_t i = 0; i < width; ++i) {
+        const bool filled = std::min(at, middle) < i && i < std::max(at, middle);
+        text += pulse_us && i == at ? block : i == middle ? centre : filled ? fill : rest;
+    }
+    return text;
+}
+
+std::string pulse_number(std::optional<double> pulse_us) {
+    return pulse_us ? fmt::format("{:4} ", std::lround(*pulse_us)) : "   - ";
+}
+
+}  // namespace tribus::screen

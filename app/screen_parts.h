@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+/// What a live view in a terminal is made of. Pure.
+namespace tribus {
+
+struct ScreenStyle {
+    std::size_t columns = 80;
+    std::size_t rows = 24;
+    bool unicode = true;
+    bool colour = true;
+};
+
+namespace screen {
+
+inline constexpr std::string_view kReset = "\x1b[0m";
+inline constexpr std::string_view kGreen = "\x1b[32m";
+inline constexpr std::string_view kYellow = "\x1b[33m";
+inline constexpr std::string_view kRed = "\x1b[31m";
+inline constexpr std::string_view kDim = "\x1b[2m";
+inline constexpr std::string_view kBold = "\x1b[1m";
+inline constexpr std::string_view kReverse = "\x1b[7m";
+/// The end of every line: erases what stood behind.
+inline constexpr std::string_view kEraseRest = "\x1b[K\r\n";
+
+/// One line of text of which the visible width is known, so that it can be cut without cutting
+/// into a colour. Control characters become '?': names may come from anywhere.
+class Line {
+  public:
+    explicit Line(const ScreenStyle& style) : style_(style) {}
+
+    void add(std::string_view text, std::string_view colour = {});
+    std::size_t width() const { return width_; }
+    std::string take() { return std::move(text_); }
+
+  private:
+    const ScreenStyle& style_;
+    std::string text_;
+    std::size_t width_ = 0;
+};
+
+/// A scale from 900 to 2100 us, filled from its centre to the value; `width` at least 3.
+std::string bar(std::optional<double> pulse_us, std::size_t width, bool unicode);
+
+/// "1500 ", or a dash.
+std::string pulse_number(std::optional<double> pulse_us);
+inline constexpr std::size_t kPulseNumberWidth = 5;
+
+}  // namespace screen
+}  // namespace tribus

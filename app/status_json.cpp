@@ -1,0 +1,383 @@
+#include "app/status_json.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "config/effective_channels.h"
+#include "core/link_cause.h"
+#include "pipelines/machine_facts.h"
+
+namespace tribus {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::int64_t us(Duration duration) {
+    return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
+}
+
+/// To a tenth: scheduling is told in single microseconds.
+Json fine_us(Duration duration) {
+    constexpr std::int64_t kTenth = 100;
+    constexpr double kTenthsPerUs = 10;
+    return number_json(static_cast<double>(duration.count() / kTenth) / kTenthsPerUs);
+}
+
+/// As keys and words are written here: "radio_lost".
+std::string word(std::string_view name) {
+    std::string text(name);
+    std::ranges::replace(text, ' ', '_');
+    return text;
+}
+
+Json channels(const ChannelFrame& frame) {
+    Json json = Json::array();
+    std::size_t last = kChannelCount;
+    while (last > 0 && !frame.has(last - 1)) {
+        --last;
+    }
+    for (std::size_t channel = 0; channel < last; ++channel) {
+        const auto pulse = frame.channel(channel);
+        json.push_back(pulse ? number_json(pulse->microseconds()) : Json());
+    }
+    return json;
+}
+
+Json distribution(const HistogramReading& reading) {
+    constexpr double kHalf = 0.5;
+    constexpr double kMost = 0.99;
+    return {{"count", reading.count()},
+            {"p50_us", fine_us(reading.quantile(kHalf))},
+            {"p99_us", fine_us(reading.quantile(kMost))},
+            {"max_us", fine_us(reading.worst)}};
+}
+
+/// Nothing for an instant that never was.
+Json age(Instant at, Instant now) {
+    return at == Instant{} ? Json() : Json(std::max<std::int64_t>(us(now - at), 0));
+}
+
+/// To what an age refers: when the data thread wrote it down, for what is fresh is not told any
+/// fresher; now, once it should have written again.
+Instant reference(Instant written, Instant now) {
+    constexpr Duration kWritesAgainWithin = std::chrono::milliseconds(300);
+    return now - written > kWritesAgainWithin ? now : written;
+}
+
+std::string_view input_state(const InputStatus& status) {
+    return status.state.cause != LinkCause::good ? "failsafe"
+           : status.latest.frame_lost            ? "frame_lost"
+                                                 : "good";
+}
+
+std::string_view sign_word(RadioLossSign sign) {
+    constexpr std::array<std::string_view, 5> kWords{"none", "failsafe_flag", "value_rule",
+                                                     "frame_lost_run", "frame_lost_ratio"};
+    return kWords[static_cast<std::size_t>(sign)];
+}
+
+Json rejected(const InputReport& input) {
+    Json json = Json::object();
+    for (std::size_t i = 0; i < input.reject_causes.size(); ++i) {
+        json[word(input.reject_causes[i])] = input.status.rejected_by[i];
+    }
+    return json;
+}
+
+Json losses(const InputCounts& counts) {
+    Json json = Json::object();
+    for (std::size_t cause = 0; cause < counts.began.size(); ++cause) {
+        const auto named = static_cast<LinkCause>(cause);
+        if (named != LinkCause::good && named != LinkCause::never_seen) {
+            json[word(name_of(named))] = counts.began[cause];
+        }
+    }
+    return json;
+}
+
+Json input_json(const InputConfig& config, const InputReport& input, Instant now) {
+    const InputStatus& status = input.status;
+    const InputCounts& counts = status.counts;
+    Json json;
+    json["name"] = config.name;
+    json["protocol"] = config.protocol->name;
+    json["port"] = config.port.device;
+    json["state"] = input_state(status);
+    json["cause"] = word(name_of(status.state.cause));
+    json["sign"] = sign_word(status.state.sign);
+    json["state_age_us"] =
+        status.state.cause == LinkCause::never_seen ? Json() : age(status.state.since, now);
+    json["rate_hz"] = number_json(std::round(input.rate_hz * 10) / 10);
+    json["interval_us"] = us(status.interval);
+    json["age_us"] =
+        counts.frames == 0 ? Json() : age(status.latest.received, reference(status.at, now));
+    json["channels"] = channels(status.latest);
+    json["frame_lost"] = status.latest.frame_lost;
+    json["failsafe"] = status.latest.failsafe;
+    json["bytes"] = counts.bytes;
+    json["frames"] = counts.frames;
+    json["frame_lost_frames"] = counts.frame_lost_frames;
+    json["failsafe_frames"] = counts.failsafe_frames;
+    json["skipped_bytes"] = status.skipped_bytes;
+    json["device_losses"] = counts.device_losses;
+    json["rejected"] = rejected(input);
+    json["losses"] = losses(counts);
+    json["frame_age"] = distribution(input.age);
+    return json;
+}
+
+std::string_view output_stage(const OutputStatus& status) {
+    switch (status.state.stage) {
+        case OutputStage::control:
+            return "control";
+        case OutputStage::holding:
+            return "hold";
+        case OutputStage::failsafe:
+            break;
+    }
+    return status.speaks ? "failsafe" : "silent";
+}
+
+Json names_of(std::span<const std::size_t> inputs, const Configuration& configuration) {
+    Json json = Json::array();
+    for (const std::size_t input : inputs) {
+        json.push_back(configuration.inputs[input].name);
+    }
+    return json;
+}
+
+/// The place in the list of its inputs is a bit.
+Json outvoted(const OutputReport& output, const Configuration& configuration) {
+    Json json = Json::array();
+    for (std::size_t place = 0; place < output.inputs.size(); ++place) {
+        if ((output.status.state.outvoted >> place & 1U) != 0) {
+            json.push_back(configuration.inputs[output.inputs[place]].name);
+        }
+    }
+    return json;
+}
+
+Json output_json(std::size_t index, const OutputReport& output, const StatusReport& report) {
+    const Configuration& configuration = *report.configuration;
+    const OutputConfig& config = configuration.outputs[index];
+    const OutputStatus& status = output.status;
+    Json json;
+    json["name"] = config.name;
+    json["protocol"] = config.protocol->name;
+    json["port"] = config.port.device;
+    json["inputs"] = names_of(output.inputs, configuration);
+    json["state"] = output_stage(status);
+    json["forced"] = status.state.forced;
+    json["awaits_release"] = status.state.awaits_release;
+    json["input"] = status.state.input < configuration.inputs.size()
+                        ? Json(configuration.inputs[status.state.input].name)
+                        : Json();
+    json["outvoted"] = outvoted(output, configuration);
+    json["rate_hz"] = number_json(std::round(output.rate_hz * 10) / 10);
+    json["period_us"] = us(status.period);
+    json["channels"] = channels(status.latest);
+    json["frame_lost"] = status.latest.frame_lost;
+    json["failsafe"] = status.latest.failsafe;
+    json["cause"] = word(name_of(status.latest.cause));
+    json["frames"] = status.counts.sent;
+    json["overruns"] = status.overruns;
+    json["deadline_misses"] = output.deadline_misses;
+    json["dropped"] = {{"busy", status.counts.busy_drops},
+                       {"lost", status.counts.lost_drops},
+                       {"unavailable", status.counts.unavailable_drops}};
+    json["foreign_frames"] = status.counts.foreign_frames;
+    json["failsafe_entries"] = status.counts.failsafe_entries;
+    json["recoveries"] = status.counts.recoveries;
+    json["changeovers"] = status.counts.changeovers;
+    json["lateness"] = distribution(output.lateness);
+    json["latency"] = distribution(output.latency);
+    return json;
+}
+
+Json can_json(const CanLinkStatus& status) {
+    constexpr std::array<std::string_view, 6> kStates{"ready",   "warning", "passive",
+                                                      "stalled", "bus_off", "down"};
+    const CanCounts& counts = status.counts;
+    return {{"state", kStates[static_cast<std::size_t>(status.state)]},
+            {"received", counts.received},
+            {"sent", counts.sent},
+            {"confirmed", counts.confirmed},
+            {"queue_full", counts.queue_full},
+            {"abandoned", counts.abandoned},
+            {"stalls", counts.stalls},
+            {"bus_offs", counts.bus_offs},
+            {"downs", counts.downs},
+            {"error_frames", counts.error_frames},
+            {"missing_acknowledges", counts.missing_acknowledges},
+            {"receive_overflows", counts.receive_overflows},
+            {"implausible_times", counts.implausible_times}};
+}
+
+Json port_json(const PortReport& port) {
+    Json json = {
+        {"name", port.name}, {"kind", port.can ? "can" : "serial"}, {"present", port.present}};
+    if (port.can) {
+        json["can"] = can_json(*port.can);
+    }
+    return json;
+}
+
+Json found_sensors(const SensorBusState& state, const SensorTypes& types) {
+    Json json = Json::array();
+    for (std::size_t i = 0; i < state.found_count; ++i) {
+        const SensorType* type = types.find(state.found[i].type);
+        json.push_back({{"address", i + 1},
+                        {"type", type == nullptr ? Json() : Json(type->name)},
+                        {"type_id", state.found[i].type},
+                        {"bytes", state.found[i].size}});
+    }
+    return json;
+}
+
+Json sensor_bus_json(const SensorBusConfig& config, const SensorBusState& state,
+                     const StatusReport& report) {
+    Json json;
+    json["name"] = config.name;
+    json["port"] = config.port.device;
+    json["role"] = state.is_receiver ? "receiver" : "sensor";
+    if (state.is_receiver) {
+        const SensorTypes types(config.dialect, report.configuration->sensor_types);
+        const ReceiverRoleCounts& counts = state.receiver;
+        json["found"] = found_sensors(state, types);
+        json["counts"] = {{"requests", counts.requests},
+                          {"replies", counts.replies},
+                          {"misses", counts.misses},
+                          {"wrong", counts.wrong},
+                          {"lost_sensors", counts.lost_sensors},
+                          {"dropped", counts.dropped}};
+    } else {
+        const SensorRoleCounts& counts = state.sensor;
+        json["first_address"] = state.first_address == 0 ? Json() : Json(state.first_address);
+        json["sensors"] = config.sensors.size();
+        json["request_age_us"] =
+            counts.requests == 0 ? Json() : Json(us(report.now - state.latest_request));
+        json["counts"] = {{"requests", counts.requests},
+                          {"answered", counts.answered},
+                          {"late", counts.late},
+                          {"stale", counts.stale},
+                          {"dropped", counts.dropped}};
+    }
+    json["collisions"] = state.echo.collisions;
+    return json;
+}
+
+Json node_json(const NodeStatus& node) {
+    constexpr std::array<std::string_view, 3> kStages{"allocating", "online", "conflict"};
+    const dronecan::NodeCounts& counts = node.report.counts;
+    return {{"interface", node.interface},
+            {"state", kStages[static_cast<std::size_t>(node.report.stage)]},
+            {"id", node.report.id == dronecan::kNobody ? Json() : Json(node.report.id)},
+            {"sent", counts.sent},
+            {"received", counts.received},
+            {"errors", counts.errors},
+            {"requests", counts.requests},
+            {"dropped", counts.dropped},
+            {"conflicts", counts.conflicts}};
+}
+
+/// JSON knows neither infinity nor "not a number".
+Json finite(double number) {
+    return std::isfinite(number) ? number_json(number) : Json();
+}
+
+Json value_json(const ValueReport& value, Instant now) {
+    const ValueStatus& status = value.status;
+    const bool lasts = value.value.lasts == kForever || now - status.at <= value.value.lasts;
+    return {{"name", value.value.name},
+            {"number", status.ever ? finite(status.number) : Json()},
+            {"unit", value.value.unit},
+            {"age_us", status.ever ? age(status.at, now) : Json()},
+            {"stale", !(status.available && lasts)}};
+}
+
+Json machine_json(const StatusReport& report) {
+    Json json = Json::object();
+    for (std::size_t fact = 0; fact < report.machine.size(); ++fact) {
+        const auto& [name, unit] = kMachineFacts[fact];
+        const std::string_view written = unit == "%" ? "percent" : unit;
+        const std::string key =
+            std::string(name) + (written.empty() ? "" : "_") + std::string(written);
+        json[key] = report.machine[fact] ? finite(*report.machine[fact]) : Json();
+    }
+    return json;
+}
+
+Json pipeline_json(const PipelineConfig& pipeline, const Configuration& configuration) {
+    Json to = Json::array();
+    for (const std::size_t output : pipeline.outputs) {
+        to.push_back(configuration.outputs[output].name);
+    }
+    return {{"name", pipeline.name},
+            {"from", names_of(pipeline.selection.inputs, configuration)},
+            {"to", std::move(to)}};
+}
+
+Json line_json(const LineConfig& line, bool present) {
+    return {{"name", line.name}, {"line", to_text(line.place)}, {"present", present}};
+}
+
+/// One entry for each of `count`.
+template <class Entry>
+Json list_of(std::size_t count, Entry entry) {
+    Json json = Json::array();
+    for (std::size_t i = 0; i < count; ++i) {
+        json.push_back(entry(i));
+    }
+    return json;
+}
+
+void add_lists(Json& json, const StatusReport& report) {
+    const Configuration& configuration = *report.configuration;
+    json["inputs"] = list_of(report.inputs.size(), [&](std::size_t i) {
+        return input_json(configuration.inputs[i], report.inputs[i], report.now);
+    });
+    json["pipelines"] = list_of(configuration.pipelines.size(), [&](std::size_t i) {
+        return pipeline_json(configuration.pipelines[i], configuration);
+    });
+    json["outputs"] = list_of(report.outputs.size(), [&](std::size_t i) {
+        return output_json(i, report.outputs[i], report);
+    });
+    json["ports"] =
+        list_of(report.ports.size(), [&](std::size_t i) { return port_json(report.ports[i]); });
+    json["lines"] = list_of(report.lines_present.size(), [&](std::size_t i) {
+        return line_json(configuration.lines[i], report.lines_present[i]);
+    });
+    json["sensor_buses"] = list_of(report.sensor_buses.size(), [&](std::size_t i) {
+        return sensor_bus_json(configuration.sensor_buses[i], report.sensor_buses[i], report);
+    });
+    json["dronecan"] =
+        list_of(report.nodes.size(), [&](std::size_t i) { return node_json(report.nodes[i]); });
+    json["values"] = list_of(report.values.size(), [&](std::size_t i) {
+        return value_json(report.values[i], report.now);
+    });
+}
+
+}  // namespace
+
+std::string status_json(const StatusReport& report) {
+    Json json;
+    json["type"] = "status";
+    json["version"] = kStatusVersion;
+    json["name"] = std::filesystem::path(report.configuration->file).stem().string();
+    json["file"] = report.configuration->file;
+    json["t_us"] = us(report.now.time_since_epoch());
+    json["unix_time_us"] = us(report.wall_time);
+    json["uptime_us"] = us(report.now - report.started);
+    json["figures_age_us"] = age(report.figures_at, report.now);
+    json["missing_realtime"] = report.missing_realtime;
+    add_lists(json, report);
+    json["machine"] = machine_json(report);
+    // File names and those of devices may be of any bytes.
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace tribus

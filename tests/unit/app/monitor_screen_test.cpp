@@ -1,0 +1,173 @@
+#include "app/monitor_screen.h"
+
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/monitor_keys.h"
+
+namespace tribus {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::string_view kStatus = R"({"type":"status","name":"car","file":"/etc/car.toml",
+"uptime_us":5000000,"figures_age_us":40000,"missing_realtime":[],
+"inputs":[{"name":"main","protocol":"ibus","port":"/dev/ttyAMA2","state":"good","cause":"good",
+"rate_hz":142.8,"age_us":3000,"channels":[1100,1500,988.125],"rejected":{"checksum":2}},
+{"name":"backup","protocol":"sbus","port":"/dev/ttyUSB0","state":"failsafe",
+"cause":"wire_silent","state_age_us":12000000,"rate_hz":0,"age_us":null,"channels":[]}],
+"outputs":[{"name":"servos","protocol":"sbus","port":"/dev/ttyAMA3","inputs":["main","backup"],
+"state":"control","input":"main","rate_hz":71.4,"channels":[1900,1500,988],
+"lateness":{"p50_us":41,"p99_us":80},"deadline_misses":0,"dropped":{"busy":0}}],
+"ports":[{"name":"/dev/ttyUSB0","kind":"serial","present":false},
+{"name":"can0","kind":"can","present":true,"can":{"state":"bus_off","sent":7}}],
+"values":[{"name":"pack.voltage","number":12.5,"unit":"V","stale":true}]})";
+
+/// Without escapes, one line each.
+std::vector<std::string> lines_of(const std::string& screen) {
+    std::vector<std::string> lines(1);
+    for (std::size_t i = 0; i < screen.size(); ++i) {
+        if (screen[i] == '\x1b') {
+            i = screen.find_first_of("ABCDEFGHJKm", i + 2);
+        } else if (screen[i] == '\n') {
+            lines.emplace_back();
+        } else if (screen[i] != '\r') {
+            lines.back() += screen[i];
+        }
+    }
+    return lines;
+}
+
+class MonitorScreen : public testing::Test {
+  protected:
+    MonitorScreen() { view_.status = json::parse(kStatus); }
+    std::string plain() const {
+        std::string text;
+        for (const std::string& line : lines_of(draw_monitor(view_, style_))) {
+            text += line + "\n";
+        }
+        return text;
+    }
+    bool shows(const std::string& text) const { return plain().find(text) != std::string::npos; }
+
+    MonitorView view_;
+    ScreenStyle style_{.columns = 120, .rows = 40, .unicode = false, .colour = false};
+};
+
+TEST_F(MonitorScreen, ShowsEveryInputWithItsCause) {
+    EXPECT_TRUE(shows("main         ibus     good")) << plain();
+    EXPECT_TRUE(shows("142.8/s  age 3.0 ms  rejected 2"));
+    EXPECT_TRUE(shows("backup       sbus     wire silent 12.00 s")) << plain();
+}
+
+TEST_F(MonitorScreen, ShowsWhoControlsAnOutputAndHowLateItIs) {
+    EXPECT_TRUE(shows("servos       sbus     control of main")) << plain();
+    EXPECT_TRUE(shows("71.4/s  late 41 us p99 80 us  missed 0  dropped 0"));
+}
+
+TEST_F(MonitorScreen, ShowsPortsThatAreGoneAndBusesThatAreOff) {
+    EXPECT_TRUE(shows("/dev/ttyUSB0         GONE")) << plain();
+    EXPECT_TRUE(shows("can0                 bus off   received 0  sent 7"));
+}
+
+TEST_F(MonitorScreen, MarksAStaleValue) {
+    EXPECT_TRUE(shows("12.5 V  stale")) << plain();
+}
+
+TEST_F(MonitorScreen, ShowsChannelsOfAnOutputBesideThoseOfItsInput) {
+    view_.selected = 2;
+    EXPECT_TRUE(shows("> servos"));
+    const auto lines = lines_of(draw_monitor(view_, style_));
+    bool found = false;
+    for (const std::string& line : lines) {
+        found =
+            found || (line.starts_with(" 1  1100 ") && line.find(" 1900 ") != std::string::npos);
+    }
+    EXPECT_TRUE(found) << plain();
+}
+
+TEST_F(MonitorScreen, SaysLiveOnlyWhileFiguresAreFresh) {
+    EXPECT_TRUE(shows("live, 40 ms old"));
+    view_.age = std::chrono::milliseconds(1200);
+    EXPECT_FALSE(shows("live"));
+    EXPECT_TRUE(shows("THE DAEMON DOES NOT ANSWER; this is what was 1.24 s ago")) << plain();
+}
+
+TEST_F(MonitorScreen, SaysThatTheDataThreadStandsStillWhereOnlyThatDoes) {
+    view_.status["figures_age_us"] = 5000000;
+    EXPECT_TRUE(shows("THE DATA THREAD STANDS STILL; this is what was 5.00 s ago")) << plain();
+    EXPECT_FALSE(shows("live"));
+}
+
+TEST_F(MonitorScreen, SaysThatTheDaemonIsGone) {
+    view_.connected = false;
+    view_.notice = "the daemon has gone; waiting for it";
+    view_.age = std::chrono::seconds(3);
+    EXPECT_TRUE(shows("the daemon has gone; waiting for it; this is what was 3.04 s ago"));
+}
+
+TEST_F(MonitorScreen, ThatIsPausedTellsHowOldItIs) {
+    view_.paused = true;
+    view_.age = std::chrono::seconds(9);
+    EXPECT_TRUE(shows("PAUSED; this is what was 9.04 s ago"));
+}
+
+TEST_F(MonitorScreen, FitsIntoEverySize) {
+    for (std::size_t columns = 1; columns < 130; columns += 3) {
+        for (std::size_t rows = 3; rows < 45; rows += 7) {
+            style_.columns = columns;
+            style_.rows = rows;
+            const auto lines = lines_of(draw_monitor(view_, style_));
+            EXPECT_LE(lines.size(), rows);
+            for (const std::string& line : lines) {
+                EXPECT_LE(line.size(), columns) << line;
+            }
+        }
+    }
+}
+
+TEST_F(MonitorScreen, HasNoColourWhereNoneIsWanted) {
+    EXPECT_EQ(draw_monitor(view_, style_).find("\x1b[0m"), std::string::npos);
+    style_.colour = true;
+    EXPECT_NE(draw_monitor(view_, style_).find("\x1b[0m"), std::string::npos);
+}
+
+TEST_F(MonitorScreen, OfWhatIsNoStatusShowsNothingWrong) {
+    for (const char* text : {"null", "[]", "7", R"({"inputs":7,"outputs":[7,{"channels":"x"}]})",
+                             R"({"inputs":[{"name":"a\u001b[2Jb"}]})"}) {
+        view_.status = json::parse(text);
+        view_.selected = 1;
+        EXPECT_EQ(draw_monitor(view_, style_).find("\x1b[2J"), std::string::npos);
+    }
+}
+
+TEST_F(MonitorScreen, CountsWhatCanBeSelected) {
+    EXPECT_EQ(selectable(view_.status), 3U);
+    EXPECT_EQ(selectable(json()), 0U);
+}
+
+TEST_F(MonitorScreen, InOneLineSaysTheSame) {
+    EXPECT_EQ(monitor_line(view_),
+              "car  main good 142.8/s  backup wire silent 12.00 s 0.0/s  "
+              "servos control of main 71.4/s late 80 us");
+    view_.age = std::chrono::seconds(2);
+    EXPECT_TRUE(monitor_line(view_).starts_with("car  STANDS STILL since 2.04 s"));
+    view_.connected = false;
+    view_.notice = "the daemon has gone";
+    EXPECT_EQ(monitor_line(view_), "the daemon has gone");
+}
+
+TEST(MonitorKeys, AreThoseOfTheCursorAndOfTheHand) {
+    using enum MonitorKey;
+    EXPECT_EQ(keys_in("\x1b[B\x1b[A\t"), (std::vector{next, previous, next}));
+    EXPECT_EQ(keys_in("\x1bOBp jkq"), (std::vector{next, pause, pause, next, previous, quit}));
+}
+
+TEST(MonitorKeys, OthersArePassedOver) {
+    EXPECT_TRUE(keys_in("\x1b[Cxyz\x1b").empty());
+}
+
+}  // namespace
+}  // namespace tribus
