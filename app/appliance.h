@@ -59,6 +59,8 @@ class Appliance {
         return engine_->outputs()[output].inputs();
     }
     OutputStatus output_status(std::size_t output) const { return loop_->output_status(output); }
+    /// When the data thread told its figures last: some times a second, as long as it goes on.
+    Instant published_at() const { return loop_->published_at(); }
     /// Of a sensor bus, by its place in the configuration.
     SensorBusState bus_state(std::size_t bus) const { return loop_->bus_state(bus); }
     /// Of a node of DroneCAN, in the order of `plan_nodes`.

@@ -14,7 +14,9 @@
 
 #include "app/appliance.h"
 #include "app/exit_status.h"
+#include "app/journal.h"
 #include "app/load_or_explain.h"
+#include "app/service_notify.h"
 #include "app/state_log.h"
 #include "pipelines/realtime/clock.h"
 
@@ -86,7 +88,18 @@ std::unique_ptr<Appliance> restart(std::unique_ptr<Appliance> appliance) {
     return start_or_log(std::move(configuration), Appliance::MissingDevices::wait_for);
 }
 
+/// From the start of an appliance, or of none, on.
+std::unique_ptr<StateLog> begin_watch(const Appliance* appliance, ServiceNotify& service) {
+    if (appliance == nullptr) {
+        return nullptr;
+    }
+    const Instant now = monotonic_now();
+    service.started(*appliance, now);
+    return std::make_unique<StateLog>(*appliance, now);
+}
+
 int run(const std::string& path) {
+    ServiceNotify service;
     std::optional<Configuration> configuration = load_or_explain(path);
     if (!configuration) {
         return kExitWrongUse;
@@ -95,24 +108,28 @@ int run(const std::string& path) {
     const sigset_t signals = handled_signals();
     ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::unique_ptr<Appliance> appliance = start_or_log(std::move(*configuration));
-    auto log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+    auto log = begin_watch(appliance.get(), service);
     while (appliance) {
         const int signal = ::sigtimedwait(&signals, nullptr, &kTendPeriod);
         if (signal == SIGTERM || signal == SIGINT) {
+            service.stopping();
             appliance->end();
             spdlog::info("stopped");
             return kExitFine;
         }
         if (signal == SIGHUP) {
+            service.reloading(monotonic_now());
             appliance = reload(std::move(appliance), path);
-            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+            log = begin_watch(appliance.get(), service);
         } else {
             log->look(*appliance, monotonic_now());
             appliance->look_at_machine(monotonic_now());
+            service.look(*appliance, monotonic_now());
         }
         if (appliance && appliance->restart_wanted()) {
+            service.reloading(monotonic_now());
             appliance = restart(std::move(appliance));
-            log = appliance ? std::make_unique<StateLog>(*appliance, monotonic_now()) : nullptr;
+            log = begin_watch(appliance.get(), service);
         }
     }
     return kExitFailed;
@@ -129,7 +146,11 @@ void add_run_command(CLI::App& app, int& status) {
         "SIGHUP: reads the configuration again; one with mistakes is refused.");
     command->callback([path, &status] {
         auto logger = spdlog::stderr_color_st("tribus");
-        logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+        if (stderr_is_journal()) {
+            logger->set_formatter(journal_formatter());
+        } else {
+            logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+        }
         spdlog::set_default_logger(std::move(logger));
         status = run(*path);
     });

@@ -69,6 +69,9 @@ struct OutputStatus {
     OutputCounts counts;
     std::uint64_t overruns = 0;
     OutputState state;
+    /// Its next turn, and how long it is from one to the next.
+    Instant due{};
+    Duration period{};
 };
 
 /// Drives an engine in real time: waits for bytes and deadlines, reads all that is ready, lets the
@@ -100,7 +103,8 @@ class Loop {
     /// A fresh link for a port whose lost one was taken. Main thread.
     void give(std::size_t port, std::unique_ptr<Link> link);
 
-    /// Thread-safe.
+    /// Thread-safe. When the status of all of them was told last.
+    Instant published_at() const { return published_at_.load(std::memory_order_relaxed); }
     InputStatus input_status(std::size_t input) const { return input_status_[input].read(); }
     OutputStatus output_status(std::size_t output) const { return output_status_[output].read(); }
     const InputTiming& input_timing(std::size_t input) const { return input_timing_[input]; }
@@ -168,6 +172,7 @@ class Loop {
     Reception reception_;
     CanReception can_reception_;
     Instant next_publish_{};
+    std::atomic<Instant> published_at_{};
     /// The latest ones that the engine knows.
     LineLevels levels_ = kNoLineActive;
     std::deque<Snapshot<InputStatus>> input_status_;

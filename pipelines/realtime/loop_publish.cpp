@@ -15,6 +15,7 @@ void Loop::publish(Instant now) {
         return;
     }
     next_publish_ = now + kPublishPeriod;
+    published_at_.store(now, std::memory_order_relaxed);
     for (std::size_t i = 0; i < input_status_.size(); ++i) {
         engine_.look(i, now);
         const Input& input = engine_.inputs()[i];
@@ -37,6 +38,8 @@ void Loop::publish(Instant now) {
         status.counts = output.counts();
         status.overruns = output.overruns();
         status.state = output.state(now);
+        status.due = output.due();
+        status.period = output.period();
         output_status_[i].publish(status);
     }
     for (std::size_t bus = 0; bus < bus_states_.size(); ++bus) {
