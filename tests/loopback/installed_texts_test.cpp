@@ -28,7 +28,7 @@ bool has(const Words& words, const std::string& word) {
 
 /// What bash offers for the last of the words of a command line.
 Words offered(const std::string& line) {
-    const Ended ended = run_in_shell("bash -c '. " TRIBUS_SOURCE_DIR
+    const Ended ended = run_in_shell("export TRIBUS; bash -c '. " TRIBUS_SOURCE_DIR
                                      "/deploy/completions/tribus.bash; COMP_WORDS=(\"$TRIBUS\" " +
                                      line +
                                      "); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _tribus; "

@@ -47,6 +47,7 @@ class Service : public Loopback {
             told_.append(buffer.data(), static_cast<std::size_t>(count)) += '\n';
         }
     }
+    /// Meanwhile its receiver sends.
     bool tells(const std::string& text, std::size_t times = 1) {
         return eventually([&] {
             repeater_.send_if_due();
@@ -66,7 +67,9 @@ class Service : public Loopback {
 
 TEST_F(Service, IsReadyOnceItRunsAndTellsWhatGoesOn) {
     Program& program = run_main_job();
-    EXPECT_TRUE(tells("STATUS=servos: in failsafe; receiver: never seen\n")) << told();
+    EXPECT_TRUE(eventually([&] {
+        return count_of("STATUS=servos: in failsafe; receiver: never seen\n", told()) == 1;
+    })) << told();
     EXPECT_EQ(told().rfind("READY=1\n", 0), 0U) << told();
     EXPECT_TRUE(tells("STATUS=servos: under control of receiver; receiver: good\n")) << told();
     expect_clean_end(program);
