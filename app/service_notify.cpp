@@ -64,6 +64,7 @@ std::optional<Duration> watchdog_limit() {
 template <class Configs>
 std::vector<std::string> names_of(const Configs& configs) {
     std::vector<std::string> names;
+    names.reserve(configs.size());
     for (const auto& config : configs) {
         names.push_back(config.name);
     }

@@ -97,6 +97,7 @@ std::string StatusLine::text(std::span<const LinkState> inputs,
     }
     std::ranges::stable_sort(parts, {}, [](const auto& part) { return part.first; });
     std::vector<std::string> texts;
+    texts.reserve(parts.size());
     for (auto& part : parts) {
         texts.push_back(one_line(std::move(part.second)));
     }
