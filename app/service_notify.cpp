@@ -141,15 +141,21 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
         return;
     }
     said_ = found;
+    const auto swallowed = found == Punctuality::on_time ? std::nullopt : limit_.pass(now);
+    if (!swallowed) {
+        return;
+    }
     if (found == Punctuality::data_thread_stands) {
         spdlog::error(
             "the data thread does not go on; unless it does soon, the service manager "
-            "starts the program anew");
-    } else if (found == Punctuality::output_late) {
+            "starts the program anew{}",
+            swallowed_note(*swallowed));
+    } else {
         spdlog::warn(
             "output {}: half of its frames are late or missed; the machine is too slow or "
-            "too busy. The service manager starts the program anew if that goes on",
-            appliance.configuration().outputs[watchdog_->late_output()].name);
+            "too busy. The service manager starts the program anew if that goes on{}",
+            appliance.configuration().outputs[watchdog_->late_output()].name,
+            swallowed_note(*swallowed));
     }
 }
 

@@ -6,8 +6,10 @@
 #include <vector>
 
 #include "app/appliance.h"
+#include "app/log_limit.h"
 #include "app/status_line.h"
 #include "app/watchdog.h"
+#include "core/rate_limit.h"
 #include "core/time.h"
 #include "transports/links/unique_fd.h"
 
@@ -51,6 +53,7 @@ class ServiceNotify {
     /// None where the service manager has no watchdog.
     std::optional<Watchdog> watchdog_;
     Punctuality said_ = Punctuality::on_time;
+    RateLimit limit_ = log_limit();
     std::optional<StatusLine> status_;
     std::string told_;
     Instant next_status_{};

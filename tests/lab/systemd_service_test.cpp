@@ -59,11 +59,10 @@ bool becomes(const std::string& name, const std::string& value, const std::strin
     return in_time([&] { return property(name, unit) == value; });
 }
 
-/// The end of the journal when a test begins, as journalctl names places in it.
-std::string journal_place() {
-    const std::string said = shell("journalctl -q -n 0 --show-cursor");
-    const std::string label = "-- cursor: ";
-    return said.substr(said.find(label) + label.size(), said.rfind('\n') - label.size());
+/// The time, as journalctl takes it.
+std::string now_for_journal() {
+    const std::string seconds = shell("date +%s.%6N");
+    return "@" + seconds.substr(0, seconds.find('\n'));
 }
 
 /// One whose receiver and servos are the far ends of the guest's wires.
@@ -90,8 +89,8 @@ class InstalledPackage : public testing::Test {
     }
     /// Of this test.
     std::string journal(const std::string& options = "", const std::string& unit = kUnit) const {
-        return shell("journalctl --sync; journalctl -q -o cat --after-cursor='" + place_ + "' -u " +
-                     unit + " " + options);
+        return shell("journalctl --sync; journalctl -q -o cat --since=" + begin_ + " -u " + unit +
+                     " " + options);
     }
     static void drop_in(const std::string& unit, const std::string& text) {
         write_file(kDropIns / (unit + ".d") / "test.conf", text);
@@ -121,7 +120,7 @@ class InstalledPackage : public testing::Test {
     Uart servos_;
 
   private:
-    std::string place_ = journal_place();
+    std::string begin_ = now_for_journal();
 };
 
 class InstalledService : public InstalledPackage {
