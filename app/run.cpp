@@ -16,8 +16,10 @@
 #include "app/appliance.h"
 #include "app/exit_status.h"
 #include "app/inside_view.h"
+#include "app/journal.h"
 #include "app/load_or_explain.h"
 #include "app/main_wait.h"
+#include "app/service_notify.h"
 #include "app/state_log.h"
 #include "config/carry_over.h"
 #include "pipelines/realtime/clock.h"
@@ -33,6 +35,7 @@ constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
 struct Running {
     std::unique_ptr<Appliance> appliance;
     InsideView& inside;
+    ServiceNotify& service;
     std::unique_ptr<StateLog> log{};
 
     /// Tells of the appliance, which has just started.
@@ -42,6 +45,7 @@ struct Running {
             log = std::make_unique<StateLog>(*appliance, now);
             log->say_interfaces(*appliance);
             inside.show(*appliance, now);
+            service.started(*appliance, now);
         }
     }
     /// Tells of it, which goes on from one that had those ports.
@@ -60,12 +64,14 @@ struct Running {
         // Devices with other line settings are opened here.
         log->look(*appliance, now);
         inside.show(*appliance, now);
+        service.started(*appliance, now);
     }
     /// A few times a second.
     void look(Instant now) {
         log->look(*appliance, now);
         appliance->look_at_machine(now, inside.watched());
         inside.look();
+        service.look(*appliance, now);
     }
 };
 
@@ -114,9 +120,11 @@ void stop_and_start(Running& running, Configuration fresh) {
 /// A configuration that has mistakes, or whose devices cannot be opened, leaves the old one running
 /// as if nothing had been asked for.
 void reload(Running& running, const std::string& path) {
+    running.service.reloading(monotonic_now());
     std::optional<Configuration> fresh = load_or_explain(path);
     if (!fresh) {
         spdlog::error("reload refused: {} has mistakes; the old configuration runs on", path);
+        running.service.started(*running.appliance, monotonic_now());
         return;
     }
     const CarryOver carry_over = plan_carry_over(running.appliance->configuration(), *fresh);
@@ -134,6 +142,7 @@ void reload(Running& running, const std::string& path) {
             spdlog::error("{}", error);
         }
         spdlog::error("reload refused: {} cannot be set up; the old configuration runs on", path);
+        running.service.started(*running.appliance, monotonic_now());
         return;
     }
     running.appliance = std::move(*next);
@@ -143,6 +152,7 @@ void reload(Running& running, const std::string& path) {
 
 /// As another node of DroneCAN asked for.
 void restart(Running& running) {
+    running.service.reloading(monotonic_now());
     spdlog::info("restarting, as another DroneCAN node asked for");
     Configuration configuration = running.appliance->configuration();
     running.appliance->end();
@@ -153,13 +163,14 @@ void restart(Running& running) {
 
 /// Until it is told to end.
 int run(const std::string& path, std::unique_ptr<Appliance> appliance, MainWait& wait,
-        InsideView& inside) {
-    Running running{std::move(appliance), inside};
+        InsideView& inside, ServiceNotify& service) {
+    Running running{std::move(appliance), inside, service};
     running.watch();
     Instant next_look = later(monotonic_now(), kTendPeriod);
     while (running.appliance) {
         const auto signal = wait.until(std::min(next_look, inside.due()), inside.descriptors());
         if (signal == SIGTERM || signal == SIGINT) {
+            service.stopping();
             running.appliance->end();
             spdlog::info("stopped");
             return kExitFine;
@@ -181,6 +192,7 @@ int run(const std::string& path, std::unique_ptr<Appliance> appliance, MainWait&
 }
 
 int run(const std::string& path, const std::optional<std::string>& socket) {
+    ServiceNotify service;
     std::optional<Configuration> configuration = load_or_explain(path);
     if (!configuration) {
         return kExitWrongUse;
@@ -195,7 +207,7 @@ int run(const std::string& path, const std::optional<std::string>& socket) {
         spdlog::error("{}", inside.error());
         return kExitFailed;
     }
-    return run(path, start_or_log(std::move(*configuration)), *wait, **inside);
+    return run(path, start_or_log(std::move(*configuration)), *wait, **inside, service);
 }
 
 }  // namespace
@@ -218,7 +230,11 @@ void add_run_command(CLI::App& app, int& status) {
         "or whose devices cannot be opened, is refused and the old one runs on.");
     command->callback([options, &status] {
         auto logger = spdlog::stderr_color_st("tribus");
-        logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+        if (stderr_is_journal()) {
+            logger->set_formatter(journal_formatter());
+        } else {
+            logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+        }
         spdlog::set_default_logger(std::move(logger));
         status = run(options->path, options->socket);
     });

@@ -6,6 +6,8 @@ set -eu
 # Packages of Debian 12 that the program is built from.
 build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-dev libgpiod-dev
     libspdlog-dev libtomlplusplus-dev ninja-build nlohmann-json3-dev pkg-config"
+# What makes a Debian package of it (deploy/package.sh).
+package_packages="dpkg-dev file gzip lintian"
 # And those that its tests need.
 test_packages="libgmock-dev libgtest-dev librapidcheck-dev python3 python3-canmatrix
     python3-jsonschema sigrok-cli tshark"
@@ -13,8 +15,8 @@ test_packages="libgmock-dev libgtest-dev librapidcheck-dev python3 python3-canma
 bench_packages="g++-aarch64-linux-gnu qemu-user valgrind"
 # The laboratory (tests/lab): an emulator, and what its guests run from the host's files.
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
-# Its full tier builds kernel modules.
-lab_full_packages="bc gcc-12 libelf1 make"
+# Its full tier builds kernel modules, and a Debian into which it installs the package.
+lab_full_packages="bc gcc-12 genext2fs libelf1 make mmdebstrap $package_packages"
 
 as_root() {
     if [ "$(id -u)" = 0 ]; then

@@ -96,6 +96,8 @@ struct OutputStatus {
     OutputCounts counts;
     std::uint64_t overruns = 0;
     OutputState state;
+    /// Its next turn, and how long it is from one to the next.
+    Instant due{};
     Duration period{};
     /// Its latest turn made a frame; a silent one makes none.
     bool speaks = false;

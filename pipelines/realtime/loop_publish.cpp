@@ -39,6 +39,7 @@ void Loop::publish_output(std::size_t index, Instant now) {
     status.counts = output.counts();
     status.overruns = output.overruns();
     status.state = output.state(now);
+    status.due = output.due();
     status.period = output.period();
     status.speaks = output.speaks();
     output_status_[index].publish(status);

@@ -6,10 +6,10 @@
 #
 # fast: the stock kernel. full: the PREEMPT_RT kernel too, and two drivers that Debian's kernel
 # comes without, built from Debian's kernel source: gpio-sim and CTU CAN FD; and version 2 of
-# libgpiod, which Debian 12 has in its backports only.
+# libgpiod, which Debian 12 has in its backports only; and a fresh Debian 12 with systemd as a disk.
 #
-# FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/, FOLDER/libgpiod-2/ has usr/; FOLDER is
-# build/lab if not given.
+# FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/, FOLDER/libgpiod-2/ has usr/,
+# FOLDER/systemd.ext2 is the disk; FOLDER is build/lab if not given.
 tier=${1:-fast}
 here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "${2:-$here/../../build/lab}"
@@ -50,21 +50,29 @@ unpack_vmlinux() {
     tail -c "+$((offset + 1))" "$1" | xz -dc --single-stream >"$2" 2>/dev/null || [ -s "$2" ]
 }
 
-# make_initrd KERNEL_FOLDER: busybox, and the modules it takes to reach the host's files.
+# put_modules KERNEL_FOLDER FOLDER MODULE...: with those that they need, in the order of loading.
+put_modules() {
+    from=$1
+    to=$2
+    shift 2
+    number=100
+    for module in "$@"; do
+        modprobe --dirname "$from" --set-version "$(cat "$from/ready")" --show-depends "$module"
+    done | sed -n 's/^insmod \([^ ]*\).*/\1/p' | while read -r file; do
+        cp "$file" "$to/$number-$(basename "$file")"
+        number=$((number + 1))
+    done
+}
+
+# make_initrd KERNEL_FOLDER: busybox, and the modules it takes to reach the host's files or a disk.
 make_initrd() (
     root=$(mktemp -d)
     trap 'rm -rf "$root"' EXIT
-    mkdir "$root/bin" "$root/modules"
+    mkdir "$root/bin" "$root/modules" "$root/modules-disk"
     cp "$1/busybox" "$root/bin"
     cp "$here/guest_init" "$root/init"
-    for module in virtio_pci 9pnet_virtio 9p overlay; do
-        modprobe --dirname "$1" --set-version "$(cat "$1/ready")" --show-depends "$module"
-    done | sed -n 's/^insmod \([^ ]*\).*/\1/p' >"$root/files"
-    number=100
-    while read -r file; do
-        cp "$file" "$root/modules/$number-$(basename "$file")"
-        number=$((number + 1))
-    done <"$root/files"
+    put_modules "$1" "$root/modules" virtio_pci 9pnet_virtio 9p overlay
+    put_modules "$1" "$root/modules-disk" virtio_blk ext4
     cd "$root"
     find . | cpio --quiet -o -H newc -R 0:0 | gzip -1 >"$1/initrd.new"
     mv "$1/initrd.new" "$1/initrd.gz"
@@ -136,6 +144,30 @@ END
     rm -rf "$work"
 )
 
+# prepare_systemd: a minimal Debian with the libraries that the program's package needs and those of
+# its test, without what only people read and what only delays the boot.
+prepare_systemd() {
+    disk="$folder/systemd.ext2"
+    if [ -e "$disk" ] && [ -z "$(find "$here/guest.service" -newer "$disk")" ]; then
+        return 0
+    fi
+    say "making a Debian with systemd"
+    rm -f "$disk.new.ext2"
+    as_root mmdebstrap --quiet --variant=minbase \
+        --include=systemd,systemd-sysv,udev,kmod,iproute2,libgpiod2,libstdc++6,procps \
+        --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-exclude=/usr/share/man/*' \
+        --dpkgopt='path-exclude=/usr/share/locale/*' \
+        --customize-hook='rm "$1/etc/dpkg/dpkg.cfg.d/99mmdebstrap"' \
+        --customize-hook="upload '$here/guest.service' /etc/systemd/system/guest.service" \
+        --customize-hook='systemctl --root "$1" enable guest.service' \
+        --customize-hook='systemctl --root "$1" mask getty@tty1.service serial-getty@ttyS0.service \
+            systemd-logind.service systemd-random-seed.service apt-daily.timer \
+            apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer fstrim.timer' \
+        bookworm "$disk.new.ext2" >&2
+    as_root chown "$(id -u)" "$disk.new.ext2"
+    mv "$disk.new.ext2" "$disk"
+}
+
 [ "$(dpkg --print-architecture)" = amd64 ] || fail "it runs on amd64 machines only"
 # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
 install_packages $lab_packages
@@ -146,4 +178,5 @@ if [ "$tier" = full ]; then
     prepare_kernel rt linux-image-rt-amd64
     "$here/build_modules.sh" "$folder/stock"
     prepare_libgpiod
+    prepare_systemd
 fi

@@ -1,0 +1,192 @@
+#include "app/service_notify.h"
+
+#include <sys/socket.h>
+#include <sys/time.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+namespace tribus {
+namespace {
+
+/// A service manager that hangs must not make this program hang with it.
+constexpr timeval kLongestWait{.tv_sec = 1, .tv_usec = 0};
+
+/// Its address; nothing where the name has no place in one.
+std::optional<std::pair<sockaddr_un, socklen_t>> address_of(std::string_view name) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    const bool known = name.starts_with('/') || name.starts_with('@');
+    if (!known || name.size() >= sizeof address.sun_path) {
+        return std::nullopt;
+    }
+    std::memcpy(address.sun_path, name.data(), name.size());
+    // A name in the kernel's own name space begins with a zero and has none at its end.
+    const bool abstract = name.front() == '@';
+    if (abstract) {
+        address.sun_path[0] = '\0';
+    }
+    const std::size_t length = offsetof(sockaddr_un, sun_path) + name.size() + (abstract ? 0U : 1U);
+    return std::pair(address, static_cast<socklen_t>(length));
+}
+
+std::optional<std::uint64_t> number_in(const char* variable) {
+    const char* const text = std::getenv(variable);
+    std::uint64_t number = 0;
+    if (text == nullptr) {
+        return std::nullopt;
+    }
+    const char* const end = text + std::strlen(text);
+    const auto parsed = std::from_chars(text, end, number);
+    return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(number) : std::nullopt;
+}
+
+/// As sd_watchdog_enabled(3) reads it.
+std::optional<Duration> watchdog_limit() {
+    const auto usec = number_in("WATCHDOG_USEC");
+    constexpr std::uint64_t kLongest = std::chrono::microseconds(std::chrono::hours(24)).count();
+    const bool ours = std::getenv("WATCHDOG_PID") == nullptr ||
+                      number_in("WATCHDOG_PID") == static_cast<std::uint64_t>(::getpid());
+    return usec && *usec > 0 && *usec <= kLongest && ours
+               ? std::optional<Duration>(std::chrono::microseconds(*usec))
+               : std::nullopt;
+}
+
+template <class Configs>
+std::vector<std::string> names_of(const Configs& configs) {
+    std::vector<std::string> names;
+    names.reserve(configs.size());
+    for (const auto& config : configs) {
+        names.push_back(config.name);
+    }
+    return names;
+}
+
+}  // namespace
+
+NotifySocket NotifySocket::from_environment() {
+    NotifySocket made;
+    const char* const name = std::getenv("NOTIFY_SOCKET");
+    if (name == nullptr) {
+        return made;
+    }
+    const auto address = address_of(name);
+    UniqueFd socket(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    if (!address || !socket.valid() ||
+        ::setsockopt(socket.get(), SOL_SOCKET, SO_SNDTIMEO, &kLongestWait, sizeof kLongestWait) !=
+            0 ||
+        ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address->first),
+                  address->second) != 0) {
+        spdlog::warn("cannot tell the service manager at {} how it goes: {}", name,
+                     address ? std::strerror(errno) : "not an address that is known here");
+        return made;
+    }
+    made.socket_ = std::move(socket);
+    return made;
+}
+
+bool NotifySocket::say(std::string_view lines) const {
+    return socket_.valid() && ::send(socket_.get(), lines.data(), lines.size(), MSG_NOSIGNAL) ==
+                                  static_cast<ssize_t>(lines.size());
+}
+
+ServiceNotify::ServiceNotify() : socket_(NotifySocket::from_environment()) {
+    const auto limit = socket_.listens() ? watchdog_limit() : std::nullopt;
+    if (limit) {
+        watchdog_.emplace(*limit);
+    }
+}
+
+void ServiceNotify::started(const Appliance& appliance, Instant now) {
+    if (watchdog_) {
+        watchdog_->restart();
+    }
+    const Configuration& configuration = appliance.configuration();
+    status_.emplace(names_of(configuration.inputs), names_of(configuration.outputs));
+    told_.clear();
+    next_status_ = now;
+    socket_.say("READY=1");
+}
+
+void ServiceNotify::reloading(Instant now) {
+    const auto usec = std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch());
+    socket_.say(fmt::format("RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration anew",
+                            usec.count()));
+}
+
+void ServiceNotify::stopping() {
+    socket_.say("STOPPING=1\nSTATUS=outputs end as their failsafe says");
+}
+
+void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
+    std::vector<OutputProgress> outputs;
+    for (std::size_t i = 0; i < appliance.configuration().outputs.size(); ++i) {
+        const OutputStatus status = appliance.output_status(i);
+        outputs.push_back({status.due, status.period, status.overruns});
+    }
+    if (watchdog_->look(now, appliance.figures_at(), outputs)) {
+        socket_.say("WATCHDOG=1");
+    }
+    const Punctuality found = watchdog_->punctuality();
+    if (found == said_) {
+        return;
+    }
+    said_ = found;
+    const auto swallowed = found == Punctuality::on_time ? std::nullopt : limit_.pass(now);
+    if (!swallowed) {
+        return;
+    }
+    if (found == Punctuality::data_thread_stands) {
+        spdlog::error(
+            "the data thread does not go on; unless it does soon, the service manager "
+            "starts the program anew{}",
+            swallowed_note(*swallowed));
+    } else {
+        spdlog::warn(
+            "output {}: half of its frames are late or missed; the machine is too slow or "
+            "too busy. The service manager starts the program anew if that goes on{}",
+            appliance.configuration().outputs[watchdog_->late_output()].name,
+            swallowed_note(*swallowed));
+    }
+}
+
+void ServiceNotify::tell_status(const Appliance& appliance, Instant now) {
+    constexpr Duration kPeriod = std::chrono::seconds(1);
+    if (now < next_status_) {
+        return;
+    }
+    next_status_ = now + kPeriod;
+    std::vector<LinkState> inputs;
+    for (std::size_t i = 0; i < appliance.configuration().inputs.size(); ++i) {
+        inputs.push_back(appliance.input_status(i).state);
+    }
+    std::vector<OutputState> outputs;
+    for (std::size_t i = 0; i < appliance.configuration().outputs.size(); ++i) {
+        outputs.push_back(appliance.output_status(i).state);
+    }
+    std::string text = status_->text(inputs, outputs, now);
+    if (text != told_ && socket_.say("STATUS=" + text)) {
+        told_ = std::move(text);
+    }
+}
+
+void ServiceNotify::look(const Appliance& appliance, Instant now) {
+    if (!socket_.listens()) {
+        return;
+    }
+    if (watchdog_) {
+        look_at_outputs(appliance, now);
+    }
+    tell_status(appliance, now);
+}
+
+}  // namespace tribus

@@ -1,0 +1,13 @@
+# fish completion for tribus. It asks `tribus --help`, so it knows what the program knows.
+
+function __tribus_commands
+    tribus --help | string match -rg '^  ([a-z][a-z0-9-]*  +.*)$' | string replace -r '  +' \t
+end
+
+function __tribus_options
+    set -l words (commandline -opc)
+    tribus $words[2] --help 2>/dev/null | string match -rg '^ +(?:-[a-zA-Z],)?(--[a-z0-9_-]+)'
+end
+
+complete -c tribus -n 'test (count (commandline -opc)) -eq 1' -f -a '(__tribus_commands)'
+complete -c tribus -n 'test (count (commandline -opc)) -gt 1' -a '(__tribus_options)'
