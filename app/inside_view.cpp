@@ -1,8 +1,11 @@
 #include "app/inside_view.h"
 
+#include <algorithm>
+
 #include <spdlog/spdlog.h>
 
 #include "app/control_socket.h"
+#include "app/metrics_text.h"
 #include "app/status_json.h"
 #include "pipelines/realtime/clock.h"
 
@@ -41,17 +44,41 @@ void InsideView::look() {
 }
 
 std::vector<int> InsideView::descriptors() const {
-    return control_ ? std::vector{control_->descriptor()} : std::vector<int>();
+    std::vector<int> descriptors;
+    if (control_) {
+        descriptors.push_back(control_->descriptor());
+    }
+    if (metrics_) {
+        descriptors.push_back(metrics_->descriptor());
+    }
+    return descriptors;
 }
 
 Instant InsideView::due() const {
-    return control_ ? control_->due() : kNever;
+    return std::min(control_ ? control_->due() : kNever, metrics_ ? metrics_->due() : kNever);
 }
 
 void InsideView::serve(Instant now) {
     if (control_ && keeper_) {
         control_->serve(now);
     }
+    if (metrics_ && keeper_) {
+        metrics_->serve(now);
+    }
+}
+
+tl::expected<void, std::string> InsideView::tell_metrics(const std::string& address,
+                                                         MetricsReach reach) {
+    auto metrics = MetricsServer::open(address, reach, [this] {
+        return metrics_text(keeper_->report(*appliance_, monotonic_now(), wall_time_now()));
+    });
+    if (!metrics) {
+        return tl::unexpected(metrics.error());
+    }
+    metrics_ = std::move(*metrics);
+    spdlog::info("metrics at {}{}", address,
+                 reach == MetricsReach::network ? ", for everybody who can reach it" : "");
+    return {};
 }
 
 std::string InsideView::status() const {

@@ -9,6 +9,7 @@
 
 #include "app/appliance.h"
 #include "app/control_server.h"
+#include "app/metrics_server.h"
 #include "app/status.h"
 #include "core/time.h"
 
@@ -26,6 +27,9 @@ class InsideView {
     InsideView(const InsideView&) = delete;
     InsideView& operator=(const InsideView&) = delete;
 
+    /// Tells metrics at `address` too, as `MetricsServer` does. The error is a sentence.
+    tl::expected<void, std::string> tell_metrics(const std::string& address, MetricsReach reach);
+
     /// From now on it shows this one, which must outlive it or the next call.
     void show(const Appliance& appliance, Instant now);
     /// Looks at what it shows; call a few times a second.
@@ -35,7 +39,7 @@ class InsideView {
     std::vector<int> descriptors() const;
     Instant due() const;
     void serve(Instant now);
-    bool watched() const { return control_ && control_->watched(); }
+    bool watched() const { return metrics_ || (control_ && control_->watched()); }
     /// None where the daemon runs without.
     ControlServer* control() { return control_.get(); }
 
@@ -46,6 +50,7 @@ class InsideView {
     const Appliance* appliance_ = nullptr;
     std::optional<StatusKeeper> keeper_;
     std::unique_ptr<ControlServer> control_;
+    std::unique_ptr<MetricsServer> metrics_;
 };
 
 }  // namespace tribus

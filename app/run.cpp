@@ -191,9 +191,16 @@ int run(const std::string& path, std::unique_ptr<Appliance> appliance, MainWait&
     return kExitFailed;
 }
 
-int run(const std::string& path, const std::optional<std::string>& socket) {
+struct RunOptions {
+    std::string path;
+    std::optional<std::string> socket;
+    std::string metrics;
+    bool metrics_public = false;
+};
+
+int run(const RunOptions& options) {
     ServiceNotify service;
-    std::optional<Configuration> configuration = load_or_explain(path);
+    std::optional<Configuration> configuration = load_or_explain(options.path);
     if (!configuration) {
         return kExitWrongUse;
     }
@@ -202,27 +209,34 @@ int run(const std::string& path, const std::optional<std::string>& socket) {
         spdlog::error("{}", wait.error());
         return kExitFailed;
     }
-    auto inside = InsideView::open(path, socket);
+    auto inside = InsideView::open(options.path, options.socket);
     if (!inside) {
         spdlog::error("{}", inside.error());
         return kExitFailed;
     }
-    return run(path, start_or_log(std::move(*configuration)), *wait, **inside, service);
+    if (!options.metrics.empty()) {
+        const auto reach = options.metrics_public ? MetricsReach::network : MetricsReach::local;
+        if (auto told = (*inside)->tell_metrics(options.metrics, reach); !told) {
+            spdlog::error("{}", told.error());
+            return kExitFailed;
+        }
+    }
+    return run(options.path, start_or_log(std::move(*configuration)), *wait, **inside, service);
 }
 
 }  // namespace
 
 void add_run_command(CLI::App& app, int& status) {
     auto* command = app.add_subcommand("run", "Run a configuration, in the foreground");
-    struct Options {
-        std::string path;
-        std::optional<std::string> socket;
-    };
-    auto options = std::make_shared<Options>();
+    auto options = std::make_shared<RunOptions>();
     command->add_option("CONFIG", options->path, "Configuration file")->required();
     command->add_option("--socket", options->socket,
                         "Control socket, for `tribus monitor`; default: `control` in\n"
                         "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR");
+    command->add_option("--metrics", options->metrics,
+                        "Tell Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket");
+    command->add_flag("--metrics-public", options->metrics_public,
+                      "Allow an address for --metrics that the network can reach");
     command->footer(
         "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
         "SIGHUP: reads the configuration again and takes it between two frames; one with "
@@ -236,7 +250,7 @@ void add_run_command(CLI::App& app, int& status) {
             logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
         }
         spdlog::set_default_logger(std::move(logger));
-        status = run(options->path, options->socket);
+        status = run(*options);
     });
 }
 

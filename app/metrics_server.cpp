@@ -1,0 +1,159 @@
+#include "app/metrics_server.h"
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+
+#include <cerrno>
+#include <cstring>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace tribus {
+namespace {
+
+using Refused = tl::unexpected<std::string>;
+
+/// A scraper asks one thing and leaves; there are one or two of them.
+constexpr std::size_t kMostClients = 4;
+constexpr std::size_t kLongestHead = 4096;
+constexpr Duration kPatience = std::chrono::seconds(5);
+
+struct AddressDeleter {
+    void operator()(addrinfo* address) const { ::freeaddrinfo(address); }
+};
+using Address = std::unique_ptr<addrinfo, AddressDeleter>;
+
+Address resolve(const std::string& text) {
+    const std::size_t colon = text.rfind(':');
+    // An empty port would be any.
+    if (colon == std::string::npos || colon + 1 == text.size()) {
+        return nullptr;
+    }
+    std::string host = text.substr(0, colon);
+    if (host.starts_with('[') && host.ends_with(']')) {
+        host = host.substr(1, host.size() - 2);
+    } else if (host.find(':') != std::string::npos) {
+        return nullptr;
+    }
+    addrinfo hints{};
+    hints.ai_flags = AI_NUMERICHOST | AI_NUMERICSERV | AI_PASSIVE;
+    hints.ai_socktype = SOCK_STREAM;
+    addrinfo* found = nullptr;
+    const int error = ::getaddrinfo(host.c_str(), text.substr(colon + 1).c_str(), &hints, &found);
+    return Address(error == 0 ? found : nullptr);
+}
+
+bool is_loopback(const addrinfo& address) {
+    if (address.ai_family == AF_INET) {
+        sockaddr_in v4{};
+        std::memcpy(&v4, address.ai_addr, sizeof v4);
+        constexpr std::uint32_t kLoopbackNet = 127;
+        return ntohl(v4.sin_addr.s_addr) >> 24U == kLoopbackNet;
+    }
+    sockaddr_in6 v6{};
+    std::memcpy(&v6, address.ai_addr, sizeof v6);
+    return std::memcmp(&v6.sin6_addr, &in6addr_loopback, sizeof v6.sin6_addr) == 0;
+}
+
+tl::expected<UniqueFd, std::string> listen_on(const std::string& text, MetricsReach reach) {
+    const Address address = resolve(text);
+    if (!address) {
+        return Refused(fmt::format(
+            "metrics cannot be told at \"{}\"; allowed: \"127.0.0.1:9464\", \"[::1]:9464\", or the "
+            "path of a local socket",
+            text));
+    }
+    if (reach == MetricsReach::local && !is_loopback(*address)) {
+        return Refused(fmt::format(
+            "{} can be reached from the network, and nothing asks who it is; 127.0.0.1 and [::1] "
+            "cannot, or say --metrics-public",
+            text));
+    }
+    UniqueFd socket(::socket(address->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    const int on = 1;
+    ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    if (!socket.valid() || ::bind(socket.get(), address->ai_addr, address->ai_addrlen) != 0 ||
+        ::listen(socket.get(), static_cast<int>(kMostClients)) != 0) {
+        return Refused(fmt::format("metrics cannot be told at {}: {}", text, std::strerror(errno)));
+    }
+    return socket;
+}
+
+std::string response(std::string_view status, std::string_view content) {
+    return fmt::format(
+        "HTTP/1.1 {}\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n"
+        "Content-Length: {}\r\nConnection: close\r\n\r\n{}",
+        status, content.size(), content);
+}
+
+bool head_is_complete(std::string_view received) {
+    return received.find("\r\n\r\n") != std::string_view::npos ||
+           received.find("\n\n") != std::string_view::npos;
+}
+
+}  // namespace
+
+std::string http_response(std::string_view head, const std::function<std::string()>& metrics) {
+    const std::string_view line = head.substr(0, head.find_first_of("\r\n"));
+    const std::size_t target = line.find(' ');
+    const std::size_t version = line.rfind(' ');
+    if (target == std::string_view::npos || version == target ||
+        !line.substr(version + 1).starts_with("HTTP/1.")) {
+        return response("400 Bad Request", "not HTTP/1.1\n");
+    }
+    if (line.substr(0, target) != "GET") {
+        return response("405 Method Not Allowed", "only GET\n");
+    }
+    std::string_view path = line.substr(target + 1, version - target - 1);
+    path = path.substr(0, path.find('?'));
+    return path == "/metrics" ? response("200 OK", metrics())
+                              : response("404 Not Found", "metrics are at /metrics\n");
+}
+
+tl::expected<std::unique_ptr<MetricsServer>, std::string> MetricsServer::open(
+    const std::string& address, MetricsReach reach, std::function<std::string()> metrics) {
+    std::unique_ptr<MetricsServer> server(new MetricsServer);
+    UniqueFd listening;
+    if (address.starts_with('/')) {
+        auto listener = LocalListener::open(address);
+        if (!listener) {
+            return Refused(listener.error());
+        }
+        server->listener_.emplace(std::move(*listener));
+        listening = std::move(server->listener_->descriptor());
+    } else {
+        auto socket = listen_on(address, reach);
+        if (!socket) {
+            return Refused(socket.error());
+        }
+        listening = std::move(*socket);
+    }
+    const auto request = [metrics = std::move(metrics)](SocketClient& client, Instant now) {
+        const bool complete = head_is_complete(client.received());
+        if (!complete && !client.request_too_long()) {
+            return true;
+        }
+        client.close_when_sent();
+        return client.send(complete ? http_response(client.received(), metrics)
+                                    : response("431 Request Header Fields Too Large", ""),
+                           now);
+    };
+    const auto never = [](SocketClient&, Instant) { return false; };
+    auto made = SocketServer::make(std::move(listening),
+                                   {.clients = kMostClients,
+                                    .request = kLongestHead,
+                                    .unread = kPatience,
+                                    .idle = kPatience,
+                                    .refusal = {}},
+                                   {.request = request, .repeat = never});
+    if (!made) {
+        return Refused(made.error());
+    }
+    server->server_.emplace(std::move(*made));
+    return server;
+}
+
+}  // namespace tribus
