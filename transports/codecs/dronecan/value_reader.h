@@ -33,9 +33,9 @@ std::string_view instance_field(std::string_view message);
 
 /// Reads that message, one of kValueMessages, from the chosen source or else from the first that is
 /// heard. Its values are the numbers of the message, "voltage" or "ned_velocity[2]", and of Fix2
-/// "ground_speed". What the sender does not know is not available: floats that are not finite, codes
-/// for "unknown", items that an array could have and has not, and of a position all that its fix
-/// does not give. `fd`: frames of CAN FD are read too.
+/// "ground_speed". What the sender does not know is not available: floats that are not finite,
+/// codes for "unknown", items that an array could have and has not, and of a position all that its
+/// fix does not give. `fd`: frames of CAN FD are read too.
 std::unique_ptr<CanValueReader> make_value_reader(std::string_view message,
                                                   const SourceChoice& source, bool fd);
 

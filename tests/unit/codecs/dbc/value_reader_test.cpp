@@ -25,7 +25,9 @@ class Reader {
           readings_(reader_.values().size()) {}
 
     DbcValueReader* operator->() { return &reader_; }
-    bool take(const CanFrame& frame) { return reader_.take(frame, Instant{}, readings_).has_value(); }
+    bool take(const CanFrame& frame) {
+        return reader_.take(frame, Instant{}, readings_).has_value();
+    }
     /// The number of a signal in this frame; nothing if it has none.
     std::optional<double> number(const CanFrame& frame, std::size_t signal = 0) {
         EXPECT_TRUE(take(frame));
