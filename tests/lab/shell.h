@@ -10,7 +10,7 @@ struct ShellResult {
     std::string output;  ///< both streams
 };
 
-/// Runs a command line of /bin/sh and waits for it, at most a minute.
+/// Runs a command line of /bin/sh and waits for it, at most three minutes.
 ShellResult run_shell(const std::string& command);
 
 /// The same for a command that has to succeed, or else the test fails; its output.
