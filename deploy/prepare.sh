@@ -15,8 +15,9 @@ test_packages="libgmock-dev libgtest-dev librapidcheck-dev python3 python3-canma
 bench_packages="g++-aarch64-linux-gnu qemu-user valgrind"
 # The laboratory (tests/lab): an emulator, and what its guests run from the host's files.
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
-# Its full tier builds kernel modules, and a Debian into which it installs the package.
-lab_full_packages="bc gcc-12 genext2fs libelf1 make mmdebstrap $package_packages"
+# Its full tier builds kernel modules and the package, its service tier a Debian that gets that.
+lab_full_packages="bc gcc-12 libelf1 make $package_packages"
+lab_service_packages="genext2fs mmdebstrap $package_packages"
 
 as_root() {
     if [ "$(id -u)" = 0 ]; then

@@ -10,7 +10,7 @@ function(lab_add group label program)
     add_test(${group} ${ARGN})
     set_tests_properties(${group} PROPERTIES
         FIXTURES_SETUP ${group} LABELS "lab;${label}" PROCESSORS 2 TIMEOUT ${lab_timeout})
-    if("--systemd" IN_LIST ARGN)
+    if("${ARGN}" MATCHES "--systemd")
         set_tests_properties(${group} PROPERTIES FIXTURES_REQUIRED package)
     endif()
     if(NOT EXISTS "${program}")

@@ -2,11 +2,12 @@
 # Prepares the laboratory's guests: Debian's own kernels, downloaded and unpacked but never
 # installed. Does only what is still missing; delete the folder to get newer kernels.
 #
-#   tests/lab/prepare.sh [fast|full [FOLDER]]
+#   tests/lab/prepare.sh [fast|full|service [FOLDER]]
 #
 # fast: the stock kernel. full: the PREEMPT_RT kernel too, and two drivers that Debian's kernel
 # comes without, built from Debian's kernel source: gpio-sim and CTU CAN FD; and version 2 of
-# libgpiod, which Debian 12 has in its backports only; and a fresh Debian 12 with systemd as a disk.
+# libgpiod, which Debian 12 has in its backports only. service: the stock kernel, and a fresh Debian
+# 12 with systemd as a disk.
 #
 # FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/, FOLDER/libgpiod-2/ has usr/,
 # FOLDER/systemd.ext2 is the disk; FOLDER is build/lab if not given.
@@ -178,5 +179,8 @@ if [ "$tier" = full ]; then
     prepare_kernel rt linux-image-rt-amd64
     "$here/build_modules.sh" "$folder/stock"
     prepare_libgpiod
+elif [ "$tier" = service ]; then
+    # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
+    install_packages $lab_service_packages
     prepare_systemd
 fi
