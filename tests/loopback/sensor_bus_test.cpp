@@ -136,7 +136,7 @@ TEST_P(SensorBus, AnswersWithOtherSensorsAfterAReload) {
     EXPECT_EQ(receiver_.ask(kValueOf2), Bytes{});
     config("2", sensor("battery_current", "cells") + "scale = -10\noffset = 25\n");
     program.signal(SIGHUP);
-    EXPECT_TRUE(program.says("started", 2));
+    EXPECT_TRUE(program.says("reloaded"));
     EXPECT_EQ(receiver_.ask_until_answered(kValueOf1), value_reply(1, 200));
     EXPECT_EQ(receiver_.ask_until_answered(kValueOf2), value_reply(2, 500));
     EXPECT_EQ(receiver_.ask_until_answered(0x92), sensor_frame(0x92, {0x05, 2}));

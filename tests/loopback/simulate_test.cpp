@@ -256,7 +256,7 @@ value = "battery.voltage"
                                            "(1.000400) can0 1004441E#0000011FE2030006\n"
                                            "(1.000600) can0 1004441E#000000006C697026\n"
                                            "(1.000800) can0 1004441E#6F347346\n";
-    std::ofstream(folder() / "asked.txt") << "# t_us\n100 04 81 7a ff\n8000 04 a1 5a ff\n"
+    std::ofstream(folder() / "asked.txt") << "# t_us\n4000 04 81 7a ff\n12000 04 a1 5a ff\n"
                                              "2900000 04 a1 5a ff\n3100000 04 a1 5a ff\n";
     Program& program =
         start({"simulate", config, "--in", "battery=" + (folder() / "bus.log").string(), "--in",

@@ -66,7 +66,7 @@ TEST(DroneCanValues, NameWhatWasMeant) {
                     "\"battery.voltage\"?"});
     EXPECT_EQ(mistakes(with_battery(std::string(kBattery) + "signals = { u = \"curent\" }\n"))
                   .front()
-                  .substr(0, 124),
+                  .substr(0, 123),
               "4:17: message uavcan.equipment.power.BatteryInfo has no signal \"curent\"; did you "
               "mean \"current\"? Allowed: \"temperature\", \"v");
     const Lines unknown = mistakes(
