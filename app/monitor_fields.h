@@ -12,12 +12,12 @@ namespace tribus::monitor {
 using Json = nlohmann::json;
 
 inline const Json& field(const Json& object, const char* key) {
-    static const Json kNothing;
+    static const Json nothing;
     if (!object.is_object()) {
-        return kNothing;
+        return nothing;
     }
     const auto found = object.find(key);
-    return found == object.end() ? kNothing : *found;
+    return found == object.end() ? nothing : *found;
 }
 
 inline std::string text(const Json& object, const char* key) {
@@ -43,9 +43,9 @@ inline bool flag(const Json& object, const char* key) {
 
 /// Empty where there is none.
 inline const Json& list(const Json& object, const char* key) {
-    static const Json kEmpty = Json::array();
+    static const Json empty = Json::array();
     const Json& value = field(object, key);
-    return value.is_array() ? value : kEmpty;
+    return value.is_array() ? value : empty;
 }
 
 }  // namespace tribus::monitor

@@ -169,7 +169,7 @@ int run(const std::string& path, std::unique_ptr<Appliance> appliance, MainWait&
     Instant next_look = later(monotonic_now(), kTendPeriod);
     while (running.appliance) {
         const auto signal = wait.until(std::min(next_look, inside.due()), inside.descriptors());
-        if (signal == SIGTERM || signal == SIGINT) {
+        if (signal && (*signal == SIGTERM || *signal == SIGINT)) {
             service.stopping();
             running.appliance->end();
             spdlog::info("stopped");

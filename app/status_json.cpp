@@ -24,7 +24,8 @@ std::int64_t us(Duration duration) {
 Json fine_us(Duration duration) {
     constexpr std::int64_t kTenth = 100;
     constexpr double kTenthsPerUs = 10;
-    return number_json(static_cast<double>(duration.count() / kTenth) / kTenthsPerUs);
+    const std::int64_t tenths = duration.count() / kTenth;
+    return number_json(static_cast<double>(tenths) / kTenthsPerUs);
 }
 
 /// As keys and words are written here: "radio_lost".
