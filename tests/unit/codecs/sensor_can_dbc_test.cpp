@@ -83,8 +83,7 @@ class SentReading {
         ASSERT_TRUE(reader_.take(frames[0], Instant{}, readings_));
     }
     std::size_t index(const std::string& name) const {
-        const auto found =
-            std::ranges::find(reader_.values(), name, &DbcValueReader::Value::name);
+        const auto found = std::ranges::find(reader_.values(), name, &DbcValueReader::Value::name);
         return static_cast<std::size_t>(found - reader_.values().begin());
     }
     const ValueReading& reading(const std::string& name) const { return readings_.at(index(name)); }
