@@ -11,10 +11,14 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "app/ask_daemon.h"
 #include "app/exit_status.h"
+#include "app/live_difference.h"
 #include "app/load_or_explain.h"
+#include "app/monitor_fields.h"
 #include "config/carry_over.h"
 #include "config/effective.h"
+#include "config/load.h"
 
 namespace tribus {
 namespace {
@@ -209,6 +213,67 @@ class Difference {
     std::string text_;
 };
 
+struct DiffOptions {
+    std::string first;
+    std::string fresh;
+    std::string daemon;
+    std::optional<std::string> socket;
+};
+
+int compare_files(const DiffOptions& options) {
+    const auto running = load_or_explain(options.first);
+    const auto fresh = load_or_explain(options.fresh);
+    if (!running || !fresh) {
+        return kExitWrongUse;
+    }
+    fmt::print("{}", configuration_difference(*running, *fresh));
+    return kExitFine;
+}
+
+/// One of several is the one that is called as the file.
+tl::expected<std::string, std::string> daemon_of(const DiffOptions& options) {
+    if (options.socket || !options.daemon.empty()) {
+        return find_daemon(options.daemon, options.socket);
+    }
+    auto namesake = find_daemon(options.first, std::nullopt);
+    return namesake ? namesake : find_daemon("", std::nullopt);
+}
+
+int compare_with_daemon(const DiffOptions& options) {
+    constexpr Duration kPatience = std::chrono::seconds(5);
+    const auto fresh = load_or_explain(options.first);
+    if (!fresh) {
+        return kExitWrongUse;
+    }
+    const auto complain = [](const std::string& text) {
+        fmt::print(stderr, "tribus: {}\n", text);
+        return kExitFailed;
+    };
+    const auto socket = daemon_of(options);
+    const auto answer = socket.and_then(
+        [&](const std::string& path) { return ask_daemon(path, "configuration", kPatience); });
+    if (!answer) {
+        return complain(answer.error());
+    }
+    const auto status = ask_daemon(*socket, "status", kPatience);
+    if (!status) {
+        return complain(status.error());
+    }
+    const auto running =
+        load_configuration(monitor::text(*answer, "toml"), monitor::text(*answer, "file"));
+    if (!running) {
+        explain_mistakes(running.error());
+        return complain(
+            "what the daemon runs cannot be read here; a file that it names has changed");
+    }
+    const std::string difference = configuration_difference(*running, *fresh);
+    if (!difference.empty()) {
+        fmt::print("{}{}", difference,
+                   live_difference(*running, *fresh, live_inputs(*running, *status)));
+    }
+    return kExitFine;
+}
+
 }  // namespace
 
 std::string configuration_difference(const Configuration& running, const Configuration& fresh) {
@@ -218,24 +283,27 @@ std::string configuration_difference(const Configuration& running, const Configu
 void add_diff_command(CLI::App& app, int& status) {
     auto* command = app.add_subcommand(
         "diff", "Say what changes where another configuration takes the place of one");
-    struct Options {
-        std::string running;
-        std::string fresh;
-    };
-    auto options = std::make_shared<Options>();
-    command->add_option("CONFIG", options->running, "The configuration that runs")->required();
-    command->add_option("NEW", options->fresh, "The one that is to take its place")->required();
+    auto options = std::make_shared<DiffOptions>();
+    command
+        ->add_option("CONFIG", options->first,
+                     "The configuration that runs; alone, the one that is to take the place of "
+                     "what a daemon runs")
+        ->required();
+    auto* fresh =
+        command->add_option("NEW", options->fresh, "The one that is to take the place of CONFIG");
+    command
+        ->add_option("--daemon", options->daemon,
+                     "Which daemon, by its configuration file's name; needed where several run and "
+                     "none is called as CONFIG")
+        ->excludes(fresh);
+    command->add_option("--socket", options->socket, "Its control socket, where that is elsewhere")
+        ->excludes(fresh);
     command->footer(
         "Line by line: what is set otherwise, channel by channel, and what a reload does with it.\n"
-        "Prints nothing where nothing changes.");
+        "Prints nothing where nothing changes. Beside a running daemon: what each output would "
+        "say\nwith the sticks as they are now.");
     command->callback([options, &status] {
-        const auto running = load_or_explain(options->running);
-        const auto fresh = load_or_explain(options->fresh);
-        if (!running || !fresh) {
-            status = kExitWrongUse;
-            return;
-        }
-        fmt::print("{}", configuration_difference(*running, *fresh));
+        status = options->fresh.empty() ? compare_with_daemon(*options) : compare_files(*options);
     });
 }
 

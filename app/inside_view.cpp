@@ -69,9 +69,7 @@ void InsideView::serve(Instant now) {
 
 tl::expected<void, std::string> InsideView::tell_metrics(const std::string& address,
                                                          MetricsReach reach) {
-    auto metrics = MetricsServer::open(address, reach, [this] {
-        return metrics_text(keeper_->report(*appliance_, monotonic_now(), wall_time_now()));
-    });
+    auto metrics = MetricsServer::open(address, reach, [this] { return metrics_text(report()); });
     if (!metrics) {
         return tl::unexpected(metrics.error());
     }
@@ -81,8 +79,17 @@ tl::expected<void, std::string> InsideView::tell_metrics(const std::string& addr
     return {};
 }
 
+StatusReport InsideView::report() const {
+    const Instant now = monotonic_now();
+    StatusReport report = keeper_->report(*appliance_, now, wall_time_now());
+    if (trial_end_) {
+        report.trial_left = std::max(*trial_end_ - now, Duration::zero());
+    }
+    return report;
+}
+
 std::string InsideView::status() const {
-    return status_json(keeper_->report(*appliance_, monotonic_now(), wall_time_now()));
+    return keeper_ ? status_json(report()) : error_object("nothing runs any more");
 }
 
 }  // namespace tribus

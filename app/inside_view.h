@@ -32,6 +32,10 @@ class InsideView {
 
     /// From now on it shows this one, which must outlive it or the next call.
     void show(const Appliance& appliance, Instant now);
+    /// Nothing runs any more.
+    void hide() { keeper_.reset(); }
+    /// Until when the configuration is on trial; nothing where it is not.
+    void show_trial(std::optional<Instant> end) { trial_end_ = end; }
     /// Looks at what it shows; call a few times a second.
     void look();
 
@@ -46,9 +50,11 @@ class InsideView {
   private:
     InsideView() = default;
     std::string status() const;
+    StatusReport report() const;
 
     const Appliance* appliance_ = nullptr;
     std::optional<StatusKeeper> keeper_;
+    std::optional<Instant> trial_end_;
     std::unique_ptr<ControlServer> control_;
     std::unique_ptr<MetricsServer> metrics_;
 };

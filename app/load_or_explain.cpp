@@ -7,16 +7,19 @@
 
 #include "app/journal.h"
 #include "config/load.h"
-#include "config/mistakes.h"
 
 namespace tribus {
+
+void explain_mistakes(const std::vector<Mistake>& mistakes) {
+    for (const Mistake& mistake : mistakes) {
+        fmt::print(stderr, "{}{}\n", stderr_is_journal() ? "<3>" : "", format_mistake(mistake));
+    }
+}
 
 std::optional<Configuration> load_or_explain(const std::string& path) {
     auto configuration = load_configuration_file(path);
     if (!configuration) {
-        for (const Mistake& mistake : configuration.error()) {
-            fmt::print(stderr, "{}{}\n", stderr_is_journal() ? "<3>" : "", format_mistake(mistake));
-        }
+        explain_mistakes(configuration.error());
         return std::nullopt;
     }
     return std::move(*configuration);

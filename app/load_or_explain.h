@@ -2,12 +2,17 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "config/mistakes.h"
 #include "config/schema.h"
 
 namespace tribus {
 
 /// Loads a configuration file; prints all its mistakes to standard error if it has any.
 std::optional<Configuration> load_or_explain(const std::string& path);
+
+/// Prints mistakes to standard error, a line for each.
+void explain_mistakes(const std::vector<Mistake>& mistakes);
 
 }  // namespace tribus

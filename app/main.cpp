@@ -20,6 +20,7 @@
 #include "app/graph.h"
 #include "app/learn.h"
 #include "app/monitor.h"
+#include "app/reload.h"
 #include "app/run.h"
 #include "app/simulate.h"
 #include "config/mistakes.h"
@@ -49,6 +50,7 @@ int run_command_line(int argc, char** argv) {
     int status = tribus::kExitFine;
     tribus::add_run_command(app, status);
     tribus::add_monitor_command(app, status);
+    tribus::add_reload_command(app, status);
     tribus::add_check_command(app, status);
     tribus::add_diff_command(app, status);
     tribus::add_graph_command(app, status);

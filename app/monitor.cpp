@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "app/control_socket.h"
+#include "app/ask_daemon.h"
 #include "app/exit_status.h"
 #include "app/main_wait.h"
 #include "app/monitor_fields.h"
@@ -40,34 +40,6 @@ struct MonitorOptions {
     std::string period = "200ms";
     bool once = false;
 };
-
-/// The error is for the person who asked.
-tl::expected<std::string, std::string> choose_socket(const MonitorOptions& options) {
-    if (options.socket) {
-        return *options.socket;
-    }
-    const std::vector<FoundSocket> found = find_sockets(SocketHomes::of_this_process());
-    std::string names;
-    std::vector<std::string> matches;
-    for (const FoundSocket& socket : found) {
-        names += (names.empty() ? "" : ", ") + socket.name;
-        if (options.name.empty() || options.name == socket.name) {
-            matches.push_back(socket.path);
-        }
-    }
-    if (matches.size() == 1) {
-        return matches.front();
-    }
-    if (found.empty()) {
-        return tl::unexpected<std::string>(
-            "no running tribus found that this user may look into; `tribus run` starts one, "
-            "--socket PATH names the socket of one elsewhere");
-    }
-    return tl::unexpected(
-        matches.empty()
-            ? fmt::format("no daemon is called {}; running: {}", options.name, names)
-            : fmt::format("several daemons run; say which, or --socket PATH: {}", names));
-}
 
 /// Follows one daemon until the user ends it.
 class Monitor {
@@ -206,7 +178,7 @@ int monitor_daemon(const MonitorOptions& options) {
         fmt::print(stderr, "tribus: --period is no duration; allowed: such as \"200ms\"\n");
         return kExitWrongUse;
     }
-    const auto socket = choose_socket(options);
+    const auto socket = find_daemon(options.name, options.socket);
     if (!socket) {
         fmt::print(stderr, "tribus: {}\n", socket.error());
         return kExitFailed;

@@ -219,6 +219,10 @@ std::string heading(const MonitorView& view, const ScreenStyle& style) {
     line.add("tribus ", kBold);
     line.add(monitor::text(view.status, "name"), kBold);
     line.add("  up " + short_duration(us_of(view.status, "uptime_us")));
+    if (monitor::number(view.status, "trial_left_us")) {
+        line.add("  on trial, " + short_duration(us_of(view.status, "trial_left_us")) + " left",
+                 kYellow);
+    }
     line.add("  " + monitor::text(view.status, "file"), kDim);
     return line.take();
 }

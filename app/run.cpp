@@ -13,15 +13,14 @@
 #include <spdlog/spdlog.h>
 #include <CLI/CLI.hpp>
 
-#include "app/appliance.h"
+#include "app/control_requests.h"
+#include "app/daemon.h"
 #include "app/exit_status.h"
 #include "app/inside_view.h"
 #include "app/journal.h"
 #include "app/load_or_explain.h"
 #include "app/main_wait.h"
 #include "app/service_notify.h"
-#include "app/state_log.h"
-#include "config/carry_over.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -31,160 +30,22 @@ namespace {
 /// costs about as much as a frame.
 constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
 
-/// What runs, with what tells of it; without an appliance where nothing could be started.
-struct Running {
-    std::unique_ptr<Appliance> appliance;
-    InsideView& inside;
-    ServiceNotify& service;
-    std::unique_ptr<StateLog> log{};
-
-    /// Tells of the appliance, which has just started.
-    void watch() {
-        const Instant now = monotonic_now();
-        if (appliance) {
-            log = std::make_unique<StateLog>(*appliance, now);
-            log->say_interfaces(*appliance);
-            inside.show(*appliance, now);
-            service.started(*appliance, now);
-        }
-    }
-    /// Tells of it, which goes on from one that had those ports.
-    void watch_on(const std::vector<PortPlan>& ports_before) {
-        const Instant now = monotonic_now();
-        log = std::make_unique<StateLog>(*appliance, now);
-        log->take_as_known(*appliance);
-        const bool new_port = std::ranges::any_of(appliance->ports(), [&](const PortPlan& port) {
-            return std::ranges::none_of(ports_before, [&](const PortPlan& before) {
-                return same_device(before.config, port.config);
-            });
-        });
-        if (new_port) {
-            log->say_interfaces(*appliance);
-        }
-        // Devices with other line settings are opened here.
-        log->look(*appliance, now);
-        inside.show(*appliance, now);
-        service.started(*appliance, now);
-    }
-    /// A few times a second.
-    void look(Instant now) {
-        log->look(*appliance, now);
-        appliance->look_at_machine(now, inside.watched());
-        inside.look();
-        service.look(*appliance, now);
-    }
-};
-
-std::string summary(const Configuration& configuration) {
-    const std::size_t buses = configuration.sensor_buses.size();
-    return fmt::format("{}: {} inputs, {} outputs, {} pipelines{}", configuration.file,
-                       configuration.inputs.size(), configuration.outputs.size(),
-                       configuration.pipelines.size(),
-                       buses == 0 ? "" : fmt::format(", {} sensor buses", buses));
-}
-
-void log_start(const Appliance& appliance) {
-    for (const std::string& missing : appliance.missing_realtime()) {
-        spdlog::warn("no full real time: {}", missing);
-    }
-    spdlog::info("started {}", summary(appliance.configuration()));
-}
-
-std::unique_ptr<Appliance> start_or_log(
-    Configuration configuration,
-    Appliance::MissingDevices missing = Appliance::MissingDevices::refuse) {
-    auto appliance = Appliance::start(std::move(configuration), missing);
-    if (!appliance) {
-        for (const std::string& error : appliance.error()) {
-            spdlog::error("{}", error);
-        }
-        return nullptr;
-    }
-    log_start(**appliance);
-    return std::move(*appliance);
-}
-
-/// For what cannot change while frames flow. A configuration whose devices cannot be opened gives
-/// way to the old one again, whether or not one of its own devices is unplugged just now.
-void stop_and_start(Running& running, Configuration fresh) {
-    Configuration old = running.appliance->configuration();
-    running.appliance.reset();
-    running.appliance = start_or_log(std::move(fresh));
-    if (!running.appliance) {
-        spdlog::error("reload failed; back to the old configuration");
-        running.appliance = start_or_log(std::move(old), Appliance::MissingDevices::wait_for);
-    }
-    running.watch();
-}
-
-/// A configuration that has mistakes, or whose devices cannot be opened, leaves the old one running
-/// as if nothing had been asked for.
-void reload(Running& running, const std::string& path) {
-    running.service.reloading(monotonic_now());
-    std::optional<Configuration> fresh = load_or_explain(path);
-    if (!fresh) {
-        spdlog::error("reload refused: {} has mistakes; the old configuration runs on", path);
-        running.service.started(*running.appliance, monotonic_now());
-        return;
-    }
-    const CarryOver carry_over = plan_carry_over(running.appliance->configuration(), *fresh);
-    if (!carry_over.obstacles.empty()) {
-        for (const std::string& obstacle : carry_over.obstacles) {
-            spdlog::warn("reload with a stop, outputs go into failsafe: {}", obstacle);
-        }
-        stop_and_start(running, std::move(*fresh));
-        return;
-    }
-    const std::vector<PortPlan> ports_before = running.appliance->ports();
-    auto next = Appliance::succeed(running.appliance, std::move(*fresh), carry_over);
-    if (!next) {
-        for (const std::string& error : next.error()) {
-            spdlog::error("{}", error);
-        }
-        spdlog::error("reload refused: {} cannot be set up; the old configuration runs on", path);
-        running.service.started(*running.appliance, monotonic_now());
-        return;
-    }
-    running.appliance = std::move(*next);
-    spdlog::info("reloaded {}", summary(running.appliance->configuration()));
-    running.watch_on(ports_before);
-}
-
-/// As another node of DroneCAN asked for.
-void restart(Running& running) {
-    running.service.reloading(monotonic_now());
-    spdlog::info("restarting, as another DroneCAN node asked for");
-    Configuration configuration = running.appliance->configuration();
-    running.appliance->end();
-    running.appliance.reset();
-    running.appliance = start_or_log(std::move(configuration), Appliance::MissingDevices::wait_for);
-    running.watch();
-}
-
 /// Until it is told to end.
-int run(const std::string& path, std::unique_ptr<Appliance> appliance, MainWait& wait,
-        InsideView& inside, ServiceNotify& service) {
-    Running running{std::move(appliance), inside, service};
-    running.watch();
+int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
     Instant next_look = later(monotonic_now(), kTendPeriod);
-    while (running.appliance) {
+    while (daemon.runs()) {
         const auto signal = wait.until(std::min(next_look, inside.due()), inside.descriptors());
         if (signal && (*signal == SIGTERM || *signal == SIGINT)) {
-            service.stopping();
-            running.appliance->end();
-            spdlog::info("stopped");
+            daemon.end();
             return kExitFine;
         }
         if (signal == SIGHUP) {
-            reload(running, path);
+            daemon.reload();
         } else if (const Instant now = monotonic_now(); now >= next_look) {
             next_look = later(now, kTendPeriod);
-            running.look(now);
+            daemon.look(now);
         }
-        if (running.appliance && running.appliance->restart_wanted()) {
-            restart(running);
-        }
-        if (running.appliance) {
+        if (daemon.runs()) {
             inside.serve(monotonic_now());
         }
     }
@@ -221,7 +82,12 @@ int run(const RunOptions& options) {
             return kExitFailed;
         }
     }
-    return run(options.path, start_or_log(std::move(*configuration)), *wait, **inside, service);
+    Daemon daemon(options.path, **inside, service);
+    if (ControlServer* const control = (*inside)->control()) {
+        add_control_requests(*control, daemon);
+    }
+    daemon.start(std::move(*configuration));
+    return run(daemon, *wait, **inside);
 }
 
 }  // namespace

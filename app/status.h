@@ -59,6 +59,7 @@ struct StatusReport {
     Duration wall_time{};  ///< since 1970
     Instant started{};
     Instant figures_at{};
+    std::optional<Duration> trial_left;  ///< until the configuration goes back by itself
     std::vector<std::string> missing_realtime;
     std::vector<InputReport> inputs;
     std::vector<OutputReport> outputs;

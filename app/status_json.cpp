@@ -373,6 +373,7 @@ std::string status_json(const StatusReport& report) {
     json["t_us"] = us(report.now.time_since_epoch());
     json["unix_time_us"] = us(report.wall_time);
     json["uptime_us"] = us(report.now - report.started);
+    json["trial_left_us"] = report.trial_left ? Json(us(*report.trial_left)) : Json();
     json["figures_age_us"] = age(report.figures_at, report.now);
     json["missing_realtime"] = report.missing_realtime;
     add_lists(json, report);

@@ -56,6 +56,12 @@ class MonitorScreen : public testing::Test {
     ScreenStyle style_{.columns = 120, .rows = 40, .unicode = false, .colour = false};
 };
 
+TEST_F(MonitorScreen, ShowsThatAConfigurationIsOnTrialAndForHowLong) {
+    EXPECT_FALSE(shows("on trial"));
+    view_.status["trial_left_us"] = 25'000'000;
+    EXPECT_TRUE(shows("tribus car  up 5.00 s  on trial, 25.00 s left  /etc/car.toml")) << plain();
+}
+
 TEST_F(MonitorScreen, ShowsEveryInputWithItsCause) {
     EXPECT_TRUE(shows("main         ibus     good")) << plain();
     EXPECT_TRUE(shows("142.8/s  age 3.0 ms  rejected 2"));

@@ -1,0 +1,227 @@
+#include "app/daemon.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "app/load_or_explain.h"
+#include "config/carry_over.h"
+#include "config/load.h"
+#include "config/mistakes.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+std::string summary(const Configuration& configuration) {
+    const std::size_t buses = configuration.sensor_buses.size();
+    return fmt::format("{}: {} inputs, {} outputs, {} pipelines{}", configuration.file,
+                       configuration.inputs.size(), configuration.outputs.size(),
+                       configuration.pipelines.size(),
+                       buses == 0 ? "" : fmt::format(", {} sensor buses", buses));
+}
+
+void log_all(const std::vector<std::string>& errors) {
+    for (const std::string& error : errors) {
+        spdlog::error("{}", error);
+    }
+}
+
+}  // namespace
+
+/// Tells of an appliance that has just started.
+void Daemon::watch() {
+    if (!appliance_) {
+        inside_.hide();
+        return;
+    }
+    const Instant now = monotonic_now();
+    log_ = std::make_unique<StateLog>(*appliance_, now);
+    log_->say_interfaces(*appliance_);
+    inside_.show(*appliance_, now);
+    service_.started(*appliance_, now);
+}
+
+/// Tells of one that goes on from another, which had those ports.
+void Daemon::watch_on(const std::vector<PortPlan>& ports_before) {
+    const Instant now = monotonic_now();
+    log_ = std::make_unique<StateLog>(*appliance_, now);
+    log_->take_as_known(*appliance_);
+    const bool new_port = std::ranges::any_of(appliance_->ports(), [&](const PortPlan& port) {
+        return std::ranges::none_of(ports_before, [&](const PortPlan& before) {
+            return same_device(before.config, port.config);
+        });
+    });
+    if (new_port) {
+        log_->say_interfaces(*appliance_);
+    }
+    // Devices with other line settings are opened here.
+    log_->look(*appliance_, now);
+    inside_.show(*appliance_, now);
+    service_.started(*appliance_, now);
+}
+
+bool Daemon::start_or_log(Configuration configuration, Appliance::MissingDevices missing,
+                          std::vector<std::string>& errors) {
+    auto appliance = Appliance::start(std::move(configuration), missing);
+    if (!appliance) {
+        errors = std::move(appliance.error());
+        log_all(errors);
+        return false;
+    }
+    appliance_ = std::move(*appliance);
+    for (const std::string& lack : appliance_->missing_realtime()) {
+        spdlog::warn("no full real time: {}", lack);
+    }
+    spdlog::info("started {}", summary(appliance_->configuration()));
+    return true;
+}
+
+void Daemon::start(Configuration configuration) {
+    std::vector<std::string> errors;
+    start_or_log(std::move(configuration), Appliance::MissingDevices::refuse, errors);
+    watch();
+}
+
+/// For what cannot change while frames flow. A configuration whose devices cannot be opened gives
+/// way to the old one again, whether or not one of its own devices is unplugged just now.
+ReloadOutcome Daemon::take_with_a_stop(Configuration fresh, std::vector<std::string> obstacles) {
+    for (const std::string& obstacle : obstacles) {
+        spdlog::warn("reload with a stop, outputs go into failsafe: {}", obstacle);
+    }
+    Configuration old = configuration();
+    appliance_.reset();
+    ReloadOutcome outcome;
+    outcome.taken =
+        start_or_log(std::move(fresh), Appliance::MissingDevices::refuse, outcome.lines);
+    if (outcome.taken) {
+        outcome.lines = std::move(obstacles);
+    } else {
+        spdlog::error("reload failed; back to the old configuration");
+        std::vector<std::string> ignored;
+        start_or_log(std::move(old), Appliance::MissingDevices::wait_for, ignored);
+    }
+    watch();
+    return outcome;
+}
+
+ReloadOutcome Daemon::take_between_frames(Configuration fresh, const CarryOver& carry_over) {
+    const std::string file = fresh.file;
+    const std::vector<PortPlan> ports_before = appliance_->ports();
+    auto next = Appliance::succeed(appliance_, std::move(fresh), carry_over);
+    if (!next) {
+        log_all(next.error());
+        spdlog::error("reload refused: {} cannot be set up; the old configuration runs on", file);
+        service_.started(*appliance_, monotonic_now());
+        return {.lines = std::move(next.error())};
+    }
+    appliance_ = std::move(*next);
+    spdlog::info("reloaded {}", summary(configuration()));
+    watch_on(ports_before);
+    return {.taken = true};
+}
+
+ReloadOutcome Daemon::take(Configuration fresh) {
+    const CarryOver carry_over = plan_carry_over(configuration(), fresh);
+    return carry_over.obstacles.empty() ? take_between_frames(std::move(fresh), carry_over)
+                                        : take_with_a_stop(std::move(fresh), carry_over.obstacles);
+}
+
+ReloadOutcome Daemon::reload(std::optional<Duration> trial) {
+    service_.reloading(monotonic_now());
+    auto fresh = load_configuration_file(path_);
+    if (!fresh) {
+        explain_mistakes(fresh.error());
+        spdlog::error("reload refused: {} has mistakes; the old configuration runs on", path_);
+        service_.started(*appliance_, monotonic_now());
+        ReloadOutcome outcome;
+        for (const Mistake& mistake : fresh.error()) {
+            outcome.lines.push_back(format_mistake(mistake));
+        }
+        return outcome;
+    }
+    Configuration before = trial_ ? trial_->before : configuration();
+    ReloadOutcome outcome = take(std::move(*fresh));
+    if (!outcome.taken) {
+        return outcome;
+    }
+    if (trial) {
+        spdlog::info("on trial for {} s: goes back by itself unless confirmed",
+                     std::chrono::ceil<std::chrono::seconds>(*trial).count());
+        set_trial(Trial{std::move(before), later(monotonic_now(), *trial)});
+    } else {
+        set_trial(std::nullopt);
+    }
+    return outcome;
+}
+
+std::optional<Instant> Daemon::trial_end() const {
+    return trial_ ? std::optional(trial_->end) : std::nullopt;
+}
+
+void Daemon::set_trial(std::optional<Trial> trial) {
+    trial_ = std::move(trial);
+    inside_.show_trial(trial_end());
+}
+
+void Daemon::confirm() {
+    spdlog::info("confirmed: the configuration stays");
+    set_trial(std::nullopt);
+}
+
+ReloadOutcome Daemon::go_back() {
+    service_.reloading(monotonic_now());
+    Configuration before = std::move(trial_->before);
+    set_trial(std::nullopt);
+    spdlog::warn("back to the configuration before; {} still holds the one that was tried", path_);
+    ReloadOutcome outcome = take(before);
+    if (outcome.taken || !appliance_) {
+        return outcome;
+    }
+    // What ran before the trial is to run, whatever has been unplugged since.
+    spdlog::warn("starting it all the same, with a stop: outputs go into failsafe");
+    appliance_.reset();
+    std::vector<std::string> errors;
+    outcome.taken = start_or_log(std::move(before), Appliance::MissingDevices::wait_for, errors);
+    watch();
+    return outcome;
+}
+
+/// As another node of DroneCAN asked for.
+void Daemon::restart() {
+    service_.reloading(monotonic_now());
+    spdlog::info("restarting, as another DroneCAN node asked for");
+    Configuration same = configuration();
+    appliance_->end();
+    appliance_.reset();
+    std::vector<std::string> errors;
+    start_or_log(std::move(same), Appliance::MissingDevices::wait_for, errors);
+    watch();
+}
+
+void Daemon::look(Instant now) {
+    if (trial_ && now >= trial_->end) {
+        spdlog::warn("the trial was not confirmed");
+        go_back();
+    }
+    if (appliance_ && appliance_->restart_wanted()) {
+        restart();
+    }
+    if (!appliance_) {
+        return;
+    }
+    log_->look(*appliance_, now);
+    appliance_->look_at_machine(now, inside_.watched());
+    inside_.look();
+    service_.look(*appliance_, now);
+}
+
+void Daemon::end() {
+    service_.stopping();
+    appliance_->end();
+    spdlog::info("stopped");
+}
+
+}  // namespace tribus

@@ -1,0 +1,140 @@
+#include "app/reload.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/ask_daemon.h"
+#include "app/exit_status.h"
+#include "app/main_wait.h"
+#include "app/monitor_fields.h"
+#include "core/quantity.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+/// Opening devices and the last frames of outputs that are gone take a moment.
+constexpr Duration kPatience = std::chrono::seconds(20);
+
+struct ReloadOptions {
+    std::string name;
+    std::optional<std::string> socket;
+    std::string trial;
+    bool confirm = false;
+    bool back = false;
+};
+
+/// What the daemon did, said to the person who asked.
+int ask_and_tell(const std::string& socket, const std::string& request, const char* taken) {
+    const auto answer = ask_daemon(socket, request, kPatience);
+    if (!answer) {
+        fmt::print(stderr, "tribus: {}\n", answer.error());
+        return kExitFailed;
+    }
+    const bool done = monitor::flag(*answer, "taken");
+    for (const auto& line : monitor::list(*answer, "lines")) {
+        fmt::print(stderr, "{}{}\n", done ? "outputs stopped for it: " : "",
+                   line.is_string() ? line.get<std::string>() : line.dump());
+    }
+    fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before runs on");
+    return done ? kExitFine : kExitFailed;
+}
+
+enum class Choice : std::uint8_t { keep, back, too_late };
+
+/// Enter, or the end of patience.
+Choice ask_person(MainWait& wait, Instant end) {
+    while (monotonic_now() < end) {
+        if (wait.until(end, std::array{STDIN_FILENO})) {
+            return Choice::back;
+        }
+        pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+        if (::poll(&input, 1, 0) > 0) {
+            char key = 0;
+            return ::read(STDIN_FILENO, &key, 1) == 1 ? Choice::keep : Choice::back;
+        }
+    }
+    return Choice::too_late;
+}
+
+int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial) {
+    if (::isatty(STDIN_FILENO) == 0) {
+        fmt::print(stderr,
+                   "tribus: goes back by itself in {}; `tribus reload{}{} --confirm` keeps "
+                   "it\n",
+                   options.trial, options.name.empty() ? "" : " ", options.name);
+        return kExitFine;
+    }
+    const Instant end = later(monotonic_now(), trial);
+    auto wait = MainWait::for_signals({SIGINT, SIGTERM, SIGHUP});
+    fmt::print(stderr,
+               "Enter keeps it; Ctrl-C, or no answer within {}, goes back: ", options.trial);
+    std::fflush(stderr);
+    switch (wait ? ask_person(*wait, end) : Choice::back) {
+        case Choice::keep:
+            return ask_and_tell(socket, "confirm", "confirmed");
+        case Choice::back:
+            fmt::print(stderr, "\n");
+            return ask_and_tell(socket, "back", "the configuration before is back");
+        case Choice::too_late:
+            break;
+    }
+    fmt::print(stderr, "\ntribus: not confirmed; the configuration before is back\n");
+    return kExitFailed;
+}
+
+int reload(const ReloadOptions& options) {
+    const auto trial = parse_duration(options.trial);
+    if (!options.trial.empty() && !trial) {
+        fmt::print(stderr, "tribus: --trial is no duration; allowed: such as \"30s\"\n");
+        return kExitWrongUse;
+    }
+    const auto socket = find_daemon(options.name, options.socket);
+    if (!socket) {
+        fmt::print(stderr, "tribus: {}\n", socket.error());
+        return kExitFailed;
+    }
+    if (options.confirm) {
+        return ask_and_tell(*socket, "confirm", "confirmed");
+    }
+    if (options.back) {
+        return ask_and_tell(*socket, "back", "the configuration before is back");
+    }
+    const int status =
+        ask_and_tell(*socket, "reload " + options.trial, trial ? "taken, on trial" : "taken");
+    return status == kExitFine && trial ? watch_trial(*socket, options, *trial) : status;
+}
+
+}  // namespace
+
+void add_reload_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand(
+        "reload", "Have a running daemon read its configuration again, on trial if you like");
+    auto options = std::make_shared<ReloadOptions>();
+    command->add_option("NAME", options->name,
+                        "Which daemon, by its configuration file's name; needed where several run");
+    command->add_option("--socket", options->socket, "Its control socket, where that is elsewhere");
+    auto* trial = command->add_option(
+        "--trial", options->trial,
+        "Go back after so long, such as \"30s\", to what ran before, unless it is confirmed");
+    auto* confirm = command->add_flag("--confirm", options->confirm, "Keep what is on trial");
+    auto* back = command->add_flag("--back", options->back, "Go back from a trial at once");
+    confirm->excludes(trial)->excludes(back);
+    back->excludes(trial);
+    command->footer(
+        "The daemon takes the file between two frames, or refuses it, says why and goes on.\n"
+        "In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.");
+    command->callback([options, &status] { status = reload(*options); });
+}
+
+}  // namespace tribus

@@ -1,0 +1,217 @@
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/ask_daemon.h"
+#include "tests/loopback/loopback.h"
+
+namespace tribus::test {
+namespace {
+
+constexpr std::string_view kReversed = "[pipeline.main.channels]\n1 = { from = 1, reverse = true }";
+
+/// The receiver sends 1100 us on channel 1; a new configuration turns that to 1900.
+class Trial : public Loopback {
+  protected:
+    void expect_first_channel(int first_us) {
+        EXPECT_TRUE(eventually([&] {
+            repeater_.send_if_due();
+            const auto seen = servos_.listen();
+            return !seen.empty() && seen.back().good() && seen.back().raw[0] == sbus_raw(first_us);
+        })) << "channel 1 never was "
+            << first_us;
+    }
+    Program& begin() {
+        Program& program = run(write_config(main_job(kPatientInput)));
+        expect_first_channel(1100);
+        write_config(main_job(kPatientInput, "", kReversed));
+        return program;
+    }
+    std::string socket() const { return folder() / "control"; }
+    /// `tribus reload` to its end, while the receiver goes on.
+    int reload(std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), {"reload", "--socket", socket()});
+        Program& asked = start(arguments);
+        EXPECT_TRUE(eventually([&] {
+            repeater_.send_if_due();
+            servos_.listen();
+            return !asked.runs();
+        }));
+        said_ = asked.errors();
+        return asked.end().value_or(-1);
+    }
+    static void expect_seamless_end(Program& program) {
+        EXPECT_EQ(count_of("in failsafe", program.errors()), 0U) << "not seamless";
+        expect_clean_end(program);
+    }
+
+    FarEnd& receiver_ = device("receiver");
+    ServoBank servos_{device("servos")};
+    Repeater repeater_{receiver_, ibus_bytes(sticks_with_first(1100))};
+    std::string said_;
+};
+
+TEST_F(Trial, ReloadTakesTheFileAsItIsNow) {
+    Program& program = begin();
+    EXPECT_EQ(reload({}), 0);
+    EXPECT_EQ(said_, "tribus: taken\n");
+    expect_first_channel(1900);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, ReloadOfAFileWithMistakesFailsAndNamesThem) {
+    Program& program = begin();
+    const std::string path = write_config(main_job(kPatientInput, "", "form = 1"));
+    EXPECT_EQ(reload({}), 1);
+    EXPECT_EQ(said_.find(path + ":13:1: "), 0U) << said_;
+    EXPECT_NE(said_.find("tribus: refused; the configuration before runs on\n"), std::string::npos);
+    expect_first_channel(1100);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, ThatNobodyConfirmsGoesBackByItself) {
+    Program& program = begin();
+    EXPECT_EQ(reload({"--trial", "1s"}), 0);
+    expect_first_channel(1900);
+    expect_first_channel(1100);
+    EXPECT_TRUE(program.says("the trial was not confirmed"));
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, ThatIsConfirmedStays) {
+    Program& program = begin();
+    EXPECT_EQ(reload({"--trial", "3s"}), 0);
+    EXPECT_EQ(reload({"--confirm"}), 0);
+    EXPECT_EQ(said_, "tribus: confirmed\n");
+    EXPECT_EQ(reload({"--back"}), 1);
+    EXPECT_EQ(said_, "tribus: no configuration is on trial\n");
+    expect_first_channel(1900);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, GoesBackAtOnceWhereAsked) {
+    Program& program = begin();
+    EXPECT_EQ(reload({"--trial", "1000s"}), 0);
+    expect_first_channel(1900);
+    EXPECT_EQ(reload({"--back"}), 0);
+    EXPECT_EQ(said_, "tribus: the configuration before is back\n");
+    expect_first_channel(1100);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, AfterATrialGoesBackToWhatWasConfirmedLast) {
+    Program& program = begin();
+    EXPECT_EQ(reload({"--trial", "1000s"}), 0);
+    write_config(main_job(kPatientInput, "", "[pipeline.main.channels]\n1 = { fixed = 1300 }"));
+    EXPECT_EQ(reload({"--trial", "1000s"}), 0);
+    expect_first_channel(1300);
+    EXPECT_EQ(reload({"--back"}), 0);
+    expect_first_channel(1100);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, GoesBackAlsoToADeviceThatIsGoneMeanwhile) {
+    FarEnd& other = device("other");
+    Program& program = begin();
+    std::string text = main_job(kPatientInput);
+    text.replace(text.find("@receiver"), 9, "@other");
+    write_config(text);
+    EXPECT_EQ(reload({"--trial", "1000s"}), 0);
+    receiver_.pull();
+    EXPECT_EQ(reload({"--back"}), 0);
+    servos_.listen();
+    EXPECT_TRUE(eventually([&] {
+        const auto seen = servos_.listen();
+        return !seen.empty() && seen.back().failsafe;
+    })) << "without its receiver the output does not say failsafe";
+    receiver_.plug_in();
+    expect_first_channel(1100);
+    EXPECT_TRUE(other.receive().empty());
+    expect_clean_end(program);
+}
+
+TEST_F(Trial, ShowsHowMuchTimeIsLeft) {
+    Program& program = begin();
+    const auto left = [&] {
+        const auto status = ask_daemon(socket(), "status", std::chrono::seconds(15));
+        EXPECT_TRUE(status) << status.error();
+        return status ? (*status)["trial_left_us"] : nlohmann::json();
+    };
+    EXPECT_TRUE(left().is_null());
+    EXPECT_EQ(reload({"--trial", "1000s"}), 0);
+    const auto told = left();
+    ASSERT_TRUE(told.is_number());
+    EXPECT_LE(told, 1'000'000'000);
+    EXPECT_GT(told, 900'000'000);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, WithoutAPeriodThatMakesSenseIsRefused) {
+    Program& program = begin();
+    EXPECT_EQ(reload({"--trial", "soon"}), 2);
+    EXPECT_EQ(reload({"--trial", "1ms"}), 1);
+    EXPECT_NE(said_.find("from \"1s\" to \"3600s\""), std::string::npos) << said_;
+    expect_first_channel(1100);
+    expect_seamless_end(program);
+}
+
+/// A person at a terminal, who presses a key.
+class TrialInATerminal : public Trial {
+  protected:
+    int try_and_press(std::uint8_t key) {
+        FarEnd& terminal = device("terminal");
+        Program& asked = start({"reload", "--socket", socket(), "--trial", "1000s"},
+                               {.executable = TRIBUS_PROGRAM, .terminal = terminal.path()});
+        bool pressed = false;
+        EXPECT_TRUE(eventually([&] {
+            repeater_.send_if_due();
+            servos_.listen();
+            if (!pressed && asked.errors().find("Enter keeps it") != std::string::npos) {
+                pressed = terminal.send(Bytes{key});
+            }
+            return !asked.runs();
+        }));
+        said_ = asked.errors();
+        return asked.end().value_or(-1);
+    }
+};
+
+TEST_F(TrialInATerminal, EnterKeepsIt) {
+    Program& program = begin();
+    EXPECT_EQ(try_and_press('\n'), 0);
+    EXPECT_NE(said_.find("tribus: confirmed\n"), std::string::npos) << said_;
+    expect_first_channel(1900);
+    expect_seamless_end(program);
+}
+
+TEST_F(TrialInATerminal, CtrlCGoesBack) {
+    Program& program = begin();
+    EXPECT_EQ(try_and_press(0x03), 0);
+    EXPECT_NE(said_.find("tribus: the configuration before is back\n"), std::string::npos) << said_;
+    expect_first_channel(1100);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, DiffShowsWhatTheSticksWouldDo) {
+    Program& program = begin();
+    Program& asked = start({"diff", folder() / "tribus.toml", "--socket", socket()});
+    EXPECT_TRUE(eventually([&] {
+        repeater_.send_if_due();
+        return !asked.runs();
+    }));
+    EXPECT_EQ(asked.end(), 0) << asked.errors();
+    EXPECT_EQ(asked.output(),
+              "pipeline main:\n"
+              "  channel 1: channel 1 before, now channel 1, reverse\n"
+              "  (counts from the next frame of its outputs on)\n"
+              "with the inputs as they are now (receiver good):\n"
+              "output servos:\n"
+              "  channel 1: 1100 us now, then 1900 us\n");
+    expect_clean_end(program);
+}
+
+}  // namespace
+}  // namespace tribus::test
