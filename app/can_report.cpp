@@ -4,6 +4,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "app/log_fields.h"
 #include "app/log_limit.h"
 #include "transports/links/can_interface.h"
 
@@ -116,6 +117,7 @@ void CanReport::look(const Appliance& appliance, Instant now) {
     for (auto& [port, memory] : ports_) {
         const std::string& name = appliance.ports()[port].config.device;
         const CanLinkStatus status = appliance.can_status(port);
+        const LogFields fields({"TRIBUS_INTERFACE", name});
         look_at_state(name, status, memory, now);
         look_at_overflows(name, status, memory, now);
         end_bus_off(name, memory, now);

@@ -1,6 +1,6 @@
 #include "app/cause_text.h"
 
-#include <string_view>
+#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -43,6 +43,24 @@ std::string_view how_it_shows(const LinkState& state) {
 }
 
 }  // namespace
+
+std::string as_word(std::string_view name) {
+    std::string word(name);
+    std::ranges::replace(word, ' ', '_');
+    return word;
+}
+
+std::string_view stage_word(OutputStage stage, bool speaks) {
+    switch (stage) {
+        case OutputStage::control:
+            return "control";
+        case OutputStage::holding:
+            return "hold";
+        case OutputStage::failsafe:
+            break;
+    }
+    return speaks ? "failsafe" : "silent";
+}
 
 std::string output_text(const OutputState& state, std::span<const std::string> inputs) {
     switch (state.stage) {

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "pipelines/link_supervisor.h"
 #include "pipelines/output.h"
@@ -11,6 +12,11 @@ namespace tribus {
 /// For the log and reports: the cause and how it shows, as "radio lost (the receiver says
 /// failsafe)".
 std::string cause_text(const LinkState& state);
+
+/// A name as keys are written, for machines: "radio_lost".
+std::string as_word(std::string_view name);
+/// "control", "hold", "failsafe"; an output that says nothing in failsafe: "silent".
+std::string_view stage_word(OutputStage stage, bool speaks);
 
 /// The same of an output: "under control of backup", "in failsafe until it is released".
 /// `inputs` are the names of all inputs, by index.

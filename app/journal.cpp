@@ -1,45 +1,87 @@
 #include "app/journal.h"
 
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
-#include <ctime>
-#include <string>
+#include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/pattern_formatter.h>
+#include <spdlog/details/null_mutex.h>
+#include <spdlog/sinks/base_sink.h>
+
+#include "transports/links/unique_fd.h"
 
 namespace tribus {
 namespace {
 
 /// Levels of syslog(3).
-char priority_of(spdlog::level::level_enum level) {
+int priority_of(spdlog::level::level_enum level) {
+    constexpr int kCritical = 2;
+    constexpr int kError = 3;
+    constexpr int kWarning = 4;
+    constexpr int kInformational = 6;
+    constexpr int kDebug = 7;
     switch (level) {
         case spdlog::level::critical:
-            return '2';
+            return kCritical;
         case spdlog::level::err:
-            return '3';
+            return kError;
         case spdlog::level::warn:
-            return '4';
+            return kWarning;
         case spdlog::level::info:
-            return '6';
+            return kInformational;
         default:
-            return '7';
+            return kDebug;
     }
 }
 
-class PriorityFlag : public spdlog::custom_flag_formatter {
+/// Text of several lines needs its length, 64 bits, little-endian, in front.
+void append_field(std::string& entry, std::string_view name, std::string_view text) {
+    constexpr unsigned kBytesOfLength = 8;
+    constexpr unsigned kBitsOfByte = 8;
+    entry += name;
+    if (text.find('\n') == std::string_view::npos) {
+        entry += '=';
+    } else {
+        entry += '\n';
+        for (unsigned byte = 0; byte < kBytesOfLength; ++byte) {
+            entry += static_cast<char>(std::uint64_t{text.size()} >> (byte * kBitsOfByte));
+        }
+    }
+    entry += text;
+    entry += '\n';
+}
+
+class JournalSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
   public:
-    void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
-                spdlog::memory_buf_t& line) override {
-        line.push_back('<');
-        line.push_back(priority_of(message.level));
-        line.push_back('>');
+    explicit JournalSink(const std::string& path)
+        : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+        sockaddr_un address{};
+        address.sun_family = AF_UNIX;
+        path.copy(address.sun_path, sizeof address.sun_path - 1);
+        // Where nobody listens there, sending fails too.
+        [[maybe_unused]] const int ignored =
+            ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
     }
-    std::unique_ptr<custom_flag_formatter> clone() const override {
-        return std::make_unique<PriorityFlag>();
+
+  protected:
+    void sink_it_(const spdlog::details::log_msg& message) override {
+        const std::string_view text(message.payload.data(), message.payload.size());
+        const std::string entry = journal_entry(message.level, text, LogFields::current());
+        if (::send(socket_.get(), entry.data(), entry.size(), MSG_NOSIGNAL) < 0) {
+            fmt::print(stderr, "<{}>{}\n", priority_of(message.level), text);
+        }
     }
+    void flush_() override {}
+
+  private:
+    UniqueFd socket_;
 };
 
 }  // namespace
@@ -51,10 +93,22 @@ bool stderr_is_journal() {
            stream == fmt::format("{}:{}", file.st_dev, file.st_ino);
 }
 
-std::unique_ptr<spdlog::formatter> journal_formatter() {
-    auto formatter = std::make_unique<spdlog::pattern_formatter>();
-    formatter->add_flag<PriorityFlag>('*').set_pattern("%*%v");
-    return formatter;
+std::string journal_entry(spdlog::level::level_enum level, std::string_view message,
+                          std::span<const LogField> fields) {
+    std::string entry;
+    append_field(entry, "MESSAGE", message);
+    append_field(entry, "PRIORITY", std::to_string(priority_of(level)));
+    append_field(entry, "SYSLOG_IDENTIFIER", "tribus");
+    for (const LogField& field : fields) {
+        if (!field.name.empty()) {
+            append_field(entry, field.name, field.text);
+        }
+    }
+    return entry;
+}
+
+std::shared_ptr<spdlog::sinks::sink> journal_sink(const std::string& socket) {
+    return std::make_shared<JournalSink>(socket);
 }
 
 }  // namespace tribus

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "app/log_fields.h"
 #include "app/log_limit.h"
 #include "config/build_dronecan.h"
 
@@ -40,6 +41,7 @@ void NodeLog::look(const Appliance& appliance, Instant now) {
 }
 
 void NodeLog::say_change(const Memory& memory, const std::string& note) {
+    const LogFields fields({"TRIBUS_INTERFACE", memory.interface});
     switch (memory.stage) {
         case dronecan::NodeStage::online:
             spdlog::info("{}: this program is DroneCAN node {}{}", memory.interface, memory.id,

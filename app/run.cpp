@@ -109,12 +109,10 @@ void add_run_command(CLI::App& app, int& status) {
         "mistakes,\n"
         "or whose devices cannot be opened, is refused and the old one runs on.");
     command->callback([options, &status] {
-        auto logger = spdlog::stderr_color_st("tribus");
-        if (stderr_is_journal()) {
-            logger->set_formatter(journal_formatter());
-        } else {
-            logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
-        }
+        auto logger = stderr_is_journal()
+                          ? std::make_shared<spdlog::logger>("tribus", journal_sink())
+                          : spdlog::stderr_color_st("tribus");
+        logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
         spdlog::set_default_logger(std::move(logger));
         status = run(*options);
     });

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "app/log_fields.h"
 #include "app/log_limit.h"
 
 namespace tribus {
@@ -117,6 +118,7 @@ void SensorBusLog::look_at_troubles(const SensorBusState& state, Memory& memory,
 void SensorBusLog::look(const Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < buses_.size(); ++i) {
         const SensorBusState state = appliance.bus_state(i);
+        const LogFields fields({"TRIBUS_SENSOR_BUS", buses_[i].name});
         if (state.is_receiver) {
             look_at_receiver(state, buses_[i], now);
         } else {

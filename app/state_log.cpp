@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "app/cause_text.h"
+#include "app/log_fields.h"
 #include "app/log_limit.h"
 
 namespace tribus {
@@ -49,6 +50,8 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
     if (!swallowed) {
         return;
     }
+    const std::string cause = as_word(name_of(status.state.cause));
+    const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     const bool good = status.state.cause == LinkCause::good;
     spdlog::log(good ? spdlog::level::info : spdlog::level::warn, "input {}: {}{}", name,
                 cause_text(status.state), swallowed_note(*swallowed));
@@ -61,6 +64,8 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
         return;
     }
     memory.silence_said = true;
+    const std::string cause = as_word(name_of(status.state.cause));
+    const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     if (status.counts.bytes == 0 && memory.on_can) {
         spdlog::warn(
             "input {}: not one frame with its ids yet; check the ids, the bit rate and that the "
@@ -101,6 +106,8 @@ std::string StateLog::outvoted_text(std::uint32_t outvoted,
 void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
                               std::span<const std::size_t> places, OutputMemory& memory,
                               Instant now) {
+    const LogFields fields({"TRIBUS_OUTPUT", name},
+                           {"TRIBUS_STATE", stage_word(status.state.stage, status.speaks)});
     if (status.state != memory.state) {
         const bool outvoted = status.state.outvoted != memory.state.outvoted;
         memory.state = status.state;
@@ -141,6 +148,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
     for (const Appliance::DeviceEvent& event : appliance.tend()) {
         RateLimit& device_limit = devices_.try_emplace(event.name, log_limit()).first->second;
         if (const auto swallowed = device_limit.pass(now)) {
+            const LogFields fields({"TRIBUS_DEVICE", event.name});
             spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}",
                         event.name, event.back ? "is back" : "is gone; waiting for it",
                         swallowed_note(*swallowed));

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <span>
 
+#include "app/cause_text.h"
 #include "config/effective_channels.h"
 #include "core/link_cause.h"
 #include "pipelines/machine_facts.h"
@@ -26,13 +27,6 @@ Json fine_us(Duration duration) {
     constexpr double kTenthsPerUs = 10;
     const std::int64_t tenths = duration.count() / kTenth;
     return number_json(static_cast<double>(tenths) / kTenthsPerUs);
-}
-
-/// As keys and words are written here: "radio_lost".
-std::string word(std::string_view name) {
-    std::string text(name);
-    std::ranges::replace(text, ' ', '_');
-    return text;
 }
 
 Json channels(const ChannelFrame& frame) {
@@ -84,7 +78,7 @@ std::string_view sign_word(RadioLossSign sign) {
 Json rejected(const InputReport& input) {
     Json json = Json::object();
     for (std::size_t i = 0; i < input.reject_causes.size(); ++i) {
-        json[word(input.reject_causes[i])] = input.status.rejected_by[i];
+        json[as_word(input.reject_causes[i])] = input.status.rejected_by[i];
     }
     return json;
 }
@@ -94,7 +88,7 @@ Json losses(const InputCounts& counts) {
     for (std::size_t cause = 0; cause < counts.began.size(); ++cause) {
         const auto named = static_cast<LinkCause>(cause);
         if (named != LinkCause::good && named != LinkCause::never_seen) {
-            json[word(name_of(named))] = counts.began[cause];
+            json[as_word(name_of(named))] = counts.began[cause];
         }
     }
     return json;
@@ -108,7 +102,7 @@ Json input_json(const InputConfig& config, const InputReport& input, Instant now
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
     json["state"] = input_state(status);
-    json["cause"] = word(name_of(status.state.cause));
+    json["cause"] = as_word(name_of(status.state.cause));
     json["sign"] = sign_word(status.state.sign);
     json["state_age_us"] =
         status.state.cause == LinkCause::never_seen ? Json() : age(status.state.since, now);
@@ -129,18 +123,6 @@ Json input_json(const InputConfig& config, const InputReport& input, Instant now
     json["losses"] = losses(counts);
     json["frame_age"] = distribution(input.age);
     return json;
-}
-
-std::string_view output_stage(const OutputStatus& status) {
-    switch (status.state.stage) {
-        case OutputStage::control:
-            return "control";
-        case OutputStage::holding:
-            return "hold";
-        case OutputStage::failsafe:
-            break;
-    }
-    return status.speaks ? "failsafe" : "silent";
 }
 
 Json names_of(std::span<const std::size_t> inputs, const Configuration& configuration) {
@@ -171,7 +153,7 @@ Json output_json(std::size_t index, const OutputReport& output, const StatusRepo
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
     json["inputs"] = names_of(output.inputs, configuration);
-    json["state"] = output_stage(status);
+    json["state"] = stage_word(status.state.stage, status.speaks);
     json["forced"] = status.state.forced;
     json["awaits_release"] = status.state.awaits_release;
     json["input"] = status.state.input < configuration.inputs.size()
@@ -183,7 +165,7 @@ Json output_json(std::size_t index, const OutputReport& output, const StatusRepo
     json["channels"] = channels(status.latest);
     json["frame_lost"] = status.latest.frame_lost;
     json["failsafe"] = status.latest.failsafe;
-    json["cause"] = word(name_of(status.latest.cause));
+    json["cause"] = as_word(name_of(status.latest.cause));
     json["frames"] = status.counts.sent;
     json["overruns"] = status.overruns;
     json["deadline_misses"] = output.deadline_misses;

@@ -191,6 +191,41 @@ TEST_F(InstalledService, WritesLevelsIntoTheJournal) {
     EXPECT_EQ(journal("-p notice").find(started), std::string::npos);
 }
 
+TEST_F(InstalledService, TellsTheJournalWhatEachEntryIsAbout) {
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    EXPECT_TRUE(in_time([&] {
+        return journal("TRIBUS_INPUT=receiver TRIBUS_CAUSE=good") == "input receiver: good\n";
+    })) << journal();
+    EXPECT_TRUE(in_time([&] {
+        return journal("TRIBUS_OUTPUT=servos TRIBUS_STATE=control") ==
+               "output servos: under control of receiver\n";
+    })) << journal();
+}
+
+TEST_F(InstalledService, TranslatesOnAReadOnlyRoot) {
+    shell("systemctl stop " + kUnit + "; mount -o remount,ro /; systemctl start " + kUnit);
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    EXPECT_NE(run_shell("touch /var/lib/anything").status, 0) << "the root is not read-only";
+    shell("mount -o remount,rw /");
+}
+
+TEST_F(InstalledService, TranslatesOnAFullDisk) {
+    shell("systemctl stop " + kUnit + "; cat /dev/zero > /var/full; true");
+    EXPECT_NE(run_shell("echo anything > /var/more").status, 0) << "the disk is not full";
+    shell("systemctl start " + kUnit);
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    shell("rm /var/full /var/more");
+}
+
+TEST_F(InstalledService, GoesBackFromATrialByItself) {
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    configure("[pipeline.main.channels]\n1 = { from = 1, reverse = true }\n");
+    EXPECT_NE(shell("tribus reload servos --trial 2s < /dev/null 2>&1").find("taken, on trial"),
+              std::string::npos);
+    EXPECT_TRUE(carries(1200, 1800)) << journal();
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+}
+
 TEST_F(InstalledService, ComesBackAfterItWasKilled) {
     EXPECT_TRUE(carries(1200, 1200)) << journal();
     shell("systemctl kill -s KILL " + kUnit);
