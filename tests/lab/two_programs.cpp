@@ -24,31 +24,27 @@ void add_to_table(const std::string& name, milliseconds frame_lost, milliseconds
 
 }  // namespace
 
-Program& TwoPrograms::start_side(const std::string& name, const std::string& text) {
-    return run(write_config(text, name + ".toml"));
-}
-
-Program& TwoPrograms::start_sender(const BusJob& job) {
-    return start_side("sender", R"([input.receiver]
+std::string TwoPrograms::sender_text(const BusJob& job) {
+    return R"([input.receiver]
 protocol = "ibus"
 device   = "@receiver"
 timeout  = "400ms"
 [output.bus]
-interface = ")" + job.sender_interface +
-                                    "\"\n" + job.format + "\n" + job.sender_lines + R"(
+interface = ")" +
+           job.sender_interface + "\"\n" + job.format + "\n" + job.sender_lines + R"(
 [pipeline.main]
 from = "receiver"
 to   = "bus"
 [pipeline.main.failsafe]
 hold    = "300ms"
 recover = "300ms"
-)" + job.sender_tables);
+)" + job.sender_tables;
 }
 
-Program& TwoPrograms::start_reader(const BusJob& job) {
-    return start_side("reader", R"([input.bus]
-interface = ")" + job.reader_interface +
-                                    "\"\n" + job.format + R"(
+std::string TwoPrograms::reader_text(const BusJob& job) {
+    return R"([input.bus]
+interface = ")" +
+           job.reader_interface + "\"\n" + job.format + R"(
 timeout = "400ms"
 [output.servos]
 protocol = "sbus"
@@ -61,7 +57,15 @@ to   = "servos"
 hold    = "300ms"
 preset  = { 1 = 1000, 3 = 988, other = 1500 }
 recover = "300ms"
-)" + job.reader_tables);
+)" + job.reader_tables;
+}
+
+Program& TwoPrograms::start_sender(const BusJob& job) {
+    return run(write_config(sender_text(job), "sender.toml"));
+}
+
+Program& TwoPrograms::start_reader(const BusJob& job) {
+    return run(write_config(reader_text(job), "reader.toml"));
 }
 
 bool TwoPrograms::carry_until(const std::function<bool(const SbusSight&)>& done) {

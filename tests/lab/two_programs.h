@@ -40,6 +40,8 @@ class TwoPrograms : public Loopback {
     FarEnd& receiver() { return receiver_; }
     ServoBank& servos() { return bank_; }
 
+    static std::string sender_text(const BusJob& job);
+    static std::string reader_text(const BusJob& job);
     Program& start_sender(const BusJob& job);
     Program& start_reader(const BusJob& job);
 
@@ -73,8 +75,6 @@ class TwoPrograms : public Loopback {
                                      std::chrono::milliseconds periods);
 
   private:
-    Program& start_side(const std::string& name, const std::string& text);
-
     FarEnd& receiver_ = device("receiver");
     FarEnd& servo_wire_ = device("servos");
     ServoBank bank_{servo_wire_};
