@@ -186,11 +186,8 @@ struct Explained {
     json summary;
 };
 
-/// What two programs on two processors send at one time, the kernel may queue in another order than
-/// it took the times, so the log is put in order as `decode` advises in such a case.
 Explained explained(const std::string& folder, const std::string& log) {
     std::ofstream(folder + "/bus.log") << log;
-    shell("sort -s -k1,1 -o " + folder + "/bus.log " + folder + "/bus.log");
     const ShellResult decoded =
         run_shell(std::string(TRIBUS_PROGRAM) + " decode --protocol dronecan --format json " +
                   folder + "/bus.log");

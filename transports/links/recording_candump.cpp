@@ -19,6 +19,8 @@ using recording_text::quoted;
 using recording_text::Token;
 using recording_text::Tokens;
 
+constexpr Duration kMostStepBack = std::chrono::milliseconds(100);
+
 constexpr std::string_view kAllowed =
     "; a line is (1436509052.249713) can0 123#1122, as candump -L and candump -l write it";
 
@@ -207,14 +209,18 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     if (!tokens.next(time) || time.text.starts_with('#')) {
         return std::nullopt;
     }
-    const auto logged = parse_time(time.text);
+    auto logged = parse_time(time.text);
     if (!logged) {
         return mistake(time.column, quoted(time.text) + " is no time" + std::string(kAllowed));
     }
-    if (log_start_ && *logged < latest_) {
-        return mistake(time.column, "the time " + std::string(time.text) +
-                                        " is before that of the line ahead; times may not go "
-                                        "back (sort -s -k1,1 puts a whole log in order)");
+    if (log_start_ && *logged < latest_ - kMostStepBack) {
+        return mistake(time.column,
+                       "the time " + std::string(time.text) +
+                           " is more than 100 ms before that of the line ahead (sort -s -k1,1 puts "
+                           "a whole log in order)");
+    }
+    if (log_start_) {
+        logged = std::max(*logged, latest_);
     }
     Token interface;
     Token word;

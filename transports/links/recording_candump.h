@@ -19,7 +19,10 @@ class CandumpReader {
   public:
     explicit CandumpReader(std::string_view file_name) : file_(file_name) {}
 
-    /// Takes the next line, without its end. Nothing for a blank line, a comment and an error
+    /// Takes the next line, without its end. The kernel stamps a frame when it is sent or taken
+    /// from the controller, and hands it over later: frames of two senders may change places, by a
+    /// few milliseconds on a busy machine. Such a step back, of 100 ms at most, counts as none: the
+    /// frame has the time of the one ahead. Nothing for a blank line, a comment and an error
     /// frame. The error is `file:line:column: text`; the line is left out then, and reading may go
     /// on.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next(std::string_view line);

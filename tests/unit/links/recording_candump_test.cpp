@@ -157,10 +157,22 @@ TEST(CandumpRecording, ListsItsInterfacesInTheOrderOfTheLog) {
     EXPECT_EQ(interfaces_in(recording), (Names{"vcan1", "can0"}));
 }
 
-TEST(CandumpRecording, TimesMayNotGoBack) {
-    EXPECT_EQ(mistake_in("(2.000000) can0 123#\n(1.999999) can0 123#\n"),
-              "can.log:2:1: the time (1.999999) is before that of the line ahead; times may not go "
-              "back (sort -s -k1,1 puts a whole log in order)");
+/// Two senders on one vcan, logged live: up to 17.6 ms were seen.
+TEST(CandumpRecording, AFrameStampedALittleBeforeTheOneAheadHasItsTime) {
+    const Recording recording = parsed(
+        "(1.000000) can0 001#\n(1.200000) can0 002#\n(1.100000) can0 003#\n(1.150000) can0 004#\n"
+        "(1.250000) can0 005#\n");
+    std::vector<Duration> times;
+    for (const RecordedCanFrame& frame : recording.can_frames) {
+        times.push_back(frame.at);
+    }
+    EXPECT_EQ(times, (std::vector<Duration>{0ms, 200ms, 200ms, 200ms, 250ms}));
+}
+
+TEST(CandumpRecording, TimesMayNotGoFarBack) {
+    EXPECT_EQ(mistake_in("(2.000000) can0 123#\n(1.899999) can0 123#\n"),
+              "can.log:2:1: the time (1.899999) is more than 100 ms before that of the line ahead "
+              "(sort -s -k1,1 puts a whole log in order)");
 }
 
 // `candump -ta can0`, without -L.
