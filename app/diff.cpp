@@ -260,7 +260,7 @@ int compare_with_daemon(const DiffOptions& options) {
         return complain(status.error());
     }
     const auto running =
-        load_configuration(monitor::text(*answer, "toml"), monitor::text(*answer, "file"));
+        load_configuration(monitor::raw_text(*answer, "toml"), monitor::text(*answer, "file"));
     if (!running) {
         explain_mistakes(running.error());
         return complain(

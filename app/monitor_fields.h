@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -20,9 +21,22 @@ inline const Json& field(const Json& object, const char* key) {
     return found == object.end() ? nothing : *found;
 }
 
-inline std::string text(const Json& object, const char* key) {
+/// As it was told, whatever is in it.
+inline std::string raw_text(const Json& object, const char* key) {
     const Json& value = field(object, key);
     return value.is_string() ? value.get<std::string>() : "";
+}
+
+/// To be shown: control characters, which a terminal would obey, are question marks.
+inline std::string shown(std::string text) {
+    constexpr unsigned char kBlank = 0x20;
+    constexpr unsigned char kDelete = 0x7F;
+    std::ranges::replace_if(
+        text, [](unsigned char c) { return c < kBlank || c == kDelete; }, '?');
+    return text;
+}
+inline std::string text(const Json& object, const char* key) {
+    return shown(raw_text(object, key));
 }
 
 inline std::optional<double> number(const Json& object, const char* key) {

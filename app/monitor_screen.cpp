@@ -113,7 +113,8 @@ std::string output_line(const Json& output, bool selected, bool old, const Scree
     line.add(fmt::format("  missed {}", missed), missed == 0 ? "" : kYellow);
     line.add(fmt::format("  dropped {}", dropped), dropped == 0 ? "" : kYellow);
     for (const Json& name : monitor::list(output, "outvoted")) {
-        line.add("  outvoted: " + (name.is_string() ? name.get<std::string>() : ""), kYellow);
+        line.add("  outvoted: " + (name.is_string() ? monitor::shown(name.get<std::string>()) : ""),
+                 kYellow);
     }
     return line.take();
 }

@@ -27,8 +27,8 @@ struct MonitorView {
 /// How many inputs and outputs can be selected.
 std::size_t selectable(const nlohmann::json& status);
 
-/// The whole screen, at most `rows` lines of at most `columns` characters; what does not fit is
-/// left out, the least important first. Every line ends with "erase to end of line".
+/// The whole screen, at most `rows` lines, or three, of at most `columns` characters; what does not
+/// fit is left out, the least important first. Every line ends with "erase to end of line".
 std::string draw_monitor(const MonitorView& view, const ScreenStyle& style);
 
 /// One line for where there is no terminal.

@@ -62,6 +62,13 @@ TEST_F(MonitorScreen, ShowsThatAConfigurationIsOnTrialAndForHowLong) {
     EXPECT_TRUE(shows("tribus car  up 5.00 s  on trial, 25.00 s left  /etc/car.toml")) << plain();
 }
 
+/// Whatever answers on the socket is not to write elsewhere on the screen, or to set a title.
+TEST_F(MonitorScreen, ShowsNoControlCharactersOfTheDaemon) {
+    view_.status["name"] = "\x1b[2Jcar\n\x7F";
+    EXPECT_TRUE(shows("tribus ?[2Jcar??  up")) << plain();
+    EXPECT_EQ(monitor_line(view_).find("?[2Jcar??  "), 0U);
+}
+
 TEST_F(MonitorScreen, ShowsEveryInputWithItsCause) {
     EXPECT_TRUE(shows("main         ibus     good")) << plain();
     EXPECT_TRUE(shows("142.8/s  age 3.0 ms  rejected 2"));

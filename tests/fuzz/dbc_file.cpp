@@ -1,0 +1,34 @@
+#include <string>
+#include <vector>
+
+#include "tests/fuzz/fuzz.h"
+#include "transports/codecs/dbc/file.h"
+#include "transports/codecs/dbc/signal.h"
+
+/// A DBC text is refused with a place in it, or every signal of it can be read from and written
+/// into a message.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tribus;
+    using fuzz::require;
+    const std::string_view text = fuzz::Input({data, size}).rest_as_text();
+    const auto file = parse_dbc(text);
+    if (!file) {
+        const auto lines = 1 + static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+        require(file.error().line >= 1 && file.error().line <= lines, "a mistake is in the file");
+        require(file.error().column >= 1 && !file.error().text.empty(), "a mistake says what");
+        return 0;
+    }
+    require(!file->messages.empty(), "a file that is taken has messages");
+    const std::vector<std::uint8_t> full(2048, 0xFF);
+    for (const DbcMessage& message : file->messages) {
+        const auto content = std::span(full).first(message.length);
+        for (const DbcSignal& signal : message.signals) {
+            const DbcLayout layout(signal);
+            require(layout.needed_bytes() <= message.length, "a signal lies within its message");
+            require(!signal.selector || *signal.selector < message.signals.size(),
+                    "a selector is a signal of the message");
+            layout.bits_from_physical(layout.physical(layout.raw_bits(content)));
+        }
+    }
+    return 0;
+}

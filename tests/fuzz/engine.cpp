@@ -1,0 +1,301 @@
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/build.h"
+#include "config/carry_over.h"
+#include "config/load.h"
+#include "pipelines/virtual_loop.h"
+#include "tests/fuzz/fuzz.h"
+#include "tests/support/heap_trap.h"
+
+namespace tribus::fuzz {
+namespace {
+
+constexpr Duration kTimeout = std::chrono::milliseconds(100);
+constexpr Duration kHold = std::chrono::milliseconds(200);
+constexpr Duration kPeriod = std::chrono::milliseconds(10);
+
+/// Inputs of three kinds, of which each output may have any; the modes of selection are what
+/// differs. Presets are values that no test sends.
+std::string configuration_text(std::string_view mode) {
+    return R"(
+[input.ibus]
+protocol = "ibus"
+device = "/dev/a"
+timeout = "100ms"
+[input.sbus]
+protocol = "sbus"
+device = "/dev/b"
+timeout = "100ms"
+[input.can]
+protocol = "can"
+interface = "can0"
+timeout = "100ms"
+[output.sbus]
+protocol = "sbus"
+device = "/dev/c"
+period = "10ms"
+[output.ibus]
+protocol = "ibus"
+device = "/dev/d"
+period = "10ms"
+[output.can]
+protocol = "can"
+interface = "can1"
+period = "10ms"
+[pipeline.main]
+from = ["ibus", "sbus", "can"]
+to = ["sbus", "ibus", "can"]
+mode = ")" +
+           std::string(mode) +
+           R"("
+[pipeline.main.failsafe]
+hold = "200ms"
+recover = "50ms"
+power_on = "20ms"
+preset = { 1 = 1111, 3 = 999, other = 1333 }
+)";
+}
+
+std::vector<Configuration> configurations() {
+    std::vector<Configuration> loaded;
+    for (const std::string_view mode : {"priority", "sticky", "freshest", "median"}) {
+        auto configuration = load_configuration(configuration_text(mode), "fuzz.toml");
+        require(configuration.has_value(), "the target's own configuration is valid");
+        loaded.push_back(std::move(*configuration));
+    }
+    return loaded;
+}
+
+bool is_preset(const ChannelFrame& frame) {
+    return frame.channel(0) == Pulse::from_microseconds(1111) &&
+           frame.channel(2) == Pulse::from_microseconds(999);
+}
+
+/// Hears what outputs write, with decoders of its own, and knows when inputs were last told
+/// anything good, by decoders of its own.
+class Witness final : public OutputObserver {
+  public:
+    explicit Witness(const Configuration& configuration) : configuration_(configuration) {
+        for (const InputConfig& input : configuration.inputs) {
+            ears_.push_back(make_ear(*input.protocol, input.settings));
+        }
+        for (const OutputConfig& output : configuration.outputs) {
+            readers_.push_back(make_ear(*output.protocol, {}));
+        }
+    }
+
+    void heard(std::size_t input, std::span<const std::uint8_t> bytes, Instant at) {
+        note(latest_of(ears_[input], bytes, at), at);
+    }
+    void damaged(std::size_t input) { ears_[input].serial->damaged_byte(); }
+    void heard(std::size_t input, const CanFrame& frame, Instant at) {
+        note(ears_[input].can->next(frame, at), at);
+    }
+
+    void wrote(std::size_t output, Instant at, const Transmission& sent) override {
+        std::optional<ChannelFrame> frame;
+        if (!sent.bytes.empty()) {
+            frame = latest_of(readers_[output], sent.bytes, at);
+            // A reader that is in step finds each frame; the first ones bring it into step.
+            readers_[output].frames += frame ? 1U : 0U;
+            require(frame || readers_[output].frames == 0, "every frame that is written is valid");
+        }
+        for (const CanFrame& part : sent.can_frames) {
+            if (const auto whole = readers_[output].can->next(part, at)) {
+                frame = whole;
+            }
+        }
+        if (frame && frame->good() && !is_preset(*frame)) {
+            const bool marks = configuration_.outputs[output].protocol->name != "ibus";
+            const Duration bound = kTimeout + (marks ? Duration::zero() : kHold) + 2 * kPeriod;
+            require(good_at_ && at - *good_at_ <= bound,
+                    "no output says as good what no input has said for longer than it may");
+        }
+    }
+    void turned(Instant /*at*/) override { ++turns_; }
+    std::size_t turns() const { return turns_; }
+
+  private:
+    struct Ear {
+        std::unique_ptr<Decoder> serial;
+        std::unique_ptr<CanDecoder> can;
+        std::size_t frames = 0;
+    };
+    static Ear make_ear(const Protocol& protocol, const SettingValues& settings) {
+        return protocol.link == LinkKind::serial
+                   ? Ear{.serial = protocol.make_decoder(settings), .can = nullptr}
+                   : Ear{.serial = nullptr, .can = protocol.make_can_decoder(settings)};
+    }
+    static std::optional<ChannelFrame> latest_of(Ear& ear, std::span<const std::uint8_t> bytes,
+                                                 Instant at) {
+        std::optional<ChannelFrame> latest;
+        DecodedFrame frame;
+        while (ear.serial->next(bytes, at, frame)) {
+            if (!latest || frame.channels.good()) {
+                latest = frame.channels;
+            }
+        }
+        return latest;
+    }
+    void note(const std::optional<ChannelFrame>& frame, Instant at) {
+        if (frame && frame->good()) {
+            good_at_ = at;
+        }
+    }
+
+    const Configuration& configuration_;
+    std::vector<Ear> ears_;
+    std::vector<Ear> readers_;
+    std::optional<Instant> good_at_;
+    std::size_t turns_ = 0;
+};
+
+struct OneDamaged {
+    bool operator[](std::size_t /*position*/) const { return true; }
+};
+
+/// Plays what the input says to one engine; each step is an operation, its time and its data.
+class Play {
+  public:
+    Play(const Configuration& configuration, Input& script)
+        : configuration_(configuration),
+          script_(script),
+          witness_(configuration),
+          engine_(build_engine(configuration)) {
+        for (const InputConfig& input : configuration.inputs) {
+            if (input.protocol->make_encoder != nullptr) {
+                serial_.push_back(input.protocol->make_encoder(input.settings));
+                can_.push_back(nullptr);
+            } else {
+                serial_.push_back(nullptr);
+                can_.push_back(input.protocol->make_can_encoder(input.settings));
+            }
+        }
+        loop_.emplace(*engine_, witness_, Instant(std::chrono::seconds(1)));
+    }
+
+    void run() {
+        constexpr int kMostSteps = 400;
+        for (int step = 0; step < kMostSteps && !script_.empty(); ++step) {
+            const std::size_t input = script_.below(configuration_.inputs.size());
+            const std::uint8_t operation = script_.byte();
+            advance(script_.byte());
+            if (operation < 150) {
+                say_frame(input, operation);
+            } else if (operation < 200) {
+                say_bytes(input);
+            } else if (operation < 220) {
+                damage(input);
+            } else if (operation < 230) {
+                engine_->device_lost(input);
+            } else if (operation < 240) {
+                advance(0xFF);
+            } else {
+                say_can_frame();
+            }
+        }
+        advance(0xFF);
+    }
+
+  private:
+    /// Up to 64 ms each.
+    void advance(std::uint8_t quarters_of_ms) {
+        const std::size_t before = witness_.turns();
+        const Duration time = std::chrono::microseconds(quarters_of_ms) * 250;
+        loop_->run_until(later(loop_->now(), time));
+        // Three outputs, each at most once in a period, and twice at its start.
+        constexpr std::size_t kTurnsOfPeriod = 3;
+        const auto periods = static_cast<std::size_t>(time / kPeriod) + 2;
+        require(witness_.turns() - before <= periods * kTurnsOfPeriod,
+                "no more turns than periods have passed");
+    }
+
+    ChannelFrame sticks(std::uint8_t kind) {
+        ChannelFrame frame;
+        frame.frame_lost = kind % 16 == 1;
+        frame.failsafe = kind % 16 == 2;
+        const std::uint8_t base = script_.byte();
+        for (std::size_t channel = 0; channel < 16; ++channel) {
+            frame.set(channel,
+                      Pulse::from_microseconds(1400 + static_cast<std::int64_t>(base) % 100 +
+                                               static_cast<std::int64_t>(channel)));
+        }
+        return frame;
+    }
+    void say_frame(std::size_t input, std::uint8_t kind) {
+        ChannelFrame frame = sticks(kind);
+        if (serial_[input]) {
+            std::array<std::uint8_t, kLongestSerialFrame> wire{};
+            const std::size_t length = serial_[input]->encode(frame, wire);
+            say(input, std::span(wire).first(length));
+            return;
+        }
+        frame.received = loop_->now();
+        std::array<CanFrame, kMostSnapshotFrames> parts{};
+        const std::size_t count = can_[input]->encode(frame, loop_->now(), parts);
+        for (const CanFrame& part : std::span(parts).first(count)) {
+            say(input, part);
+        }
+    }
+    void say_bytes(std::size_t input) {
+        const auto bytes = script_.take(script_.byte() % 40);
+        if (serial_[input]) {
+            say(input, bytes);
+        }
+    }
+    void say_can_frame() {
+        CanFrame frame;
+        frame.id = 0x300 + script_.byte() % 8;
+        const auto content = script_.take(kMostClassicBytes);
+        std::ranges::copy(content, frame.data.begin());
+        frame.length = static_cast<std::uint8_t>(content.size());
+        say(configuration_.inputs.size() - 1, frame);
+    }
+    void damage(std::size_t input) {
+        if (serial_[input]) {
+            witness_.damaged(input);
+            constexpr std::array<std::uint8_t, 1> kByte{0};
+            loop_->receive(input, kByte, OneDamaged{}, loop_->now());
+        }
+    }
+    /// The witness hears it first: what is written at once may already be of it.
+    void say(std::size_t input, std::span<const std::uint8_t> bytes) {
+        witness_.heard(input, bytes, loop_->now());
+        struct Undamaged {
+            bool operator[](std::size_t /*position*/) const { return false; }
+        };
+        loop_->receive(input, bytes, Undamaged{}, loop_->now());
+    }
+    void say(std::size_t input, const CanFrame& frame) {
+        witness_.heard(input, frame, loop_->now());
+        loop_->receive(input, frame, loop_->now());
+    }
+
+    const Configuration& configuration_;
+    Input& script_;
+    Witness witness_;
+    std::unique_ptr<Engine> engine_;
+    std::vector<std::unique_ptr<Encoder>> serial_;
+    std::vector<std::unique_ptr<CanEncoder>> can_;
+    std::optional<VirtualLoop> loop_;
+};
+
+}  // namespace
+}  // namespace tribus::fuzz
+
+/// Whatever reaches the inputs, whenever: outputs write valid frames only, say nothing as good that
+/// no input has said for longer than it may, take no turn too many, and allocate nothing.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tribus::fuzz;
+    static const auto loaded = configurations();
+    Input script({data, size});
+    Play play(loaded[script.below(loaded.size())], script);
+    const tribus::test::HeapTrap trap;
+    play.run();
+    require(trap.allocations() == 0, "nothing is allocated after the start");
+    return 0;
+}

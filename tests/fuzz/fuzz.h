@@ -1,0 +1,63 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <span>
+#include <string_view>
+
+/// What the targets share. Each target is one function, `LLVMFuzzerTestOneInput`: any bytes in, and
+/// it aborts where a promise is broken. libFuzzer calls it, or driver.cpp where there is none.
+namespace tribus::fuzz {
+
+/// The promise in words, for whoever finds it broken.
+inline void require(bool kept, const char* promise) {
+    if (!kept) {
+        std::fprintf(stderr, "broken: %s\n", promise);
+        std::abort();
+    }
+}
+
+/// Takes decisions off the front of the input; when that is used up all are 0.
+class Input {
+  public:
+    explicit Input(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+    bool empty() const { return bytes_.empty(); }
+    std::uint8_t byte() {
+        if (bytes_.empty()) {
+            return 0;
+        }
+        const std::uint8_t first = bytes_.front();
+        bytes_ = bytes_.subspan(1);
+        return first;
+    }
+    std::uint32_t word() {
+        std::uint32_t word = 0;
+        for (int i = 0; i < 4; ++i) {
+            word = word << 8U | byte();
+        }
+        return word;
+    }
+    std::size_t below(std::size_t limit) { return byte() % limit; }
+    /// So many, or what there is.
+    std::span<const std::uint8_t> take(std::size_t count) {
+        const auto taken = bytes_.first(std::min(count, bytes_.size()));
+        bytes_ = bytes_.subspan(taken.size());
+        return taken;
+    }
+    std::span<const std::uint8_t> rest() { return take(bytes_.size()); }
+    std::string_view rest_as_text() {
+        const auto all = rest();
+        return {reinterpret_cast<const char*>(all.data()), all.size()};
+    }
+
+  private:
+    std::span<const std::uint8_t> bytes_;
+};
+
+}  // namespace tribus::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);

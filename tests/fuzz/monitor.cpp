@@ -1,0 +1,63 @@
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "app/control_server.h"
+#include "app/live_difference.h"
+#include "app/monitor_keys.h"
+#include "app/monitor_screen.h"
+#include "config/load.h"
+#include "tests/fuzz/fuzz.h"
+
+namespace {
+
+/// Ends of lines and the sequences that erase and place; colours are off.
+bool is_text_and_own_escapes(std::string_view screen) {
+    constexpr unsigned char kBlank = 0x20;
+    for (std::size_t i = 0; i < screen.size(); ++i) {
+        const std::string_view rest = screen.substr(i);
+        const bool own = rest.starts_with("\x1b[K") || rest.starts_with("\x1b[H") ||
+                         rest.starts_with("\x1b[J") || rest.front() == '\n' || rest.front() == '\r';
+        if (static_cast<unsigned char>(rest.front()) < kBlank && !own) {
+            return false;
+        }
+    }
+    return true;
+}
+
+}  // namespace
+
+/// Whatever answers on a socket, and whatever keys are pressed: a monitor shows no more lines than
+/// there is room for, and nothing of it reaches the terminal but text and our own escapes.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tribus;
+    using fuzz::require;
+    fuzz::Input input({data, size});
+    const ScreenStyle style{.columns = 20U + input.byte(),
+                            .rows = 3U + input.byte() % 60U,
+                            .unicode = input.byte() % 2 == 0,
+                            .colour = false};
+    MonitorView view;
+    view.selected = input.byte();
+    view.paused = input.byte() % 2 == 0;
+    const std::string_view text = input.rest_as_text();
+    keys_in(text);
+    nlohmann::json status = nlohmann::json::parse(text, nullptr, false);
+    if (status.is_discarded()) {
+        return 0;
+    }
+    view.status = std::move(status);
+    const std::size_t items = selectable(view.status);
+    view.selected = items == 0 ? 0 : view.selected % items;
+    const std::string screen = draw_monitor(view, style);
+    require(static_cast<std::size_t>(std::count(screen.begin(), screen.end(), '\n')) <= style.rows,
+            "a screen has no more lines than the terminal");
+    require(is_text_and_own_escapes(screen), "a daemon cannot send escapes to the terminal");
+    require(monitor_line(view).find('\n') == std::string::npos, "a line is one line");
+    static const auto configuration = load_configuration(
+        "[input.a]\nprotocol=\"ibus\"\ndevice=\"/a\"\n[output.b]\nprotocol=\"sbus\"\n"
+        "device=\"/b\"\n[pipeline.c]\nfrom=\"a\"\nto=\"b\"\n",
+        "fuzz.toml");
+    live_inputs(*configuration, view.status);
+    return 0;
+}

@@ -1,0 +1,26 @@
+#include <string>
+
+#include "tests/fuzz/fuzz.h"
+#include "transports/links/recording.h"
+
+/// A recording of any kind is refused with a place in it, or its times never go back.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace tribus;
+    using fuzz::require;
+    fuzz::Input input({data, size});
+    const std::string_view text = input.rest_as_text();
+    const auto recording = parse_recording(text, "fuzz.txt");
+    if (!recording) {
+        require(recording.error().starts_with("fuzz.txt"), "a mistake names its file");
+        return 0;
+    }
+    for (std::size_t i = 1; recording->timed && i < recording->bursts.size(); ++i) {
+        require(recording->bursts[i - 1].start <= recording->bursts[i].start,
+                "times of bursts do not go back");
+    }
+    for (std::size_t i = 1; i < recording->can_frames.size(); ++i) {
+        require(recording->can_frames[i - 1].at <= recording->can_frames[i].at,
+                "times of CAN frames do not go back");
+    }
+    return 0;
+}
