@@ -19,7 +19,7 @@ failed=""
 for target in "$@"; do
     case $target in
         dbc_file) seeds="config/examples deploy/can" ;;
-        configuration) seeds="config/examples tests/unit/config" ;;
+        configuration) seeds="config/examples" ;;
         *) seeds="" ;;
     esac
     echo "Fuzzing $target for $seconds s" >&2
