@@ -64,8 +64,8 @@ std::string describe_frames(const LineStory& story) {
         text += fmt::format(", {} requests and {} answers", story.requests, story.replies);
     }
     text += story.lost_bytes == 0
-                ? ", no byte of none"
-                : fmt::format(", {} of {} bytes of none", story.lost_bytes, story.bytes);
+                ? ", nothing else"
+                : fmt::format(", {} of {} bytes in none", story.lost_bytes, story.bytes);
     if (story.least_us && story.most_us) {
         text += fmt::format("; values from {:.0f} to {:.0f} us{}", *story.least_us, *story.most_us,
                             story.protocol == "sbus" ? " in the default scale" : "");

@@ -80,6 +80,10 @@ Heard undamaged(Heard heard) {
 
 class FrameWatch {
   public:
+    explicit FrameWatch(bool has_switches) {
+        is_switch_[kSbusChannels] = is_switch_[kSbusChannels + 1] = has_switches;
+    }
+
     void take(const FoundFrame& found) {
         bytes_ += found.frame.length;
         if (found.start) {
@@ -90,8 +94,11 @@ class FrameWatch {
         story_.failsafe += channels.failsafe ? 1U : 0U;
         for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
             if (const auto pulse = channels.channel(channel)) {
-                const double us = pulse->microseconds();
                 story_.channels = std::max(story_.channels, channel + 1);
+                if (is_switch_[channel]) {
+                    continue;
+                }
+                const double us = pulse->microseconds();
                 story_.least_us = std::min(story_.least_us.value_or(us), us);
                 story_.most_us = std::max(story_.most_us.value_or(us), us);
             }
@@ -127,6 +134,7 @@ class FrameWatch {
 
   private:
     LineStory story_;
+    std::array<bool, kChannelCount> is_switch_{};
     ScaleWatch scale_;
     std::vector<Duration> starts_;
     std::uint64_t bytes_ = 0;
@@ -143,7 +151,7 @@ Reading read_frames(const Heard& heard, const Protocol& protocol) {
         return {};
     }
     use->line = heard.line;
-    FrameWatch watch;
+    FrameWatch watch(&protocol == &kSbusProtocol);
     FrameFinder finder(*use, [&](const FoundFrame& found) { watch.take(found); });
     for (std::size_t index = 0; index < heard.bursts.size(); ++index) {
         finder.feed(index, heard.bursts[index]);

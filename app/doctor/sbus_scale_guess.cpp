@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -75,10 +75,11 @@ ScaleGuess ScaleWatch::guess() const {
                     "receiver's maker"};
     }
     const Landmarks& marks = kLandmarks[best];
-    return {.name = marks.name,
-            .reason =
-                fmt::format("{} channels rest at {}, {} ends are at {} or {}", votes[best].centres,
-                            marks.centre, votes[best].ends, marks.low, marks.high)};
+    std::string reason = fmt::format("{} channels rest at {}", votes[best].centres, marks.centre);
+    if (votes[best].ends > 0) {
+        reason += fmt::format(", {} ends are at {} or {}", votes[best].ends, marks.low, marks.high);
+    }
+    return {.name = marks.name, .reason = std::move(reason)};
 }
 
 }  // namespace tribus::doctor
