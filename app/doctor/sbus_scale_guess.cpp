@@ -17,13 +17,14 @@ struct Landmarks {
     std::uint16_t low;
     std::uint16_t centre;
     std::uint16_t high;
-    int tolerance;
+    int centre_tolerance;
+    int end_tolerance;
 };
-constexpr std::array<Landmarks, 5> kLandmarks{{{"betaflight", 192, 992, 1792, 0},
-                                               {"frsky", 172, 992, 1811, 1},
-                                               {"futaba", 352, 1024, 1696, 0},
-                                               {"px4", 202, 1002, 1802, 0},
-                                               {"ardupilot", 201, 1001, 1801, 0}}};
+constexpr std::array<Landmarks, 5> kLandmarks{{{"betaflight", 192, 992, 1792, 1, 0},
+                                               {"frsky", 172, 992, 1811, 1, 1},
+                                               {"futaba", 352, 1024, 1696, 1, 0},
+                                               {"px4", 202, 1002, 1802, 0, 0},
+                                               {"ardupilot", 201, 1001, 1801, 0, 0}}};
 
 bool near(std::uint16_t value, std::uint16_t landmark, int tolerance) {
     return std::abs(int{value} - int{landmark}) <= tolerance;
@@ -53,9 +54,9 @@ ScaleGuess ScaleWatch::guess() const {
     for (const Seen& seen : seen_) {
         for (std::size_t i = 0; i < kLandmarks.size() && any_; ++i) {
             const Landmarks& marks = kLandmarks[i];
-            votes[i].centres += near(seen.latest, marks.centre, 1) ? 1U : 0U;
-            votes[i].ends += near(seen.least, marks.low, marks.tolerance) ? 1U : 0U;
-            votes[i].ends += near(seen.most, marks.high, marks.tolerance) ? 1U : 0U;
+            votes[i].centres += near(seen.latest, marks.centre, marks.centre_tolerance) ? 1U : 0U;
+            votes[i].ends += near(seen.least, marks.low, marks.end_tolerance) ? 1U : 0U;
+            votes[i].ends += near(seen.most, marks.high, marks.end_tolerance) ? 1U : 0U;
         }
     }
     std::size_t best = 0;

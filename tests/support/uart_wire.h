@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -46,10 +48,15 @@ class Wire {
         end_ = begin + line.bits_time(bit);
     }
     Duration end() const { return end_; }
-    /// As a UART sees it: a mark is high.
+    /// As a UART sees it: a mark is high. Quickest where the times rise.
     bool high_at(Duration time) const {
-        const auto behind = std::ranges::upper_bound(changes_, time, {}, &Change::at);
-        return behind == changes_.begin() ? !sender_.inverted : std::prev(behind)->high;
+        if (at_ > 0 && changes_[at_ - 1].at > time) {
+            at_ = 0;
+        }
+        while (at_ < changes_.size() && changes_[at_].at <= time) {
+            ++at_;
+        }
+        return at_ == 0 ? !sender_.inverted : changes_[at_ - 1].high;
     }
     /// From `time` on; nothing where none follows.
     std::optional<Duration> next_fall(Duration time) const { return next(time, false); }
@@ -68,17 +75,19 @@ class Wire {
         }
     }
     std::optional<Duration> next(Duration time, bool high) const {
-        auto at = std::ranges::lower_bound(changes_, time, {}, &Change::at);
-        while (at != changes_.end() && at->high != high) {
+        high_at(time - Duration(1));
+        std::size_t at = at_;
+        while (at < changes_.size() && changes_[at].high != high) {
             ++at;
         }
-        return at == changes_.end() ? std::nullopt : std::optional(at->at);
+        return at == changes_.size() ? std::nullopt : std::optional(changes_[at].at);
     }
 
     SenderLine sender_;
     bool high_;
     Duration end_{};
     std::vector<Change> changes_;
+    mutable std::size_t at_ = 0;  ///< of the change behind the time that was asked for last
 };
 
 enum class UartKind : std::uint8_t {
