@@ -186,8 +186,9 @@ void add_doctor_command(CLI::App& app, int& status) {
         ->check(CLI::IsMember({"text", "json"}))
         ->capture_default_str();
     command->footer(
-        "A device that a program has open is left alone. Nothing is ever written to one; opening\n"
-        "it raises its control lines, though, at which some boards (Arduino) start anew.\n"
+        "A device that a program has open is left alone. Nothing is written to one. But at the\n"
+        "moment of opening its control lines rise, at which some boards (Arduino) start anew, and\n"
+        "the kernel may send back a byte that comes just then, as it does for `run`.\n"
         "Exit status: 0 nothing to mend, 1 problems found, 2 wrong use.");
     command->callback([options, &status] { status = examine(*options); });
 }
