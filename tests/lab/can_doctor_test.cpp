@@ -33,25 +33,11 @@ TEST(LabCanDoctor, BusThatIsDownIsAProblem) {
     EXPECT_TRUE(has(result, "sudo ip link set vcan0 up")) << result.output;
 }
 
-TEST(LabCanDoctor, InterfaceThatIsNotThereIsAProblem) {
-    const VirtualBus bus;
-    const ShellResult result = doctor("can77");
-    EXPECT_EQ(result.status, 1) << result.output;
-    EXPECT_TRUE(has(result, "vcan0")) << result.output;
-}
-
-TEST(LabCanDoctor, ControllerIsTold) {
-    const ControllerPair pair(500'000, "restart-ms 100");
-    const ShellResult result = doctor(pair.near());
-    EXPECT_EQ(result.status, 0) << result.output;
-    EXPECT_TRUE(has(result, "500 kbit/s")) << result.output;
-    EXPECT_FALSE(has(result, "can.no_restart")) << result.output;
-}
-
 TEST(LabCanDoctor, ControllerThatNeverRestartsIsAdvised) {
     const ControllerPair pair(500'000, "restart-ms 0");
     const ShellResult result = doctor(pair.near());
     EXPECT_EQ(result.status, 0) << result.output;
+    EXPECT_TRUE(has(result, "500 kbit/s")) << result.output;
     EXPECT_TRUE(has(result, "[can.no_restart]")) << result.output;
 }
 

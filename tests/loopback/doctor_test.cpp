@@ -49,11 +49,6 @@ TEST_F(Doctor, HearsIbusOf18Channels) {
     EXPECT_TRUE(has(said, "    [input.receiver]\n    protocol = \"ibus\"\n")) << said;
 }
 
-TEST_F(Doctor, HearsIbusOf14Channels) {
-    const std::string said = said_of(ibus_bytes(sticks_with_first(1200, 14)), 0);
-    EXPECT_TRUE(has(said, "hears    i.Bus, 14 channels")) << said;
-}
-
 TEST_F(Doctor, HearsSbus) {
     const std::string said = said_of(sbus_bytes(sbus_sight_of(sticks_with_first(1200))), 0);
     EXPECT_TRUE(has(said, "hears    SBUS, 16 channels and 2 switches, 100000 baud 8E2")) << said;
@@ -94,13 +89,6 @@ TEST_F(Doctor, GarbageIsAProblem) {
     });
     EXPECT_EQ(status, 1);
     EXPECT_TRUE(has(program.output(), "[line.unknown]")) << program.output();
-}
-
-TEST_F(Doctor, ReceiverWithoutItsTransmitterIsTold) {
-    SbusSight sight = sbus_sight_of(sticks_with_first(1200));
-    sight.failsafe = sight.frame_lost = true;
-    const std::string said = said_of(sbus_bytes(sight), 0);
-    EXPECT_TRUE(has(said, "every frame says failsafe")) << said;
 }
 
 TEST_F(Doctor, LeavesAPortAloneThatAProgramHasOpen) {
