@@ -94,6 +94,7 @@ void try_and_listen(const KernelFiles& files, Duration time, PortReport& port) {
     });
     // Only open has the adapter taken the short timer, or not.
     port.facts.latency_timer = look_at_serial_port(files, device).latency_timer;
+    port.facts.was_opened = visit.failure.empty();
     port.opinion = judge_port(port.facts, true);
     if (!visit.failure.empty()) {
         port.opinion.findings.push_back(
@@ -106,6 +107,14 @@ void try_and_listen(const KernelFiles& files, Duration time, PortReport& port) {
     if (port.story) {
         append(port.opinion.findings, judge_story(*port.story, device));
         port.lines = configuration_lines(*port.story, port.facts.device);
+        const bool deaf = std::ranges::any_of(
+            visit.trials, [](const Trial& trial) { return !trial.refusal.empty(); });
+        if (deaf && port.story->sound == LineSound::unknown) {
+            port.opinion.findings.push_back(
+                {Severity::note, "line.sbus_unheard", device,
+                 "SBUS would sound like this here, for this port cannot be set to it", "",
+                 "To know, wire it to a port that can; `tribus doctor` lists them."});
+        }
     }
 }
 

@@ -50,7 +50,8 @@ struct SerialFacts {
     /// Processes of others whose open files may not be looked at.
     bool users_hidden = false;
     bool may_open = true;
-    std::string group;  ///< of the node
+    bool was_opened = false;  ///< by this program, before the rest was looked at
+    std::string group;        ///< of the node
 };
 
 /// Every port that has hardware: no virtual terminals, no 8250 ports of which the kernel found

@@ -138,9 +138,14 @@ void judge_hardware(const SerialFacts& facts, const PortKind& kind, PortFindings
     constexpr std::int64_t kPromptTimer = 1;
     if (facts.latency_timer.value_or(kPromptTimer) > kPromptTimer) {
         findings.add(
-            Severity::note, "port.latency_timer",
+            facts.was_opened ? Severity::advice : Severity::note, "port.latency_timer",
             fmt::format("the adapter holds bytes back for up to {} ms", *facts.latency_timer),
-            "`tribus run` asks it for 1 ms when it opens it; other programs may not.", "");
+            facts.was_opened ? "It was asked for 1 ms and did not take it."
+                             : "`tribus run` asks it for 1 ms when it opens it; other programs may "
+                               "not.",
+            "To set it by hand, after each time that it was plugged in:",
+            {fmt::format("echo 1 | sudo tee /sys/bus/usb-serial/devices/{}/latency_timer",
+                         facts.name)});
     }
     if (facts.receive_trigger.value_or(1) > 1) {
         findings.add(

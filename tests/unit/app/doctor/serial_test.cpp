@@ -160,6 +160,19 @@ TEST_F(SerialPorts, ftdi_that_holds_bytes_back_is_told) {
     EXPECT_NE(found(opinion, "port.latency_timer")->what.find("16 ms"), std::string::npos);
 }
 
+TEST_F(SerialPorts, ftdi_that_keeps_its_long_timer_is_to_be_set_by_hand) {
+    tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
+    tree.write("sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "16\n");
+    SerialFacts facts = facts_of("/dev/ttyUSB0");
+    facts.was_opened = true;
+    const PortOpinion opinion = judge_port(facts, true);
+    ASSERT_EQ(ids(opinion), std::vector<std::string>{"port.latency_timer"});
+    EXPECT_EQ(opinion.findings[0].severity, Severity::advice);
+    EXPECT_EQ(opinion.findings[0].commands,
+              std::vector<std::string>{
+                  "echo 1 | sudo tee /sys/bus/usb-serial/devices/ttyUSB0/latency_timer"});
+}
+
 TEST_F(SerialPorts, ftdi_with_the_short_timer_is_well) {
     tree.usb_port("ttyUSB0", "ftdi_sio", "FT232R USB UART", "0600");
     tree.write("sys/devices/usb1/1-1/1-1:1.0/ttyUSB0/latency_timer", "1\n");
