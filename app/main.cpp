@@ -15,6 +15,7 @@
 #include "app/decode.h"
 #include "app/demo.h"
 #include "app/diff.h"
+#include "app/doctor/doctor.h"
 #include "app/encode.h"
 #include "app/exit_status.h"
 #include "app/graph.h"
@@ -59,6 +60,7 @@ int run_command_line(int argc, char** argv) {
     tribus::add_encode_command(app, status);
     tribus::add_simulate_command(app, status);
     tribus::add_learn_command(app, status);
+    tribus::add_doctor_command(app, status);
     tribus::add_dbc_command(app, status);
     tribus::add_bench_command(app, status);
     tribus::add_schema_command(app);

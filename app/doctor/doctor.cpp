@@ -1,0 +1,205 @@
+#include "app/doctor/doctor.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/doctor/can_judge.h"
+#include "app/doctor/kernel_files.h"
+#include "app/doctor/line_advice.h"
+#include "app/doctor/line_heard.h"
+#include "app/doctor/listener.h"
+#include "app/doctor/machine_judge.h"
+#include "app/doctor/report.h"
+#include "app/exit_status.h"
+#include "app/streams.h"
+#include "app/terminal.h"
+#include "config/values.h"
+#include "core/quotes.h"
+
+namespace tribus {
+namespace {
+
+using namespace doctor;
+
+constexpr Duration kShortest = std::chrono::seconds(1);
+constexpr Duration kLongest = std::chrono::seconds(60);
+constexpr std::size_t kPlainColumns = 80;
+constexpr std::size_t kMostColumns = 100;
+
+struct Options {
+    std::vector<std::string> devices;
+    std::string listening = "3s";
+    std::string format = "text";
+};
+
+void append(std::vector<Finding>& to, std::vector<Finding> more) {
+    std::ranges::move(more, std::back_inserter(to));
+}
+
+void take_can(Report& report, const std::string& name, bool asked_for) {
+    const auto interface = query_can_interface(name);
+    if (interface) {
+        append(report.findings, judge_can(*interface, asked_for));
+        report.can.push_back(*interface);
+    } else {
+        report.findings.push_back({Severity::problem, "can.unknown", name,
+                                   interface.error().substr(name.size() + 2), "", ""});
+    }
+}
+
+/// What a port did counts for more than what is known of its kind.
+void take_trials(const std::vector<Trial>& trials, PortReport& port) {
+    for (PortAbility& ability : port.opinion.abilities) {
+        const LineSettings& line = ability.protocol == "SBUS"        ? kSbusLine
+                                   : ability.protocol == "fast SBUS" ? kFastSbusLine
+                                                                     : kIbusLine;
+        const auto trial = std::ranges::find(trials, line, &Trial::line);
+        if (trial != trials.end() && !trial->refusal.empty()) {
+            ability.ability = Ability::no;
+            ability.because = trial->refusal;
+        } else if (trial != trials.end() && ability.ability != Ability::yes) {
+            ability.ability = Ability::yes;
+            ability.because.clear();
+        }
+    }
+}
+
+bool may_be_opened(const PortReport& port) {
+    return std::ranges::none_of(port.opinion.findings, [](const Finding& finding) {
+        return finding.severity == Severity::problem;
+    });
+}
+
+void try_and_listen(const KernelFiles& files, Duration time, PortReport& port) {
+    const std::string device = port.facts.node;
+    const bool terminal = ::isatty(STDERR_FILENO) == 1;
+    const Visit visit = visit_port(device, time, [&](std::string_view words) {
+        if (terminal) {
+            fmt::print(stderr, "{}: {}\n", device, words);
+        }
+    });
+    // Only open has the adapter taken the short timer, or not.
+    port.facts.latency_timer = look_at_serial_port(files, device).latency_timer;
+    port.facts.was_opened = visit.failure.empty();
+    port.opinion = judge_port(port.facts, true);
+    if (!visit.failure.empty()) {
+        port.opinion.findings.push_back(
+            {Severity::problem, "port.cannot_open", device, visit.failure, "", ""});
+        return;
+    }
+    port.tried = true;
+    take_trials(visit.trials, port);
+    port.story = visit.story;
+    if (port.story) {
+        append(port.opinion.findings, judge_story(*port.story, device));
+        port.lines = configuration_lines(*port.story, port.facts.device);
+        const bool deaf = std::ranges::any_of(
+            visit.trials, [](const Trial& trial) { return !trial.refusal.empty(); });
+        if (deaf && port.story->sound == LineSound::unknown) {
+            port.opinion.findings.push_back(
+                {Severity::note, "line.sbus_unheard", device,
+                 "SBUS would sound like this here, for this port cannot be set to it", "",
+                 "To know, wire it to a port that can; `tribus doctor` lists them."});
+        }
+    }
+}
+
+void take_port(const KernelFiles& files, const std::string& device, Duration time, Report& report) {
+    PortReport port{.facts = look_at_serial_port(files, device)};
+    port.opinion = judge_port(port.facts, true);
+    if (may_be_opened(port)) {
+        try_and_listen(files, time, port);
+    }
+    append(report.findings, port.opinion.findings);
+    report.ports.push_back(std::move(port));
+}
+
+void take_everything(const KernelFiles& files, Report& report) {
+    report.machine = look_at_machine(files);
+    append(report.findings, judge_machine(*report.machine));
+    for (SerialFacts& facts : look_at_serial_ports(files)) {
+        PortReport port{.facts = std::move(facts)};
+        port.opinion = judge_port(port.facts, false);
+        append(report.findings, port.opinion.findings);
+        report.ports.push_back(std::move(port));
+    }
+    for (const std::string& name : can_interfaces(files)) {
+        take_can(report, name, false);
+    }
+}
+
+std::string text_for_people(const Report& report) {
+    const std::size_t columns = terminal_columns().value_or(kPlainColumns);
+    const bool colour = ::isatty(STDOUT_FILENO) == 1 && screen_style().colour;
+    return report_text(report, std::min(columns, kMostColumns), colour);
+}
+
+int examine(const Options& options) {
+    const auto time = parse_duration(options.listening);
+    if (!time || *time < kShortest || *time > kLongest) {
+        fmt::print(stderr, "tribus: --for {}: wants a time from {} to {}, such as 3s\n",
+                   in_quotes(options.listening), format_duration(kShortest),
+                   format_duration(kLongest));
+        return kExitWrongUse;
+    }
+    const KernelFiles files("/");
+    Report report;
+    const std::vector<std::string> can = can_interfaces(files);
+    for (const std::string& device : options.devices) {
+        const bool interface = device.find('/') == std::string::npos;
+        if (interface && std::ranges::find(can, device) == can.end() &&
+            std::filesystem::exists("/dev/" + device)) {
+            take_port(files, "/dev/" + device, *time, report);
+        } else if (interface) {
+            take_can(report, device, true);
+        } else {
+            take_port(files, device, *time, report);
+        }
+    }
+    if (options.devices.empty()) {
+        take_everything(files, report);
+    }
+    std::ranges::stable_sort(report.findings, {}, &Finding::severity);
+    fmt::print("{}", options.format == "json" ? report_json(report) : text_for_people(report));
+    const bool problems =
+        !report.findings.empty() && report.findings.front().severity == Severity::problem;
+    return problems ? kExitFailed : kExitFine;
+}
+
+}  // namespace
+
+void add_doctor_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand(
+        "doctor", "Say what ports and machine can do, what a port hears, and what to mend");
+    const auto options = std::make_shared<Options>();
+    command->add_option("DEVICE", options->devices,
+                        "Serial devices to try and to listen to, and CAN interfaces; absent: look "
+                        "at all there are, and at the machine, without opening any");
+    command->add_option("--for", options->listening, "How long to listen to each device")
+        ->capture_default_str();
+    command->add_option("--format", options->format, "json: one object")
+        ->check(CLI::IsMember({"text", "json"}))
+        ->capture_default_str();
+    command->footer(
+        "A device that a program has open is left alone. Nothing is written to one. But at the\n"
+        "moment of opening its control lines rise, at which some boards (Arduino) start anew, and\n"
+        "the kernel may send back a byte that comes just then, as it does for `run`.\n"
+        "Exit status: 0 nothing to mend, 1 problems found, 2 wrong use.");
+    command->callback([options, &status] { status = examine(*options); });
+}
+
+}  // namespace tribus

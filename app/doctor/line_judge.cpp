@@ -1,0 +1,296 @@
+#include "app/doctor/line_judge.h"
+
+#include <algorithm>
+#include <array>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "app/doctor/line_inversion.h"
+#include "app/frame_finder.h"
+#include "app/protocol_use.h"
+#include "app/sensor_frame_finder.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+
+namespace tribus::doctor {
+namespace {
+
+constexpr std::string_view kSensorBus = "ibus-sensor";
+/// Of no protocol's content by chance, and heard within the shortest look.
+constexpr std::uint64_t kFewestFrames = 3;
+
+/// The time from one to the next, where most of them are as far apart as the middle one.
+std::optional<Duration> usual_step(const std::vector<Duration>& times) {
+    std::vector<Duration> steps;
+    for (std::size_t i = 1; i < times.size(); ++i) {
+        steps.push_back(times[i] - times[i - 1]);
+    }
+    if (steps.size() < 2) {
+        return std::nullopt;
+    }
+    std::ranges::sort(steps);
+    const Duration median = steps[steps.size() / 2];
+    Duration sum{};
+    std::int64_t count = 0;
+    for (const Duration step : steps) {
+        if (3 * std::chrono::abs(step - median) <= median) {
+            sum += step;
+            ++count;
+        }
+    }
+    return count == 0 ? std::nullopt : std::optional(sum / count);
+}
+
+struct ByteCount {
+    std::uint64_t bytes = 0;
+    std::uint64_t damaged = 0;
+    std::uint64_t breaks = 0;  ///< damaged zeros, which breaks look like
+};
+
+ByteCount count_bytes(const Heard& heard) {
+    ByteCount count;
+    for (const Burst& burst : heard.bursts) {
+        count.bytes += burst.bytes.size();
+        for (std::size_t i = 0; i < burst.damaged.size(); ++i) {
+            count.damaged += burst.damaged[i] ? 1U : 0U;
+            count.breaks += burst.damaged[i] && burst.bytes[i] == 0 ? 1U : 0U;
+        }
+    }
+    return count;
+}
+
+LineStory story_of(const Heard& heard) {
+    const ByteCount count = count_bytes(heard);
+    LineStory story;
+    story.line = heard.line;
+    story.listened = heard.listened;
+    story.bytes = count.bytes;
+    story.damaged = count.damaged;
+    return story;
+}
+
+/// As the port told them, but without its doubts.
+Heard undamaged(Heard heard) {
+    for (Burst& burst : heard.bursts) {
+        burst.damaged.assign(burst.bytes.size(), false);
+    }
+    return heard;
+}
+
+class FrameWatch {
+  public:
+    explicit FrameWatch(bool has_switches) {
+        is_switch_[kSbusChannels] = is_switch_[kSbusChannels + 1] = has_switches;
+    }
+
+    void take(const FoundFrame& found) {
+        bytes_ += found.frame.length;
+        if (found.start) {
+            starts_.push_back(*found.start);
+        }
+        const ChannelFrame& channels = found.frame.channels;
+        story_.frame_lost += channels.frame_lost ? 1U : 0U;
+        story_.failsafe += channels.failsafe ? 1U : 0U;
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            if (const auto pulse = channels.channel(channel)) {
+                story_.channels = std::max(story_.channels, channel + 1);
+                if (is_switch_[channel]) {
+                    continue;
+                }
+                const double us = pulse->microseconds();
+                story_.least_us = std::min(story_.least_us.value_or(us), us);
+                story_.most_us = std::max(story_.most_us.value_or(us), us);
+            }
+        }
+        for (const FrameDetail& detail : found.details) {
+            if (detail.name == "raw") {
+                scale_.take(detail.values);
+            }
+            story_.sbus2 = story_.sbus2 || (detail.name == "footer" && detail.values[0] != 0);
+        }
+    }
+    /// Nothing where it were too few frames, or most of the bytes are of none.
+    std::optional<LineStory> finish(const Heard& heard, const Tally& tally,
+                                    std::string_view protocol) const {
+        if (tally.frames < kFewestFrames || 2 * bytes_ < tally.bytes) {
+            return std::nullopt;
+        }
+        LineStory story = story_of(heard);
+        story.sound = LineSound::frames;
+        story.protocol = protocol;
+        story.frames = tally.frames;
+        story.lost_bytes = tally.skipped_bytes;
+        story.period = usual_step(starts_);
+        story.channels = story_.channels;
+        story.frame_lost = story_.frame_lost;
+        story.failsafe = story_.failsafe;
+        story.sbus2 = story_.sbus2;
+        story.scale = scale_.guess();
+        story.least_us = story_.least_us;
+        story.most_us = story_.most_us;
+        return story;
+    }
+
+  private:
+    LineStory story_;
+    std::array<bool, kChannelCount> is_switch_{};
+    ScaleWatch scale_;
+    std::vector<Duration> starts_;
+    std::uint64_t bytes_ = 0;
+};
+
+struct Reading {
+    std::optional<LineStory> story;
+    std::uint64_t ibus2 = 0;
+};
+
+Reading read_frames(const Heard& heard, const Protocol& protocol) {
+    auto use = use_protocol(protocol, SettingScope::input, {});
+    if (!use) {
+        return {};
+    }
+    use->line = heard.line;
+    FrameWatch watch(&protocol == &kSbusProtocol);
+    FrameFinder finder(*use, [&](const FoundFrame& found) { watch.take(found); });
+    for (std::size_t index = 0; index < heard.bursts.size(); ++index) {
+        finder.feed(index, heard.bursts[index]);
+    }
+    finder.finish();
+    Reading reading{.story = watch.finish(heard, finder.tally(), protocol.name)};
+    for (const NamedCount& cause : finder.tally().rejected) {
+        reading.ibus2 += cause.name == "ibus2" ? cause.count : 0;
+    }
+    return reading;
+}
+
+/// Adds what of the sensor bus there is, alone or beside i.Bus.
+std::optional<LineStory> with_sensor_bus(const Heard& heard, std::optional<LineStory> ibus) {
+    std::uint64_t requests = 0;
+    std::uint64_t replies = 0;
+    std::uint64_t in_frames = 0;
+    std::vector<Duration> starts;
+    SensorFrameFinder finder([&](const HeardSensorFrame& found) {
+        in_frames += kSensorRequestBytes + found.frame.data_size;
+        ++(found.frame.is_request() ? requests : replies);
+        if (found.frame.is_request() && found.start) {
+            starts.push_back(*found.start);
+        }
+    });
+    for (const Burst& burst : heard.bursts) {
+        finder.feed(burst);
+    }
+    const SensorTally tally = finder.tally();
+    const bool alone = requests >= kFewestFrames && 2 * in_frames >= tally.frames.bytes;
+    if (!ibus && !alone) {
+        return std::nullopt;
+    }
+    LineStory story = ibus.value_or(story_of(heard));
+    if (!ibus) {
+        story.sound = LineSound::frames;
+        story.protocol = kSensorBus;
+        story.frames = tally.frames.frames;
+        story.lost_bytes = tally.frames.skipped_bytes;
+        story.period = usual_step(starts);
+    }
+    story.requests = requests;
+    story.replies = replies;
+    return story;
+}
+
+Reading read_any(const Heard& heard) {
+    if (heard.line != kIbusLine) {
+        return read_frames(heard, kSbusProtocol);
+    }
+    Reading reading = read_frames(heard, kIbusProtocol);
+    reading.story = with_sensor_bus(heard, std::move(reading.story));
+    return reading;
+}
+
+/// The one whose frames hold most of what came; the first of equals.
+std::optional<LineStory> best_of(std::span<const Heard> heard, bool believe_damage) {
+    std::optional<LineStory> best;
+    for (const Heard& one : heard) {
+        auto story = read_any(believe_damage ? one : undamaged(one)).story;
+        if (story && (!best || story->lost_bytes * best->bytes < best->lost_bytes * story->bytes)) {
+            best = std::move(story);
+            best->damaged = count_bytes(one).damaged;
+        }
+    }
+    return best;
+}
+
+struct InversionTest {
+    LineSettings line;
+    std::string_view protocol;
+    std::optional<Inversion> (*judge)(const Heard&);
+};
+
+std::optional<LineStory> judge_inversion(std::span<const Heard> heard) {
+    const std::array<InversionTest, 4> tests{{{kSbusLine, kSbusProtocol.name, inverted_sbus},
+                                              {kFastSbusLine, kSbusProtocol.name, inverted_sbus},
+                                              {kIbusLine, kIbusProtocol.name, inverted_ibus},
+                                              {kIbusLine, kSensorBus, inverted_sensor_bus}}};
+    for (const InversionTest& test : tests) {
+        for (const Heard& one : heard) {
+            const auto inversion = one.line == test.line ? test.judge(one) : std::nullopt;
+            if (inversion) {
+                LineStory story = story_of(one);
+                story.sound = LineSound::inverted;
+                story.protocol = test.protocol;
+                story.period = inversion->period;
+                return story;
+            }
+        }
+    }
+    return std::nullopt;
+}
+
+LineStory judge_rest(std::span<const Heard> heard) {
+    LineStory all;
+    ByteCount count;
+    for (const Heard& one : heard) {
+        const ByteCount more = count_bytes(one);
+        all.listened += one.listened;
+        count.bytes += more.bytes;
+        count.damaged += more.damaged;
+        count.breaks += more.breaks;
+        all.period = all.period ? all.period : period_of_breaks(one);
+        if (read_any(one).ibus2 >= kFewestFrames) {
+            all.sound = LineSound::ibus2;
+        }
+    }
+    all.bytes = count.bytes;
+    all.damaged = count.damaged;
+    if (all.sound != LineSound::ibus2 && count.bytes > 0) {
+        const bool mostly_low = 5 * count.breaks >= 4 * count.bytes;
+        all.sound = mostly_low ? LineSound::breaks : LineSound::unknown;
+    }
+    return all;
+}
+
+}  // namespace
+
+std::string_view sound_name(LineSound sound) {
+    constexpr std::array<std::string_view, 7> kNames{
+        "silence", "frames", "wrong_parity", "inverted", "breaks", "ibus2", "unknown"};
+    return kNames[static_cast<std::size_t>(sound)];
+}
+
+LineStory judge_line(std::span<const Heard> heard) {
+    if (auto story = best_of(heard, true)) {
+        const bool without_parity = story->line != kIbusLine && story->line.parity == Parity::none;
+        story->sound = without_parity ? LineSound::wrong_parity : LineSound::frames;
+        return *std::move(story);
+    }
+    if (auto story = best_of(heard, false)) {
+        story->sound = LineSound::wrong_parity;
+        return *std::move(story);
+    }
+    if (auto story = judge_inversion(heard)) {
+        return *std::move(story);
+    }
+    return judge_rest(heard);
+}
+
+}  // namespace tribus::doctor

@@ -1,0 +1,140 @@
+#include "app/doctor/listener.h"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tl/expected.hpp>
+
+#include "app/doctor/line_heard.h"
+#include "pipelines/realtime/clock.h"
+#include "transports/links/serial_port.h"
+
+namespace tribus::doctor {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Three frames of the slowest sender that is known, each 80 ms.
+constexpr Duration kLook = milliseconds(250);
+constexpr int kPollMilliseconds = 20;
+/// More than any line brings in a minute; a pty has no rate.
+constexpr std::size_t kMostBytes = std::size_t{1} << 21;
+
+constexpr std::array<LineSettings, 3> kLines{kIbusLine, kSbusLine, kFastSbusLine};
+/// Of senders that leave out what SBUS has.
+constexpr LineSettings kSbusWithoutParity{.baud = 100'000};
+
+Burst burst_of(const Reception& reception, Duration at) {
+    const auto bytes = reception.view();
+    Burst burst{.start = at, .bytes = {bytes.begin(), bytes.end()}, .damaged = {}};
+    burst.damaged.resize(bytes.size());
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        burst.damaged[i] = reception.damaged[i];
+    }
+    return burst;
+}
+
+/// The error is a sentence without the device.
+tl::expected<Heard, std::string> listen(const std::string& device, const LineSettings& line,
+                                        Duration time) {
+    auto port = SerialPort::open(device, line);
+    if (!port) {
+        return tl::unexpected(
+            port.error().substr(std::min(device.size() + 2, port.error().size())));
+    }
+    Heard heard{.line = line, .listened = {}, .bursts = {}};
+    const Instant begin = monotonic_now();
+    std::size_t bytes = 0;
+    Reception reception;
+    while (heard.listened < time && bytes < kMostBytes) {
+        pollfd watched{(*port)->descriptor(), POLLIN, 0};
+        ::poll(&watched, 1, kPollMilliseconds);
+        const ReadStatus status = (*port)->read(reception);
+        heard.listened = monotonic_now() - begin;
+        if (status == ReadStatus::lost) {
+            return tl::unexpected(std::string("it was gone while it was listened to"));
+        }
+        if (status == ReadStatus::received) {
+            bytes += reception.count;
+            heard.bursts.push_back(burst_of(reception, heard.listened));
+        }
+    }
+    return heard;
+}
+
+bool has_frames(const Heard& heard) {
+    return judge_line(std::span(&heard, 1)).sound == LineSound::frames;
+}
+
+/// A port that is refused for its settings says what it was asked for (uart_rate.cpp).
+bool is_refusal_of_settings(std::string_view error) {
+    return error.starts_with("asked for");
+}
+
+}  // namespace
+
+Visit visit_port(const std::string& device, Duration time,
+                 const std::function<void(std::string_view)>& says) {
+    Visit visit;
+    for (const LineSettings& line : kLines) {
+        const auto taken = listen(device, line, Duration::zero());
+        if (!taken && !is_refusal_of_settings(taken.error())) {
+            visit.failure = taken.error();
+            return visit;
+        }
+        visit.trials.push_back({line, taken ? std::string() : taken.error()});
+    }
+    std::vector<LineSettings> lines;
+    for (const Trial& trial : visit.trials) {
+        if (trial.refusal.empty()) {
+            lines.push_back(trial.line);
+        }
+    }
+    std::vector<Heard> all;
+    Duration left = time;
+    const auto listen_more = [&](const LineSettings& line, Duration most) {
+        auto heard = listen(device, line, std::max(most, kLook));
+        if (!heard) {
+            visit.failure = heard.error();
+            return false;
+        }
+        left -= heard->listened;
+        all.push_back(*std::move(heard));
+        return true;
+    };
+    for (const LineSettings& line : lines) {
+        says(fmt::format("listening at {} baud ...", line.baud));
+        if (!listen_more(line, kLook)) {
+            return visit;
+        }
+        if (has_frames(all.back())) {
+            const Heard look = std::exchange(all, {}).back();
+            if (!listen_more(line, left)) {
+                return visit;
+            }
+            if (!has_frames(all.back())) {
+                all.push_back(look);
+            }
+            visit.story = judge_line(all);
+            return visit;
+        }
+    }
+    lines.push_back(kSbusWithoutParity);
+    const Duration each = left / static_cast<std::int64_t>(lines.size());
+    for (const LineSettings& line : lines) {
+        says(fmt::format("listening at {} baud once more ...", line.baud));
+        if (!listen_more(line, each)) {
+            return visit;
+        }
+    }
+    visit.story = judge_line(all);
+    return visit;
+}
+
+}  // namespace tribus::doctor

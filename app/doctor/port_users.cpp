@@ -1,0 +1,77 @@
+#include "app/doctor/port_users.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace tribus::doctor {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Has : std::uint8_t { no, yes, hidden };
+
+Has has_open(const KernelFiles& files, const std::string& process, const std::string& node) {
+    std::error_code error;
+    for (fs::directory_iterator entry(files.at(process + "/fd"), error), end;
+         !error && entry != end; entry.increment(error)) {
+        std::error_code none;
+        if (fs::read_symlink(entry->path(), none) == node) {
+            return Has::yes;
+        }
+    }
+    return error == std::errc::permission_denied ? Has::hidden : Has::no;
+}
+
+/// getty and agetty have the port's name among their arguments.
+bool waits_for(const std::string& command_line, const std::string& name) {
+    std::istringstream words(command_line);
+    std::string word;
+    words >> word;
+    if (!word.ends_with("getty")) {
+        return false;
+    }
+    while (words >> word) {
+        if (word == name || word == "/dev/" + name) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// As "0::/system.slice/tribus@servos.service"; systemd writes - of a name as \x2d in slices only.
+std::string unit_of(const std::string& groups) {
+    std::istringstream lines(groups);
+    for (std::string line; std::getline(lines, line);) {
+        const std::string last = line.substr(line.rfind('/') + 1);
+        if (last.ends_with(".service")) {
+            return last;
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+void look_at_users(const KernelFiles& files, SerialFacts& facts) {
+    for (const std::string& name : files.names_in("proc")) {
+        if (name.find_first_not_of("0123456789") != std::string::npos) {
+            continue;
+        }
+        const std::string process = "proc/" + name;
+        const bool login = waits_for(files.line(process + "/cmdline"), facts.name);
+        const Has open = has_open(files, process, facts.node);
+        facts.users_hidden = facts.users_hidden || open == Has::hidden;
+        if (login || open == Has::yes) {
+            facts.users.push_back({.process = std::atoi(name.c_str()),
+                                   .command = files.line(process + "/comm"),
+                                   .unit = unit_of(files.text(process + "/cgroup")),
+                                   .is_login = login});
+        }
+    }
+}
+
+}  // namespace tribus::doctor

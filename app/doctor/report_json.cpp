@@ -1,0 +1,126 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "app/doctor/report.h"
+
+namespace tribus::doctor {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class Value>
+Json or_null(const std::optional<Value>& value) {
+    return value ? Json(*value) : Json();
+}
+
+Json machine_json(const MachineFacts& machine) {
+    return {{"model", machine.model},
+            {"kernel", machine.kernel},
+            {"realtime_kernel", machine.realtime_kernel},
+            {"governors", machine.governors},
+            {"throttled", or_null(machine.throttled)},
+            {"temperature", or_null(machine.temperature)}};
+}
+
+Json line_json(const LineSettings& line) {
+    return {{"baud", line.baud},
+            {"parity", line.parity == Parity::even ? "even" : "none"},
+            {"stop_bits", line.stop_bits}};
+}
+
+Json story_json(const LineStory& story) {
+    constexpr std::int64_t kMicrosecond = 1000;
+    Json json = {{"sound", sound_name(story.sound)},
+                 {"protocol", story.protocol.empty() ? Json() : Json(story.protocol)},
+                 {"line", story.protocol.empty() ? Json() : line_json(story.line)},
+                 {"inverted", story.sound == LineSound::inverted},
+                 {"listened_us", story.listened.count() / kMicrosecond},
+                 {"bytes", story.bytes},
+                 {"damaged", story.damaged},
+                 {"frames", story.frames},
+                 {"lost_bytes", story.lost_bytes}};
+    json["period_us"] = story.period ? Json(story.period->count() / kMicrosecond) : Json();
+    if (story.channels > 0) {
+        json["channels"] = story.channels;
+        json["frame_lost"] = story.frame_lost;
+        json["failsafe"] = story.failsafe;
+        json["least_us"] = or_null(story.least_us);
+        json["most_us"] = or_null(story.most_us);
+    }
+    if (story.protocol == "sbus") {
+        json["sbus2"] = story.sbus2;
+        json["scale"] = story.scale.name.empty() ? Json() : Json(story.scale.name);
+    }
+    if (story.requests > 0) {
+        json["requests"] = story.requests;
+        json["replies"] = story.replies;
+    }
+    return json;
+}
+
+Json port_json(const PortReport& port) {
+    Json abilities = Json::array();
+    for (const PortAbility& one : port.opinion.abilities) {
+        abilities.push_back({{"protocol", one.protocol},
+                             {"can", ability_name(one.ability)},
+                             {"because", one.because}});
+    }
+    Json users = Json::array();
+    for (const PortUser& user : port.facts.users) {
+        users.push_back({{"process", user.process},
+                         {"command", user.command},
+                         {"unit", user.unit},
+                         {"login", user.is_login}});
+    }
+    return {{"node", port.facts.node},    {"device", port.facts.device},
+            {"kind", port.opinion.kind},  {"driver", port.facts.driver},
+            {"tried", port.tried},        {"abilities", std::move(abilities)},
+            {"users", std::move(users)},  {"heard", port.story ? story_json(*port.story) : Json()},
+            {"configuration", port.lines}};
+}
+
+Json finding_json(const Finding& finding) {
+    return {{"severity", severity_name(finding.severity)},
+            {"id", finding.id},
+            {"where", finding.where},
+            {"what", finding.what},
+            {"why", finding.why},
+            {"fix", finding.fix},
+            {"commands", finding.commands}};
+}
+
+Json can_json(const CanInterface& interface) {
+    return {{"name", interface.name},
+            {"kind", interface.kind},
+            {"up", interface.up},
+            {"bit_rate", or_null(interface.bit_rate)},
+            {"data_bit_rate", or_null(interface.data_bit_rate)},
+            {"fd", interface.takes_fd()},
+            {"queue_length", interface.queue_length},
+            {"restart_ms", or_null(interface.restart_ms)},
+            {"transmit_errors", or_null(interface.transmit_errors)},
+            {"receive_errors", or_null(interface.receive_errors)}};
+}
+
+}  // namespace
+
+std::string report_json(const Report& report) {
+    Json json = {{"machine", report.machine ? machine_json(*report.machine) : Json()},
+                 {"ports", Json::array()},
+                 {"can", Json::array()},
+                 {"findings", Json::array()}};
+    for (const PortReport& port : report.ports) {
+        json["ports"].push_back(port_json(port));
+    }
+    for (const CanInterface& interface : report.can) {
+        json["can"].push_back(can_json(interface));
+    }
+    for (const Finding& finding : report.findings) {
+        json["findings"].push_back(finding_json(finding));
+    }
+    // File names may be of any bytes.
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace tribus::doctor

@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/doctor/line_advice.h"
+#include "app/doctor/report.h"
+#include "app/screen_parts.h"
+
+namespace tribus::doctor {
+namespace {
+
+constexpr std::size_t kFewestColumns = 40;
+
+/// Writes words into lines; what is longer than a line stands alone in one.
+class Page {
+  public:
+    Page(std::size_t columns, bool colour)
+        : columns_(std::max(columns, kFewestColumns)), colour_(colour) {}
+
+    /// `first` stands in front of the first line; all others begin under its end.
+    void paragraph(std::string_view first, std::string_view text, std::string_view tint = {}) {
+        const std::size_t indent = first.size();
+        add(first, tint);
+        std::size_t width = indent;
+        bool begun = false;
+        for (std::size_t at = 0; at < text.size();) {
+            const std::size_t end = std::min(text.find(' ', at), text.size());
+            const std::string_view word = text.substr(at, end - at);
+            if (begun && width + 1 + word.size() > columns_) {
+                text_ += '\n';
+                text_.append(indent, ' ');
+                width = indent;
+                begun = false;
+            }
+            text_ += begun ? " " : "";
+            width += begun ? 1 : 0;
+            text_ += word;
+            width += word.size();
+            begun = true;
+            at = end + 1;
+        }
+        text_ += '\n';
+    }
+    void line(std::string_view text, std::string_view tint = {}) {
+        add(text, tint);
+        text_ += '\n';
+    }
+    std::string take() { return std::exchange(text_, {}); }
+
+  private:
+    void add(std::string_view text, std::string_view tint) {
+        const bool tinted = colour_ && !tint.empty();
+        text_ += tinted ? tint : std::string_view();
+        text_ += text;
+        text_ += tinted ? screen::kReset : std::string_view();
+    }
+
+    std::size_t columns_;
+    bool colour_;
+    std::string text_;
+};
+
+std::string abilities(const PortOpinion& opinion, Ability wanted) {
+    std::string text;
+    for (const PortAbility& one : opinion.abilities) {
+        if (one.ability == wanted) {
+            text += text.empty() ? "" : ", ";
+            text += one.protocol;
+            text += one.because.empty() ? "" : fmt::format(" ({})", one.because);
+        }
+    }
+    return text;
+}
+
+void print_port(const PortReport& port, Page& page) {
+    if (port.opinion.kind.empty()) {
+        return;
+    }
+    page.paragraph("", fmt::format("{}: {}", port.facts.node, port.opinion.kind));
+    if (port.facts.device != port.facts.node) {
+        page.paragraph("  name     ", port.facts.device);
+    }
+    const auto list = [&](std::string_view head, Ability ability) {
+        const std::string text = abilities(port.opinion, ability);
+        if (!text.empty()) {
+            page.paragraph(head, text);
+        }
+    };
+    list(port.tried ? "  takes    " : "  can      ", Ability::yes);
+    list("  perhaps  ", Ability::unknown);
+    list("  cannot   ", Ability::no);
+    if (port.story) {
+        page.paragraph("  hears    ", describe(*port.story));
+    }
+    if (!port.lines.empty()) {
+        const bool later = port.story && port.story->sound != LineSound::frames;
+        page.paragraph(
+            "  ", later ? "For the configuration, once that is mended:" : "For the configuration:");
+        for (const std::string& line : port.lines) {
+            page.line(line.empty() ? line : "    " + line);
+        }
+        if (port.story && !port.story->scale.name.empty()) {
+            page.paragraph("  ", "scale: " + port.story->scale.reason);
+        }
+    }
+}
+
+std::string_view colour_of(Severity severity) {
+    return severity == Severity::problem  ? screen::kRed
+           : severity == Severity::advice ? screen::kYellow
+                                          : screen::kDim;
+}
+
+void print_finding(const Finding& finding, Page& page) {
+    const std::string head = fmt::format("{:<9}", severity_name(finding.severity));
+    page.paragraph(head, fmt::format("{}: {} [{}]", finding.where, finding.what, finding.id),
+                   colour_of(finding.severity));
+    constexpr std::string_view kIndent = "         ";
+    for (const std::string& text : {finding.why, finding.fix}) {
+        if (!text.empty()) {
+            page.paragraph(kIndent, text);
+        }
+    }
+    for (const std::string& command : finding.commands) {
+        page.line(std::string(kIndent) + "  " + command);
+    }
+}
+
+std::string machine_line(const MachineFacts& machine) {
+    return fmt::format("{}{}Linux {}{}", machine.model, machine.model.empty() ? "" : ", ",
+                       machine.kernel, machine.realtime_kernel ? ", PREEMPT_RT" : "");
+}
+
+}  // namespace
+
+std::string report_text(const Report& report, std::size_t columns, bool colour) {
+    Page page(columns, colour);
+    if (report.machine) {
+        page.paragraph("", machine_line(*report.machine));
+        if (report.ports.empty()) {
+            page.paragraph("", "No serial port with hardware behind it.");
+        }
+    }
+    for (const PortReport& port : report.ports) {
+        print_port(port, page);
+    }
+    for (const CanInterface& interface : report.can) {
+        page.paragraph("", summary(interface));
+    }
+    if (report.machine && report.can.empty()) {
+        page.paragraph("", "No CAN interface.");
+    }
+    std::string text = page.take();
+    if (!text.empty() && !report.findings.empty()) {
+        text += '\n';
+    }
+    for (const Finding& finding : report.findings) {
+        print_finding(finding, page);
+    }
+    return text + page.take();
+}
+
+}  // namespace tribus::doctor

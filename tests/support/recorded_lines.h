@@ -1,0 +1,62 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/doctor/line_heard.h"
+#include "tests/support/shell.h"
+#include "tests/support/uart_wire.h"
+#include "transports/links/recording.h"
+
+/// Recordings of real receivers, put on a wire again and heard by ports.
+namespace tribus::test {
+
+inline Recording recorded(const std::string& name) {
+    const TemporaryFolder folder;
+    std::filesystem::copy(std::string(TRIBUS_SHARED_DIR "/captures/") + name, folder.path("it"));
+    auto recording = parse_recording(folder.read("it"), name);
+    EXPECT_TRUE(recording) << recording.error();
+    return recording ? *std::move(recording) : Recording{};
+}
+
+struct SentAs {
+    SenderLine sender;
+    /// Between two bytes: genuine FlySky devices leave one.
+    unsigned pause_bits = 0;
+};
+
+/// Long enough to judge by.
+inline constexpr Duration kRecordedTime = std::chrono::milliseconds(400);
+
+/// The beginning of it.
+inline Wire on_a_wire(const Recording& recording, const SentAs& as) {
+    Wire wire(as.sender);
+    for (const Burst& burst : recording.bursts) {
+        if (*burst.start < kRecordedTime) {
+            wire.send(*burst.start, burst.bytes, as.pause_bits);
+        }
+    }
+    return wire;
+}
+
+struct HeardBy {
+    UartKind kind = UartKind::waits_for_idle;
+    Duration lump{1};  ///< what came in such a time is read at once
+};
+
+/// A doctor's visit: every setting, one after the other.
+inline std::vector<doctor::Heard> heard_of(const Wire& wire, const HeardBy& by) {
+    std::vector<doctor::Heard> all;
+    for (const LineSettings& line : {doctor::kIbusLine, doctor::kSbusLine, doctor::kFastSbusLine,
+                                     LineSettings{.baud = 100'000}}) {
+        all.push_back({.line = line,
+                       .listened = kRecordedTime,
+                       .bursts = in_lumps(UartEar(line, by.kind).listen(wire), by.lump)});
+    }
+    return all;
+}
+
+}  // namespace tribus::test
