@@ -1,0 +1,320 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <ostream>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "config/build.h"
+#include "pipelines/virtual_loop.h"
+#include "tests/sim/simulation.h"
+#include "transports/codecs/codec.h"
+
+/// The failsafe and the selection of inputs as a machine of states, searched until no history leads
+/// to a new one: timers are one to three steps long, and in each step an input's sender does one of
+/// few things. What the output does is held against what it may do by the history alone. States are
+/// told apart by what can be seen of them, capped where timers have run out; so short histories are
+/// all tried besides, whatever state they lead to.
+namespace tribus::test {
+namespace {
+
+constexpr Duration kStep = std::chrono::milliseconds(10);
+constexpr int kTimeoutSteps = 3;
+constexpr int kHoldSteps = 1;
+constexpr int kRecoverSteps = 1;
+/// A frame speaks until the next one, so losses are judged a period ahead; and an output's own
+/// tick lies up to a period behind the event.
+constexpr int kPeriodSteps = 1;
+
+/// What an input's sender does in a step.
+enum class Act : std::uint8_t { good, silence, failsafe, frame_lost };
+std::ostream& operator<<(std::ostream& out, Act act) {
+    constexpr std::string_view kNames = "g.FL";
+    return out << kNames[static_cast<std::size_t>(act)];
+}
+
+std::string job(std::size_t inputs, std::string_view mode) {
+    std::string text;
+    std::string from;
+    for (std::size_t i = 0; i < inputs; ++i) {
+        const std::string name = "in" + std::to_string(i);
+        text += "[input." + name + "]\nprotocol = \"sbus\"\ndevice = \"/dev/" + name +
+                "\"\ntimeout = \"30ms\"\nframe_lost_ratio = 1.0\n";
+        from += (i == 0 ? "\"" : ", \"") + name + "\"";
+    }
+    return text + "[output.out]\nprotocol = \"sbus\"\ndevice = \"/dev/out\"\nperiod = \"10ms\"\n" +
+           "schedule = \"grid\"\n[pipeline.main]\nfrom = [" + from + "]\nto = \"out\"\nmode = \"" +
+           std::string(mode) +
+           "\"\n[pipeline.main.failsafe]\nhold = \"10ms\"\nrecover = \"10ms\"\n"
+           "power_on = \"0ms\"\npreset = { other = 1234 }\n";
+}
+
+/// The output after a step.
+struct Seen {
+    OutputStage stage = OutputStage::failsafe;
+    bool good = false;
+    std::optional<std::size_t> input;
+};
+
+struct Unheard final : OutputObserver {
+    void wrote(std::size_t /*output*/, Instant /*at*/, const Transmission& /*sent*/) override {}
+};
+struct Undamaged {
+    bool operator[](std::size_t /*position*/) const { return false; }
+};
+
+/// One engine from its start on.
+class Machine {
+  public:
+    explicit Machine(const Configuration& configuration)
+        : engine_(build_engine(configuration)), loop_(*engine_, nobody_, Instant(kStep)) {
+        for (const InputConfig& input : configuration.inputs) {
+            encoders_.push_back(input.protocol->make_encoder(input.settings));
+        }
+    }
+
+    /// One act of each input, then a step of time.
+    Seen step(std::span<const Act> acts) {
+        for (std::size_t i = 0; i < acts.size(); ++i) {
+            if (acts[i] != Act::silence) {
+                say(i, acts[i]);
+            }
+        }
+        now_ = later(now_, kStep);
+        loop_.run_until(now_);
+        const Output& output = engine_->outputs()[0];
+        return {output.stage(), output.latest().good(),
+                output.stage() == OutputStage::control ? output.controlling_input() : std::nullopt};
+    }
+
+  private:
+    void say(std::size_t input, Act act) {
+        ChannelFrame frame;
+        frame.failsafe = act == Act::failsafe;
+        frame.frame_lost = act == Act::frame_lost;
+        for (std::size_t channel = 0; channel < 16; ++channel) {
+            // Inputs agree, so that a median outvotes nobody.
+            frame.set(channel, Pulse::from_microseconds(1500 + number_ % 2));
+        }
+        ++number_;
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        const std::size_t length = encoders_[input]->encode(frame, wire);
+        loop_.receive(input, std::span(wire).first(length), Undamaged{}, now_);
+    }
+
+    Unheard nobody_;
+    std::unique_ptr<Engine> engine_;
+    VirtualLoop loop_;
+    std::vector<std::unique_ptr<Encoder>> encoders_;
+    Instant now_{kStep};
+    int number_ = 0;
+};
+
+/// What may be known of one input from outside, in steps.
+class Known {
+  public:
+    void take(Act act) {
+        ++since_good_;
+        ++since_frame_;
+        good_run_ = act == Act::good ? good_run_ + 1 : 0;
+        if (act == Act::silence) {
+            return;
+        }
+        since_frame_ = 0;
+        says_failsafe_ = act == Act::failsafe;
+        lost_run_ = act == Act::frame_lost ? lost_run_ + 1 : 0;
+        // A decoder of SBUS takes its first frame when the second one proves it.
+        ++frames_;
+        const bool first_is_proven = frames_ == 2 && first_was_good_;
+        first_was_good_ = frames_ == 1 ? act == Act::good : first_was_good_;
+        if ((act == Act::good && frames_ > 1) || first_is_proven) {
+            since_good_ = 0;
+        }
+    }
+    int since_good() const { return since_good_; }
+    int good_run() const { return good_run_; }
+    bool says_failsafe() const { return says_failsafe_; }
+    /// What tells states apart.
+    std::string key() const {
+        constexpr int kCap = kTimeoutSteps + kHoldSteps + kRecoverSteps + 2 * kPeriodSteps;
+        return fmt::format("{},{},{},{},{},{};", std::min(since_good_, kCap),
+                           std::min(since_frame_, kCap), std::min(good_run_, kCap),
+                           std::min(lost_run_, kCap), says_failsafe_, std::min(frames_, 3));
+    }
+
+  private:
+    int since_good_ = 1000;
+    int since_frame_ = 1000;
+    int good_run_ = 0;  ///< good frames one after the other, none missing, none marked
+    int lost_run_ = 0;
+    int frames_ = 0;
+    bool first_was_good_ = false;
+    bool says_failsafe_ = false;  ///< its newest frame does
+};
+
+void check(const Seen& seen, const std::vector<Known>& known, int step) {
+    const int freshest = std::ranges::min(known, {}, &Known::since_good).since_good();
+    if (seen.good) {
+        EXPECT_LE(freshest, kTimeoutSteps) << "stale values unmarked";
+    }
+    // By its flag at once, by its silence within its timeout.
+    if (seen.input) {
+        const Known& input = known[*seen.input];
+        EXPECT_LE(input.since_good(), kTimeoutSteps + kPeriodSteps) << "a lost input in control";
+        EXPECT_FALSE(input.says_failsafe() && input.since_good() > kPeriodSteps)
+            << "an input in control that says failsafe";
+    }
+    if (freshest > kTimeoutSteps + kHoldSteps + kPeriodSteps) {
+        EXPECT_EQ(seen.stage, OutputStage::failsafe) << "held for longer than hold";
+    }
+    constexpr int kInStep = 3;
+    const bool one_is_back = std::ranges::any_of(known, [](const Known& input) {
+        return input.good_run() > kRecoverSteps + 2 * kPeriodSteps;
+    });
+    if (one_is_back && step > kInStep + kRecoverSteps + kPeriodSteps) {
+        EXPECT_EQ(seen.stage, OutputStage::control) << "a good input is not heard";
+    }
+}
+
+/// What each input does in each step, one behind the other.
+using History = std::vector<Act>;
+
+class ModelCheck : public testing::Test {
+  protected:
+    void set_up(std::size_t inputs, std::string_view mode, std::vector<Act> acts) {
+        inputs_ = inputs;
+        acts_ = std::move(acts);
+        configuration_ = configuration_of(job(inputs, mode));
+        choices_ = 1;
+        for (std::size_t i = 0; i < inputs; ++i) {
+            choices_ *= acts_.size();
+        }
+    }
+    /// Until no history leads to a state that has not been seen, or, without TRIBUS_LONG in the
+    /// environment, until so many are known: the ones that the shortest histories lead to. How many
+    /// there are.
+    std::size_t explore_states(std::size_t enough) {
+        if (std::getenv("TRIBUS_LONG") != nullptr) {
+            enough = SIZE_MAX;
+        }
+        std::set<std::string> states;
+        std::deque<History> open{{}};
+        while (!open.empty() && states.size() < enough && !HasFailure()) {
+            const History history = std::move(open.front());
+            open.pop_front();
+            for (std::size_t choice = 0; choice < choices_; ++choice) {
+                History longer = history;
+                add_step(longer, choice);
+                if (states.insert(play(longer)).second) {
+                    open.push_back(std::move(longer));
+                }
+            }
+        }
+        return states.size();
+    }
+    /// All histories of that many steps.
+    void explore_histories(std::size_t steps) {
+        std::size_t histories = 1;
+        for (std::size_t i = 0; i < steps; ++i) {
+            histories *= choices_;
+        }
+        for (std::size_t number = 0; number < histories && !HasFailure(); ++number) {
+            History history;
+            std::size_t rest = number;
+            for (std::size_t step = 0; step < steps; ++step) {
+                add_step(history, rest % choices_);
+                rest /= choices_;
+            }
+            play(history);
+        }
+    }
+
+  private:
+    void add_step(History& history, std::size_t choice) const {
+        for (std::size_t i = 0; i < inputs_; ++i) {
+            history.push_back(acts_[choice % acts_.size()]);
+            choice /= acts_.size();
+        }
+    }
+    /// The state to which it leads. Steps in front have been checked when they were the last.
+    std::string play(const History& history) const {
+        Machine machine(configuration_);
+        std::vector<Known> known(inputs_);
+        Seen seen;
+        int steps_in_stage = 0;
+        for (std::size_t at = 0; at < history.size(); at += inputs_) {
+            const std::span<const Act> acts = std::span(history).subspan(at, inputs_);
+            for (std::size_t i = 0; i < inputs_; ++i) {
+                known[i].take(acts[i]);
+            }
+            const OutputStage before = seen.stage;
+            seen = machine.step(acts);
+            steps_in_stage = seen.stage == before ? steps_in_stage + 1 : 0;
+            check(seen, known, static_cast<int>(at / inputs_));
+        }
+        if (HasFailure()) {
+            ADD_FAILURE() << "after " << testing::PrintToString(history);
+        }
+        std::string key = fmt::format("{},{},{},{};", static_cast<int>(seen.stage), seen.good,
+                                      seen.input.value_or(inputs_),
+                                      std::min(steps_in_stage, kHoldSteps + kRecoverSteps));
+        for (const Known& input : known) {
+            key += input.key();
+        }
+        return key;
+    }
+
+    std::size_t inputs_ = 0;
+    std::size_t choices_ = 0;
+    std::vector<Act> acts_;
+    Configuration configuration_;
+};
+
+const std::vector<Act> kAllActs{Act::good, Act::silence, Act::failsafe, Act::frame_lost};
+
+TEST_F(ModelCheck, EveryStateOfOneLink) {
+    set_up(1, "priority", kAllActs);
+    const std::size_t states = explore_states(SIZE_MAX);
+    EXPECT_GT(states, 200U);
+    RecordProperty("states", static_cast<int>(states));
+}
+
+TEST_F(ModelCheck, EveryShortHistoryOfOneLink) {
+    set_up(1, "priority", kAllActs);
+    explore_histories(6);
+}
+
+class ModelCheckOfModes : public ModelCheck, public testing::WithParamInterface<const char*> {};
+
+TEST_P(ModelCheckOfModes, EveryStateOfTwoLinks) {
+    set_up(2, GetParam(), {Act::good, Act::silence, Act::failsafe});
+    const std::size_t states = explore_states(1000);
+    EXPECT_GE(states, 1000U);
+    RecordProperty("states", static_cast<int>(states));
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, ModelCheckOfModes,
+                         testing::Values("priority", "sticky", "freshest"));
+
+/// A median needs three.
+TEST_F(ModelCheck, EveryStateOfAMedian) {
+    set_up(3, "median", {Act::good, Act::silence});
+    const std::size_t states = explore_states(1000);
+    EXPECT_GE(states, 1000U);
+    RecordProperty("states", static_cast<int>(states));
+}
+
+}  // namespace
+}  // namespace tribus::test
