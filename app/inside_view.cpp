@@ -31,6 +31,7 @@ tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
     }
     view->control_ = std::move(*control);
     view->control_->add("status", [self = view.get()](auto) { return self->status(); });
+    view->control_->add("record", [self = view.get()](auto words) { return self->record(words); });
     return view;
 }
 
@@ -83,6 +84,13 @@ tl::expected<void, std::string> InsideView::tell_metrics(const std::string& addr
 
 std::string InsideView::status() const {
     return status_json(keeper_->report(*appliance_, monotonic_now(), wall_time_now()));
+}
+
+std::string InsideView::record(std::span<const std::string> words) const {
+    FlightRecorder* recorder = appliance_->recorder();
+    return recorder == nullptr
+               ? error_object("the configuration has no [recorder]; add that table and reload")
+               : recorder->answer(words, monotonic_now(), wall_time_now());
 }
 
 }  // namespace tribus

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,7 @@ class InsideView {
   private:
     InsideView() = default;
     std::string status() const;
+    std::string record(std::span<const std::string> words) const;
 
     const Appliance* appliance_ = nullptr;
     std::optional<StatusKeeper> keeper_;

@@ -72,6 +72,7 @@ struct Running {
         appliance->look_at_machine(now, inside.watched());
         inside.look();
         service.look(*appliance, now);
+        appliance->look_at_recorder(now);
     }
 };
 
