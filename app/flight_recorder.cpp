@@ -25,6 +25,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kKib = 1024;
 constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
 constexpr const char* kPlanFile = "plan.json";
+/// What is read first may have begun so long before: 256 bytes of an i.Bus line.
+constexpr Duration kLongestBurst = std::chrono::milliseconds(23);
 /// Of so many requests the outcome is remembered.
 constexpr std::size_t kRememberedOutcomes = 16;
 
@@ -170,7 +172,7 @@ CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig
 
 void FlightRecorder::settle(const Configuration& configuration, const std::vector<PortPlan>& ports,
                             Instant now) {
-    begin_ = begin_.value_or(now);
+    begin_ = begin_.value_or(now - kLongestBurst);
     config_ = *configuration.recorder;
     plan_ = plan_recording(configuration, ports, *begin_);
     std::vector<std::unique_ptr<Tape>> before = std::exchange(tapes_, {});

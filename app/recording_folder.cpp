@@ -8,11 +8,13 @@
 #include <array>
 #include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
@@ -242,6 +244,15 @@ bool is_unfinished(const std::string& name) {
     return is_recording(name) && name.ends_with(kUnfinished);
 }
 
+/// Of several of one second: 1 for the first, which has no number in its name.
+int number_of(const std::string& name) {
+    const std::size_t dash = name.rfind('-');
+    int number = 1;
+    std::from_chars(name.data() + dash + 1, name.data() + name.size(), number);
+    return number;
+}
+
+/// The oldest first.
 std::vector<fs::path> recordings_in(const fs::path& directory) {
     std::vector<fs::path> found;
     std::error_code error;
@@ -252,7 +263,10 @@ std::vector<fs::path> recordings_in(const fs::path& directory) {
             found.push_back(at->path());
         }
     }
-    std::ranges::sort(found);
+    std::ranges::sort(found, {}, [](const fs::path& path) {
+        const std::string name = path.filename().string();
+        return std::tuple(name.substr(0, kTimeLength), number_of(name), name);
+    });
     return found;
 }
 
@@ -266,34 +280,37 @@ std::uintmax_t size_of(const fs::path& folder) {
     return size;
 }
 
-/// The oldest go, but never the newest.
-void remove_oldest(const fs::path& directory, std::size_t keep, std::uintmax_t space) {
-    std::vector<fs::path> found = recordings_in(directory);
-    std::vector<std::uintmax_t> sizes;
-    std::uintmax_t total = 0;
+/// The oldest go, but never the one that was just written.
+void remove_oldest(const RecordingOrder& order, const fs::path& newest) {
+    std::vector<fs::path> found = recordings_in(order.directory);
+    std::size_t count = found.size();
+    std::erase(found, newest);
+    std::uintmax_t total = size_of(newest);
     for (const fs::path& folder : found) {
-        sizes.push_back(size_of(folder));
-        total += sizes.back();
+        total += size_of(folder);
     }
-    for (std::size_t i = 0; i + 1 < found.size(); ++i) {
-        if (found.size() - i <= keep && total <= space) {
+    for (const fs::path& folder : found) {
+        if (count <= order.keep && total <= order.space) {
             return;
         }
+        total -= size_of(folder);
+        --count;
         std::error_code ignored;
-        fs::remove_all(found[i], ignored);
-        total -= sizes[i];
+        fs::remove_all(folder, ignored);
     }
 }
 
-/// One that is not taken.
+/// A number that was free before, but is not the highest, would make it look older than it is.
 fs::path name_in(const fs::path& directory, const RecordingOrder& order) {
     const std::string name = recording_time(order.event_wall) + "-" + order.kind;
-    fs::path path = directory / name;
-    std::error_code error;
-    for (int number = 2; fs::exists(path, error); ++number) {
-        path = directory / fmt::format("{}-{}", name, number);
+    int number = 0;
+    for (const fs::path& found : recordings_in(directory)) {
+        const std::string known = found.filename().string();
+        if (known == name || known.starts_with(name + "-")) {
+            number = std::max(number, number_of(known));
+        }
     }
-    return path;
+    return directory / (number == 0 ? name : fmt::format("{}-{}", name, number + 1));
 }
 
 }  // namespace
@@ -329,7 +346,7 @@ tl::expected<fs::path, std::string> write_recording(const RecordingOrder& order)
     }
     const UniqueFd directory(::open(order.directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     ::fsync(directory.get());
-    remove_oldest(order.directory, order.keep, order.space);
+    remove_oldest(order, folder);
     return folder;
 }
 

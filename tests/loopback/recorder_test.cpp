@@ -96,15 +96,23 @@ class Recorded : public Loopback {
         std::sort(folders.begin(), folders.end());
         return folders;
     }
-    /// Each value is sent again and again until the servos have it.
+    /// Each value is sent again and again until the servos have it, and for several periods of
+    /// theirs: which of two values within one period they get is chance.
     bool drive(const std::vector<int>& firsts) {
+        constexpr auto kLeast = std::chrono::milliseconds(40);
         return std::ranges::all_of(firsts, [&](int first) {
             Repeater repeater(receiver_, ibus_bytes(sticks_with_first(first)));
+            const auto begin = Clock::now();
+            bool seen = false;
             return eventually([&] {
                 repeater.send_if_due();
-                return std::ranges::any_of(servos_.listen(), [&](const SbusSight& sight) {
-                    return sight.good() && sight.raw[0] == sbus_raw(first);
-                });
+                seen =
+                    std::ranges::any_of(servos_.listen(),
+                                        [&](const SbusSight& sight) {
+                                            return sight.good() && sight.raw[0] == sbus_raw(first);
+                                        }) ||
+                    seen;
+                return seen && Clock::now() - begin > kLeast;
             });
         });
     }
@@ -115,8 +123,8 @@ class Recorded : public Loopback {
 };
 
 TEST_F(Recorded, AFailsafeIsWrittenAndASimulationOfItSaysTheSame) {
-    Program& program =
-        run_service(config_with("after = \"0s\"\n", "timeout = \"1s\"\nzero_guard = \"0s\""));
+    Program& program = run_service(config_with("after = \"0s\"\n", "timeout = \"1s\""));
+    ASSERT_TRUE(eventually([&] { return !servos_.listen().empty(); }));
     ASSERT_TRUE(drive({1100, 1200, 1300, 1400, 1500, 1600, 1700, 1800, 1900}));
     EXPECT_TRUE(program.says("recorder: wrote")) << program.errors();
     ASSERT_EQ(found().size(), 1U);
@@ -176,7 +184,7 @@ TEST_F(Recorded, NoMoreRecordingsAreKeptThanWanted) {
         latest = asking.output();
     }
     ASSERT_EQ(found().size(), 2U);
-    EXPECT_EQ(latest, found().back().string() + "\n");
+    EXPECT_TRUE(fs::exists(latest.substr(0, latest.size() - 1))) << latest;
     expect_clean_end(program);
 }
 

@@ -111,6 +111,16 @@ TEST_F(RecordingFolder, beyond_the_number_to_keep_is_removed_the_oldest_first) {
                                                  "2026-11-22T12-00-08Z-failsafe"}));
 }
 
+TEST_F(RecordingFolder, of_one_second_are_removed_in_their_order_too) {
+    RecordingOrder next = order();
+    next.keep = 2;
+    for (int i = 0; i < 12; ++i) {
+        ASSERT_TRUE(write_recording(next));
+    }
+    EXPECT_EQ(found(), (std::vector<std::string>{"2026-11-22T12-00-05Z-failsafe-11",
+                                                 "2026-11-22T12-00-05Z-failsafe-12"}));
+}
+
 TEST_F(RecordingFolder, beyond_the_space_is_removed_but_never_the_newest) {
     RecordingOrder next = order();
     next.space = 1;
