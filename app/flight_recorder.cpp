@@ -114,7 +114,11 @@ void FlightRecorder::write_left(Instant now, Duration wall_now) {
         latest = std::max(latest, latest_in(*ring).value_or(latest));
     }
     const auto age = age_of_latest(directory_, "crash", wall_now);
-    if (!plan || latest == Instant{} || (age && *age < config_.pause)) {
+    const bool too_soon = age && *age < config_.pause;
+    if (!plan || latest == Instant{} || too_soon) {
+        spdlog::warn("recorder: the process before this one ended by a crash, or was killed; {}",
+                     too_soon ? "as its like was recorded a moment ago, nothing is written"
+                              : "it left nothing that can be written");
         fs::remove_all(left, error);
         return;
     }

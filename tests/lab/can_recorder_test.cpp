@@ -8,6 +8,7 @@
 
 #include "tests/lab/can_bus.h"
 #include "tests/lab/candump.h"
+#include "tests/lab/shell.h"
 #include "tests/loopback/loopback.h"
 #include "transports/links/recording.h"
 
@@ -74,27 +75,67 @@ TEST_F(CanRecording, AnInterfaceThatIsNotThereIsNamed) {
     EXPECT_NE(record.errors().find("nocan7: "), std::string::npos) << record.errors();
 }
 
+/// A daemon with CAN, and a disk of its own for recordings.
+class CanRecorder : public CanRecording {
+  protected:
+    CanRecorder() { std::filesystem::create_directory(folder() / "recordings"); }
+    ~CanRecorder() override { run_shell("umount " + recordings()); }
+
+    std::string recordings() const { return folder() / "recordings"; }
+    Program& run_recorder() {
+        const std::string bus = "interface = \"" + bus_.name() + "\"\n";
+        return run(
+            write_config("[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n"
+                         "[output.bus]\nprotocol = \"can\"\n" +
+                         bus +
+                         "[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n"
+                         "[recorder]\ndirectory = \"@recordings\"\n"));
+    }
+    Program& request() { return start({"record", "--socket", (folder() / "control").string()}); }
+
+    FarEnd& receiver_ = device("receiver");
+};
+
+TEST_F(CanRecorder, OnAFullDiskLeavesNothingAndWritesOnceThereIsRoom) {
+    require_guest();
+    shell("mount -t tmpfs -o size=256k tmpfs " + recordings());
+    run_shell("head -c 262144 /dev/zero > " + recordings() + "/full");
+    Program& program = run_recorder();
+    Program& refused = request();
+    EXPECT_EQ(refused.end(), 1);
+    EXPECT_NE(refused.errors().find("No space left on device"), std::string::npos)
+        << refused.errors();
+    EXPECT_EQ(shell("ls " + recordings()), "full\n");
+    shell("rm " + recordings() + "/full");
+    Program& written = request();
+    EXPECT_EQ(written.end(), 0) << written.errors();
+    expect_clean_end(program);
+}
+
+TEST_F(CanRecorder, OnAReadOnlyDiskGoesOnWithout) {
+    require_guest();
+    shell("mount -t tmpfs -o ro tmpfs " + recordings());
+    Program& program = run_recorder();
+    Program& refused = request();
+    EXPECT_EQ(refused.end(), 1);
+    EXPECT_NE(refused.errors().find("Read-only file system"), std::string::npos)
+        << refused.errors();
+    EXPECT_EQ(count_of("recorder: nothing was written", program.errors()), 1U);
+    expect_clean_end(program);
+}
+
 /// What came in and what went out of a running daemon, with one zero.
-TEST_F(CanRecording, OfADaemonHasBothDirectionsOfItsInterface) {
-    FarEnd& receiver = device("receiver");
-    std::filesystem::create_directory(folder() / "recordings");
-    const std::string config = write_config(
-        "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n"
-        "[output.bus]\nprotocol = \"can\"\ninterface = \"" +
-        bus_.name() +
-        "\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n"
-        "[recorder]\ndirectory = \"@recordings\"\n");
-    Program& program = run(config);
-    Repeater repeater(receiver, ibus_bytes(sticks_with_first(1234)));
-    Program* asking = nullptr;
+TEST_F(CanRecorder, HasBothDirectionsOfItsInterface) {
+    Program& program = run_recorder();
+    Repeater repeater(receiver_, ibus_bytes(sticks_with_first(1234)));
     for (int i = 0; i < 100; ++i) {
         repeater.send_if_due();
         const timespec pause{.tv_sec = 0, .tv_nsec = 7'000'000};
         ::nanosleep(&pause, nullptr);
     }
-    asking = &start({"record", "--socket", (folder() / "control").string()});
-    EXPECT_EQ(asking->end(), 0) << asking->errors();
-    std::string path = asking->output();
+    Program& asking = request();
+    EXPECT_EQ(asking.end(), 0) << asking.errors();
+    std::string path = asking.output();
     path.pop_back();
     EXPECT_GT(read(path + "/" + bus_.name() + "-out.log").can_frames.size(), 10U);
     EXPECT_TRUE(std::filesystem::exists(path + "/input-receiver.txt"));
