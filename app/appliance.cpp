@@ -109,10 +109,15 @@ LoopSettings Appliance::loop_settings(LineExchange* lines) {
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
     Configuration configuration, MissingDevices missing) {
     std::unique_ptr<Appliance> appliance(new Appliance(std::move(configuration)));
+    const auto recorder = appliance->make_recorder(nullptr);
     std::vector<std::string> errors = appliance->open_devices(missing);
+    if (!recorder) {
+        errors.push_back(recorder.error());
+    }
     if (!errors.empty()) {
         return tl::unexpected(std::move(errors));
     }
+    appliance->settle_recorder(nullptr);
     // Before the data thread locks the memory, stacks and all.
     if (appliance->gpio_thread_) {
         if (auto started = appliance->gpio_thread_->start(); !started) {

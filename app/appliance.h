@@ -10,6 +10,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/flight_recorder.h"
 #include "app/machine_values.h"
 #include "config/build.h"
 #include "config/carry_over.h"
@@ -93,6 +94,10 @@ class Appliance {
     void look_at_machine(Instant now, bool watches = false);
     /// What it told; nothing where nobody asked.
     const MachineNumbers& machine() const { return machine_; }
+    /// None where the configuration wants none.
+    FlightRecorder* recorder() const { return recorder_.get(); }
+    /// Tells the recorder what happened. Call a few times a second.
+    void look_at_recorder(Instant now);
     /// Devices and interfaces, each once.
     const std::vector<PortPlan>& ports() const { return plans_; }
     /// Its device is there and open.
@@ -112,6 +117,8 @@ class Appliance {
     std::vector<std::string> make_threads(std::vector<PortWiring> wiring,
                                           std::vector<std::unique_ptr<Link>> links,
                                           std::vector<std::unique_ptr<HeldLine>> lines);
+    tl::expected<void, std::string> make_recorder(Appliance* before);
+    void settle_recorder(Appliance* before);
     void tend_lines(std::vector<DeviceEvent>& events);
     LoopSettings loop_settings(LineExchange* lines);
     PortCarry carry_port(const PortPlan& plan, const Appliance& before) const;
@@ -127,6 +134,8 @@ class Appliance {
     /// None where nothing needs them; the engine's outputs look into it.
     std::unique_ptr<ValueEngine> values_;
     std::unique_ptr<Engine> engine_;
+    /// Its rings outlive the loop.
+    std::unique_ptr<FlightRecorder> recorder_;
     MachineWatch machine_watch_;
     MachineNumbers machine_;
     Instant next_machine_look_{};

@@ -79,6 +79,9 @@ void Appliance::retire_parts(const Leaving& leaving) {
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::succeed(
     std::unique_ptr<Appliance>& running, Configuration fresh, const CarryOver& carry_over) {
     std::unique_ptr<Appliance> next(new Appliance(std::move(fresh)));
+    if (auto recorder = next->make_recorder(running.get()); !recorder) {
+        return tl::unexpected(std::vector{recorder.error()});
+    }
     LoopCarry carry{.engine = carry_over.engine, .values = carry_over.values, .ports = {}};
     std::vector<std::unique_ptr<Link>> links;
     std::vector<std::string> errors = next->open_beside(*running, carry.ports, links);
@@ -103,6 +106,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     next->gpio_thread_ = std::move(running->gpio_thread_);
     next->missing_lines_ = running->missing_lines_;
     next->missing_realtime_ = running->missing_realtime_;
+    next->settle_recorder(running.get());
     // Closes what the new one did not take, so that it can be opened again.
     running.reset();
     return next;

@@ -216,6 +216,7 @@ void Daemon::look(Instant now) {
     appliance_->look_at_machine(now, inside_.watched());
     inside_.look();
     service_.look(*appliance_, now);
+    appliance_->look_at_recorder(now);
 }
 
 void Daemon::end() {

@@ -31,6 +31,7 @@ tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
     }
     view->control_ = std::move(*control);
     view->control_->add("status", [self = view.get()](auto) { return self->status(); });
+    view->control_->add("record", [self = view.get()](auto words) { return self->record(words); });
     return view;
 }
 
@@ -90,6 +91,16 @@ StatusReport InsideView::report() const {
 
 std::string InsideView::status() const {
     return keeper_ ? status_json(report()) : error_object("nothing runs any more");
+}
+
+std::string InsideView::record(std::span<const std::string> words) const {
+    if (!keeper_) {
+        return error_object("nothing runs any more");
+    }
+    FlightRecorder* recorder = appliance_->recorder();
+    return recorder == nullptr
+               ? error_object("the configuration has no [recorder]; add that table and reload")
+               : recorder->answer(words, monotonic_now(), wall_time_now());
 }
 
 }  // namespace tribus

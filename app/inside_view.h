@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,7 @@ class InsideView {
     InsideView() = default;
     std::string status() const;
     StatusReport report() const;
+    std::string record(std::span<const std::string> words) const;
 
     const Appliance* appliance_ = nullptr;
     std::optional<StatusKeeper> keeper_;

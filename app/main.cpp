@@ -21,7 +21,9 @@
 #include "app/graph.h"
 #include "app/learn.h"
 #include "app/monitor.h"
+#include "app/record.h"
 #include "app/reload.h"
+#include "app/replay.h"
 #include "app/run.h"
 #include "app/simulate.h"
 #include "config/mistakes.h"
@@ -59,6 +61,8 @@ int run_command_line(int argc, char** argv) {
     tribus::add_decode_command(app, status);
     tribus::add_encode_command(app, status);
     tribus::add_simulate_command(app, status);
+    tribus::add_record_command(app, status);
+    tribus::add_replay_command(app, status);
     tribus::add_learn_command(app, status);
     tribus::add_doctor_command(app, status);
     tribus::add_dbc_command(app, status);

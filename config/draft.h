@@ -71,6 +71,7 @@ struct DroneCanDraft {
 
 struct Draft {
     RuntimeConfig runtime;
+    std::optional<RecorderConfig> recorder;
     std::vector<InputDraft> inputs;
     std::vector<OutputDraft> outputs;
     std::vector<PipelineConfig> pipelines;

@@ -35,6 +35,21 @@ SettingValues runtime_values(const RuntimeConfig& runtime) {
     return values;
 }
 
+Json recorder_json(const RecorderConfig& recorder) {
+    SettingValues values;
+    if (!recorder.directory.empty()) {
+        values.set("directory", recorder.directory);
+    }
+    values.set("memory", std::int64_t{recorder.memory_kib});
+    values.set("before", recorder.before);
+    values.set("after", recorder.after);
+    values.set("on_failsafe", recorder.on_failsafe);
+    values.set("pause", recorder.pause);
+    values.set("keep", std::int64_t{recorder.keep});
+    values.set("space", std::int64_t{recorder.space_mib});
+    return values_json(values, recorder_keys());
+}
+
 Json port_json(const PortConfig& port, const Protocol& protocol) {
     Json json = Json::object();
     json["protocol"] = protocol.name;
@@ -209,6 +224,9 @@ Json effective(const Configuration& configuration) {
     }
     for (const DroneCanConfig& node : configuration.dronecan) {
         json["dronecan"][node.name] = dronecan_json(node);
+    }
+    if (configuration.recorder) {
+        json["recorder"] = recorder_json(*configuration.recorder);
     }
     return json;
 }

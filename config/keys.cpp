@@ -9,6 +9,7 @@
 #include "config/key_rows_lines.h"
 #include "config/key_rows_pipelines.h"
 #include "config/key_rows_ports.h"
+#include "config/key_rows_recorder.h"
 #include "config/key_rows_values.h"
 
 namespace tribus {
@@ -65,6 +66,10 @@ constexpr std::array kRootKeys{
         KeyKind::named_tables, kValuesKeys},
     Key{structure("dronecan", "This program as a node of DroneCAN: [dronecan.NAME]"),
         KeyKind::named_tables, kDroneCanKeys},
+    Key{structure("recorder",
+                  "The flight recorder: what passed the ports is kept in memory, and written to a "
+                  "folder at a failsafe, after a crash or on request"),
+        KeyKind::table, kRecorderKeys},
 };
 
 }  // namespace
@@ -116,6 +121,9 @@ std::span<const Key> values_keys() {
 }
 std::span<const Key> dronecan_keys() {
     return kDroneCanKeys;
+}
+std::span<const Key> recorder_keys() {
+    return kRecorderKeys;
 }
 std::span<const Key> output_failsafe_keys() {
     return kOutputFailsafeKeys;

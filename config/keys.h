@@ -60,6 +60,7 @@ std::span<const Key> sensor_keys();
 std::span<const Key> sensor_type_keys();
 std::span<const Key> values_keys();
 std::span<const Key> dronecan_keys();
+std::span<const Key> recorder_keys();
 /// Those of [pipeline.NAME.failsafe.output.NAME].
 std::span<const Key> output_failsafe_keys();
 

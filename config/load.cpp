@@ -13,6 +13,7 @@
 #include "config/read_line.h"
 #include "config/read_pipeline.h"
 #include "config/read_ports.h"
+#include "config/read_recorder.h"
 #include "config/read_table.h"
 #include "config/read_values.h"
 #include "core/quotes.h"
@@ -114,6 +115,7 @@ Draft read_draft(const Document& document, Mistakes& mistakes) {
         read_table({document.root, {1, 1}, "the file"}, root_keys(), reading);
     Draft draft;
     draft.runtime = read_runtime(content.find("runtime"), reading);
+    draft.recorder = read_recorder(content.find("recorder"), reading);
     draft.input_names_known =
         for_each_named(content.find("input"), reading, [&](const Entry& entry, const Table& table) {
             draft.inputs.push_back(read_input(entry, table, reading));
@@ -138,6 +140,7 @@ Configuration finish(Draft draft, std::string_view file_name) {
     Configuration configuration;
     configuration.file = file_name;
     configuration.runtime = draft.runtime;
+    configuration.recorder = std::move(draft.recorder);
     for (InputDraft& input : draft.inputs) {
         configuration.inputs.push_back(std::move(input.config));
     }

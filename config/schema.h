@@ -196,9 +196,26 @@ struct DroneCanConfig {
     bool operator==(const DroneCanConfig&) const = default;
 };
 
+/// [recorder]: what passed the ports, kept in memory and written out when something happens.
+struct RecorderConfig {
+    std::string directory;  ///< empty: what the service manager gives
+    Location where;         ///< of the table
+    int memory_kib = 0;     ///< for each port
+    Duration before{};      ///< so much of the past is written
+    Duration after{};       ///< and so much of what follows
+    bool on_failsafe = true;
+    Duration pause{};   ///< from one recording that nobody asked for to the next
+    int keep = 0;       ///< recordings
+    int space_mib = 0;  ///< of all recordings
+
+    bool operator==(const RecorderConfig&) const = default;
+};
+
 struct Configuration {
     std::string file;
     RuntimeConfig runtime;
+    /// Absent: nothing is recorded.
+    std::optional<RecorderConfig> recorder;
     std::vector<InputConfig> inputs;
     std::vector<OutputConfig> outputs;
     std::vector<PipelineConfig> pipelines;

@@ -112,6 +112,9 @@ ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
     if (status != ReadStatus::received) {
         return status;
     }
+    if (ports_[port].wiring.capture != nullptr) {
+        ports_[port].wiring.capture->record(reception_, now);
+    }
     bool frame_came = false;
     const bool clean = reception_.damaged.none();
     for (const std::size_t input : ports_[port].wiring.inputs) {
@@ -137,6 +140,9 @@ ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) 
     const ReadStatus status = link.read(can_reception_, now, wall_time_now());
     if (status == ReadStatus::received) {
         for (const ReceivedCanFrame& received : can_reception_.view()) {
+            if (wiring.capture != nullptr) {
+                wiring.capture->record(Passage::read, received.frame, received.at);
+            }
             for (const std::size_t input : wiring.inputs) {
                 if (engine_.receive(input, received.frame, received.at)) {
                     input_timing_[input]->frame_came(received.at);
@@ -209,6 +215,16 @@ void count(WriteStatus status, Output& output) {
 
 }  // namespace
 
+void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
+    if (port.wiring.capture == nullptr) {
+        return;
+    }
+    port.wiring.capture->record(sent.bytes, at);
+    for (const CanFrame& frame : sent.can_frames) {
+        port.wiring.capture->record(Passage::written, frame, at);
+    }
+}
+
 void Loop::write_outputs(Instant now) {
     for (const std::size_t index : engine_.ran()) {
         Output& output = engine_.output(index);
@@ -228,6 +244,7 @@ void Loop::write_outputs(Instant now) {
                                                .handed_over = clock_,
                                                .read = output.latest().received,
                                                .period = output.period()});
+            capture(port, sent, clock_);
             if (settings_.lines != nullptr && is_fresh(output, clock_)) {
                 settings_.lines->tell_fresh(index, clock_);
             }

@@ -17,6 +17,7 @@
 #include "pipelines/engine.h"
 #include "pipelines/line_words.h"
 #include "pipelines/read_pacer.h"
+#include "pipelines/realtime/capture_ring.h"
 #include "pipelines/realtime/line_exchange.h"
 #include "pipelines/realtime/machine_numbers.h"
 #include "pipelines/realtime/snapshot.h"
@@ -40,6 +41,9 @@ struct PortWiring {
     std::optional<std::size_t> node{};
     /// Of one byte on its wire; zero where that is not known or has no meaning.
     Duration byte_time{};
+    /// Takes all that passes, with the very instants that the engine is told, which no wrapper of
+    /// the link could know; null: nothing is recorded. Must outlive the loop.
+    CaptureRing* capture = nullptr;
 };
 
 /// How a port of a new loop goes on from the one before.
@@ -209,6 +213,7 @@ class Loop {
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
     void write_outputs(Instant now);
+    static void capture(const Port& port, const Transmission& sent, Instant at);
     Instant advance_values(Instant now);
     void write_nodes(Instant now);
     /// Returns when the links want to be called again.

@@ -18,6 +18,7 @@ Instant Loop::advance_values(Instant now) {
         const WriteStatus status = link == nullptr ? WriteStatus::lost : link->write(speech.bytes);
         clock_ = monotonic_now();
         if (status == WriteStatus::written) {
+            capture(port, {.bytes = speech.bytes, .can_frames = {}}, clock_);
             values.written(speech.bus, clock_);
         } else {
             values.dropped(speech.bus);

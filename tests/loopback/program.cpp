@@ -87,7 +87,10 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
         ::ioctl(STDOUT_FILENO, TIOCSCTTY, 0);
     }
     // Where its control socket goes, so that tests at the same time do not meet.
-    ::setenv("RUNTIME_DIRECTORY", std::filesystem::path(output_file_).parent_path().c_str(), 1);
+    const std::string runtime = settings.runtime_directory.empty()
+                                    ? std::filesystem::path(output_file_).parent_path().string()
+                                    : settings.runtime_directory;
+    ::setenv("RUNTIME_DIRECTORY", runtime.c_str(), 1);
     if (heap_trap_works()) {
         ::setenv("LD_PRELOAD", TRIBUS_HEAP_TRAP, 1);
     }

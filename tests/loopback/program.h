@@ -37,6 +37,8 @@ struct ProgramSettings {
     std::string executable = TRIBUS_PROGRAM;
     /// A tty that becomes its controlling terminal, standard input and standard output.
     std::string terminal = {};
+    /// As a service manager gives one; empty: the test's folder.
+    std::string runtime_directory = {};
 };
 
 /// A program at work, with the heap trap. Never outlives its object, nor the test.

@@ -16,7 +16,7 @@ can_filter kernel_filter(const CanIdMatch& match) {
     const canid_t mask = match.mask & id_bits;
     can_filter filter{};
     filter.can_id = (match.id & mask) | (match.extended ? CAN_EFF_FLAG : 0U);
-    filter.can_mask = mask | CAN_EFF_FLAG | CAN_RTR_FLAG;
+    filter.can_mask = mask | CAN_EFF_FLAG | (mask == 0 ? 0U : CAN_RTR_FLAG);
     return filter;
 }
 

@@ -54,8 +54,9 @@ extern const can_err_mask_t kWantedErrors;
 /// Most filters of one socket; 513 are refused (can.md 3.1).
 inline constexpr std::size_t kMostCanFilters = 512;
 
-/// Kernel filters for data frames of these ids, each once. The bits for extended and remote frames
-/// are in every mask: without them 0x123 also passes 29-bit ids that end so (can.md 3.1).
+/// Kernel filters for data frames of these ids, each once; who wants all ids gets remote frames
+/// too. The bits for extended and remote frames are in every other mask: without them 0x123 also
+/// passes 29-bit ids that end so (can.md 3.1).
 std::vector<can_filter> kernel_filters(std::span<const CanIdMatch> wanted);
 
 /// When a frame arrived, on our time line.

@@ -69,7 +69,9 @@ tl::expected<Burst, std::string> parse_bytes(std::string_view file, const Line& 
     Burst burst;
     Token token;
     while (tokens.next(token)) {
-        const auto byte = parse_hex_byte(token.text);
+        const bool damaged = token.text.ends_with(recording_text::kDamagedMark);
+        const auto byte =
+            parse_hex_byte(token.text.substr(0, token.text.size() - (damaged ? 1 : 0)));
         if (!byte) {
             return mistake_at(file, line.number, token.column,
                               quoted(token.text) +
@@ -77,8 +79,8 @@ tl::expected<Burst, std::string> parse_bytes(std::string_view file, const Line& 
                                   "stand apart: 20 40 dc 05");
         }
         burst.bytes.push_back(*byte);
+        burst.damaged.push_back(damaged);
     }
-    burst.damaged.assign(burst.bytes.size(), false);
     return burst;
 }
 

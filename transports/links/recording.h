@@ -31,7 +31,7 @@ struct RecordedCanFrame {
 
 enum class RecordingKind : std::uint8_t {
     raw,      ///< the bytes themselves: one burst
-    hex,      ///< `20 40 dc 05`, one burst a line, '#' starts a comment
+    hex,      ///< `20 40 dc! 05`, one burst a line, '#' starts a comment, '!' marks damage
     timed,    ///< `1146 20 40 dc 05`: microseconds of the start, then as hex
     saleae,   ///< CSV of an analyser's serial decoder; bytes that lie close together are one burst
     candump,  ///< `(1436509052.249713) can0 123#1122`: CAN frames, as `candump -L` logs them
@@ -45,8 +45,8 @@ struct Recording {
     std::vector<Burst> bursts;
     /// Of a candump log only; none is before the one ahead of it.
     std::vector<RecordedCanFrame> can_frames;
-    /// What the log calls the zero of the recording, the time of its first line: since 1970,
-    /// mostly.
+    /// What the log calls the zero of the recording, the time of its first line or the one that a
+    /// comment names: since 1970, mostly.
     Duration log_start{};
     /// Notes of the controller in the log, which are no frames of the bus and are left out.
     std::uint64_t error_frames = 0;

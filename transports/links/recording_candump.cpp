@@ -18,6 +18,7 @@ using recording_text::mistake_at;
 using recording_text::quoted;
 using recording_text::Token;
 using recording_text::Tokens;
+using recording_text::trimmed;
 
 constexpr Duration kMostStepBack = std::chrono::milliseconds(100);
 
@@ -207,6 +208,10 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     Tokens tokens(line);
     Token time;
     if (!tokens.next(time) || time.text.starts_with('#')) {
+        if (!log_start_ && line.starts_with(recording_text::kCandumpZero)) {
+            log_start_ = parse_time(trimmed(line.substr(recording_text::kCandumpZero.size())));
+            latest_ = log_start_.value_or(latest_);
+        }
         return std::nullopt;
     }
     auto logged = parse_time(time.text);

@@ -27,7 +27,8 @@ class CandumpReader {
     /// on.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next(std::string_view line);
 
-    /// What the log calls its zero: the time of its first line.
+    /// What the log calls its zero: the time of its first line, or, as the flight recorder writes
+    /// it, of a comment `# zero (1436509052.249713)` above.
     Duration log_start() const { return log_start_.value_or(Duration::zero()); }
     std::uint64_t error_frames() const { return error_frames_; }
 

@@ -12,6 +12,12 @@
 /// What the readers of recordings share: lines, words, numbers, mistakes. Pure.
 namespace tribus::recording_text {
 
+/// Behind a byte that came with a parity or framing error.
+inline constexpr char kDamagedMark = '!';
+
+/// A comment that says what a log of candump calls its zero; the time follows.
+inline constexpr std::string_view kCandumpZero = "# zero ";
+
 using Mistake = tl::unexpected<std::string>;
 
 /// `file:line:column: text`, both counted from 1.

@@ -3,8 +3,13 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "transports/links/recording_text.h"
+
 namespace tribus {
 namespace {
+
+using recording_text::kCandumpZero;
+using recording_text::kDamagedMark;
 
 void append_byte(std::string& text, std::uint8_t byte) {
     constexpr std::string_view kDigits = "0123456789abcdef";
@@ -26,6 +31,17 @@ void append_padded(std::string& text, std::int64_t number, std::size_t digits) {
     text.append(digits - std::min(digits, written.size()), '0').append(written);
 }
 
+/// `(0000000001.249713)`
+void append_log_time(std::string& text, Duration at) {
+    constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
+    const std::int64_t time = std::chrono::round<std::chrono::microseconds>(at).count();
+    text += '(';
+    append_padded(text, time / kMicrosecondsPerSecond, 10);
+    text += '.';
+    append_padded(text, time % kMicrosecondsPerSecond, 6);
+    text += ')';
+}
+
 }  // namespace
 
 void append_hex_line(std::string& text, std::span<const std::uint8_t> bytes) {
@@ -39,20 +55,32 @@ void append_hex_line(std::string& text, std::span<const std::uint8_t> bytes) {
 }
 
 void append_timed_line(std::string& text, Duration start, std::span<const std::uint8_t> bytes) {
+    append_timed_line(text, start, bytes, std::vector<bool>(bytes.size(), false));
+}
+
+void append_timed_line(std::string& text, Duration start, std::span<const std::uint8_t> bytes,
+                       const std::vector<bool>& damaged) {
     text += std::to_string(std::chrono::round<std::chrono::microseconds>(start).count());
-    text += ' ';
-    append_hex_line(text, bytes);
+    for (std::size_t position = 0; position < bytes.size(); ++position) {
+        text += ' ';
+        append_byte(text, bytes[position]);
+        if (damaged[position]) {
+            text += kDamagedMark;
+        }
+    }
+    text += '\n';
+}
+
+void append_candump_zero(std::string& text, Duration zero) {
+    text.append(kCandumpZero);
+    append_log_time(text, zero);
+    text += '\n';
 }
 
 void append_candump_line(std::string& text, Duration at, std::string_view interface,
                          const CanFrame& frame) {
-    constexpr std::int64_t kMicrosecondsPerSecond = 1'000'000;
-    const std::int64_t time = std::chrono::round<std::chrono::microseconds>(at).count();
-    text += '(';
-    append_padded(text, time / kMicrosecondsPerSecond, 10);
-    text += '.';
-    append_padded(text, time % kMicrosecondsPerSecond, 6);
-    text.append(") ").append(interface).append(" ");
+    append_log_time(text, at);
+    text.append(" ").append(interface).append(" ");
     append_hex_number(text, frame.id, frame.extended ? 8 : 3);
     text += '#';
     if (frame.fd) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/can_frame.h"
 #include "core/time.h"
@@ -20,6 +21,14 @@ void append_hex_line(std::string& text, std::span<const std::uint8_t> bytes);
 /// Adds the start, rounded to whole microseconds as every reader of the form expects, then the
 /// bytes as above.
 void append_timed_line(std::string& text, Duration start, std::span<const std::uint8_t> bytes);
+
+/// The same, with a `!` behind each byte that came with a parity or framing error; as many marks as
+/// bytes.
+void append_timed_line(std::string& text, Duration start, std::span<const std::uint8_t> bytes,
+                       const std::vector<bool>& damaged);
+
+/// Heading of a log of candump whose zero is not the time of its first line but this one.
+void append_candump_zero(std::string& text, Duration zero);
 
 /// Adds `(0000000001.249713) can0 123#1122` and a line end, the time rounded to whole microseconds.
 /// `at` is not negative.

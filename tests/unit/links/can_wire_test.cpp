@@ -153,6 +153,13 @@ TEST(CanWireTest, FiltersTellStandardFromExtendedAndDataFromRemoteFrames) {
     EXPECT_EQ(filters[1].can_mask, CAN_EFF_FLAG | CAN_RTR_FLAG | 0x1FFFFFFFU);
 }
 
+TEST(CanWireTest, WhoWantsAllIdsGetsRemoteFramesToo) {
+    const std::vector<CanIdMatch> wanted{{.id = 0, .mask = 0, .extended = false}};
+    const auto filters = kernel_filters(wanted);
+    ASSERT_EQ(filters.size(), 1U);
+    EXPECT_EQ(filters[0].can_mask, CAN_EFF_FLAG);
+}
+
 TEST(CanWireTest, FilterMasksKeepToTheIdsBits) {
     const std::vector<CanIdMatch> wanted{{.id = 0x12345300, .mask = 0xFFFFFF00, .extended = false}};
     const auto filters = kernel_filters(wanted);

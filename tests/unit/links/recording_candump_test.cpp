@@ -79,6 +79,14 @@ TEST(CandumpRecording, ZeroIsTheFirstLineAndItsTimeIsKept) {
 }
 
 // candump -N of newer versions.
+TEST(CandumpRecording, ACommentMayNameTheZero) {
+    const Recording recording =
+        parsed("# zero (1436509052.000000)\n(1436509052.249713) can0 123#\n");
+    EXPECT_EQ(recording.log_start, 1436509052s);
+    ASSERT_EQ(recording.can_frames.size(), 1U);
+    EXPECT_EQ(recording.can_frames[0].at, 249713us);
+}
+
 TEST(CandumpRecording, NanosecondsCount) {
     EXPECT_EQ(parsed("(7.000000001) can0 123#\n").log_start, 7s + 1ns);
 }

@@ -110,6 +110,13 @@ TEST(Recording, TimesKeepNanosecondsAndASign) {
 }
 
 // A slip in a first byte must not turn a hex file into a timed one.
+TEST(Recording, AMarkBehindAByteSaysThatItCameDamaged) {
+    const Recording recording = parsed("# t_us  bytes\n1146 20 40! dc\n");
+    ASSERT_EQ(recording.bursts.size(), 1U);
+    EXPECT_EQ(recording.bursts[0].bytes, (std::vector<std::uint8_t>{0x20, 0x40, 0xdc}));
+    EXPECT_EQ(recording.bursts[0].damaged, (std::vector<bool>{false, true, false}));
+}
+
 TEST(Recording, OneLongTokenAmongHexLinesIsAMistakeNotATime) {
     EXPECT_EQ(mistake_in("20 40 dc\n204 0d\n20 40 dc\n"),
               "bytes.txt:2:1: \"204\" is no byte; a byte is two hex digits, bytes stand apart: 20 "

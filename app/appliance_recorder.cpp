@@ -1,0 +1,53 @@
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "app/appliance.h"
+#include "pipelines/realtime/clock.h"
+
+/// The flight recorder of an appliance, which goes on from one configuration to the next.
+namespace tribus {
+
+/// Each port gets its ring: from the recorder of the appliance before, where there is one.
+tl::expected<void, std::string> Appliance::make_recorder(Appliance* before) {
+    if (!configuration_.recorder) {
+        return {};
+    }
+    FlightRecorder* recorder = before != nullptr ? before->recorder() : nullptr;
+    if (recorder == nullptr) {
+        auto made = FlightRecorder::make(configuration_);
+        if (!made) {
+            return tl::unexpected(made.error());
+        }
+        recorder_ = std::move(*made);
+        recorder = recorder_.get();
+    }
+    for (PortPlan& plan : plans_) {
+        plan.wiring.capture = recorder->ring_for(plan, *configuration_.recorder);
+    }
+    return {};
+}
+
+/// Once the loop of the appliance before has given way.
+void Appliance::settle_recorder(Appliance* before) {
+    if (!configuration_.recorder) {
+        return;
+    }
+    if (!recorder_) {
+        recorder_ = std::move(before->recorder_);
+    }
+    recorder_->settle(configuration_, plans_, monotonic_now());
+}
+
+void Appliance::look_at_recorder(Instant now) {
+    if (!recorder_) {
+        return;
+    }
+    std::vector<std::uint64_t> entries;
+    for (std::size_t output = 0; output < configuration_.outputs.size(); ++output) {
+        entries.push_back(output_status(output).counts.failsafe_entries);
+    }
+    recorder_->look(entries, now, wall_time_now());
+}
+
+}  // namespace tribus

@@ -1,0 +1,88 @@
+#include "app/capture_text.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "transports/links/recording_writer.h"
+
+namespace tribus {
+
+CaptureText::CaptureText(CaptureFormat format) : format_(std::move(format)) {
+    for (Text& text : texts_) {
+        if (format_.can) {
+            append_candump_zero(text.text, format_.zero_wall);
+        } else {
+            text.text = kTimedHeading;
+        }
+    }
+}
+
+void CaptureText::take(std::span<const CapturePiece> pieces) {
+    for (const CapturePiece& piece : pieces) {
+        if (!piece.has(CaptureMarks::kContinued)) {
+            end_burst();
+            begin_burst(piece);
+        } else if (burst_.begun && format_.can) {
+            CanFrame& frame = burst_.frame;
+            const std::size_t room = frame.data.size() - frame.length;
+            const auto more = piece.data().first(std::min<std::size_t>(piece.count, room));
+            std::ranges::copy(more, frame.data.begin() + frame.length);
+            frame.length = static_cast<std::uint8_t>(frame.length + more.size());
+        }
+        // Else its beginning has been overwritten.
+        for (std::size_t i = 0; burst_.begun && i < piece.count; ++i) {
+            burst_.bytes.push_back(piece.bytes[i]);
+            burst_.damaged.push_back((piece.damaged >> i & 1U) != 0);
+        }
+    }
+}
+
+void CaptureText::begin_burst(const CapturePiece& piece) {
+    burst_.begun = true;
+    burst_.first = piece;
+    burst_.frame = can_frame_of(piece);
+    burst_.bytes.clear();
+    burst_.damaged.clear();
+}
+
+void CaptureText::end_burst() {
+    if (!burst_.begun) {
+        return;
+    }
+    burst_.begun = false;
+    Text& text = texts_[static_cast<std::size_t>(burst_.first.passage())];
+    if (format_.can) {
+        end_frame(text);
+    } else {
+        end_bytes(text);
+    }
+}
+
+/// What was read at once had all arrived by then; the recording has the start of its first byte.
+void CaptureText::end_bytes(Text& text) {
+    const Duration length = format_.byte_time * static_cast<Duration::rep>(burst_.bytes.size());
+    Duration start = burst_.first.at() - format_.zero;
+    if (burst_.first.passage() == Passage::read) {
+        start -= length;
+    }
+    if (start < Duration::zero()) {
+        return;
+    }
+    // A pty is faster than its line would be.
+    start = std::max(start, text.latest_end);
+    text.latest_end = burst_.first.passage() == Passage::read ? start + length : start;
+    append_timed_line(text.text, start, burst_.bytes, burst_.damaged);
+    ++text.count;
+}
+
+void CaptureText::end_frame(Text& text) {
+    if (burst_.first.at() < format_.zero) {
+        return;
+    }
+    text.latest_end = std::max(burst_.first.at() - format_.zero, text.latest_end);
+    append_candump_line(text.text, format_.zero_wall + text.latest_end, format_.interface,
+                        burst_.frame);
+    ++text.count;
+}
+
+}  // namespace tribus

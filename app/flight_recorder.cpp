@@ -1,0 +1,355 @@
+#include "app/flight_recorder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <nlohmann/json.hpp>
+
+#include "app/control_server.h"
+#include "app/control_socket.h"
+#include "config/carry_over.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kKib = 1024;
+constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
+constexpr const char* kPlanFile = "plan.json";
+/// What is read first may have begun so long before: 256 bytes of an i.Bus line.
+constexpr Duration kLongestBurst = std::chrono::milliseconds(23);
+/// Of so many requests the outcome is remembered.
+constexpr std::size_t kRememberedOutcomes = 16;
+
+/// Where a unit has several, the first one is the service's own.
+std::string state_directory() {
+    const char* given = std::getenv("STATE_DIRECTORY");
+    const std::string all = given == nullptr ? "" : given;
+    return all.substr(0, all.find(':'));
+}
+
+std::string ring_file(std::size_t number) {
+    return fmt::format("{}.ring", number);
+}
+
+/// Leads to the ring of a port, by its place in the plan.
+std::string port_link(std::size_t port) {
+    return fmt::format("port-{}", port);
+}
+
+std::optional<std::string> content_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return file ? std::optional(std::string(std::istreambuf_iterator<char>(file), {}))
+                : std::nullopt;
+}
+
+/// The newest piece; nothing where it is empty.
+std::optional<Instant> latest_in(const CaptureRing& ring) {
+    CapturePiece piece;
+    const auto batch = ring.read(ring.end() == 0 ? 0 : ring.end() - 1, {&piece, 1});
+    return batch.count == 0 ? std::nullopt : std::optional(piece.at());
+}
+
+std::string json_text(const nlohmann::ordered_json& json) {
+    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(RecorderConfig config, fs::path directory,
+                               std::optional<RingHome> home)
+    : config_(std::move(config)), directory_(std::move(directory)), home_(std::move(home)) {}
+
+tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
+    const Configuration& configuration) {
+    const RecorderConfig& config = *configuration.recorder;
+    const std::string directory = config.directory.empty() ? state_directory() : config.directory;
+    if (directory.empty()) {
+        return tl::unexpected(fmt::format(
+            "{}:{}:{}: [recorder] does not say where recordings go, and no service manager does "
+            "($STATE_DIRECTORY); add directory = \"/some/folder\"",
+            configuration.file, config.where.line, config.where.column));
+    }
+    auto home = RingHome::open(SocketHomes::of_this_process().runtime_directory);
+    spdlog::info(
+        "recorder: recordings go to {}{}", directory,
+        home ? "" : fmt::format("; a crash loses what was not written yet: {}", home.error()));
+    std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
+        config, directory, home ? std::optional(std::move(*home)) : std::nullopt));
+    remove_unfinished_recordings(directory);
+    recorder->write_left(monotonic_now(), wall_time_now());
+    return recorder;
+}
+
+/// What the process before had in memory when it ended, if that was not by itself.
+void FlightRecorder::write_left(Instant now, Duration wall_now) {
+    const fs::path left = home_ ? home_->left() : fs::path();
+    std::error_code error;
+    if (!home_ || !fs::exists(left, error)) {
+        return;
+    }
+    const auto text = content_of(left / kPlanFile);
+    auto plan = text ? plan_from_text(*text) : std::nullopt;
+    std::vector<RingMemory> memories;
+    std::vector<CaptureRing> rings;
+    Instant latest{};
+    for (std::size_t i = 0; plan && i < plan->ports.size(); ++i) {
+        auto memory = RingMemory::copy_of(left / port_link(i));
+        const auto ring = memory ? CaptureRing::adopt(memory->span()) : std::nullopt;
+        if (!ring) {
+            plan.reset();
+            break;
+        }
+        memories.push_back(std::move(*memory));
+        rings.push_back(*ring);
+        latest = std::max(latest, latest_in(*ring).value_or(latest));
+    }
+    const auto age = age_of_latest(directory_, "crash", wall_now);
+    const bool too_soon = age && *age < config_.pause;
+    if (!plan || latest == Instant{} || too_soon) {
+        spdlog::warn("recorder: the process before this one ended by a crash, or was killed; {}",
+                     too_soon ? "as its like was recorded a moment ago, nothing is written"
+                              : "it left nothing that can be written");
+        fs::remove_all(left, error);
+        return;
+    }
+    plan_ = std::move(*plan);
+    latest = std::min(latest, now);
+    const Duration wall_offset = wall_now - now.time_since_epoch();
+    RecordingOrder crash = order({.kind = "crash",
+                                  .reason = "the process before this one ended by a crash, or was "
+                                            "killed",
+                                  .wall = wall_offset + latest.time_since_epoch(),
+                                  .at = latest,
+                                  .due = latest},
+                                 wall_offset);
+    job_ = RecordingJob::start(std::move(crash), std::move(memories), std::move(rings));
+    job_number_ = 0;
+}
+
+FlightRecorder::~FlightRecorder() {
+    const Instant now = monotonic_now();
+    if (failsafe_) {
+        failsafe_->due = now;
+    }
+    for (int jobs = 0; jobs < 3 && (job_ || failsafe_ || request_); ++jobs) {
+        if (job_) {
+            end_job();
+        }
+        tend(now, wall_time_now());
+    }
+}
+
+tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const fs::path& file,
+                                                                 std::size_t bytes) {
+    auto memory = home_ ? RingMemory::in_file(file, bytes) : RingMemory::anonymous(bytes);
+    return memory || !home_ ? std::move(memory) : RingMemory::anonymous(bytes);
+}
+
+CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig& config) {
+    const std::size_t bytes = static_cast<std::size_t>(config.memory_kib) * kKib;
+    for (const auto& tape : tapes_) {
+        if (tape->bytes == bytes && same_device(tape->device, port.config)) {
+            return &tape->ring;
+        }
+    }
+    const fs::path file = home_ ? home_->path() / ring_file(files_made_++) : fs::path();
+    auto memory = memory_for(file, bytes);
+    if (!memory) {
+        spdlog::warn("recorder: {} is not recorded, {}", port.config.device, memory.error());
+        return nullptr;
+    }
+    CaptureRing ring = CaptureRing::create(memory->span());
+    tapes_.push_back(
+        std::make_unique<Tape>(Tape{port.config, bytes, file, std::move(*memory), ring}));
+    return &tapes_.back()->ring;
+}
+
+void FlightRecorder::settle(const Configuration& configuration, const std::vector<PortPlan>& ports,
+                            Instant now) {
+    begin_ = begin_.value_or(now - kLongestBurst);
+    config_ = *configuration.recorder;
+    plan_ = plan_recording(configuration, ports, *begin_);
+    std::vector<std::unique_ptr<Tape>> before = std::exchange(tapes_, {});
+    for (std::size_t i = 0; i < ports.size(); ++i) {
+        plan_.ports[i].ring = ports[i].wiring.capture;
+        const auto tape = std::ranges::find_if(before, [&](const auto& candidate) {
+            return candidate && &candidate->ring == ports[i].wiring.capture;
+        });
+        if (tape != before.end()) {
+            tapes_.push_back(std::move(*tape));
+        }
+    }
+    std::erase_if(plan_.ports, [](const RecordedPort& port) { return port.ring == nullptr; });
+    for (auto& tape : before) {
+        retire(std::move(tape));
+    }
+    tell_successor();
+    output_names_.clear();
+    for (const OutputConfig& output : configuration.outputs) {
+        output_names_.push_back(output.name);
+    }
+    failsafe_entries_.clear();
+}
+
+void FlightRecorder::retire(std::unique_ptr<Tape> tape) {
+    if (!tape) {
+        return;
+    }
+    std::error_code ignored;
+    if (!tape->file.empty()) {
+        fs::remove(tape->file, ignored);
+    }
+    if (job_) {
+        retired_.push_back(std::move(tape));
+    }
+}
+
+/// What the process that comes after a crash must know: which ring is of which port.
+void FlightRecorder::tell_successor() const {
+    if (!home_) {
+        return;
+    }
+    std::error_code ignored;
+    for (std::size_t i = 0; i < tapes_.size(); ++i) {
+        const fs::path link = home_->path() / port_link(i);
+        fs::remove(link, ignored);
+        fs::create_symlink(tapes_[i]->file.filename(), link, ignored);
+    }
+    const fs::path fresh = home_->path() / "plan.new";
+    std::ofstream(fresh, std::ios::binary) << plan_to_text(plan_);
+    fs::rename(fresh, home_->path() / kPlanFile, ignored);
+}
+
+RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) const {
+    RecordingOrder order;
+    order.directory = directory_;
+    order.kind = event.kind;
+    order.reason = event.reason;
+    order.zero = std::max(plan_.begin, event.at - config_.before);
+    order.zero_wall = wall_offset + order.zero.time_since_epoch();
+    order.event_wall = event.wall;
+    order.ports = plan_.ports;
+    order.files = plan_.files;
+    order.replay = plan_.replay;
+    order.keep = static_cast<std::size_t>(config_.keep);
+    order.space = static_cast<std::uintmax_t>(config_.space_mib) * kMib;
+    return order;
+}
+
+void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Instant now,
+                                    Duration wall_now) {
+    std::string who;
+    for (std::size_t i = 0; i < entries.size() && failsafe_entries_.size() == entries.size(); ++i) {
+        if (entries[i] > failsafe_entries_[i]) {
+            who += (who.empty() ? "" : ", ") + output_names_[i];
+        }
+    }
+    failsafe_entries_.assign(entries.begin(), entries.end());
+    if (who.empty() || !config_.on_failsafe || failsafe_ || now < quiet_until_) {
+        return;
+    }
+    failsafe_ = Event{.kind = "failsafe",
+                      .reason = "failsafe of output " + who,
+                      .wall = wall_now,
+                      .at = now,
+                      .due = later(now, config_.after)};
+    quiet_until_ = later(failsafe_->due, config_.pause);
+}
+
+void FlightRecorder::look(std::span<const std::uint64_t> failsafe_entries, Instant now,
+                          Duration wall_now) {
+    note_failsafes(failsafe_entries, now, wall_now);
+    tend(now, wall_now);
+}
+
+void FlightRecorder::tend(Instant now, Duration wall_now) {
+    if (job_ && job_->done()) {
+        end_job();
+    }
+    for (std::optional<Event>* waiting : {&request_, &failsafe_}) {
+        if (!job_ && *waiting && now >= (*waiting)->due) {
+            begin(*std::exchange(*waiting, std::nullopt), now, wall_now);
+        }
+    }
+}
+
+void FlightRecorder::begin(const Event& event, Instant now, Duration wall_now) {
+    job_ = RecordingJob::start(order(event, wall_now - now.time_since_epoch()));
+    job_number_ = event.number;
+}
+
+void FlightRecorder::end_job() {
+    const RecordingOrder& order = job_->order();
+    while (!job_->done()) {
+        const timespec pause{.tv_sec = 0, .tv_nsec = 1'000'000};
+        ::nanosleep(&pause, nullptr);
+    }
+    const RecordingJob::Result& result = job_->result();
+    if (result) {
+        spdlog::info("recorder: wrote {}: {}", result->string(), order.reason);
+    } else {
+        spdlog::error(
+            "recorder: nothing was written of \"{}\": {}; all else goes on, and the next event is "
+            "tried again; make room there, or name another place in [recorder] directory",
+            order.reason, result.error());
+    }
+    if (result && home_ && order.kind == "crash") {
+        std::error_code ignored;
+        fs::remove_all(home_->left(), ignored);
+    }
+    if (job_number_ != 0) {
+        outcomes_[job_number_] = {.done = true, .result = result};
+    }
+    job_.reset();
+    retired_.clear();
+}
+
+std::string FlightRecorder::answer(std::span<const std::string> words, Instant now,
+                                   Duration wall_now) {
+    std::uint64_t number = 0;
+    if (words.empty()) {
+        if (!request_) {
+            request_ = Event{.kind = "request",
+                             .reason = "on request",
+                             .wall = wall_now,
+                             .at = now,
+                             .due = now,
+                             .number = ++requests_};
+            outcomes_[requests_] = {};
+            if (outcomes_.size() > kRememberedOutcomes) {
+                outcomes_.erase(outcomes_.begin());
+            }
+        }
+        number = request_->number;
+    } else {
+        const std::string& word = words.front();
+        std::from_chars(word.data(), word.data() + word.size(), number);
+    }
+    tend(now, wall_now);
+    const auto outcome = outcomes_.find(number);
+    if (words.size() > 1 || outcome == outcomes_.end()) {
+        return error_object(
+            "\"record\" takes the number of a recording that was asked for, or nothing");
+    }
+    const auto& [done, result] = outcome->second;
+    nlohmann::ordered_json json = {{"type", "recording"}, {"number", number}};
+    json["state"] = !done ? "writing" : result ? "written" : "failed";
+    if (done && result) {
+        json["folder"] = result->string();
+    } else if (done) {
+        json["reason"] = result.error();
+    }
+    return json_text(json);
+}
+
+}  // namespace tribus

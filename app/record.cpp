@@ -1,0 +1,125 @@
+#include "app/record.h"
+
+#include <cstdint>
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "app/ask_daemon.h"
+#include "app/exit_status.h"
+#include "app/line_use.h"
+#include "app/record_port.h"
+#include "core/quantity.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+constexpr Duration kAnswerPatience = std::chrono::seconds(5);
+/// A slow card takes a while for some hundred megabytes.
+constexpr Duration kDiskPatience = std::chrono::minutes(5);
+constexpr timespec kAskPause{.tv_sec = 0, .tv_nsec = 20'000'000};
+constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
+
+struct RecordOptions {
+    std::string target;
+    std::optional<std::string> socket;
+    std::string out;
+    std::string protocol;
+    std::string baud;
+    std::string time;
+    std::uintmax_t limit_mib = 100;
+    bool force = false;
+};
+
+int complain(const std::string& text, int status) {
+    fmt::print(stderr, "tribus: {}\n", text);
+    return status;
+}
+
+/// Asks until the folder is whole, or cannot be.
+int ask_for_recording(const RecordOptions& options) {
+    const auto socket = find_daemon(options.target, options.socket);
+    if (!socket) {
+        return complain(socket.error(), kExitFailed);
+    }
+    auto answer = ask_daemon(*socket, "record", kAnswerPatience);
+    const Instant end = later(monotonic_now(), kDiskPatience);
+    while (answer && answer->value("state", "") == "writing" && monotonic_now() < end) {
+        ::nanosleep(&kAskPause, nullptr);
+        const auto number = answer->value("number", std::uint64_t{0});
+        answer = ask_daemon(*socket, fmt::format("record {}", number), kAnswerPatience);
+    }
+    if (!answer) {
+        return complain(answer.error(), kExitFailed);
+    }
+    if (answer->value("state", "") != "written") {
+        return complain("nothing was recorded: " + answer->value("reason", "the disk is too slow"),
+                        kExitFailed);
+    }
+    fmt::print("{}\n", answer->value("folder", ""));
+    return kExitFine;
+}
+
+int record(const RecordOptions& options) {
+    if (options.out.empty()) {
+        if (is_device_path(options.target) && !options.target.ends_with(".toml")) {
+            return complain(
+                fmt::format("to record {} itself, --out FILE says where to", options.target),
+                kExitWrongUse);
+        }
+        return ask_for_recording(options);
+    }
+    if (options.target.empty() || options.socket) {
+        return complain("--out is for a port: tribus record DEVICE|INTERFACE --out FILE",
+                        kExitWrongUse);
+    }
+    PortRecording recording{.port = options.target,
+                            .protocol = options.protocol,
+                            .baud = options.baud,
+                            .file = options.out,
+                            .force = options.force,
+                            .time = {},
+                            .most_bytes = options.limit_mib * kMib};
+    if (!options.time.empty()) {
+        recording.time = parse_duration(options.time);
+        if (!recording.time || *recording.time <= Duration::zero()) {
+            return complain("--for wants a duration such as \"10s\"", kExitWrongUse);
+        }
+    }
+    return record_port(recording);
+}
+
+}  // namespace
+
+void add_record_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand(
+        "record", "Record what passes: a running daemon's flight recorder, or a port by itself");
+    auto options = std::make_shared<RecordOptions>();
+    command->add_option("TARGET", options->target,
+                        "Daemon, by its configuration file's name, where several run; with --out "
+                        "a serial device or CAN interface");
+    command->add_option("--socket", options->socket,
+                        "The daemon's control socket, where that is elsewhere");
+    command->add_option("--out", options->out, "File for what arrives at that port");
+    command->add_option("--protocol", options->protocol,
+                        "What a serial line speaks: its rate, parity and stop bits");
+    command->add_option("--baud", options->baud, "Another rate than the protocol's own");
+    command->add_option("--for", options->time, "How long, such as 10s; default: until Ctrl-C");
+    command->add_option("--limit", options->limit_mib, "MiB that the file may have")
+        ->check(CLI::Range(1, 100000))
+        ->capture_default_str();
+    command->add_flag("--force", options->force, "Overwrite the file");
+    command->footer(
+        "Without --out it asks a daemon whose configuration has [recorder] for a recording, and\n"
+        "prints the folder. With --out it listens to a port that no other program uses; CAN\n"
+        "interfaces are shared. `decode`, `simulate` and `replay` read the files.");
+    command->callback([options, &status] { status = record(*options); });
+}
+
+}  // namespace tribus

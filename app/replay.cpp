@@ -1,0 +1,271 @@
+#include "app/replay.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <ctime>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <tl/expected.hpp>
+
+#include "app/exit_status.h"
+#include "app/line_use.h"
+#include "app/main_wait.h"
+#include "app/replay_target.h"
+#include "app/streams.h"
+#include "core/quantity.h"
+#include "pipelines/realtime/clock.h"
+#include "transports/links/recording.h"
+
+namespace tribus {
+namespace {
+
+/// What is later than that is not sent any more: it would stand among what came after it.
+constexpr Duration kMostLateness = std::chrono::milliseconds(50);
+/// So long before a deadline the wait, which knows milliseconds only, gives way to an exact one.
+constexpr Duration kExactWait = std::chrono::milliseconds(3);
+constexpr Duration kLinger = std::chrono::milliseconds(100);
+/// From the opening to the first burst.
+constexpr Duration kLead = std::chrono::milliseconds(20);
+
+struct ReplayOptions {
+    std::string file;
+    ReplayPlace place;
+    double speed = 1;
+    bool loop = false;
+    std::string period;
+};
+
+int complain(const std::string& text, int status) {
+    fmt::print(stderr, "tribus: {}\n", text);
+    return status;
+}
+
+struct Figures {
+    std::uint64_t refused = 0;
+    std::uint64_t skipped = 0;
+    std::vector<Duration> lateness;
+};
+
+/// Where no times were kept: so much from one burst to the next.
+tl::expected<Duration, std::string> untimed_period(const ReplayOptions& options,
+                                                   const Recording& recording) {
+    if (recording.timed) {
+        return Duration::zero();
+    }
+    if (recording.kind == RecordingKind::raw) {
+        return tl::unexpected(std::string(
+            "raw bytes say neither when they came nor where a frame begins; `tribus decode` and "
+            "`tribus encode --format timed` make a recording with times of them"));
+    }
+    if (!options.period.empty()) {
+        const auto period = parse_duration(options.period);
+        return period && *period > Duration::zero()
+                   ? tl::expected<Duration, std::string>(*period)
+                   : tl::unexpected(std::string("--period wants a duration such as \"7ms\""));
+    }
+    if (options.place.protocol.empty()) {
+        return tl::unexpected(std::string(
+            "this recording has no times; --period 7ms says how far apart its lines are sent, or "
+            "--protocol whose usual period"));
+    }
+    const auto use = serial_use(options.place.protocol, options.place.baud);
+    return use ? tl::expected<Duration, std::string>(usual_period(*use))
+               : tl::unexpected(use.error());
+}
+
+std::vector<ReplayItem> items_of(const Recording& recording, Duration period, double speed) {
+    const auto scaled = [speed](Duration time) {
+        return Duration(static_cast<Duration::rep>(static_cast<double>(time.count()) / speed));
+    };
+    std::vector<ReplayItem> items;
+    Duration untimed{};
+    for (const Burst& burst : recording.bursts) {
+        items.push_back({scaled(burst.start.value_or(untimed)), &burst, nullptr});
+        untimed += period;
+    }
+    for (const RecordedCanFrame& recorded : recording.can_frames) {
+        items.push_back({scaled(recorded.at), nullptr, &recorded.frame});
+    }
+    return items;
+}
+
+/// From the last item of one round to the first of the next: as between most.
+Duration usual_gap(const std::vector<ReplayItem>& items) {
+    std::vector<Duration> gaps{std::chrono::milliseconds(1)};
+    for (std::size_t i = 1; i < items.size(); ++i) {
+        gaps.push_back(items[i].at - items[i - 1].at);
+    }
+    std::ranges::nth_element(gaps, gaps.begin() + static_cast<std::ptrdiff_t>(gaps.size() / 2));
+    return std::max<Duration>(gaps[gaps.size() / 2], std::chrono::microseconds(100));
+}
+
+/// Sends item after item at its instant, which is counted from the start and so never drifts.
+class Player {
+  public:
+    Player(ReplayTarget& target, MainWait& wait) : target_(target), wait_(wait) {}
+
+    /// False where it is over: by a signal, or because the target is gone.
+    bool play(const std::vector<ReplayItem>& items, Instant start) {
+        for (const ReplayItem& item : items) {
+            const Instant due = start + item.at;
+            if (!wait_until(due)) {
+                return false;
+            }
+            const Duration late = monotonic_now() - due;
+            if (late > kMostLateness) {
+                ++figures_.skipped;
+                continue;
+            }
+            const ReplayOutcome outcome = target_.send(item);
+            gone_ = outcome == ReplayOutcome::gone;
+            if (gone_) {
+                return false;
+            }
+            if (outcome == ReplayOutcome::refused) {
+                ++figures_.refused;
+            } else {
+                figures_.lateness.push_back(late);
+            }
+        }
+        return true;
+    }
+    bool gone() const { return gone_; }
+    Figures& figures() { return figures_; }
+
+  private:
+    bool wait_until(Instant due) {
+        for (Instant now = monotonic_now(); now < due; now = monotonic_now()) {
+            const Instant next = std::min(target_.idle(now), due);
+            if (due - now > kExactWait) {
+                if (wait_.until(std::max(std::min(next, due - kExactWait),
+                                         later(now, std::chrono::milliseconds(1))))) {
+                    return false;
+                }
+                continue;
+            }
+            const timespec rest{.tv_sec = 0, .tv_nsec = (due - now).count()};
+            ::nanosleep(&rest, nullptr);
+        }
+        return !wait_.until(Instant{});
+    }
+
+    ReplayTarget& target_;
+    MainWait& wait_;
+    Figures figures_;
+    bool gone_ = false;
+};
+
+double milliseconds(Duration duration) {
+    return std::chrono::duration<double, std::milli>(duration).count();
+}
+
+void report(Figures& figures, bool can, Duration took) {
+    auto& late = figures.lateness;
+    std::ranges::sort(late);
+    fmt::print(stderr, "sent {} {} in {:.1f} s", late.size(), can ? "frames" : "bursts",
+               milliseconds(took) / 1000);
+    if (!late.empty()) {
+        fmt::print(stderr, "; late by {:.3f} ms (median), {:.3f} ms (worst)",
+                   milliseconds(late[late.size() / 2]), milliseconds(late.back()));
+    }
+    if (figures.skipped > 0) {
+        fmt::print(stderr, "; {} left out: more than 50 ms late", figures.skipped);
+    }
+    if (figures.refused > 0) {
+        fmt::print(stderr, "; {} lost: no room, or nobody reads", figures.refused);
+    }
+    fmt::print(stderr, "\n");
+}
+
+tl::expected<Recording, std::string> load(const std::string& path) {
+    auto file = InputFile::open_path(path);
+    if (!file) {
+        return tl::unexpected(std::move(file.error()));
+    }
+    const auto content = file->read_all();
+    if (!content) {
+        return tl::unexpected(content.error());
+    }
+    return parse_recording(*content, path);
+}
+
+int replay(const ReplayOptions& options) {
+    const auto recording = load(options.file);
+    if (!recording) {
+        return complain(recording.error(), kExitFailed);
+    }
+    const bool can = recording->kind == RecordingKind::candump;
+    const auto period = untimed_period(options, *recording);
+    if (!period) {
+        return complain(options.file + ": " + period.error(), kExitWrongUse);
+    }
+    const auto items = items_of(*recording, *period, options.speed);
+    if (items.empty()) {
+        return complain(options.file + ": there is nothing in it to send", kExitFailed);
+    }
+    auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
+    if (!wait) {
+        return complain(wait.error(), kExitFailed);
+    }
+    const auto target = open_replay_target(options.place, *recording);
+    if (!target) {
+        return complain(target.error(), kExitFailed);
+    }
+    if (!(*target)->wait_for_reader(*wait)) {
+        return kExitFine;
+    }
+    Player player(**target, *wait);
+    // A recording may begin long before its first burst.
+    const Duration first = items.front().at;
+    const Instant begin = later(monotonic_now(), kLead);
+    Instant start = begin - first;
+    const Duration round = items.back().at - first + usual_gap(items);
+    while (player.play(items, start) && options.loop) {
+        start += round;
+    }
+    const Duration took = monotonic_now() - begin;
+    // Whoever reads may still have some of it to take before the port goes.
+    wait->until(later(monotonic_now(), kLinger));
+    report(player.figures(), can, took);
+    return player.gone() ? complain(options.place.to + " is gone", kExitFailed) : kExitFine;
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& status) {
+    auto* command = app.add_subcommand(
+        "replay",
+        "Send a recording with its timing into a pty, a serial device or a CAN interface");
+    auto options = std::make_shared<ReplayOptions>();
+    command->add_option("FILE", options->file, "Recording, as decode and simulate read it")
+        ->required();
+    command
+        ->add_option("--to", options->place.to,
+                     "pty: a new pseudo-terminal, whose name is printed; or a serial device, or a "
+                     "CAN interface")
+        ->required();
+    command->add_option("--link", options->place.link,
+                        "Path that leads to the new pseudo-terminal while it is there");
+    command->add_option("--speed", options->speed, "2: twice as fast")
+        ->check(CLI::Range(0.001, 1000.0))
+        ->capture_default_str();
+    command->add_flag("--loop", options->loop, "From the beginning again, until Ctrl-C");
+    command->add_option("--protocol", options->place.protocol,
+                        "What a serial line speaks: its rate, parity and stop bits");
+    command->add_option("--baud", options->place.baud, "Another rate than the protocol's own");
+    command->add_option("--period", options->period,
+                        "From line to line of a recording without times");
+    command->footer(
+        "It begins with the first burst or frame; into a pty, once somebody has opened it. At the\n"
+        "end it says how late it was; what is more than 50 ms late is left out.");
+    command->callback([options, &status] { status = replay(*options); });
+}
+
+}  // namespace tribus

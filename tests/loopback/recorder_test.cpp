@@ -1,0 +1,303 @@
+#include <algorithm>
+#include <csignal>
+#include <cstdint>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/loopback/loopback.h"
+#include "tests/support/shell.h"
+
+namespace tribus::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// In memory, as the runtime directory of a service is.
+class RuntimeFolder {
+  public:
+    RuntimeFolder() {
+        std::string name = "/dev/shm/tribus-XXXXXX";
+        path_ = ::mkdtemp(name.data());
+    }
+    RuntimeFolder(const RuntimeFolder&) = delete;
+    RuntimeFolder& operator=(const RuntimeFolder&) = delete;
+    ~RuntimeFolder() { fs::remove_all(path_); }
+    const fs::path& path() const { return path_; }
+
+  private:
+    fs::path path_;
+};
+
+std::string content(const fs::path& path) {
+    std::ifstream file(path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+struct TimedLine {
+    std::int64_t at_us = 0;
+    std::string bytes;
+};
+
+std::vector<TimedLine> timed_lines(const fs::path& path) {
+    std::istringstream lines(content(path));
+    std::vector<TimedLine> found;
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t space = line.find(' ');
+        if (line.starts_with('#') || space == std::string::npos) {
+            continue;
+        }
+        found.push_back({std::stoll(line), line.substr(space + 1)});
+    }
+    return found;
+}
+
+/// In the order of the lines, each that is like the one before left out.
+std::vector<std::string> changes_in(const std::vector<TimedLine>& lines) {
+    std::vector<std::string> changes;
+    for (const TimedLine& line : lines) {
+        if (changes.empty() || changes.back() != line.bytes) {
+            changes.push_back(line.bytes);
+        }
+    }
+    return changes;
+}
+
+class Recorded : public Loopback {
+  protected:
+    fs::path recordings() const { return folder() / "recordings"; }
+    std::string config_with(const std::string& recorder, std::string_view input = kPatientInput) {
+        return write_config(main_job(input, "", "[pipeline.main.failsafe]\nrecover = \"0s\"\n") +
+                            "[recorder]\ndirectory = \"@recordings\"\n" + recorder);
+    }
+    Program& run_service(const std::string& config) {
+        Program& program =
+            start({"run", config}, {.terminal = {}, .runtime_directory = runtime_.path()});
+        EXPECT_TRUE(program.says("started")) << program.errors();
+        return program;
+    }
+    Program& request() {
+        return start({"record", "--socket", (runtime_.path() / "control").string()});
+    }
+    std::vector<fs::path> found() const {
+        std::vector<fs::path> folders;
+        if (fs::exists(recordings())) {
+            for (const auto& entry : fs::directory_iterator(recordings())) {
+                folders.push_back(entry.path());
+            }
+        }
+        std::sort(folders.begin(), folders.end());
+        return folders;
+    }
+    /// Each value is sent again and again until the servos have it, and for several periods of
+    /// theirs: which of two values within one period they get is chance.
+    bool drive(const std::vector<int>& firsts) {
+        constexpr auto kLeast = std::chrono::milliseconds(40);
+        return std::ranges::all_of(firsts, [&](int first) {
+            Repeater repeater(receiver_, ibus_bytes(sticks_with_first(first)));
+            const auto begin = Clock::now();
+            bool seen = false;
+            return eventually([&] {
+                repeater.send_if_due();
+                seen =
+                    std::ranges::any_of(servos_.listen(),
+                                        [&](const SbusSight& sight) {
+                                            return sight.good() && sight.raw[0] == sbus_raw(first);
+                                        }) ||
+                    seen;
+                return seen && Clock::now() - begin > kLeast;
+            });
+        });
+    }
+
+    RuntimeFolder runtime_;
+    FarEnd& receiver_ = device("receiver");
+    ServoBank servos_{device("servos")};
+};
+
+TEST_F(Recorded, AFailsafeIsWrittenAndASimulationOfItSaysTheSame) {
+    Program& program = run_service(config_with("after = \"0s\"\n", "timeout = \"1s\""));
+    ASSERT_TRUE(eventually([&] { return !servos_.listen().empty(); }));
+    ASSERT_TRUE(drive({1100, 1200, 1300, 1400, 1500, 1600, 1700, 1800, 1900}));
+    EXPECT_TRUE(program.says("recorder: wrote")) << program.errors();
+    ASSERT_EQ(found().size(), 1U);
+    const fs::path recording = found().front();
+    EXPECT_TRUE(recording.string().ends_with("Z-failsafe")) << recording;
+    const std::string told = content(recording / "README.txt");
+    const std::size_t command = told.find("tribus simulate");
+    ASSERT_NE(command, std::string::npos) << told;
+    const Ended simulated = run_in_shell("cd " + recording.string() + " && \"$TRIBUS\"" +
+                                         told.substr(command + std::string("tribus").size()));
+    EXPECT_EQ(simulated.status, 0) << simulated.output;
+    const auto real = changes_in(timed_lines(recording / "output-servos.txt"));
+    const auto again = changes_in(timed_lines(recording / "simulated-servos.txt"));
+    // Failsafe, nine values, the last one marked as lost, failsafe.
+    EXPECT_GE(real.size(), 12U);
+    ASSERT_LE(real.size(), again.size());
+    EXPECT_EQ(real, std::vector<std::string>(
+                        again.begin(), again.begin() + static_cast<std::ptrdiff_t>(real.size())));
+    expect_clean_end(program);
+}
+
+TEST_F(Recorded, WhatAKilledProcessKnewIsWrittenByTheNext) {
+    const std::string config = config_with("");
+    Program& killed = run_service(config);
+    ASSERT_TRUE(drive({1234}));
+    killed.signal(SIGKILL);
+    killed.end();
+    EXPECT_TRUE(found().empty());
+    Program& next = run_service(config);
+    EXPECT_TRUE(next.says("recorder: wrote")) << next.errors();
+    ASSERT_EQ(found().size(), 1U);
+    EXPECT_TRUE(found().front().string().ends_with("Z-crash")) << found().front();
+    EXPECT_FALSE(timed_lines(found().front() / "input-receiver.txt").empty());
+    EXPECT_FALSE(timed_lines(found().front() / "output-servos.txt").empty());
+    EXPECT_NE(content(found().front() / "config.toml").find("[input.receiver]"), std::string::npos);
+    expect_clean_end(next);
+    EXPECT_FALSE(fs::exists(runtime_.path() / "recorder"));
+    EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-left"));
+}
+
+TEST_F(Recorded, ARequestIsAnsweredByTheFolder) {
+    Program& program = run_service(config_with(""));
+    ASSERT_TRUE(drive({1234}));
+    Program& asking = request();
+    EXPECT_EQ(asking.end(), 0) << asking.errors();
+    ASSERT_EQ(found().size(), 1U);
+    EXPECT_EQ(asking.output(), found().front().string() + "\n");
+    expect_clean_end(program);
+}
+
+TEST_F(Recorded, NoMoreRecordingsAreKeptThanWanted) {
+    Program& program = run_service(config_with("keep = 2\n"));
+    std::string latest;
+    for (int i = 0; i < 4; ++i) {
+        Program& asking = request();
+        EXPECT_EQ(asking.end(), 0) << asking.errors();
+        latest = asking.output();
+    }
+    ASSERT_EQ(found().size(), 2U);
+    EXPECT_TRUE(fs::exists(latest.substr(0, latest.size() - 1))) << latest;
+    expect_clean_end(program);
+}
+
+TEST_F(Recorded, APlaceThatCannotBeWrittenStopsNothing) {
+    Program& program = run_service(
+        write_config(main_job(kPatientInput) + "[recorder]\ndirectory = \"/proc/nothing\"\n"));
+    Program& asking = request();
+    EXPECT_EQ(asking.end(), 1);
+    EXPECT_NE(asking.errors().find("nothing was recorded: /proc/nothing: "), std::string::npos)
+        << asking.errors();
+    EXPECT_EQ(count_of("recorder: nothing was written", program.errors()), 1U);
+    EXPECT_TRUE(drive({1234}));
+    expect_clean_end(program);
+}
+
+TEST_F(Recorded, WithoutAPlaceForRecordingsItDoesNotStart) {
+    const std::string config = write_config(main_job() + "[recorder]\n");
+    Program& program = start({"run", config});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_NE(program.errors().find("[recorder] does not say where recordings go"),
+              std::string::npos)
+        << program.errors();
+}
+
+TEST_F(Recorded, ADaemonWithoutARecorderSaysSo) {
+    Program& program = run_service(write_config(main_job(kPatientInput)));
+    Program& asking = request();
+    EXPECT_EQ(asking.end(), 1);
+    EXPECT_NE(asking.errors().find("has no [recorder]"), std::string::npos) << asking.errors();
+    expect_clean_end(program);
+}
+
+TEST_F(Recorded, AReloadGoesOnRecording) {
+    Program& program = run_service(config_with(""));
+    ASSERT_TRUE(drive({1234}));
+    config_with("keep = 7\n");
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded")) << program.errors();
+    ASSERT_TRUE(drive({1345}));
+    EXPECT_EQ(request().end(), 0);
+    ASSERT_EQ(found().size(), 1U);
+    // What came before the reload is there too.
+    const auto lines = timed_lines(found().front() / "input-receiver.txt");
+    ASSERT_FALSE(lines.empty());
+    const auto bytes_of = [](int first) {
+        std::ostringstream text;
+        for (const std::uint8_t byte : ibus_bytes(sticks_with_first(first))) {
+            text << (text.tellp() > 0 ? " " : "") << std::hex << (byte < 0x10 ? "0" : "")
+                 << static_cast<unsigned>(byte);
+        }
+        return text.str();
+    };
+    EXPECT_EQ(lines.front().bytes, bytes_of(1234));
+    EXPECT_EQ(lines.back().bytes, bytes_of(1345));
+    expect_clean_end(program);
+}
+
+/// What `replay` sends and `record` writes is the same, with the same gaps.
+TEST_F(Recorded, AReplayIsRecordedAsItWas) {
+    const fs::path sent = folder() / "sent.txt";
+    {
+        std::ofstream file(sent);
+        file << "# t_us  bytes\n";
+        for (int i = 0; i < 60; ++i) {
+            file << 1'000'000 + 14'000 * i << " 20 40 dc 05 " << std::hex << 16 + i << std::dec
+                 << "\n";
+        }
+    }
+    const std::string link = folder() / "player";
+    Program& replay = start({"replay", sent, "--to", "pty", "--link", link});
+    ASSERT_TRUE(eventually([&] { return replay.output() == link + "\n"; })) << replay.errors();
+    const fs::path got = folder() / "got.txt";
+    Program& record = start({"record", link, "--out", got, "--protocol", "ibus"});
+    EXPECT_EQ(replay.end(), 0) << replay.errors();
+    record.end();
+    const auto expected = timed_lines(sent);
+    const auto lines = timed_lines(got);
+    ASSERT_EQ(lines.size(), expected.size()) << replay.errors() << record.errors();
+    std::vector<std::int64_t> gaps;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        EXPECT_EQ(lines[i].bytes, expected[i].bytes);
+        gaps.push_back(i == 0 ? 14'000 : lines[i].at_us - lines[i - 1].at_us);
+    }
+    std::sort(gaps.begin(), gaps.end());
+    EXPECT_NEAR(static_cast<double>(gaps[gaps.size() / 2]), 14'000, 1'000);
+    EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
+}
+
+TEST_F(Recorded, AFileThatIsThereIsNotOverwritten) {
+    const std::string file = folder() / "precious.txt";
+    std::ofstream(file) << "precious";
+    Program& record = start({"record", device("port").path(), "--out", file, "--protocol", "ibus"});
+    EXPECT_EQ(record.end(), 1);
+    EXPECT_NE(record.errors().find("is there already; --force overwrites it"), std::string::npos)
+        << record.errors();
+    EXPECT_EQ(content(file), "precious");
+}
+
+TEST_F(Recorded, ASerialDeviceNeedsItsProtocol) {
+    Program& record =
+        start({"record", device("port").path(), "--out", (folder() / "out.txt").string()});
+    EXPECT_EQ(record.end(), 2);
+    EXPECT_NE(record.errors().find("a serial device needs --protocol"), std::string::npos)
+        << record.errors();
+}
+
+TEST_F(Recorded, ARecordingWithoutTimesNeedsAPeriod) {
+    const std::string file = folder() / "untimed.txt";
+    std::ofstream(file) << "20 40 dc 05\n20 40 dc 06\n";
+    Program& replay = start({"replay", file, "--to", "pty"});
+    EXPECT_EQ(replay.end(), 2);
+    EXPECT_NE(replay.errors().find("--period 7ms"), std::string::npos) << replay.errors();
+}
+
+}  // namespace
+}  // namespace tribus::test

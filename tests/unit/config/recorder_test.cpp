@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <string>
+
+#include "config/effective.h"
+#include "tests/unit/config/main_job.h"
+
+/// [recorder]
+namespace tribus::testing {
+namespace {
+
+using namespace std::chrono_literals;
+
+std::string with_recorder(std::string_view lines) {
+    return main_job_with(10, "[recorder]\n" + std::string(lines));
+}
+
+TEST(RecorderTable, that_is_absent_records_nothing) {
+    const auto configuration = load_configuration(main_job_with(11, ""), "t.toml");
+    ASSERT_TRUE(configuration);
+    EXPECT_FALSE(configuration->recorder);
+    EXPECT_EQ(effective_toml(*configuration).find("recorder"), std::string::npos);
+}
+
+TEST(RecorderTable, that_is_empty_has_every_default) {
+    const auto configuration = load_configuration(with_recorder(""), "t.toml");
+    ASSERT_TRUE(configuration);
+    ASSERT_TRUE(configuration->recorder);
+    EXPECT_EQ(configuration->recorder->directory, "");
+    EXPECT_EQ(configuration->recorder->memory_kib, 1024);
+    EXPECT_EQ(configuration->recorder->before, 30s);
+    EXPECT_EQ(configuration->recorder->after, 2s);
+    EXPECT_TRUE(configuration->recorder->on_failsafe);
+    EXPECT_EQ(configuration->recorder->pause, 60s);
+    EXPECT_EQ(configuration->recorder->keep, 20);
+    EXPECT_EQ(configuration->recorder->space_mib, 100);
+}
+
+TEST(RecorderTable, means_the_same_in_its_effective_form) {
+    const auto configuration = load_configuration(with_recorder(R"(directory = "/data/tribus"
+memory = 64
+before = "5s"
+after = "0s"
+on_failsafe = false
+pause = "0s"
+keep = 3
+space = 10)"),
+                                                  "t.toml");
+    ASSERT_TRUE(configuration);
+    const auto again = load_configuration(effective_toml(*configuration), "t.toml");
+    ASSERT_TRUE(again) << format_mistake(again.error().front());
+    EXPECT_EQ(again->recorder, configuration->recorder);
+    EXPECT_EQ(again->recorder->directory, "/data/tribus");
+    EXPECT_EQ(again->recorder->keep, 3);
+}
+
+TEST(RecorderTable, wants_a_directory_that_does_not_depend_on_the_start) {
+    EXPECT_EQ(mistakes_in(with_recorder("directory = \"recordings\"")),
+              std::vector<std::string>{"t.toml:11:13: \"directory\" must not depend on where the "
+                                       "program is started; allowed: a path that begins with /"});
+}
+
+TEST(RecorderTable, is_a_table) {
+    EXPECT_EQ(mistakes_in("recorder = true\n" + main_job_with(11, "")),
+              std::vector<std::string>{
+                  "t.toml:1:12: \"recorder\" is true; allowed: a table, [recorder]"});
+}
+
+}  // namespace
+}  // namespace tribus::testing
