@@ -28,6 +28,8 @@ mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 root=$folder/sysroot
 as_root rm -rf "$root"
+# Without the security updates: nothing of this is shipped, and the mirrors' list of them for armhf is
+# not the one that was signed.
 # shellcheck disable=SC2016,SC2086,SC2154 # $1 is the hook's; lists of words, from deploy/prepare.sh
 as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
     --include="libc6-dev,libstdc++-12-dev,libgpiod2,bash,busybox-static,$kernel" \
@@ -39,7 +41,7 @@ as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
                     >>"$1/DEBIAN/$text" || true
             done
         done' \
-    bookworm "$root" >&2
+    bookworm "$root" http://deb.debian.org/debian >&2
 as_root chown -R "$(id -u)" "$root"
 ln -sf busybox "$root/bin/sh"
 
