@@ -19,15 +19,6 @@ constexpr Duration kLostAfter = std::chrono::milliseconds(500);
 /// The first frames come after a pause, and are no picture of what follows.
 constexpr std::uint64_t kWarmUpFrames = 20;
 
-timespec as_timespec(Duration duration) {
-    const Duration positive = std::max(duration, Duration::zero());
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(positive);
-    timespec time{};
-    time.tv_sec = seconds.count();
-    time.tv_nsec = (positive - seconds).count();
-    return time;
-}
-
 Duration used_by(const Subject& subject) {
     const auto usage = subject.usage();
     return usage ? usage->processor_time : Duration::zero();
