@@ -173,9 +173,7 @@ class Demo {
     void show_until_end(bool terminal, const sigset_t& ending_signals) {
         const Duration period = terminal ? kScreenPeriod : kLinePeriod;
         while (!length_ || monotonic_now() - start_ < *length_) {
-            timespec wait{};
-            wait.tv_sec = period / std::chrono::seconds(1);
-            wait.tv_nsec = (period % std::chrono::seconds(1)).count();
+            const timespec wait = as_timespec(period);
             if (::sigtimedwait(&ending_signals, nullptr, &wait) > 0) {
                 return;
             }
@@ -206,8 +204,7 @@ class Demo {
     }
 
     static void pause(Duration duration) {
-        timespec wait{};
-        wait.tv_nsec = duration.count();
+        const timespec wait = as_timespec(duration);
         ::nanosleep(&wait, nullptr);
     }
 

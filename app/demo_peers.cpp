@@ -84,8 +84,7 @@ void DemoPeers::stop() {
 void DemoPeers::main() {
     while (true) {
         const Duration sleep = std::max(next_send_ - monotonic_now(), Duration::zero());
-        timespec timeout{};
-        timeout.tv_nsec = sleep.count();
+        const timespec timeout = as_timespec(sleep);
         pollfd servos{.fd = servos_.get(), .events = POLLIN, .revents = 0};
         ::ppoll(&servos, 1, &timeout, nullptr);
         const Instant now = monotonic_now();

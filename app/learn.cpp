@@ -159,7 +159,10 @@ void add_learn_command(CLI::App& app, int& status) {
     auto* command = app.add_subcommand(
         "learn", "Find out how a receiver loses its link, and which detectors tell");
     auto options = std::make_shared<Options>();
-    command->add_option("CONFIG:INPUT", options->file_and_name, "An input of a configuration")
+    // Newer versions of CLI11 take no colon in a name.
+    command
+        ->add_option("INPUT", options->file_and_name,
+                     "An input of a configuration: CONFIG:INPUT, such as servos.toml:receiver")
         ->required();
     auto* recording = command->add_option("--recording", options->recording,
                                           "Study recorded bytes instead of the live device");

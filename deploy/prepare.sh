@@ -4,13 +4,14 @@
 set -eu
 
 # Packages of Debian 12 that the program is built from.
-build_packages="ca-certificates cmake g++ libcli11-dev libexpected-dev libfmt-dev libgpiod-dev
-    libspdlog-dev libtomlplusplus-dev ninja-build nlohmann-json3-dev pkg-config"
+build_libraries="libcli11-dev libexpected-dev libfmt-dev libgpiod-dev libspdlog-dev
+    libtomlplusplus-dev nlohmann-json3-dev"
+build_packages="ca-certificates cmake g++ ninja-build pkg-config $build_libraries"
 # What makes a Debian package of it (deploy/package.sh).
 package_packages="dpkg-dev file gzip lintian"
 # And those that its tests need.
-test_packages="libgmock-dev libgtest-dev librapidcheck-dev python3 python3-canmatrix
-    python3-jsonschema sigrok-cli tshark"
+test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
+test_packages="$test_libraries python3 python3-canmatrix python3-jsonschema sigrok-cli tshark"
 # What counts instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user valgrind"
 # The laboratory (tests/lab): an emulator, and what its guests run from the host's files.
@@ -18,6 +19,8 @@ lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x8
 # Its full tier builds kernel modules and the package, its service tier a Debian that gets that.
 lab_full_packages="bc gcc-12 libelf1 make $package_packages"
 lab_service_packages="genext2fs mmdebstrap $package_packages"
+# Its guests with the processors of boards (tests/lab/prepare_board.sh).
+board_packages="cpio kmod mmdebstrap qemu-system-arm"
 
 as_root() {
     if [ "$(id -u)" = 0 ]; then

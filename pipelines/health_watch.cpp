@@ -34,7 +34,7 @@ void HealthWatch::continue_from(const HealthWatch& before, const EngineCarry& ca
 }
 
 void HealthWatch::look(const Engine& engine, Instant now) {
-    const std::size_t place = looks_++ % kLooks;
+    const std::size_t place = place_of(looks_++);
     looked_at_[place] = now;
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputCounts& counts = engine.inputs()[i].counts();
@@ -47,17 +47,17 @@ void HealthWatch::look(const Engine& engine, Instant now) {
 }
 
 const HealthWatch::Counts& HealthWatch::newest(const Looks& looks) const {
-    return looks[(looks_ - 1) % kLooks];
+    return looks[place_of(looks_ - 1)];
 }
 
 const HealthWatch::Counts& HealthWatch::oldest(const Looks& looks) const {
-    return looks[looks_ < kLooks ? 0 : looks_ % kLooks];
+    return looks[looks_ < kLooks ? 0 : place_of(looks_)];
 }
 
 Duration HealthWatch::watched() const {
     return looks_ < 2 ? Duration::zero()
-                      : looked_at_[(looks_ - 1) % kLooks] -
-                            looked_at_[looks_ < kLooks ? 0 : looks_ % kLooks];
+                      : looked_at_[place_of(looks_ - 1)] -
+                            looked_at_[looks_ < kLooks ? 0 : place_of(looks_)];
 }
 
 double HealthWatch::rate(const Looks& looks) const {

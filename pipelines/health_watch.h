@@ -66,6 +66,9 @@ class HealthWatch {
     };
     static constexpr std::size_t kLooks = 10;
     using Looks = std::array<Counts, kLooks>;
+    static std::size_t place_of(std::uint64_t look) {
+        return static_cast<std::size_t>(look % kLooks);
+    }
 
     double rate(const Looks& looks) const;
     double loss_ratio(const Engine& engine, std::size_t input) const;

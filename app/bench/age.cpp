@@ -100,8 +100,7 @@ void listen_until(std::array<std::optional<Listener>, 3>& listeners,
         for (std::size_t i = 0; i < waits.size(); ++i) {
             waits[i] = {.fd = listeners[i]->descriptor(), .events = POLLIN, .revents = 0};
         }
-        timespec timeout{};
-        timeout.tv_nsec = (end - now).count();
+        const timespec timeout = as_timespec(end - now);
         ::ppoll(waits.data(), waits.size(), &timeout, nullptr);
         for (std::size_t i = 0; i < waits.size(); ++i) {
             if (waits[i].revents != 0) {

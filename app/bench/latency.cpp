@@ -19,15 +19,6 @@ constexpr Duration kLostAfter = std::chrono::milliseconds(500);
 /// The first frames come after a pause, and are no picture of what follows.
 constexpr std::uint64_t kWarmUpFrames = 20;
 
-timespec as_timespec(Duration duration) {
-    const Duration positive = std::max(duration, Duration::zero());
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(positive);
-    timespec time{};
-    time.tv_sec = seconds.count();
-    time.tv_nsec = (positive - seconds).count();
-    return time;
-}
-
 Duration used_by(const Subject& subject) {
     const auto usage = subject.usage();
     return usage ? usage->processor_time : Duration::zero();
@@ -54,7 +45,7 @@ class Driver {
           epoll_(::epoll_create1(EPOLL_CLOEXEC)),
           samples_(lanes_.size()) {
         for (std::size_t i = 0; i < lanes_.size(); ++i) {
-            samples_[i].reserve(settings.rounds);
+            samples_[i].reserve(static_cast<std::size_t>(settings.rounds));
             lanes_[i]->drain();
             lanes_[i]->start_counting();
             epoll_event event{};
@@ -102,7 +93,8 @@ class Driver {
             const int count = ::epoll_pwait2(epoll_.get(), events.data(),
                                              static_cast<int>(events.size()), &timeout, nullptr);
             for (int i = 0; i < count; ++i) {
-                receive(events[static_cast<std::size_t>(i)].data.u64);
+                const epoll_event& event = events[static_cast<std::size_t>(i)];
+                receive(static_cast<std::size_t>(event.data.u64));
             }
             now = monotonic_now();
         } while (now < end);

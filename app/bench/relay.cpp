@@ -72,7 +72,8 @@ int relay_with_epoll(const std::vector<Ends>& ends) {
     int count = 0;
     while ((count = ::epoll_wait(epoll, events.data(), kEventsPerWake, -1)) > 0) {
         for (int i = 0; i < count; ++i) {
-            if (!carry(ends[events[static_cast<std::size_t>(i)].data.u64])) {
+            const epoll_event& event = events[static_cast<std::size_t>(i)];
+            if (!carry(ends[static_cast<std::size_t>(event.data.u64)])) {
                 return 1;
             }
         }

@@ -10,6 +10,8 @@
 #include <csignal>
 #include <cstdint>
 
+#include "pipelines/realtime/clock.h"
+
 namespace tribus::bench {
 namespace {
 
@@ -72,11 +74,7 @@ int processor_count() {
 }
 
 void sleep_until(Instant instant) {
-    const Duration since_zero = instant.time_since_epoch();
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(since_zero);
-    timespec until{};
-    until.tv_sec = seconds.count();
-    until.tv_nsec = (since_zero - seconds).count();
+    const timespec until = as_timespec(instant.time_since_epoch());
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
 }
 

@@ -2,6 +2,8 @@
 
 #include <time.h>
 
+#include <algorithm>
+
 namespace tribus {
 
 namespace {
@@ -20,6 +22,16 @@ Instant monotonic_now() {
 
 Duration wall_time_now() {
     return read_clock(CLOCK_REALTIME);
+}
+
+std::timespec as_timespec(Duration duration) {
+    const Duration positive = std::max(duration, Duration::zero());
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(positive);
+    std::timespec time{};
+    // Of 32 bits on some processors.
+    time.tv_sec = static_cast<decltype(time.tv_sec)>(seconds.count());
+    time.tv_nsec = static_cast<decltype(time.tv_nsec)>((positive - seconds).count());
+    return time;
 }
 
 }  // namespace tribus

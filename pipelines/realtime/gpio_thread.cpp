@@ -115,7 +115,7 @@ void GpioThread::wait(Instant until) {
     }
     polled_[count] = {.fd = exchange_.lines_bell(), .events = POLLIN, .revents = 0};
     const Duration pause = std::clamp(until - monotonic_now(), Duration::zero(), kLookPeriod);
-    const timespec timeout{.tv_sec = 0, .tv_nsec = pause.count()};
+    const timespec timeout = as_timespec(pause);
     if (::ppoll(polled_.data(), count + 1, &timeout, nullptr) <= 0) {
         return;
     }

@@ -33,17 +33,17 @@ std::size_t histogram_bucket(Duration value) {
     const auto units =
         static_cast<std::uint64_t>(std::max<std::int64_t>(value.count(), 0)) >> kUnitShift;
     if (units < kSubBuckets) {
-        return units;
+        return static_cast<std::size_t>(units);
     }
     const auto octave = static_cast<unsigned>(std::bit_width(units)) - (kSubBucketShift + 1);
     const std::uint64_t bucket = octave * kSubBuckets + (units >> octave);
-    return std::min<std::uint64_t>(bucket, kHistogramBuckets - 1);
+    return static_cast<std::size_t>(std::min<std::uint64_t>(bucket, kHistogramBuckets - 1));
 }
 
 Duration histogram_bucket_start(std::size_t bucket) {
     std::uint64_t units = bucket;
     if (bucket >= kSubBuckets) {
-        const std::size_t octave = bucket / kSubBuckets - 1;
+        const std::uint64_t octave = bucket / kSubBuckets - 1;
         units = (bucket % kSubBuckets + kSubBuckets) << octave;
     }
     return Duration(static_cast<std::int64_t>(units << kUnitShift));

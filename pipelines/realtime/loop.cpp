@@ -9,6 +9,7 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <utility>
 
 #include "pipelines/realtime/clock.h"
@@ -296,10 +297,7 @@ std::size_t Loop::wait(Instant until) {
 std::size_t Loop::wait_until(Instant until) {
     // What was counted and published since the last write must not be slept on top.
     const Duration sleep = std::clamp(until - monotonic_now(), Duration::zero(), kLongestWait);
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(sleep);
-    timespec timeout{};
-    timeout.tv_sec = seconds.count();
-    timeout.tv_nsec = (sleep - seconds).count();
+    const timespec timeout = as_timespec(sleep);
     std::array<epoll_event, kEventsPerWake> events;
     const int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
     std::size_t ready = 0;

@@ -16,6 +16,7 @@ here=$(cd "$(dirname "$0")" && pwd)
 mkdir -p "${2:-$here/../../build/lab}"
 folder=$(cd "${2:-$here/../../build/lab}" && pwd)
 . "$here/../../deploy/prepare.sh"
+. "$here/initrd.sh"
 PATH=$PATH:/usr/sbin:/sbin # depmod, modprobe
 
 say() {
@@ -51,20 +52,6 @@ unpack_vmlinux() {
     tail -c "+$((offset + 1))" "$1" | xz -dc --single-stream >"$2" 2>/dev/null || [ -s "$2" ]
 }
 
-# put_modules KERNEL_FOLDER FOLDER MODULE...: with those that they need, in the order of loading.
-put_modules() {
-    from=$1
-    to=$2
-    shift 2
-    number=100
-    for module in "$@"; do
-        modprobe --dirname "$from" --set-version "$(cat "$from/ready")" --show-depends "$module"
-    done | sed -n 's/^insmod \([^ ]*\).*/\1/p' | while read -r file; do
-        cp "$file" "$to/$number-$(basename "$file")"
-        number=$((number + 1))
-    done
-}
-
 # make_initrd KERNEL_FOLDER: busybox, and the modules it takes to reach the host's files or a disk.
 make_initrd() (
     root=$(mktemp -d)
@@ -72,11 +59,10 @@ make_initrd() (
     mkdir "$root/bin" "$root/modules" "$root/modules-disk"
     cp "$1/busybox" "$root/bin"
     cp "$here/guest_init" "$root/init"
-    put_modules "$1" "$root/modules" virtio_pci 9pnet_virtio 9p overlay
-    put_modules "$1" "$root/modules-disk" virtio_blk ext4
-    cd "$root"
-    find . | cpio --quiet -o -H newc -R 0:0 | gzip -1 >"$1/initrd.new"
-    mv "$1/initrd.new" "$1/initrd.gz"
+    version=$(cat "$1/ready")
+    put_modules "$1" "$version" "$root/modules" virtio_pci 9pnet_virtio 9p overlay
+    put_modules "$1" "$version" "$root/modules-disk" virtio_blk ext4
+    pack_initrd "$root" "$1/initrd.gz"
 )
 
 # prepare_kernel NAME METAPACKAGE: into FOLDER/NAME.

@@ -83,7 +83,8 @@ void CanFaultInjector::apply(const ReceivedCanFrame& in, CanReception& out) {
         ReceivedCanFrame& wire = out.frames[out.count];
         wire = in;
         if (wire.frame.length > 0 && dice_.happens(settings_.flip_bit)) {
-            wire.frame.data[dice_.next() % wire.frame.length] ^= random_bit(dice_);
+            const auto place = static_cast<std::size_t>(dice_.next() % wire.frame.length);
+            wire.frame.data[place] ^= random_bit(dice_);
         }
         if (dice_.happens(settings_.late_frame)) {
             wire.at += dice_.delay(settings_.most_delay);

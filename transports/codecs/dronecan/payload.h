@@ -188,7 +188,8 @@ class PayloadReader {
             }
             return;
         }
-        const std::uint64_t count = bits_.take(kLengthBits<BoundedArray<Value, kMost>>);
+        const auto count =
+            static_cast<std::size_t>(bits_.take(kLengthBits<BoundedArray<Value, kMost>>));
         if (count > kMost) {
             bits_.refuse();
             return;

@@ -1,0 +1,14 @@
+#!/bin/sh
+# Tries the program of a package: every example is a valid configuration, and the demo shows frames.
+#   deploy/try.sh FOLDER      with the package unpacked in it
+set -eu
+tribus=$1/usr/bin/tribus
+
+"$tribus" --version
+for example in "$1"/usr/share/doc/tribus/examples/*.toml; do
+    "$tribus" check "$example" >/dev/null || {
+        echo "deploy/try.sh: the program refuses $example" >&2
+        exit 1
+    }
+done
+"$tribus" demo --seconds 3

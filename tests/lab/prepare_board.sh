@@ -1,0 +1,59 @@
+#!/bin/sh
+# Prepares a guest with the processor of a board, for run_board: Debian's kernel and libraries for it,
+# unpacked into a folder and never installed. They are those that its programs are linked with, too.
+#
+#   tests/lab/prepare_board.sh arm64|armhf FOLDER
+#
+# FOLDER/sysroot has the files, FOLDER/vmlinuz and FOLDER/initrd.gz boot. What dpkg-shlibdeps has to know
+# of the libraries stands in FOLDER/sysroot/DEBIAN. Does nothing where that is there.
+architecture=$1
+folder=$2
+here=$(cd "$(dirname "$0")" && pwd)
+. "$here/../../deploy/prepare.sh"
+. "$here/initrd.sh"
+PATH=$PATH:/usr/sbin:/sbin # depmod, modprobe
+
+case $architecture in
+    arm64) kernel=linux-image-arm64 ;;
+    armhf) kernel=linux-image-armmp ;;
+esac
+
+if [ -e "$folder/initrd.gz" ]; then
+    exit 0
+fi
+# shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
+install_packages $board_packages
+echo "Unpacking Debian for $architecture into $folder" >&2
+mkdir -p "$folder"
+folder=$(cd "$folder" && pwd)
+root=$folder/sysroot
+as_root rm -rf "$root"
+# Without the security updates: nothing of this is shipped, and the mirrors' list of them for armhf is
+# not the one that was signed.
+# shellcheck disable=SC2016,SC2086,SC2154 # $1 is the hook's; lists of words, from deploy/prepare.sh
+as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
+    --include="libc6-dev,libstdc++-12-dev,libgpiod2,bash,busybox-static,$kernel" \
+    --include="$(echo $build_libraries $test_libraries | tr ' ' ,)" \
+    --extract-hook='mkdir -p "$1/DEBIAN" "$1/proc" "$1/sys" "$1/tmp"
+        for package in "$1"/var/cache/apt/archives/*.deb; do
+            for text in symbols shlibs; do
+                dpkg-deb --ctrl-tarfile "$package" | tar -xO "./$text" 2>/dev/null \
+                    >>"$1/DEBIAN/$text" || true
+            done
+        done' \
+    bookworm "$root" http://deb.debian.org/debian >&2
+as_root chown -R "$(id -u)" "$root"
+ln -sf busybox "$root/bin/sh"
+
+cp "$root"/boot/vmlinuz-* "$folder/vmlinuz"
+version=$(ls "$root/lib/modules")
+depmod --basedir "$root" "$version"
+start=$(mktemp -d)
+trap 'rm -rf "$start"' EXIT
+mkdir "$start/bin" "$start/modules"
+cp "$root/bin/busybox" "$start/bin"
+cp "$here/guest_init" "$start/init"
+put_modules "$root" "$version" "$start/modules" virtio_pci 9pnet_virtio 9p overlay
+# Some hundred MB that nothing here needs.
+rm -rf "${root:?}/boot" "$root/lib/modules/$version"
+pack_initrd "$start" "$folder/initrd.gz"
