@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "app/doctor/port_users.h"
 
 namespace tribus::doctor {
@@ -77,7 +79,7 @@ bool is_kernel_console(const KernelFiles& files, const std::string& name) {
     }
     const std::string words = " " + files.line("proc/cmdline") + " ";
     for (const char* end : {" ", ","}) {
-        if (words.find(" console=" + name + end) != std::string::npos) {
+        if (words.find(fmt::format(" console={}{}", name, end)) != std::string::npos) {
             return true;
         }
     }
