@@ -109,11 +109,11 @@ void look_at_node(const KernelFiles& files, SerialFacts& facts) {
 /// have the same number.
 std::string stable_name(const KernelFiles& files, const std::string& node) {
     const auto target = files.target(node.substr(1));
-    for (const std::string folder : {"dev/serial/by-id", "dev/serial/by-path"}) {
+    for (const std::string_view folder : {"dev/serial/by-id", "dev/serial/by-path"}) {
         for (const std::string& name : files.names_in(folder)) {
-            std::string link = folder + "/" + name;
+            const std::string link = fmt::format("{}/{}", folder, name);
             if (target && files.target(link) == target) {
-                return link.insert(0, "/");
+                return "/" + link;
             }
         }
     }
