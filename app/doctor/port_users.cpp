@@ -46,7 +46,7 @@ bool waits_for(const std::string& command_line, const std::string& name) {
 std::string unit_of(const std::string& groups) {
     std::istringstream lines(groups);
     for (std::string line; std::getline(lines, line);) {
-        const std::string last = line.substr(line.rfind('/') + 1);
+        std::string last = line.substr(line.rfind('/') + 1);
         if (last.ends_with(".service")) {
             return last;
         }

@@ -13,6 +13,8 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "app/doctor/port_users.h"
 
 namespace tribus::doctor {
@@ -77,7 +79,7 @@ bool is_kernel_console(const KernelFiles& files, const std::string& name) {
     }
     const std::string words = " " + files.line("proc/cmdline") + " ";
     for (const char* end : {" ", ","}) {
-        if (words.find(" console=" + name + end) != std::string::npos) {
+        if (words.find(fmt::format(" console={}{}", name, end)) != std::string::npos) {
             return true;
         }
     }
@@ -107,11 +109,11 @@ void look_at_node(const KernelFiles& files, SerialFacts& facts) {
 /// have the same number.
 std::string stable_name(const KernelFiles& files, const std::string& node) {
     const auto target = files.target(node.substr(1));
-    for (const std::string folder : {"dev/serial/by-id", "dev/serial/by-path"}) {
+    for (const std::string_view folder : {"dev/serial/by-id", "dev/serial/by-path"}) {
         for (const std::string& name : files.names_in(folder)) {
-            std::string link = folder + "/" + name;
+            const std::string link = fmt::format("{}/{}", folder, name);
             if (target && files.target(link) == target) {
-                return link.insert(0, "/");
+                return "/" + link;
             }
         }
     }
