@@ -210,6 +210,9 @@ int replay(const ReplayOptions& options) {
     if (items.empty()) {
         return complain(options.file + ": there is nothing in it to send", kExitFailed);
     }
+    if (auto checked = check_replay_place(options.place, *recording); !checked) {
+        return complain(options.file + ": " + checked.error(), kExitWrongUse);
+    }
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
     if (!wait) {
         return complain(wait.error(), kExitFailed);

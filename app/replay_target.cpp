@@ -206,7 +206,8 @@ Opened open_can(const std::string& interface, const Recording& recording) {
 
 }  // namespace
 
-Opened open_replay_target(const ReplayPlace& place, const Recording& recording) {
+tl::expected<void, std::string> check_replay_place(const ReplayPlace& place,
+                                                   const Recording& recording) {
     const bool can = recording.kind == RecordingKind::candump;
     const bool pty = place.to == kNewPty;
     if (can != (!pty && !is_device_path(place.to))) {
@@ -216,10 +217,21 @@ Opened open_replay_target(const ReplayPlace& place, const Recording& recording) 
                               "the path of a device, {} is neither",
                               place.to));
     }
-    if (can) {
+    if (pty || can) {
+        return {};
+    }
+    const auto use = serial_use(place.protocol, place.baud);
+    return use ? tl::expected<void, std::string>() : Refused(use.error());
+}
+
+Opened open_replay_target(const ReplayPlace& place, const Recording& recording) {
+    if (auto checked = check_replay_place(place, recording); !checked) {
+        return Refused(checked.error());
+    }
+    if (recording.kind == RecordingKind::candump) {
         return open_can(place.to, recording);
     }
-    if (pty) {
+    if (place.to == kNewPty) {
         return PtyTarget::open(place.link);
     }
     const auto use = serial_use(place.protocol, place.baud);

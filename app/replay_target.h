@@ -46,6 +46,10 @@ struct ReplayPlace {
 
 inline constexpr std::string_view kNewPty = "pty";
 
+/// Whether such a recording can go there. The error is for the person who asked.
+tl::expected<void, std::string> check_replay_place(const ReplayPlace& place,
+                                                   const Recording& recording);
+
 /// Prints the name of a new pseudo-terminal. The error is for the person who asked.
 tl::expected<std::unique_ptr<ReplayTarget>, std::string> open_replay_target(
     const ReplayPlace& place, const Recording& recording);

@@ -64,7 +64,7 @@ TEST_F(CanRecording, ALogIsNotSentIntoASerialPort) {
     const auto sent = folder() / "sent.log";
     std::ofstream(sent) << kLog;
     Program& replay = start({"replay", sent, "--to", "pty"});
-    EXPECT_EQ(replay.end(), 1);
+    EXPECT_EQ(replay.end(), 2);
     EXPECT_NE(replay.errors().find("pty is no CAN interface"), std::string::npos)
         << replay.errors();
 }
