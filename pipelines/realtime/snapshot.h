@@ -10,13 +10,15 @@
 namespace tribus {
 
 /// A value that one thread publishes and others read, without a lock: the writer never waits, a
-/// reader tries again if it was overtaken. `publish`: thread-bound to the writer; `read`:
-/// thread-safe.
+/// reader tries again if it was overtaken. Until the first one is published it is a default one.
+/// `publish`: thread-bound to the writer; `read`: thread-safe.
 template <class Value>
 class Snapshot {
     static_assert(std::is_trivially_copyable_v<Value>);
 
   public:
+    Snapshot() { publish(Value{}); }
+
     void publish(const Value& value) {
         Words words{};
         std::memcpy(words.data(), &value, sizeof value);

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 #include <initializer_list>
+#include <iterator>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -100,6 +102,27 @@ TEST(Tidy, nothing_is_left_to_do_in_a_comment) {
     expect_none(lines_of(kProduct), "do it, or file an issue", [](const SourceLine& line) {
         return has_any(line.text, {"TODO", "FIXME", "XXX", "HACK"});
     });
+}
+
+/// tests/README.md names tests by the beginnings of their names.
+TEST(Tidy, what_is_promised_is_shown_by_tests_that_there_are) {
+    std::ifstream page(std::string(TRIBUS_SOURCE_DIR) + "/tests/README.md");
+    std::string names;
+    for (const auto& [file, number, text] : lines_of({"tests"})) {
+        names += text + "\n";
+    }
+    std::ifstream cmake(std::string(TRIBUS_SOURCE_DIR) + "/tests/lab/CMakeLists.txt");
+    names.append(std::istreambuf_iterator<char>(cmake), {});
+    const std::regex test("`(([A-Z][A-Za-z0-9]+)|lab_[a-z]+)`");
+    std::size_t found = 0;
+    for (std::string line; std::getline(page, line);) {
+        for (std::sregex_iterator match(line.begin(), line.end(), test), none; match != none;
+             ++match) {
+            ++found;
+            EXPECT_NE(names.find((*match)[1]), std::string::npos) << (*match)[1];
+        }
+    }
+    EXPECT_GT(found, 30U);
 }
 
 TEST(Tidy, no_source_file_is_longer_than_400_lines) {

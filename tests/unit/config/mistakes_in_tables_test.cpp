@@ -17,19 +17,19 @@ constexpr Spoilt kMistakes[]{
     {"misspelt_table", 7, "[pipelin.main]",
      R"(t.toml:7:2: unknown table "pipelin" in the file; did you mean "pipeline"? )"
      R"(Allowed: "runtime", "input", "output", "pipeline", "gpio", )"
-     R"("sensor_bus", "sensor_type", "values", "dronecan")"},
+     R"("sensor_bus", "sensor_type", "values", "dronecan", "recorder")"},
     {"unknown_table", 10,
      R"([display.lamp]
 line = 17)",
      R"(t.toml:10:2: unknown table "display" in the file; allowed: "runtime", "input", )"
      R"("output", "pipeline", "gpio", )"
-     R"("sensor_bus", "sensor_type", "values", "dronecan")"},
+     R"("sensor_bus", "sensor_type", "values", "dronecan", "recorder")"},
     {"key_outside_of_any_table", 1,
      R"(protocol = "ibus"
 [input.receiver])",
      R"(t.toml:1:1: unknown key "protocol" in the file; it belongs in [input.NAME]; )"
      R"(allowed: "runtime", "input", "output", "pipeline", "gpio", )"
-     R"("sensor_bus", "sensor_type", "values", "dronecan")"},
+     R"("sensor_bus", "sensor_type", "values", "dronecan", "recorder")"},
     {"input_without_a_name", 10,
      R"([input]
 protocol = "ibus")",

@@ -10,6 +10,14 @@
 namespace tribus {
 namespace {
 
+/// An input is never seen, and not good, before the data thread has said so.
+TEST(SnapshotTest, until_the_first_value_is_published_it_is_a_default_one) {
+    struct Value {
+        int number = 7;
+    };
+    EXPECT_EQ(Snapshot<Value>().read().number, 7);
+}
+
 TEST(SnapshotTest, a_reader_never_sees_half_of_a_value) {
     struct Value {
         std::array<std::uint64_t, 40> same{};
