@@ -68,9 +68,10 @@ std::optional<DbcMessage> find_message(const TableContent& content, const Settin
 std::optional<DbcValueSource> read_dbc(const TableContent& content, Mistakes& mistakes) {
     const auto* dbc = content.values().find_as<SettingFile>("dbc");
     const auto* name = content.values().find_as<std::string>("message");
-    const auto message = dbc != nullptr && name != nullptr
-                             ? find_message(content, *dbc, *name, mistakes)
-                             : std::nullopt;
+    if (dbc == nullptr || name == nullptr) {
+        return std::nullopt;
+    }
+    const auto message = find_message(content, *dbc, *name, mistakes);
     if (!message) {
         return std::nullopt;
     }
