@@ -17,13 +17,8 @@ using Words = std::span<const std::string>;
 constexpr Duration kLeastTrial = std::chrono::seconds(1);
 constexpr Duration kMostTrial = std::chrono::hours(1);
 
-std::string text_of(const Json& json) {
-    // File names may be of any bytes.
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
-
 std::string outcome_text(const ReloadOutcome& outcome) {
-    return text_of({{"type", "outcome"}, {"taken", outcome.taken}, {"lines", outcome.lines}});
+    return json_text({{"type", "outcome"}, {"taken", outcome.taken}, {"lines", outcome.lines}});
 }
 
 std::string reload(Daemon& daemon, Words words) {
@@ -62,9 +57,9 @@ void add_control_requests(ControlServer& control, Daemon& daemon) {
         return on_trial_only(asked, [](Daemon& tried) { return tried.go_back(); });
     });
     add("configuration", [](Daemon& asked, Words) {
-        return text_of({{"type", "configuration"},
-                        {"file", asked.configuration().file},
-                        {"toml", effective_toml(asked.configuration())}});
+        return json_text({{"type", "configuration"},
+                          {"file", asked.configuration().file},
+                          {"toml", effective_toml(asked.configuration())}});
     });
 }
 

@@ -31,9 +31,12 @@ std::vector<std::string> words_of(const std::string& line) {
 
 }  // namespace
 
-std::string error_object(std::string_view text) {
-    const nlohmann::ordered_json json = {{"type", "error"}, {"error", text}};
+std::string json_text(const nlohmann::ordered_json& json) {
     return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string error_object(std::string_view text) {
+    return json_text({{"type", "error"}, {"error", text}});
 }
 
 tl::expected<std::unique_ptr<ControlServer>, std::string> ControlServer::open(

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include <nlohmann/json_fwd.hpp>
 #include <tl/expected.hpp>
 
 #include "app/control_socket.h"
@@ -50,6 +51,9 @@ class ControlServer {
     std::optional<SocketServer> server_;
     std::map<std::string, Command, std::less<>> commands_;
 };
+
+/// On one line. File names and the like may be of any bytes; what is no UTF-8 is replaced.
+std::string json_text(const nlohmann::ordered_json& json);
 
 /// `{"error": text}`: an answer to what cannot be done.
 std::string error_object(std::string_view text);

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "app/live_difference.h"
 #include "app/load_or_explain.h"
@@ -113,6 +114,7 @@ class Difference {
 
     std::string text() {
         section("runtime", "", before_["runtime"], after_["runtime"]);
+        recorder();
         for (const std::string_view kind : {"input", "output", "pipeline", "gpio", "sensor_type",
                                             "values", "sensor_bus", "dronecan"}) {
             tables(std::string(kind));
@@ -141,6 +143,17 @@ class Difference {
         }
         if (!meaning.empty()) {
             text_ += fmt::format("  ({})\n", meaning);
+        }
+    }
+
+    /// Its table may be left out.
+    void recorder() {
+        const bool before = before_.contains("recorder");
+        const bool after = after_.contains("recorder");
+        if (before && after) {
+            section("recorder", "", before_["recorder"], after_["recorder"]);
+        } else if (before || after) {
+            text_ += after ? "recorder: new\n" : "recorder: removed\n";
         }
     }
 
@@ -245,26 +258,23 @@ int compare_with_daemon(const DiffOptions& options) {
     if (!fresh) {
         return kExitWrongUse;
     }
-    const auto complain = [](const std::string& text) {
-        fmt::print(stderr, "tribus: {}\n", text);
-        return kExitFailed;
-    };
     const auto socket = daemon_of(options);
     const auto answer = socket.and_then(
         [&](const std::string& path) { return ask_daemon(path, "configuration", kPatience); });
     if (!answer) {
-        return complain(answer.error());
+        return complain(answer.error(), kExitFailed);
     }
     const auto status = ask_daemon(*socket, "status", kPatience);
     if (!status) {
-        return complain(status.error());
+        return complain(status.error(), kExitFailed);
     }
     const auto running =
         load_configuration(monitor::raw_text(*answer, "toml"), monitor::text(*answer, "file"));
     if (!running) {
         explain_mistakes(running.error());
         return complain(
-            "what the daemon runs cannot be read here; a file that it names has changed");
+            "what the daemon runs cannot be read here; a file that it names has changed",
+            kExitFailed);
     }
     const std::string difference = configuration_difference(*running, *fresh);
     if (!difference.empty()) {

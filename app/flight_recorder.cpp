@@ -59,10 +59,6 @@ std::optional<Instant> latest_in(const CaptureRing& ring) {
     return batch.count == 0 ? std::nullopt : std::optional(piece.at());
 }
 
-std::string json_text(const nlohmann::ordered_json& json) {
-    return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-}
-
 }  // namespace
 
 FlightRecorder::FlightRecorder(RecorderConfig config, fs::path directory,

@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "app/frame_collector.h"
 #include "app/learn_live.h"
@@ -121,10 +122,6 @@ void print(const LossStudyResult& study, std::string_view file, std::string_view
 }
 
 int learn(const Options& options) {
-    const auto complain = [](std::string_view text, int status) {
-        fmt::print(stderr, "tribus: {}\n", text);
-        return status;
-    };
     const std::size_t colon = options.file_and_name.rfind(':');
     if (colon == std::string::npos) {
         return complain(fmt::format("learn {}: wants CONFIG:INPUT, such as servos.toml:receiver",

@@ -16,6 +16,7 @@
 #include "app/protocol_use.h"
 #include "config/build.h"
 #include "config/carry_over.h"
+#include "config/configured_names.h"
 #include "core/can_frame.h"
 #include "pipelines/engine.h"
 #include "pipelines/virtual_loop.h"
@@ -129,16 +130,6 @@ Settled settle(const Configuration& configuration, std::vector<Sender> senders) 
     return settled;
 }
 
-template <class Configs>
-std::vector<std::string> names_of(const Configs& configs) {
-    std::vector<std::string> names;
-    names.reserve(configs.size());
-    for (const auto& config : configs) {
-        names.push_back(config.name);
-    }
-    return names;
-}
-
 std::string pulse_text(const std::optional<Pulse>& pulse) {
     return pulse ? fmt::format("{} us", pulse->microseconds()) : "none";
 }
@@ -231,8 +222,8 @@ std::string live_difference(const Configuration& running, const Configuration& f
     const Settled before = settle(running, std::move(to_running));
     const Settled after = settle(fresh, std::move(to_fresh));
     std::string text = heading(running, inputs, before);
-    const std::vector<std::string> names_before = names_of(running.inputs);
-    const std::vector<std::string> names_after = names_of(fresh.inputs);
+    const std::vector<std::string> names_before = configured_names(running.inputs);
+    const std::vector<std::string> names_after = configured_names(fresh.inputs);
     const std::size_t heading_length = text.size();
     for (std::size_t i = 0; i < fresh.outputs.size(); ++i) {
         const std::string state_after = output_text(after.states[i], names_after);

@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/ask_daemon.h"
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "app/main_wait.h"
 #include "app/monitor_fields.h"
@@ -50,8 +51,7 @@ class Monitor {
     int run() {
         link_.tend(monotonic_now());
         if (!link_.connected()) {
-            fmt::print(stderr, "tribus: {}\n", link_.problem());
-            return kExitFailed;
+            return complain(link_.problem(), kExitFailed);
         }
         const bool live = options_.format != kJson && !options_.once &&
                           ::isatty(STDOUT_FILENO) == 1 && ::isatty(STDIN_FILENO) == 1;
@@ -108,8 +108,7 @@ class Monitor {
             }
             auto object = nlohmann::json::parse(line, nullptr, false);
             if (monitor::text(object, "type") == "error") {
-                fmt::print(stderr, "tribus: {}\n", monitor::text(object, "error"));
-                return kExitFailed;
+                return complain(monitor::text(object, "error"), kExitFailed);
             }
             if (!view_.paused && object.is_object()) {
                 view_.status = std::move(object);
@@ -175,20 +174,17 @@ class Monitor {
 int monitor_daemon(const MonitorOptions& options) {
     const auto period = parse_duration(options.period);
     if (!period) {
-        fmt::print(stderr, "tribus: --period is no duration; allowed: such as \"200ms\"\n");
-        return kExitWrongUse;
+        return complain("--period is no duration; allowed: such as \"200ms\"", kExitWrongUse);
     }
     const auto socket = find_daemon(options.name, options.socket);
     if (!socket) {
-        fmt::print(stderr, "tribus: {}\n", socket.error());
-        return kExitFailed;
+        return complain(socket.error(), kExitFailed);
     }
     // A reader that goes away (`| head`) ends it, and the terminal is set right at any end.
     std::signal(SIGPIPE, SIG_IGN);
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP, SIGWINCH});
     if (!wait) {
-        fmt::print(stderr, "tribus: {}\n", wait.error());
-        return kExitFailed;
+        return complain(wait.error(), kExitFailed);
     }
     return Monitor(MonitorLink(*socket, *period), options, std::move(*wait)).run();
 }

@@ -8,11 +8,12 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "app/line_use.h"
+#include "app/monitor_fields.h"
 #include "app/record_port.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
@@ -37,11 +38,6 @@ struct RecordOptions {
     bool force = false;
 };
 
-int complain(const std::string& text, int status) {
-    fmt::print(stderr, "tribus: {}\n", text);
-    return status;
-}
-
 /// Asks until the folder is whole, or cannot be.
 int ask_for_recording(const RecordOptions& options) {
     const auto socket = find_daemon(options.target, options.socket);
@@ -50,19 +46,21 @@ int ask_for_recording(const RecordOptions& options) {
     }
     auto answer = ask_daemon(*socket, "record", kAnswerPatience);
     const Instant end = later(monotonic_now(), kDiskPatience);
-    while (answer && answer->value("state", "") == "writing" && monotonic_now() < end) {
+    while (answer && monitor::text(*answer, "state") == "writing" && monotonic_now() < end) {
         ::nanosleep(&kAskPause, nullptr);
-        const auto number = answer->value("number", std::uint64_t{0});
+        const auto number = monitor::count(*answer, "number");
         answer = ask_daemon(*socket, fmt::format("record {}", number), kAnswerPatience);
     }
     if (!answer) {
         return complain(answer.error(), kExitFailed);
     }
-    if (answer->value("state", "") != "written") {
-        return complain("nothing was recorded: " + answer->value("reason", "the disk is too slow"),
-                        kExitFailed);
+    if (monitor::text(*answer, "state") != "written") {
+        const std::string reason = monitor::text(*answer, "reason");
+        return complain(
+            "nothing was recorded: " + (reason.empty() ? "the disk is too slow" : reason),
+            kExitFailed);
     }
-    fmt::print("{}\n", answer->value("folder", ""));
+    fmt::print("{}\n", monitor::raw_text(*answer, "folder"));
     return kExitFine;
 }
 

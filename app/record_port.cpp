@@ -17,6 +17,7 @@
 #include <tl/expected.hpp>
 
 #include "app/capture_text.h"
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "app/line_use.h"
 #include "app/main_wait.h"
@@ -32,11 +33,6 @@ constexpr std::size_t kPieces = 512;
 /// Most that one wake takes, so that signals are seen on a flooded port.
 constexpr int kReadsAtOnce = 16;
 
-int complain(const std::string& text, int status) {
-    fmt::print(stderr, "tribus: {}\n", text);
-    return status;
-}
-
 tl::expected<UniqueFd, std::string> make_file(const PortRecording& recording) {
     const int exclusive = recording.force ? O_TRUNC : O_EXCL;
     UniqueFd file(::open(recording.file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | exclusive, 0644));
@@ -49,11 +45,11 @@ tl::expected<UniqueFd, std::string> make_file(const PortRecording& recording) {
                         : fmt::format("{}: {}", recording.file, std::strerror(error)));
 }
 
-tl::expected<std::unique_ptr<Link>, std::string> open_link(const PortRecording& recording,
-                                                           Duration& byte_time) {
-    if (!is_device_path(recording.port)) {
-        auto socket =
-            CanSocket::open(recording.port, {.wanted = {{.id = 0, .mask = 0, .extended = false},
+/// `use` is of a serial line, or nothing.
+tl::expected<std::unique_ptr<Link>, std::string> open_link(const std::string& port,
+                                                           const std::optional<ProtocolUse>& use) {
+    if (!use) {
+        auto socket = CanSocket::open(port, {.wanted = {{.id = 0, .mask = 0, .extended = false},
                                                         {.id = 0, .mask = 0, .extended = true}},
                                              .sent = {},
                                              .fd = false});
@@ -62,16 +58,11 @@ tl::expected<std::unique_ptr<Link>, std::string> open_link(const PortRecording& 
         }
         return std::unique_ptr<Link>(std::move(*socket));
     }
-    const auto use = serial_use(recording.protocol, recording.baud);
-    if (!use) {
-        return tl::unexpected(use.error());
+    auto line = SerialPort::open(port, use->line);
+    if (!line) {
+        return tl::unexpected(std::move(line.error()));
     }
-    byte_time = use->line.bytes_time(1);
-    auto port = SerialPort::open(recording.port, use->line);
-    if (!port) {
-        return tl::unexpected(std::move(port.error()));
-    }
-    return std::unique_ptr<Link>(std::move(*port));
+    return std::unique_ptr<Link>(std::move(*line));
 }
 
 /// One port and one file.
@@ -181,16 +172,19 @@ int record(Recorder& recorder, MainWait& wait, const PortRecording& recording, I
 }  // namespace
 
 int record_port(const PortRecording& recording) {
-    const bool serial = is_device_path(recording.port);
-    Duration byte_time{};
-    if (serial && !serial_use(recording.protocol, recording.baud)) {
-        return complain(serial_use(recording.protocol, recording.baud).error(), kExitWrongUse);
+    std::optional<ProtocolUse> use;
+    if (is_device_path(recording.port)) {
+        const auto found = serial_use(recording.protocol, recording.baud);
+        if (!found) {
+            return complain(found.error(), kExitWrongUse);
+        }
+        use = *found;
     }
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
     if (!wait) {
         return complain(wait.error(), kExitFailed);
     }
-    auto link = open_link(recording, byte_time);
+    auto link = open_link(recording.port, use);
     if (!link) {
         return complain(link.error(), kExitFailed);
     }
@@ -200,9 +194,9 @@ int record_port(const PortRecording& recording) {
     }
     const Instant start = monotonic_now();
     Recorder recorder(std::move(*link), std::move(*file),
-                      {.can = !serial,
+                      {.can = !use,
                        .interface = recording.port,
-                       .byte_time = byte_time,
+                       .byte_time = use ? use->line.bytes_time(1) : Duration::zero(),
                        .zero = start,
                        .zero_wall = wall_time_now()});
     fmt::print(stderr, "recording {} into {}; Ctrl-C ends it\n", recording.port, recording.file);

@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/ask_daemon.h"
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "app/main_wait.h"
 #include "app/monitor_fields.h"
@@ -38,13 +39,12 @@ struct ReloadOptions {
 int ask_and_tell(const std::string& socket, const std::string& request, const char* taken) {
     const auto answer = ask_daemon(socket, request, kPatience);
     if (!answer) {
-        fmt::print(stderr, "tribus: {}\n", answer.error());
-        return kExitFailed;
+        return complain(answer.error(), kExitFailed);
     }
     const bool done = monitor::flag(*answer, "taken");
     for (const auto& line : monitor::list(*answer, "lines")) {
         fmt::print(stderr, "{}{}\n", done ? "outputs stopped for it: " : "",
-                   line.is_string() ? line.get<std::string>() : line.dump());
+                   monitor::shown(line.is_string() ? line.get<std::string>() : line.dump()));
     }
     fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before runs on");
     return done ? kExitFine : kExitFailed;
@@ -96,13 +96,11 @@ int watch_trial(const std::string& socket, const ReloadOptions& options, Duratio
 int reload(const ReloadOptions& options) {
     const auto trial = parse_duration(options.trial);
     if (!options.trial.empty() && !trial) {
-        fmt::print(stderr, "tribus: --trial is no duration; allowed: such as \"30s\"\n");
-        return kExitWrongUse;
+        return complain("--trial is no duration; allowed: such as \"30s\"", kExitWrongUse);
     }
     const auto socket = find_daemon(options.name, options.socket);
     if (!socket) {
-        fmt::print(stderr, "tribus: {}\n", socket.error());
-        return kExitFailed;
+        return complain(socket.error(), kExitFailed);
     }
     if (options.confirm) {
         return ask_and_tell(*socket, "confirm", "confirmed");

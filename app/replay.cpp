@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "app/line_use.h"
 #include "app/main_wait.h"
@@ -41,11 +42,6 @@ struct ReplayOptions {
     bool loop = false;
     std::string period;
 };
-
-int complain(const std::string& text, int status) {
-    fmt::print(stderr, "tribus: {}\n", text);
-    return status;
-}
 
 struct Figures {
     std::uint64_t refused = 0;

@@ -15,6 +15,8 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "config/configured_names.h"
+
 namespace tribus {
 namespace {
 
@@ -61,16 +63,6 @@ std::optional<Duration> watchdog_limit() {
                : std::nullopt;
 }
 
-template <class Configs>
-std::vector<std::string> names_of(const Configs& configs) {
-    std::vector<std::string> names;
-    names.reserve(configs.size());
-    for (const auto& config : configs) {
-        names.push_back(config.name);
-    }
-    return names;
-}
-
 }  // namespace
 
 NotifySocket NotifySocket::from_environment() {
@@ -111,7 +103,8 @@ void ServiceNotify::started(const Appliance& appliance, Instant now) {
         watchdog_->restart();
     }
     const Configuration& configuration = appliance.configuration();
-    status_.emplace(names_of(configuration.inputs), names_of(configuration.outputs));
+    status_.emplace(configured_names(configuration.inputs),
+                    configured_names(configuration.outputs));
     told_.clear();
     next_status_ = now;
     socket_.say("READY=1");

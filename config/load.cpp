@@ -65,27 +65,20 @@ bool for_each_named(const Entry* kind, Reading reading, Read read) {
 
 RuntimeConfig read_runtime(const Entry* entry, Reading reading) {
     RuntimeConfig runtime;
-    if (entry == nullptr) {
+    const auto content = read_only_table("runtime", entry, runtime_keys(), reading);
+    if (!content) {
         return runtime;
     }
-    const auto* table = entry->value.as<Table>();
-    if (table == nullptr) {
-        reading.mistakes.add(entry->value.where, fmt::format("\"runtime\" is {}; allowed: a table, "
-                                                             "[runtime]",
-                                                             describe(entry->value)));
-        return runtime;
-    }
-    const TableContent content =
-        read_table({*table, entry->value.where, "[runtime]"}, runtime_keys(), reading);
-    const auto realtime = content.values().get_or<std::string>("realtime", "auto");
+    const SettingValues& values = content->values();
+    const auto realtime = values.get_or<std::string>("realtime", "auto");
     runtime.realtime = realtime == "off"       ? Realtime::off
                        : realtime == "require" ? Realtime::require
                                                : Realtime::automatic;
-    runtime.priority = static_cast<int>(content.values().get_or<std::int64_t>("priority", 80));
-    if (const auto* cpu = content.values().find_as<std::int64_t>("cpu")) {
+    runtime.priority = static_cast<int>(values.get_or<std::int64_t>("priority", 80));
+    if (const auto* cpu = values.find_as<std::int64_t>("cpu")) {
         runtime.cpu = static_cast<int>(*cpu);
     }
-    runtime.spin = content.values().get_or<Duration>("spin", Duration::zero());
+    runtime.spin = values.get_or<Duration>("spin", Duration::zero());
     return runtime;
 }
 

@@ -1,26 +1,16 @@
 #include "config/read_recorder.h"
 
-#include <fmt/format.h>
-
 #include <cstdint>
 #include <string>
 
 namespace tribus {
 
 std::optional<RecorderConfig> read_recorder(const Entry* entry, Reading reading) {
-    if (entry == nullptr) {
+    const auto content = read_only_table("recorder", entry, recorder_keys(), reading);
+    if (!content) {
         return std::nullopt;
     }
-    const auto* table = entry->value.as<Table>();
-    if (table == nullptr) {
-        reading.mistakes.add(entry->value.where,
-                             fmt::format("\"recorder\" is {}; allowed: a table, [recorder]",
-                                         describe(entry->value)));
-        return std::nullopt;
-    }
-    const TableContent content =
-        read_table({*table, entry->value.where, "[recorder]"}, recorder_keys(), reading);
-    const SettingValues& values = content.values();
+    const SettingValues& values = content->values();
     const auto number = [&](std::string_view key) {
         return static_cast<int>(values.get_or<std::int64_t>(key, 1));
     };
@@ -34,8 +24,8 @@ std::optional<RecorderConfig> read_recorder(const Entry* entry, Reading reading)
     recorder.pause = values.get_or("pause", Duration::zero());
     recorder.keep = number("keep");
     recorder.space_mib = number("space");
-    if (content.given("directory") && !recorder.directory.starts_with('/')) {
-        reading.mistakes.add(content.where("directory"),
+    if (content->given("directory") && !recorder.directory.starts_with('/')) {
+        reading.mistakes.add(content->where("directory"),
                              "\"directory\" must not depend on where the program is started; "
                              "allowed: a path that begins with /");
     }

@@ -162,6 +162,22 @@ TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading 
     return {ref.where, std::move(items), std::move(values)};
 }
 
+std::optional<TableContent> read_only_table(std::string_view name, const Entry* entry,
+                                            std::span<const Key> keys, Reading reading) {
+    if (entry == nullptr) {
+        return std::nullopt;
+    }
+    const std::string title = fmt::format("[{}]", name);
+    const auto* table = entry->value.as<Table>();
+    if (table == nullptr) {
+        reading.mistakes.add(entry->value.where,
+                             fmt::format("{} is {}; allowed: a table, {}", in_quotes(name),
+                                         describe(entry->value), title));
+        return std::nullopt;
+    }
+    return read_table({*table, entry->value.where, title}, keys, reading);
+}
+
 const Key* meant_key(std::string_view name, std::span<const Key> keys) {
     const auto names = names_of(keys);
     if (const Key* key = exact_key(name, keys)) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -66,6 +67,11 @@ class TableContent {
 /// `tolerated` are passed over. `keys` must outlive the result.
 TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading reading,
                         std::span<const std::string_view> tolerated = {});
+
+/// As above, of a table of the root that there is once, such as [runtime]. Nothing where it is not
+/// there, or where its entry is no table, which is a mistake.
+std::optional<TableContent> read_only_table(std::string_view name, const Entry* entry,
+                                            std::span<const Key> keys, Reading reading);
 
 /// The key that an entry of that name means: the same, or the nearest; null if there is none.
 const Key* meant_key(std::string_view name, std::span<const Key> keys);

@@ -139,6 +139,7 @@ void Schedule::done(Instant now, bool wrote) {
         due_ = repeat_due(now);
         return;
     }
+    const Instant served = due_;
     const std::optional<Duration> locked = locked_step();
     const Duration step = locked.value_or(settings_.period);
     point_ += step;
@@ -150,7 +151,15 @@ void Schedule::done(Instant now, bool wrote) {
     if (locked) {
         point_ += steering(point_, step);
     }
-    due_ = locked_step() ? locked_due() : point_;
+    if (locked_step()) {
+        due_ = locked_due();
+        return;
+    }
+    // A grid that nothing steers any more goes on from what waited for its frame and was late.
+    if (settings_.phase == Phase::locked) {
+        point_ = std::max(point_, served + settings_.period);
+    }
+    due_ = point_;
 }
 
 }  // namespace tribus

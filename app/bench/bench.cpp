@@ -20,6 +20,7 @@
 #include "app/bench/report.h"
 #include "app/bench/requirement.h"
 #include "app/bench/tester.h"
+#include "app/complain.h"
 #include "app/exit_status.h"
 #include "config/mistakes.h"
 #include "pipelines/realtime/scheduling.h"
@@ -158,10 +159,6 @@ tl::expected<Report, std::string> measure(const BenchSettings& settings,
 }
 
 int run_bench(const Options& options) {
-    const auto complain = [](const std::string& text, int status) {
-        fmt::print(stderr, "{}\n", text);
-        return status;
-    };
     const auto parts = chosen_parts(options.only);
     if (!parts) {
         return complain(parts.error(), kExitWrongUse);

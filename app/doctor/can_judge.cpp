@@ -11,8 +11,6 @@ namespace {
 
 // linux/if_arp.h: ARPHRD_CAN.
 constexpr std::int64_t kCanHardware = 280;
-/// Frames that other programs may have waiting; more are old when they leave.
-constexpr std::uint32_t kMostUsefulQueue = 64;
 /// Both counters' first step on the way to bus-off.
 constexpr std::uint16_t kManyErrors = 96;
 

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "app/complain.h"
 #include "app/doctor/can_judge.h"
 #include "app/doctor/kernel_files.h"
 #include "app/doctor/line_advice.h"
@@ -151,10 +152,10 @@ std::string text_for_people(const Report& report) {
 int examine(const Options& options) {
     const auto time = parse_duration(options.listening);
     if (!time || *time < kShortest || *time > kLongest) {
-        fmt::print(stderr, "tribus: --for {}: wants a time from {} to {}, such as 3s\n",
-                   in_quotes(options.listening), format_duration(kShortest),
-                   format_duration(kLongest));
-        return kExitWrongUse;
+        return complain(fmt::format("--for {}: wants a time from {} to {}, such as 3s",
+                                    in_quotes(options.listening), format_duration(kShortest),
+                                    format_duration(kLongest)),
+                        kExitWrongUse);
     }
     const KernelFiles files("/");
     Report report;

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/loopback/loopback.h"
+#include "tests/loopback/first_channel.h"
 
 namespace tribus::test {
 namespace {
@@ -20,24 +20,11 @@ constexpr std::string_view kTail =
     "[output.tail]\nprotocol = \"sbus\"\ndevice = \"@tail\"\nperiod = \"7ms\"\n"
     "[pipeline.tail]\nfrom = \"receiver\"\nto = \"tail\"\n";
 
-class Reload : public Loopback {
+class Reload : public FirstChannel {
   protected:
-    /// Lets the receiver send 1100 us on channel 1 until a good frame of the servos has `first_us`.
-    void expect_first_channel(int first_us) {
-        EXPECT_TRUE(eventually([&] {
-            repeater_.send_if_due();
-            const auto seen = servos_.listen();
-            return !seen.empty() && seen.back().good() && seen.back().raw[0] == sbus_raw(first_us);
-        })) << "channel 1 never was "
-            << first_us;
-    }
     std::string with_channel(const std::string& rule) {
         return main_job(kPatientInput, "", "[pipeline.main.channels]\n1 = " + rule);
     }
-
-    FarEnd& receiver_ = device("receiver");
-    ServoBank servos_{device("servos")};
-    Repeater repeater_{receiver_, ibus_bytes(sticks_with_first(1100))};
 };
 
 TEST_F(Reload, TakesANewConfiguration) {

@@ -6,24 +6,16 @@
 #include <gtest/gtest.h>
 
 #include "app/ask_daemon.h"
-#include "tests/loopback/loopback.h"
+#include "tests/loopback/first_channel.h"
 
 namespace tribus::test {
 namespace {
 
 constexpr std::string_view kReversed = "[pipeline.main.channels]\n1 = { from = 1, reverse = true }";
 
-/// The receiver sends 1100 us on channel 1; a new configuration turns that to 1900.
-class Trial : public Loopback {
+/// A new configuration turns the 1100 us to 1900.
+class Trial : public FirstChannel {
   protected:
-    void expect_first_channel(int first_us) {
-        EXPECT_TRUE(eventually([&] {
-            repeater_.send_if_due();
-            const auto seen = servos_.listen();
-            return !seen.empty() && seen.back().good() && seen.back().raw[0] == sbus_raw(first_us);
-        })) << "channel 1 never was "
-            << first_us;
-    }
     Program& begin() {
         Program& program = run(write_config(main_job(kPatientInput)));
         expect_first_channel(1100);
@@ -48,9 +40,6 @@ class Trial : public Loopback {
         expect_clean_end(program);
     }
 
-    FarEnd& receiver_ = device("receiver");
-    ServoBank servos_{device("servos")};
-    Repeater repeater_{receiver_, ibus_bytes(sticks_with_first(1100))};
     std::string said_;
 };
 

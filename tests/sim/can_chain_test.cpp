@@ -72,10 +72,7 @@ class CanChainTest : public testing::TestWithParam<Format> {
   protected:
     template <class Check>
     void for_all_seeds(Check check) {
-        const std::uint64_t first = seed_or(1);
-        const std::uint64_t last = std::getenv("TRIBUS_SEED") ? first : kSeeds;
-        for (std::uint64_t seed = first; seed <= last; ++seed) {
-            SCOPED_TRACE(replay_command(seed));
+        for_each_seed(kSeeds, [&](std::uint64_t seed) {
             check(CanChain({.protocol = GetParam().protocol,
                             .format = GetParam().lines,
                             .sender_lines = GetParam().sender_lines,
@@ -83,10 +80,7 @@ class CanChainTest : public testing::TestWithParam<Format> {
                             .input_ends = kInputEnds,
                             .end = kEnd,
                             .seed = seed}));
-            if (HasFailure()) {
-                return;
-            }
-        }
+        });
     }
     static CanChain interrupted(double loss) {
         return CanChain({.protocol = GetParam().protocol,

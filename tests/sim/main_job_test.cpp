@@ -41,16 +41,9 @@ class MainJob : public testing::Test {
     }
     template <class Check>
     void for_all_seeds(Check check) {
-        const std::uint64_t first = seed_or(1);
-        const std::uint64_t last = std::getenv("TRIBUS_SEED") ? first : kSeeds;
-        for (std::uint64_t seed = first; seed <= last; ++seed) {
-            SCOPED_TRACE(replay_command(seed));
-            const Simulation simulation = simulate(seed, seed % 2 == 0 ? 7700us : 4ms);
-            check(simulation);
-            if (HasFailure()) {
-                return;
-            }
-        }
+        for_each_seed(kSeeds, [&](std::uint64_t seed) {
+            check(simulate(seed, seed % 2 == 0 ? 7700us : 4ms));
+        });
     }
 };
 

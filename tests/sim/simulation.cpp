@@ -101,7 +101,8 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
         Wire& wire = wires_.emplace_back(Wire{.sender = sender,
                                               .encoder = protocol->make_encoder(eighteen_channels),
                                               .line = protocol->line,
-                                              .faults = FaultInjector(sender.faults, ++seed)});
+                                              .faults = FaultInjector(sender.faults, ++seed),
+                                              .latest_number = sender.first_number});
         wire.arrivals.reserve(kMostFrames);
         plan(wire);
     }
@@ -207,9 +208,14 @@ void Simulation::wrote(std::size_t output, Instant at, const Transmission& sent)
     written_[output].push_back({at, found->channels, number_of(found->channels)});
 }
 
-std::uint64_t seed_or(std::uint64_t fallback) {
+Seeds seeds_or(std::uint64_t usual) {
     const char* text = std::getenv("TRIBUS_SEED");
-    return text == nullptr ? fallback : std::strtoull(text, nullptr, 10);
+    if (text == nullptr) {
+        return {.first = 1, .last = usual};
+    }
+    char* end = nullptr;
+    const std::uint64_t first = std::strtoull(text, &end, 10);
+    return {.first = first, .last = *end == '-' ? std::strtoull(end + 1, nullptr, 10) : first};
 }
 
 std::string replay_command(std::uint64_t seed) {

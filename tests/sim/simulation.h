@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
+
 #include "config/schema.h"
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
@@ -122,9 +124,28 @@ class Simulation final : public OutputObserver {
     std::optional<VirtualLoop> loop_;
 };
 
-/// The seed to use, from the environment's TRIBUS_SEED if it is set.
-std::uint64_t seed_or(std::uint64_t fallback);
 /// One command that runs the present test again with that seed.
 std::string replay_command(std::uint64_t seed);
+
+/// Both included.
+struct Seeds {
+    std::uint64_t first = 1;
+    std::uint64_t last = 1;
+};
+/// 1 to `usual`, or what the environment's TRIBUS_SEED says: one seed, or FIRST-LAST.
+Seeds seeds_or(std::uint64_t usual);
+
+/// Until the first one with which the test fails.
+template <class Check>
+void for_each_seed(std::uint64_t usual, Check check) {
+    const Seeds seeds = seeds_or(usual);
+    for (std::uint64_t seed = seeds.first; seed <= seeds.last; ++seed) {
+        SCOPED_TRACE(replay_command(seed));
+        check(seed);
+        if (testing::Test::HasFailure()) {
+            return;
+        }
+    }
+}
 
 }  // namespace tribus::test

@@ -14,9 +14,6 @@ namespace tribus {
 
 namespace {
 
-/// More queued frames than the snapshots of all outputs have would be old when they leave.
-constexpr std::uint32_t kMostUsefulQueue = 64;
-
 template <typename T>
 std::optional<T> take(std::span<const std::byte> bytes) {
     if (bytes.size() < sizeof(T)) {

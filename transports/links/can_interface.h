@@ -10,6 +10,9 @@
 
 namespace tribus {
 
+/// More queued frames than the snapshots of all outputs have would be old when they leave.
+inline constexpr std::uint32_t kMostUsefulQueue = 64;
+
 /// The controller's own view of its part in the traffic; the kernel's enum can_state.
 enum class CanControllerState : std::uint8_t {
     active,

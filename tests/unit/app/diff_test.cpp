@@ -4,21 +4,11 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include "tests/unit/config/main_job.h"
 
 namespace tribus::testing {
 namespace {
-
-Configuration loaded(std::string_view text) {
-    auto configuration = load_configuration(text, "t.toml");
-    if (!configuration) {
-        ADD_FAILURE() << format_mistake(configuration.error().front());
-        return {};
-    }
-    return std::move(*configuration);
-}
 
 const std::string kJob = main_job_with(0, "");
 
@@ -64,6 +54,16 @@ TEST(Diff, NamesWhatIsNewAndWhatIsRemoved) {
     EXPECT_EQ(configuration_difference(loaded(kJob + tail), loaded(kJob)),
               "output tail: removed; it says its last frames as at the end\n"
               "pipeline tail: removed\n");
+}
+
+TEST(Diff, NamesWhatChangesOfTheRecorder) {
+    const std::string recorder = "[recorder]\ndirectory = \"/var/lib/x\"\n";
+    EXPECT_EQ(difference(kJob + recorder), "recorder: new\n");
+    EXPECT_EQ(configuration_difference(loaded(kJob + recorder), loaded(kJob)),
+              "recorder: removed\n");
+    EXPECT_EQ(
+        configuration_difference(loaded(kJob + recorder), loaded(kJob + recorder + "keep = 3\n")),
+        "recorder:\n  keep: 20 before, now 3\n");
 }
 
 TEST(Diff, TellsARenamedInputFromANewOne) {

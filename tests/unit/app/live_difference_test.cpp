@@ -4,7 +4,6 @@
 
 #include <string>
 #include <string_view>
-#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -12,15 +11,6 @@
 
 namespace tribus::testing {
 namespace {
-
-Configuration loaded(std::string_view text) {
-    auto configuration = load_configuration(text, "t.toml");
-    if (!configuration) {
-        ADD_FAILURE() << format_mistake(configuration.error().front());
-        return {};
-    }
-    return std::move(*configuration);
-}
 
 const std::string kJob = main_job_with(0, "");
 

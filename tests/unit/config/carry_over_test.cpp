@@ -11,15 +11,6 @@
 namespace tribus::testing {
 namespace {
 
-Configuration loaded(std::string_view text) {
-    auto configuration = load_configuration(text, "t.toml");
-    if (!configuration) {
-        ADD_FAILURE() << format_mistake(configuration.error().front());
-        return {};
-    }
-    return std::move(*configuration);
-}
-
 std::string replaced(std::string text, std::string_view what, std::string_view with) {
     text.replace(text.find(what), what.size(), with);
     return text;

@@ -5,7 +5,10 @@
 #include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "config/load.h"
 
@@ -40,6 +43,16 @@ inline std::vector<std::string> mistakes_in(std::string_view text,
         }
     }
     return lines;
+}
+
+/// A text that must be a valid configuration.
+inline Configuration loaded(std::string_view text) {
+    auto configuration = load_configuration(text, "t.toml");
+    if (!configuration) {
+        ADD_FAILURE() << format_mistake(configuration.error().front());
+        return {};
+    }
+    return std::move(*configuration);
 }
 
 /// One way to spoil the nine lines, and the one line that a user must see then.

@@ -299,6 +299,20 @@ TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period) {
     }
 }
 
+/// The last frames are waited for in vain; what is written without waiting any more is not early.
+TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period_when_the_input_stops) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked});
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals_each(7ms, at(0ms), 20));
+    Instant before{};
+    for (int point = 0; point < 60; ++point) {
+        const Instant due = schedule.due();
+        EXPECT_TRUE(point == 0 || due - before >= 7ms - 70us) << point;
+        schedule.done(due, true);
+        before = due;
+    }
+}
+
 TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
     const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <cstdio>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace tribus {
+
+/// Says on standard error why a command ends so. Returns the exit status.
+inline int complain(std::string_view text, int status) {
+    fmt::print(stderr, "tribus: {}\n", text);
+    return status;
+}
+
+}  // namespace tribus

@@ -1,0 +1,280 @@
+#include "tests/sim/random_world.h"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+namespace tribus::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Troubles end here; what follows shows that everything comes back.
+constexpr Instant kTroublesEnd = Instant(20s);
+/// Numbers of different senders do not meet.
+constexpr std::uint32_t kNumbersApart = 200'000;
+
+bool is_preset(const ChannelFrame& frame) {
+    return frame.channel(0) == kCentrePulse && frame.channel(2) == Pulse::from_microseconds(988) &&
+           frame.channel(5) == kCentrePulse;
+}
+
+std::string told(std::size_t output, const Written& written, std::string_view what) {
+    return fmt::format(
+        "output out{}, {:.3f} ms: {}", output,
+        std::chrono::duration<double, std::milli>(written.at.time_since_epoch()).count(), what);
+}
+
+using Verdict = std::optional<std::string>;
+
+/// Every sender's values change with every frame, so an output whose values do not change repeats
+/// old ones.
+Verdict repeats_old_values(std::size_t output, const std::vector<Written>& written,
+                           Duration longest) {
+    Instant since = written.front().at;
+    for (std::size_t i = 1; i < written.size(); ++i) {
+        const ChannelFrame& frame = written[i].frame;
+        since = frame.same_content(written[i - 1].frame) ? since : written[i].at;
+        if (frame.good() && !is_preset(frame) && written[i].at - since > longest) {
+            return told(output, written[i], "the same values for too long, as good");
+        }
+    }
+    return std::nullopt;
+}
+
+/// The values of a good frame are of a frame that has arrived, and not too long ago: a loss begins
+/// with the first frame that is missing or the same, an interval behind the last fresh one.
+Verdict writes_what_nobody_says(std::size_t output, const RandomWorld& world,
+                                const Simulation& simulation) {
+    const Duration longest = world.longest_unmarked(output) + world.longest_interval();
+    for (const Written& written : simulation.written(output)) {
+        if (!written.frame.good() || is_preset(written.frame)) {
+            continue;
+        }
+        const std::size_t sender = written.number.value_or(~0U) / kNumbersApart;
+        if (sender >= world.senders().size()) {
+            return told(output, written, "values that nobody sent, as good");
+        }
+        const auto arrived = simulation.arrived_at(sender, *written.number % kNumbersApart);
+        if (arrived && (*arrived > written.at || written.at - *arrived > longest)) {
+            return told(output, written,
+                        fmt::format("values that in{} said {} ms ago, as good", sender,
+                                    (written.at - *arrived) / 1ms));
+        }
+    }
+    return std::nullopt;
+}
+
+/// No two frames stand closer than they may, and none of one that is not silent is missing. A
+/// locked grid takes a whole number of input intervals for its step, and a sender whose clock is
+/// fast by a hundredth for one that keeps the period.
+Verdict loses_its_period(std::size_t output, const RandomWorld& world,
+                         const std::vector<Written>& written) {
+    const Duration period = world.period(output);
+    const Duration interval = world.longest_interval();
+    const bool locked = world.locked(output);
+    const Duration least = locked ? period - period / 100 : period;
+    const Duration most = 2 * (locked ? period + interval : period);
+    for (std::size_t i = 1; i < written.size(); ++i) {
+        const Duration gap = written[i].at - written[i - 1].at;
+        if (gap < least || (gap > most && !world.falls_silent(output))) {
+            return told(output, written[i],
+                        fmt::format("{} us behind the frame before", gap / 1us));
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+RandomWorld::RandomWorld(std::uint64_t seed) : random_(seed) {
+    inputs_ = one_to(4);
+    for (std::size_t i = 0; i < inputs_; ++i) {
+        add_input(i);
+    }
+    outputs_ = one_to(3);
+    for (std::size_t i = 0; i < outputs_; ++i) {
+        add_output(i);
+    }
+    add_pipeline();
+}
+
+Duration RandomWorld::longest_unmarked(std::size_t output) const {
+    return longest_unnoticed_ + (marks_[output] ? 0ms : hold_) + 2 * periods_[output];
+}
+
+Duration RandomWorld::between(Duration low, Duration high) {
+    return low + std::chrono::milliseconds(below(static_cast<std::size_t>((high - low) / 1ms)));
+}
+
+void RandomWorld::duration(std::string_view key, Duration value) {
+    line(fmt::format("{} = \"{}ms\"", key, value / 1ms));
+}
+
+void RandomWorld::add_input(std::size_t index) {
+    const bool sbus = chance(50);
+    line(fmt::format("[input.in{}]\nprotocol = \"{}\"\ndevice = \"/dev/in{}\"", index,
+                     sbus ? "sbus" : "ibus", index));
+    const bool watches_for_frozen = chance(50);
+    longest_unnoticed_ = std::max(longest_unnoticed_, add_detectors(sbus, watches_for_frozen));
+    add_sender(index, sbus, watches_for_frozen);
+}
+
+/// Returns how long a loss may go unnoticed with them.
+Duration RandomWorld::add_detectors(bool sbus, bool watches_for_frozen) {
+    const Duration timeout = between(150ms, 400ms);
+    duration("timeout", timeout);
+    Duration unnoticed = timeout;
+    if (sbus && chance(40)) {
+        const Duration run = between(50ms, 900ms);
+        duration("frame_lost_run", run);
+        unnoticed = std::max(unnoticed, run);
+    }
+    if (sbus && chance(30)) {
+        line(fmt::format("frame_lost_ratio = {}", chance(50) ? "1.0" : "0.5"));
+    }
+    if (watches_for_frozen) {
+        const Duration frozen = between(300ms, 900ms);
+        duration("frozen", frozen);
+        unnoticed = std::max(unnoticed, frozen);
+    }
+    return unnoticed;
+}
+
+void RandomWorld::add_sender(std::size_t index, bool sbus, bool may_freeze) {
+    constexpr std::array kPeriods{Duration(4ms), Duration(7ms), Duration(7700us), Duration(9ms),
+                                  Duration(14ms)};
+    Sender sender{.input = index,
+                  .protocol = sbus ? "sbus" : "ibus",
+                  .period = kPeriods[below(kPeriods.size())],
+                  .first = Instant(between(0ms, 3s)),
+                  .last = kEnd,
+                  .first_number = static_cast<std::uint32_t>(kNumbersApart * index)};
+    sender.faults.drop_frame = chance(30) ? 0.2 : 0;
+    // SBUS has no checksum: a lost byte can make a frame of wrong values, which is a change.
+    sender.faults.lose_byte = !sbus && chance(30) ? 0.005 : 0;
+    for (Instant at = Instant(between(1s, 6s)); at < kTroublesEnd - 4s;) {
+        const auto kind = static_cast<SpellKind>(below(5));
+        // Without a flag, and without `frozen`, nobody can tell it from a pilot who holds still.
+        const bool invisible =
+            kind == SpellKind::frozen ||
+            (!sbus && (kind == SpellKind::frame_lost || kind == SpellKind::failsafe));
+        const Instant until = at + between(20ms, 4s);
+        sender.spells.push_back({at, until, invisible && !may_freeze ? SpellKind::silence : kind});
+        at = until + between(10ms, 3s);
+    }
+    longest_interval_ = std::max(longest_interval_, sender.period);
+    senders_.push_back(sender);
+}
+
+void RandomWorld::add_output(std::size_t index) {
+    const bool sbus = chance(60);
+    const Duration period = sbus ? between(7ms, 20ms) : between(5ms, 20ms);
+    line(fmt::format("[output.out{}]\nprotocol = \"{}\"\ndevice = \"/dev/out{}\"", index,
+                     sbus ? "sbus" : "ibus", index));
+    if (!sbus) {
+        line("channels = 18");
+    }
+    duration("period", period);
+    bool locked = false;
+    if (chance(50)) {
+        line("schedule = \"grid\"");
+        locked = chance(50);
+        line(locked ? "phase = \"locked\"" : "phase = \"free\"");
+    }
+    marks_.push_back(sbus);
+    periods_.push_back(period);
+    locked_.push_back(locked);
+}
+
+void RandomWorld::add_pipeline() {
+    std::string from;
+    std::string to;
+    for (std::size_t i = 0; i < inputs_; ++i) {
+        from += fmt::format("{}\"in{}\"", i == 0 ? "" : ", ", i);
+    }
+    for (std::size_t i = 0; i < outputs_; ++i) {
+        to += fmt::format("{}\"out{}\"", i == 0 ? "" : ", ", i);
+    }
+    constexpr std::array kModes{"priority", "sticky", "freshest", "median"};
+    const std::string mode = kModes[below(inputs_ > 2 ? 4 : 3)];
+    blends_ = mode == "median";
+    line(fmt::format("[pipeline.main]\nfrom = [{}]\nto = [{}]\nmode = \"{}\"", from, to, mode));
+    if (inputs_ > 1 && mode != "freshest" && chance(30)) {
+        line("changeover = \"4000us/s\"");
+        blends_ = true;
+    }
+    if (inputs_ > 1 && chance(20)) {
+        line(fmt::format("handover = {{ input = \"in0\", channel = {} }}", one_to(16)));
+    }
+    add_failsafe();
+    add_channels();
+}
+
+void RandomWorld::add_failsafe() {
+    line("[pipeline.main.failsafe]");
+    hold_ = between(0ms, 900ms);
+    duration("hold", hold_);
+    duration("recover", between(0ms, 900ms));
+    duration("power_on", between(0ms, 900ms));
+    if (chance(30)) {
+        line("slew = \"3000us/s\"");
+        blends_ = true;
+    }
+    if (chance(30)) {
+        line("release_when = { channel = 3, below = 1200 }");
+    }
+    for (std::size_t i = 0; i < outputs_; ++i) {
+        const std::string_view action = marks_[i]
+                                            ? std::array{"preset", "hold", "silence"}[below(3)]
+                                            : std::array{"preset", "silence"}[below(2)];
+        falls_silent_.push_back(action == "silence");
+        line(fmt::format("[pipeline.main.failsafe.output.out{}]\naction = \"{}\"", i, action));
+    }
+}
+
+/// Of channels that tell neither the number of a frame nor a preset.
+void RandomWorld::add_channels() {
+    constexpr std::array kRules{"{ from = 4, reverse = true }", "{ from = 7, expo = 0.4 }",
+                                "{ from = 9, trim = 25 }", "{ fixed = 1200 }", "14"};
+    if (!chance(50)) {
+        return;
+    }
+    line("[pipeline.main.channels]");
+    for (std::size_t channel = 7; channel <= 16; ++channel) {
+        if (chance(40)) {
+            line(fmt::format("{} = {}", channel, kRules[below(kRules.size())]));
+        }
+    }
+}
+
+std::optional<std::string> broken_promise(const RandomWorld& world, const Simulation& simulation) {
+    if (simulation.allocations() > 0) {
+        return fmt::format("the engine allocated {} times", simulation.allocations());
+    }
+    const auto outputs = simulation.engine().outputs();
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        const std::vector<Written>& written = simulation.written(i);
+        if (written.empty()) {
+            return fmt::format("output out{}: wrote nothing", i);
+        }
+        if (auto broken = repeats_old_values(i, written, world.longest_unmarked(i))) {
+            return broken;
+        }
+        if (!world.blends()) {
+            if (auto broken = writes_what_nobody_says(i, world, simulation)) {
+                return broken;
+            }
+        }
+        if (auto broken = loses_its_period(i, world, written)) {
+            return broken;
+        }
+        if (outputs[i].stage() != OutputStage::control) {
+            return fmt::format("output out{}: not in control again after the troubles", i);
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace tribus::test

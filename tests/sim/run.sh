@@ -1,0 +1,36 @@
+#!/bin/sh
+# Simulates random worlds for long: tests/sim/run.sh [HOURS] [FIRST_SEED], by default 1000 simulated
+# hours of seeds that no test run has. What breaks a promise is printed with the command that shows
+# it again, and its seed is added to tests/sim/regression_seeds.txt, which every test run goes through.
+cd "$(dirname "$0")/../.."
+. deploy/prepare.sh
+
+hours=${1:-1000}
+first=${2:-1000001}
+# shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
+install_packages $build_packages $test_libraries
+build ON sim_tests
+
+# Of one world (tests/sim/random_world.h).
+seconds=34
+# Worlds that a process goes through.
+share=500
+worlds=$((hours * 3600 / seconds))
+found=$(mktemp)
+trap 'rm -f "$found"' EXIT
+echo "Simulating $worlds worlds, $hours hours" >&2
+seq "$first" "$share" $((first + worlds - 1)) |
+    TRIBUS_LAST=$((first + worlds - 1)) TRIBUS_SHARE=$share xargs -P "$(nproc)" -I '{}' sh -c '
+        last=$(({} + TRIBUS_SHARE - 1))
+        [ "$last" -le "$TRIBUS_LAST" ] || last=$TRIBUS_LAST
+        TRIBUS_SEED={}-$last build/tests/sim_tests --gtest_brief=1 \
+            --gtest_filter=NeverStale.no_random_world_breaks_a_promise 2>&1 |
+            grep -vE "^\[|^Running main" || true' | tee "$found"
+
+seeds=$(sed -n 's/.*replay: TRIBUS_SEED=\([0-9]*\) .*/\1/p' "$found" | sort -un)
+if [ -n "$seeds" ]; then
+    echo "$seeds" >>tests/sim/regression_seeds.txt
+    echo "Promises were broken in worlds $(echo "$seeds" | tr '\n' ' ')" >&2
+    exit 1
+fi
+echo "$worlds worlds, $hours hours: every promise was kept"

@@ -1,0 +1,277 @@
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include "app/ask_daemon.h"
+#include "app/monitor_fields.h"
+#include "tests/loopback/program.h"
+#include "tests/soak/bare_timer.h"
+#include "tests/soak/line.h"
+
+/// Many pipelines for a long time: one daemon between receivers and servos of ours at ptys, with
+/// receivers that fall silent and devices that are pulled. What must be flat is held against the
+/// first part of the run, and deadlines besides against a bare thread of the same time.
+namespace tribus::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// The run is told in so many parts. The first is for warming up.
+constexpr int kParts = 20;
+constexpr double kMillion = 1e6;
+/// Memory that may come and go with what the main thread does just then.
+constexpr long kMemoryNoiseKib = 256;
+
+struct Options {
+    std::size_t pipelines = 64;
+    int seconds = 3600;
+};
+
+/// One part of the run, at its end.
+struct Part {
+    std::uint64_t good = 0;
+    std::uint64_t marked = 0;
+    std::uint64_t frames = 0;  ///< that the daemon says it wrote
+    std::uint64_t misses = 0;
+    std::uint64_t bare_wakes = 0;
+    std::uint64_t bare_misses = 0;
+    long resident_kib = 0;
+    long data_kib = 0;
+    std::ptrdiff_t descriptors = 0;
+    std::size_t deaf_lines = 0;  ///< that got not one good frame
+};
+
+double per_million(std::uint64_t misses, std::uint64_t of) {
+    return of == 0 ? 0 : kMillion * static_cast<double>(misses) / static_cast<double>(of);
+}
+
+class Soak {
+  public:
+    Soak(const std::filesystem::path& folder, const Options& options)
+        : options_(options), folder_(folder) {
+        std::string text;
+        for (std::size_t i = 0; i < options.pipelines; ++i) {
+            text += lines_.emplace_back(folder, i).configuration();
+        }
+        const std::string file = folder / "soak.toml";
+        std::ofstream(file) << text;
+        daemon_.emplace(folder, std::vector<std::string>{"run", file});
+    }
+
+    int run() {
+        if (!daemon_->says("started")) {
+            fmt::print(stderr, "the daemon did not start:\n{}", daemon_->errors());
+            return 1;
+        }
+        fmt::print(
+            "  minutes      good    marked  misses/1e6  bare/1e6  RSS KiB  data KiB  "
+            "descriptors\n");
+        const Clock::time_point begin = Clock::now();
+        const auto part_length = std::chrono::milliseconds(1000L * options_.seconds / kParts);
+        for (int part = 1; part <= kParts && daemon_->runs(); ++part) {
+            translate(begin + part * part_length, part_length);
+            note(begin);
+        }
+        return judge();
+    }
+
+  private:
+    /// With a trouble now and then that ends a while before `end`.
+    void translate(Clock::time_point end, std::chrono::milliseconds length) {
+        constexpr auto kTrouble = 3s;
+        const auto last_trouble =
+            end - std::max<std::chrono::milliseconds>(length / 3, 2 * kTrouble);
+        Clock::time_point change = Clock::now() + kTrouble;
+        bool troubled = false;
+        SoakLine* hurt = nullptr;
+        for (Clock::time_point now = Clock::now(); now < end; now = Clock::now()) {
+            if (now >= change && (troubled || now < last_trouble)) {
+                troubled = !troubled;
+                troubled ? void(hurt = hurt_one(now + kTrouble)) : hurt->plug_in();
+                change = now + kTrouble;
+            }
+            for (SoakLine& line : lines_) {
+                line.send(now);
+                line.listen();
+            }
+            constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
+            ::nanosleep(&kPause, nullptr);
+        }
+    }
+
+    SoakLine* hurt_one(Clock::time_point until) {
+        SoakLine& line = lines_[random_() % lines_.size()];
+        switch (random_() % 4) {
+            case 0:
+                line.silence(until);
+                break;
+            case 1:
+                line.babble(until);
+                break;
+            case 2:
+                line.pull_receiver();
+                break;
+            default:
+                line.pull_servos();
+        }
+        return &line;
+    }
+
+    void note(Clock::time_point begin) {
+        Part part;
+        good_before_.resize(lines_.size());
+        for (std::size_t i = 0; i < lines_.size(); ++i) {
+            const LineCounts& counts = lines_[i].counts();
+            part.good += counts.good;
+            part.marked += counts.marked;
+            part.deaf_lines += counts.good == good_before_[i] ? 1U : 0U;
+            good_before_[i] = counts.good;
+        }
+        if (const auto status = ask_daemon(folder_ / "control", "status", 5s)) {
+            for (const auto& output : monitor::list(*status, "outputs")) {
+                part.frames += monitor::count(output, "frames");
+                part.misses += monitor::count(output, "deadline_misses");
+            }
+        }
+        part.bare_wakes = bare_.wakes();
+        part.bare_misses = bare_.misses();
+        part.resident_kib = daemon_->memory_kib("VmRSS");
+        part.data_kib = daemon_->memory_kib("VmData");
+        part.descriptors = least_descriptors();
+        parts_.push_back(part);
+        print_latest(begin);
+    }
+
+    /// Without the files that its main thread opens for a moment now and then.
+    std::ptrdiff_t least_descriptors() const {
+        constexpr int kLooks = 20;
+        std::ptrdiff_t least = daemon_->open_descriptors();
+        for (int look = 1; look < kLooks; ++look) {
+            constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
+            ::nanosleep(&kPause, nullptr);
+            least = std::min(least, daemon_->open_descriptors());
+        }
+        return least;
+    }
+
+    void print_latest(Clock::time_point begin) const {
+        const Part& part = parts_.back();
+        const Part before = parts_.size() > 1 ? parts_[parts_.size() - 2] : Part{};
+        fmt::print(
+            "{:>9.1f} {:>9} {:>9}  {:>10.0f} {:>9.0f} {:>8} {:>9}  {:>11}\n",
+            std::chrono::duration<double, std::ratio<60>>(Clock::now() - begin).count(),
+            part.good - before.good, part.marked - before.marked,
+            per_million(part.misses - before.misses, part.frames - before.frames),
+            per_million(part.bare_misses - before.bare_misses, part.bare_wakes - before.bare_wakes),
+            part.resident_kib, part.data_kib, part.descriptors);
+        std::fflush(stdout);
+    }
+
+    void demand(bool kept, const std::string& promise) {
+        fmt::print("{}  {}\n", kept ? "kept  " : "BROKEN", promise);
+        kept_ = kept_ && kept;
+    }
+
+    int judge() {
+        LineCounts all;
+        for (const SoakLine& line : lines_) {
+            all.foreign += line.counts().foreign;
+            all.old += line.counts().old;
+            all.strays += line.counts().strays;
+        }
+        const Part& warm = parts_.front();
+        const Part& end = parts_.back();
+        demand(daemon_->runs() && parts_.size() == kParts, "the daemon runs until the end");
+        demand(all.foreign == 0,
+               fmt::format("no good frame has values that were not sent: {}", all.foreign));
+        demand(all.old == 0, fmt::format("no good frame has old values: {}", all.old));
+        demand(all.strays == 0,
+               fmt::format("every byte belongs to a frame: {} do not", all.strays));
+        demand(std::ranges::all_of(parts_, [](const Part& part) { return part.deaf_lines == 0; }),
+               "every line has control in every part of the run");
+        demand(end.descriptors == warm.descriptors,
+               fmt::format("descriptors: {} and {}", warm.descriptors, end.descriptors));
+        for (const auto& [name, first, last] :
+             {std::tuple("resident", warm.resident_kib, end.resident_kib),
+              std::tuple("data", warm.data_kib, end.data_kib)}) {
+            demand(last <= first + kMemoryNoiseKib,
+                   fmt::format("{} memory: {} and {} KiB", name, first, last));
+        }
+        judge_deadlines();
+        daemon_->signal(SIGTERM);
+        demand(daemon_->end() == 0, "the daemon ends when it is told to");
+        demand(count_of("allocated", daemon_->errors()) == 0, "the data thread allocated nothing");
+        return kept_ ? 0 : 1;
+    }
+
+    /// Those of the last third beside those of the second, each beside the bare thread.
+    void judge_deadlines() {
+        constexpr std::size_t kThird = kParts / 3;
+        constexpr double kNoise = 2;
+        if (parts_.size() != kParts) {
+            return;
+        }
+        const auto rates = [&](std::size_t from, std::size_t to) {
+            const Part& first = parts_[from];
+            const Part& last = parts_[to];
+            return std::pair(per_million(last.misses - first.misses, last.frames - first.frames),
+                             per_million(last.bare_misses - first.bare_misses,
+                                         last.bare_wakes - first.bare_wakes));
+        };
+        const auto [early, bare_early] = rates(0, kThird);
+        const auto [late, bare_late] = rates(kParts - 1 - kThird, kParts - 1);
+        // One that the bare thread met as well says nothing of the daemon.
+        const double machine = (bare_late + 1) / (bare_early + 1);
+        demand(
+            late <= kNoise * std::max(1.0, machine) * (early + 1),
+            fmt::format("deadlines missed of a million: {:.0f}, then {:.0f} (bare thread: {:.0f}, "
+                        "{:.0f})",
+                        early, late, bare_early, bare_late));
+    }
+
+    Options options_;
+    std::filesystem::path folder_;
+    std::deque<SoakLine> lines_;
+    std::optional<Program> daemon_;
+    BareTimer bare_;
+    std::mt19937 random_{1};
+    std::vector<std::uint64_t> good_before_;
+    std::vector<Part> parts_;
+    bool kept_ = true;
+};
+
+int soak(const Options& options) {
+    std::string name = (std::filesystem::temp_directory_path() / "tribus-soak-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) {
+        fmt::print(stderr, "no folder for the devices\n");
+        return 1;
+    }
+    const int status = Soak(name, options).run();
+    std::filesystem::remove_all(name);
+    return status;
+}
+
+}  // namespace
+}  // namespace tribus::test
+
+int main(int argc, char** argv) {
+    CLI::App app("Many pipelines over pseudo-terminals for a long time");
+    tribus::test::Options options;
+    app.add_option("SECONDS", options.seconds, "How long")->capture_default_str();
+    app.add_option("PIPELINES", options.pipelines, "How many")->capture_default_str();
+    CLI11_PARSE(app, argc, argv);
+    return tribus::test::soak(options);
+}
