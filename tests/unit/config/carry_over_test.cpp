@@ -121,5 +121,21 @@ TEST(CarryOver, KeepsANodeOfDroneCanWithTheSameIdOnTheSameInterface) {
     EXPECT_EQ(other.leaving.outputs, std::vector<std::size_t>{0});
 }
 
+TEST(CarryOver, KeepsNoInputWhoseBytesMeanSomethingElse) {
+    const CarryOver plan =
+        carry_over(replaced(kJob, "[output.servos]", "slots = \"plain\"\n[output.servos]"));
+    EXPECT_EQ(plan.engine.inputs[0].from, std::nullopt);
+}
+
+TEST(CarryOver, KeepsNoSensorBusNorItsValuesWhereATypeOfSensorChanged) {
+    const std::string bus = "[sensor_bus.probes]\nrole = \"receiver\"\ndevice = \"/dev/ttyS\"\n";
+    const auto lift = [](int id) {
+        return "[sensor_type.lift]\nid = " + std::to_string(id) + "\n";
+    };
+    EXPECT_EQ(carry_over(kJob + bus + lift(133), kJob + bus + lift(133)).values.buses[0], 0U);
+    EXPECT_EQ(carry_over(kJob + bus + lift(134), kJob + bus + lift(133)).values.buses[0],
+              std::nullopt);
+}
+
 }  // namespace
 }  // namespace tribus::testing

@@ -112,5 +112,17 @@ TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_rhythm_with_frames_
     EXPECT_NEAR(static_cast<double>(arrivals.interval() / 1us), 7000, 10);
 }
 
+TEST(ArrivalClock, lateness_is_forgotten_where_frames_come_on_the_beat_again) {
+    ArrivalClock arrivals;
+    for (int frame = 0; frame < 400; ++frame) {
+        arrivals.arrived(at(frame * 7ms + (frame % 4 == 0 ? 800us : 0us)));
+    }
+    EXPECT_GT(arrivals.lateness(), 200us);
+    for (int frame = 400; frame < 1600; ++frame) {
+        arrivals.arrived(at(frame * 7ms));
+    }
+    EXPECT_LT(arrivals.lateness(), 20us);
+}
+
 }  // namespace
 }  // namespace tribus::test

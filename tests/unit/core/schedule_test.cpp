@@ -157,6 +157,26 @@ TEST(FollowSchedule, a_slow_input_does_not_hold_repeats_back) {
     EXPECT_EQ(schedule.due(), arrivals.latest() + 7ms);
 }
 
+TEST(FollowSchedule, of_frames_each_5_ms_two_of_three_are_sent_for_ever_where_the_period_is_7_ms) {
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    ArrivalClock arrivals;
+    schedule.start(at(0ms));
+    int writes = 0;
+    const auto write_until = [&](Instant until) {
+        for (; schedule.due() <= until; ++writes) {
+            schedule.done(schedule.due(), true);
+        }
+    };
+    for (int frame = 0; frame < 3000; ++frame) {
+        const Instant arrival = at(frame * 5ms);
+        write_until(arrival - 1ns);
+        arrivals.arrived(arrival);
+        schedule.frame_arrived(arrivals);
+        write_until(arrival);
+    }
+    EXPECT_NEAR(writes, 2000, 2);
+}
+
 TEST(FollowSchedule, a_silent_output_need_not_keep_a_distance_from_what_it_did_not_write) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
@@ -181,6 +201,14 @@ TEST(GridSchedule, skips_whole_periods_that_were_missed_and_counts_them) {
     schedule.done(at(45ms), true);
     EXPECT_EQ(schedule.due(), at(56ms));
     EXPECT_EQ(schedule.overruns(), 3U);
+}
+
+TEST(GridSchedule, a_turn_that_comes_when_the_next_is_due_is_the_only_one) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms});
+    schedule.start(at(0ms));
+    schedule.done(at(14ms), true);
+    EXPECT_EQ(schedule.due(), at(28ms));
+    EXPECT_EQ(schedule.overruns(), 1U);
 }
 
 TEST(GridSchedule, a_free_grid_is_not_moved_by_arrivals) {
@@ -325,6 +353,29 @@ TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
         schedule.done(due, true);
         ASSERT_EQ(schedule.due() - due, 14ms);
     }
+}
+
+TEST(LockedGridSchedule, makes_no_step_shorter_than_its_period_behind_an_input_of_the_same) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
+    ArrivalClock arrivals;
+    schedule.start(at(0ms));
+    for (int point = 0; point < 500; ++point) {
+        ASSERT_EQ(schedule.due(), at(point * 14ms));
+        schedule.done(schedule.due(), true);
+        arrivals.arrived(at(point * 14ms + 13800us));  // 200 us before the next point
+        schedule.frame_arrived(arrivals);
+    }
+}
+
+TEST(ScheduleAfterAReload, with_a_shorter_period_does_not_wait_for_the_old_deadline) {
+    Schedule before({.kind = ScheduleKind::follow, .period = 1s});
+    before.start(at(0ms));
+    before.frame_arrived(arrivals_each(7ms, at(2ms), 1));
+    before.done(at(2ms), true);
+    Schedule after({.kind = ScheduleKind::follow, .period = 20ms});
+    after.start(at(10ms));
+    after.continue_from(before, at(10ms));
+    EXPECT_EQ(after.due(), at(22ms));
 }
 
 }  // namespace

@@ -217,5 +217,14 @@ TEST(ChannelMap, slew_goes_on_from_presets) {
     EXPECT_EQ(first_us(map, us(2000), Instant(2s + 12ms)), 1000);
 }
 
+TEST(ChannelMap, a_slew_does_not_begin_anew_where_what_was_said_lacks_its_channel) {
+    ChannelMap map = map_of({.source = FromChannel{0}, .slew_us_per_second = 1000});
+    EXPECT_EQ(first_us(map, us(2000)), 2000);
+    ChannelFrame said = ladder();
+    said.remove(0);
+    map.restart_from(said, kNow);
+    EXPECT_EQ(first_us(map, us(2000), kNow + 10ms), 2000);
+}
+
 }  // namespace
 }  // namespace tribus

@@ -1,94 +1,14 @@
 #include "pipelines/link_supervisor.h"
 
-#include <chrono>
-#include <cstddef>
-#include <cstdint>
-
 #include <gtest/gtest.h>
 
-namespace tribus::test {
+#include <chrono>
+#include <cstdint>
+
+#include "tests/unit/pipelines/supervised_link.h"
+
+namespace tribus::test::link {
 namespace {
-
-using namespace std::chrono_literals;
-
-constexpr Duration kInterval = 7ms;
-constexpr Pulse kRawZero = Pulse::from_microseconds(880);
-
-Pulse us(std::int64_t microseconds) {
-    return Pulse::from_microseconds(microseconds);
-}
-Instant at(Duration since_start) {
-    return Instant(since_start);
-}
-
-/// Channels as a receiver with 16 of them sends: sticks around the centre.
-ChannelFrame sticks(std::int64_t third = 1200) {
-    ChannelFrame frame;
-    for (std::size_t channel = 0; channel < 16; ++channel) {
-        frame.set(channel, us(1500));
-    }
-    frame.set(2, us(third));
-    frame.frame_lost = false;
-    frame.failsafe = false;
-    return frame;
-}
-ChannelFrame frame_lost(ChannelFrame frame) {
-    frame.frame_lost = true;
-    return frame;
-}
-ChannelFrame failsafe(ChannelFrame frame) {
-    frame.frame_lost = true;
-    frame.failsafe = true;
-    return frame;
-}
-ChannelFrame zeros() {
-    ChannelFrame frame = sticks();
-    for (std::size_t channel = 0; channel < 16; ++channel) {
-        frame.set(channel, kRawZero);
-    }
-    return frame;
-}
-
-/// A link under supervision, one frame each 7 ms from 0 ms on.
-class Link {
-  public:
-    explicit Link(SupervisionSettings settings = {}) : supervisor_(std::move(settings)) {}
-
-    /// Frames until `until`, which make(n) makes, with n from 0.
-    template <class Make>
-    Link& frames(Duration until, Make make) {
-        for (std::int64_t n = 0; next_ < at(until); next_ += kInterval, ++n) {
-            ChannelFrame frame = make(n);
-            frame.received = next_;
-            supervisor_.bytes_came(next_);
-            supervisor_.take(frame, next_);
-        }
-        return *this;
-    }
-    Link& same(Duration until, const ChannelFrame& frame) {
-        return frames(until, [&](std::int64_t) { return frame; });
-    }
-    Link& moving(Duration until) {
-        return frames(until, [](std::int64_t n) { return sticks(1200 + n % 100); });
-    }
-    Link& bytes(Duration until) {
-        for (; next_ < at(until); next_ += kInterval) {
-            supervisor_.bytes_came(next_);
-        }
-        return *this;
-    }
-    Link& silence(Duration until) {
-        next_ = at(until);
-        return *this;
-    }
-    LinkState state(Duration when) const { return supervisor_.state(at(when)); }
-    LinkCause cause(Duration when) const { return state(when).cause; }
-    const LinkSupervisor& supervisor() const { return supervisor_; }
-
-  private:
-    LinkSupervisor supervisor_;
-    Instant next_{};
-};
 
 TEST(LinkCause, of_a_link_without_a_byte_is_never_seen) {
     EXPECT_EQ(Link().cause(10s), LinkCause::never_seen);
@@ -363,4 +283,4 @@ TEST(ZeroGuard, of_nothing_is_off) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::link

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "tests/unit/pipelines/engine_bench.h"
@@ -73,6 +75,34 @@ TEST_F(ValuesOfAPipeline, KeepConstantsAndTellTheMachineWhileItTells) {
     EXPECT_EQ(value(4), std::nullopt) << "told so long ago: whoever tells it hangs";
     values_->set_machine(0, std::nullopt, at(now_));
     EXPECT_EQ(value(4), std::nullopt);
+}
+
+/// Tells a number with each frame that has data, and with others that there is none now.
+class Gauge final : public CanValueReader {
+  public:
+    std::span<const CanIdMatch> wanted() const override { return {}; }
+    bool uses_fd() const override { return false; }
+    std::span<const Value> values() const override { return {}; }
+    std::optional<Instant> take(const CanFrame& frame, Instant when,
+                                std::span<ValueReading> readings) override {
+        readings[0] = {.state = frame.length > 0 ? ValueReading::State::number
+                                                 : ValueReading::State::not_available,
+                       .number = 12.5};
+        return when;
+    }
+    std::span<const NamedCount> rejected() const override { return {}; }
+};
+
+TEST(ValueOfAMessage, IsGoneAsSoonAsTheMessageSaysThatThereIsNone) {
+    ValueEngineSettings settings;
+    settings.values = {{"battery.voltage", "V", 500ms}};
+    settings.messages.push_back({std::make_unique<Gauge>(), {0}});
+    ValueEngine values(std::move(settings));
+    values.start(at(0ms));
+    values.receive(0, CanFrame{.length = 1}, at(10ms));
+    EXPECT_EQ(values.board().fresh(0, at(20ms)), 12.5);
+    values.receive(0, CanFrame{.length = 0}, at(20ms));
+    EXPECT_FALSE(values.board().fresh(0, at(30ms)));
 }
 
 }  // namespace

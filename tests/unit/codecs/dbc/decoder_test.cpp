@@ -285,5 +285,12 @@ TEST(DbcDecoder, ReadsASignalOnAnyPageThatHasIt) {
     EXPECT_FALSE(decoder.next(standard_frame(1, {8, 10, 0}), at(1)));
 }
 
+TEST(DbcDecoder, FrameLostLastsNoLongerThanTheSenderSaysSo) {
+    DbcDecoder decoder(
+        received_map(kDrive, R"({"Command": {"Speed": 1, "Lost": {"flag": "frame_lost"}}})"));
+    EXPECT_TRUE(decoder.next(command({0, 0, 0, 0, 0, 0x40, 0, 0}), at(0))->frame_lost);
+    EXPECT_FALSE(decoder.next(command({0, 0, 0, 0, 0, 0, 0, 0}), at(20))->frame_lost);
+}
+
 }  // namespace
 }  // namespace tribus

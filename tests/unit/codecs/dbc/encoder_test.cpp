@@ -311,5 +311,16 @@ TEST(DbcChecksum, AutosarProfiles) {
     EXPECT_EQ(checksum(DbcChecksumKind::p05, {0, 0, 0, 0, 0, 0, 0, 0}, 0, 0x1234), 0xCA1CU);
 }
 
+TEST(DbcEncoder, WhatBecomesFrameLostIsToldBeforeTheCycleEnds) {
+    DbcEncoder encoder(sent_map(kDrive,
+                                R"({"Command": {"Speed": 1, "Lost": {"flag": "frame_lost"}}})",
+                                R"({"Command": "1s"})"));
+    ChannelFrame snapshot = channels({1500});
+    EXPECT_EQ(frames_of(encoder, snapshot, at(0)).size(), 1U);
+    EXPECT_EQ(frames_of(encoder, snapshot, at(20)).size(), 0U);
+    snapshot.frame_lost = true;
+    EXPECT_EQ(frames_of(encoder, snapshot, at(40)).size(), 1U);
+}
+
 }  // namespace
 }  // namespace tribus

@@ -365,5 +365,15 @@ TEST(DroneCanNodeWithoutId, AsksForAnotherWhereANodeHasTheSame) {
     EXPECT_EQ(head_of(bus.run(seconds(1)).at(0))->source, kNobody);
 }
 
+TEST(DroneCanNode, KeepsItsSecondsHoweverLateItsTurns) {
+    Node node(node_42());
+    node.start(Instant{});
+    node.poll(Instant{}, NodeHealth::ok);
+    node.written();
+    node.poll(Instant(milliseconds(1300)), NodeHealth::ok);
+    node.written();
+    EXPECT_EQ(node.poll(Instant(milliseconds(1301)), NodeHealth::ok), Instant(seconds(2)));
+}
+
 }  // namespace
 }  // namespace tribus::dronecan

@@ -90,5 +90,17 @@ TEST(EchoCanceller, CountsAnEchoThatLostAByteAsCollision) {
     EXPECT_EQ(echo.counts().collisions, 1U);
 }
 
+TEST(EchoCanceller, HearsTheEchoBehindACollision) {
+    EchoCanceller echo;
+    echo.sent(kSent, kNow);
+    Bytes spoilt = kSent;
+    spoilt[3] ^= 0x01U;
+    after_cancelling(echo, spoilt);
+    echo.sent(kSent, kNow + 8ms);
+    after_cancelling(echo, kSent, kNow + 9ms);
+    EXPECT_EQ(echo.counts().collisions, 1U);
+    EXPECT_EQ(echo.counts().heard, 1U);
+}
+
 }  // namespace
 }  // namespace tribus

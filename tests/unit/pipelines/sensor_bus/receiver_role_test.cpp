@@ -297,5 +297,22 @@ TEST_F(ReceiverRoleAtAWire, FindsAsManyAsThereAreAddresses) {
     }
 }
 
+TEST_F(ReceiverRoleAtAWire, KeepsASensorThatAnswersBeforeItHasMissedTooOftenInARow) {
+    make({.drop_after = 4});
+    set_type(1, 0x02, 2);
+    set_value(1, {7, 0});
+    start_up();
+    asked(4);
+    for (int times = 0; times < 10; ++times) {
+        slot(false);
+        slot(false);
+        slot(false);
+        slot();
+        slot();
+    }
+    EXPECT_EQ(role_->found().size(), 1U);
+    EXPECT_EQ(role_->counts().lost_sensors, 0U);
+}
+
 }  // namespace
 }  // namespace tribus::test::sensor_bus

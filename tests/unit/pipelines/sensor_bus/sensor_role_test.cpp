@@ -261,5 +261,34 @@ TEST_F(SensorRoleOfTwo, AnswersAgainAfterDamage) {
     EXPECT_FALSE(answer(request(0xA1)).empty());
 }
 
+TEST_F(SensorRoleOfTwo, DoesNotAnswerWhereAnyFieldOfAValueIsStale) {
+    SensorSettings pair;
+    pair.type = {.name = "pair",
+                 .id = 0x70,
+                 .size = 4,
+                 .fields = {{.name = "first", .unit = "", .first_bit = 0},
+                            {.name = "second", .unit = "", .first_bit = 16}}};
+    for (const std::size_t stale : {0U, 1U}) {
+        const std::size_t fresh = 1 - stale;
+        pair.sources.assign(2, std::nullopt);
+        pair.sources[stale] = FieldSource{.value = 0};
+        pair.sources[fresh] = FieldSource{.value = 1};
+        make({.sensors = {pair}});
+        EXPECT_FALSE(answer(request(0xA1)).empty());
+        board_.remove(0);
+        answer(request(0xA1));
+        EXPECT_TRUE(answer(request(0xA1)).empty()) << stale;
+    }
+}
+
+TEST_F(SensorRoleOfTwo, GivesAnAnswerThatIsDueAfterAReload) {
+    role_->receive(request(0xA1), now_, board_);
+    SensorRole next({.sensors = {sensor("external_voltage", 0), sensor("temperature", 1)}});
+    next.start(now_);
+    next.continue_from(*role_);
+    EXPECT_EQ(next.due(), now_ + 200us);
+    EXPECT_EQ(turn(next, now_ + 200us, board_), framed({0x06, 0xA1, 0xD2, 0x04}));
+}
+
 }  // namespace
 }  // namespace tribus::test::sensor_bus

@@ -1,0 +1,239 @@
+#!/usr/bin/env python3
+"""Breaks tribus as tests/mutation/mutations.toml says and looks which test notices.
+
+Called by run.sh, which says how. Exit status 1 if a mutation survived or could not be tried.
+"""
+
+import argparse
+import dataclasses
+import hashlib
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+WORK = ROOT / "build-mutation"
+SOURCE = WORK / "source"
+BUILD = WORK / "build"
+LIST = ROOT / "tests/mutation/mutations.toml"
+CAUGHT = ROOT / "tests/mutation/caught.md"
+
+# The quickest first.
+SUITES = ["unit", "property", "capture", "sim", "loopback"]
+# They look at sources, not at what the program does.
+NO_TESTS_OF_THE_PROGRAM = "Tidy.*:MutationList.*"
+# Of what the suite takes where nothing is broken: a test that takes longer hangs.
+PATIENCE = 5
+LEAST_PATIENCE_S = 120
+
+
+@dataclasses.dataclass
+class Mutation:
+    name: str
+    file: str
+    text: str
+    instead: str
+    suite: str = "unit"
+    filter: str = "*"
+
+
+@dataclasses.dataclass
+class Result:
+    mutation: Mutation
+    said: str
+    # It was tried, and a test noticed.
+    good: bool
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def copy_sources():
+    """Leaves alone what is the same, so that only the rest is built. Returns a sum over all."""
+    listed = subprocess.run(
+        ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
+        cwd=ROOT, check=True, capture_output=True).stdout.decode().split("\0")
+    names = [name for name in listed if name and (ROOT / name).is_file()]
+    digest = hashlib.sha256()
+    for name in sorted(names):
+        content = (ROOT / name).read_bytes()
+        if not name.startswith("tests/mutation/"):
+            digest.update(name.encode() + b"\0" + content + b"\0")
+        copy = SOURCE / name
+        if not copy.is_file() or copy.read_bytes() != content:
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            copy.write_bytes(content)
+            shutil.copymode(ROOT / name, copy)
+    known = set(names)
+    for path in SOURCE.rglob("*"):
+        if path.is_file() and str(path.relative_to(SOURCE)) not in known:
+            path.unlink()
+    return digest.hexdigest()
+
+
+def environment():
+    inside = dict(os.environ)
+    inside.setdefault("CCACHE_DIR", str(WORK / "ccache"))
+    inside.setdefault("CCACHE_SLOPPINESS", "time_macros,pch_defines")
+    return inside
+
+
+def configure():
+    """As it is shipped, but for optimisations that take longer than they save."""
+    shared = os.environ.get("TRIBUS_SHARED", ROOT.parent / "shared")
+    subprocess.run(
+        ["cmake", "-S", SOURCE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+         "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache",
+         "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST", f"-DTRIBUS_SHARED={shared}"],
+        check=True, stdout=subprocess.DEVNULL, env=environment())
+
+
+def build(suites, jobs):
+    """What the compiler said where it did not compile."""
+    targets = [f"{suite}_tests" for suite in suites]
+    done = subprocess.run(
+        ["cmake", "--build", BUILD, "--parallel", str(jobs), "--target", *targets],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment())
+    return None if done.returncode == 0 else done.stdout
+
+
+def run_tests(suite, tests, limit_s):
+    """The first test that fails, with a word about how if it did not just fail; else nothing."""
+    with (WORK / f"{suite}.log").open("w+", errors="replace") as log:
+        process = subprocess.Popen(
+            [BUILD / "tests" / f"{suite}_tests", "--gtest_fail_fast",
+             "--gtest_color=no", f"--gtest_filter={tests}-{NO_TESTS_OF_THE_PROGRAM}"],
+            stdout=log, stderr=subprocess.STDOUT, cwd=BUILD / "tests", start_new_session=True)
+        hangs = False
+        try:
+            process.wait(timeout=limit_s)
+        except subprocess.TimeoutExpired:
+            hangs = True
+        try:
+            os.killpg(process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+        process.wait()
+        log.seek(0)
+        output = log.read()
+    begun = re.findall(r"^\[ RUN      \] (\S+)", output, re.MULTILINE)
+    if not begun:
+        return f"nothing: the filter {tests} of {suite}_tests finds no test"
+    if hangs:
+        return f"{begun[-1]}, which does not end"
+    failed = re.search(r"^\[  FAILED  \] (\S+?),? ", output, re.MULTILINE)
+    if failed:
+        return failed[1]
+    return f"{begun[-1]}, which ends the program" if process.returncode != 0 else None
+
+
+def check_unbroken(digest, suites, jobs):
+    """How long each suite may take. Not twice for the same sources."""
+    green = WORK / "green.toml"
+    known = tomllib.loads(green.read_text()) if green.is_file() else {}
+    if known.get("sources") != digest:
+        known = {"sources": digest, "seconds": {}}
+    for suite in suites:
+        if suite in known["seconds"]:
+            continue
+        begin = time.monotonic()
+        failed = run_tests(suite, "*", 3600)
+        if failed:
+            sys.exit(f"Nothing is broken yet, and {failed} of {suite}_tests fails: "
+                     f"see {WORK}/{suite}.log")
+        known["seconds"][suite] = round(time.monotonic() - begin, 1)
+        say(f"{suite}_tests: all pass in {known['seconds'][suite]} s")
+        seconds = "\n".join(f"{name} = {value}" for name, value in known["seconds"].items())
+        green.write_text(f'sources = "{digest}"\n[seconds]\n{seconds}\n')
+    return {suite: max(PATIENCE * known["seconds"][suite], LEAST_PATIENCE_S) for suite in suites}
+
+
+def attempt(mutation, limits, jobs):
+    """The file is broken already."""
+    order = [mutation.suite] + [suite for suite in SUITES if suite != mutation.suite]
+    for tries, suite in enumerate(order):
+        error = build([suite], jobs)
+        if error:
+            (WORK / "compiler.log").write_text(error)
+            return Result(mutation, "does not compile: see build-mutation/compiler.log", False)
+        if tries == 0:
+            caught = run_tests(suite, mutation.filter, limits[suite])
+            if caught:
+                return Result(mutation, f"caught by {caught}", not caught.startswith("nothing"))
+        caught = run_tests(suite, "*", limits[suite])
+        if caught:
+            return Result(mutation, f"caught by {caught}", True)
+    return Result(mutation, "SURVIVED", False)
+
+
+def try_one(mutation, limits, jobs):
+    path = SOURCE / mutation.file
+    original = path.read_text()
+    if original.count(mutation.text) != 1:
+        return Result(mutation, f"its text is not once in {mutation.file}", False)
+    path.write_text(original.replace(mutation.text, mutation.instead))
+    try:
+        return attempt(mutation, limits, jobs)
+    finally:
+        path.write_text(original)
+
+
+def table(results):
+    lines = ["| broken | in | noticed by |", "|---|---|---|"]
+    for result in results:
+        noticed = result.said.removeprefix("caught by ")
+        test, _, how = noticed.partition(",")
+        test = f"`{test}`" if result.good else test
+        lines.append(f"| {result.mutation.name} | `{result.mutation.file}` | "
+                     f"{test}{',' if how else ''}{how} |")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="tests/mutation/run.sh", description=__doc__)
+    parser.add_argument("patterns", nargs="*", metavar="PATTERN",
+                        help="only mutations whose names contain it")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="of the compiler")
+    parser.add_argument("--record", action="store_true", help=f"write {CAUGHT.relative_to(ROOT)}")
+    asked = parser.parse_args()
+
+    mutations = [Mutation(**entry) for entry in tomllib.loads(LIST.read_text())["mutation"]]
+    chosen = [mutation for mutation in mutations if not asked.patterns or
+              any(pattern.lower() in mutation.name.lower() for pattern in asked.patterns)]
+    if not chosen:
+        sys.exit("No mutation has such a name; tests/mutation/mutations.toml has them all.")
+    if asked.record and len(chosen) < len(mutations):
+        parser.error("--record is for all mutations, without a pattern")
+
+    begin = time.monotonic()
+    digest = copy_sources()
+    configure()
+    say("Building what is not broken")
+    error = build(SUITES, asked.jobs)
+    if error:
+        sys.exit(error)
+    limits = check_unbroken(digest, SUITES, asked.jobs)
+    results = []
+    for number, mutation in enumerate(chosen, 1):
+        started = time.monotonic()
+        results.append(try_one(mutation, limits, asked.jobs))
+        say(f"{number}/{len(chosen)} {mutation.name}: {results[-1].said} "
+            f"({time.monotonic() - started:.0f} s)")
+    good = sum(result.good for result in results)
+    summary = f"{good} of {len(results)} noticed, {(time.monotonic() - begin) / 60:.0f} min"
+    print(table(results))
+    say(summary)
+    if asked.record:
+        CAUGHT.write_text(table(results) + "\n")
+    return 0 if good == len(results) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
