@@ -15,6 +15,9 @@ constexpr Duration kStandsWell = std::chrono::microseconds(300);
 constexpr int kSteering = 16;
 /// Share of an interval for which a point of a locked grid waits for a frame that is late.
 constexpr int kPatience = 16;
+/// An input that is slower, in periods, is nothing to wait for: two frames with a long silence
+/// between them, or a bus that is asked for little.
+constexpr int kSlowestInput = 2;
 /// With more frames missing, the rhythm of the input says nothing of the next.
 constexpr int kBeatsToWaitFor = 3;
 /// So many frames in a row that had to wait are no accident.
@@ -94,10 +97,11 @@ Duration Schedule::least_step() const {
 }
 
 /// A whole number of input intervals, so that each point of the grid finds a frame equally old;
-/// nothing while the input has no rhythm or has stopped.
+/// nothing while the input has no rhythm, is slow, or has stopped.
 std::optional<Duration> Schedule::locked_step() const {
     const Duration interval = arrivals_.interval();
     if (settings_.phase == Phase::free || interval <= Duration::zero() ||
+        interval > kSlowestInput * settings_.period ||
         point_ > arrivals_.latest() + 2 * (settings_.period + interval)) {
         return std::nullopt;
     }

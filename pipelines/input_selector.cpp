@@ -10,6 +10,7 @@ namespace {
 
 /// Receivers hear the same sticks some milliseconds apart, so quick moves make them differ.
 constexpr Duration kDissentTime = std::chrono::milliseconds(500);
+constexpr std::size_t kWitnesses = 2;
 /// A stick at a boundary between two positions of the handover channel stays where it was.
 constexpr std::int32_t kHandoverSlackEighths = 25 * Pulse::kEighthsPerMicrosecond;
 
@@ -227,7 +228,20 @@ bool InputSelector::agrees(const ChannelFrame& frame) const {
     return true;
 }
 
+/// Who may outvote others: where fewer than two contradict nobody, as when each agrees with another
+/// one on another channel, it is not known who lies, and the vote on each channel has to do.
+bool InputSelector::has_witnesses(std::span<const Input> inputs) const {
+    std::size_t witnesses = 0;
+    for (std::size_t place = 0; place < voters_.size(); ++place) {
+        const Voter& voter = voters_[place];
+        const bool votes = voter.serves && !voter.outvoted;
+        witnesses += votes && !dissents(control(place, inputs)) ? 1U : 0U;
+    }
+    return witnesses >= kWitnesses;
+}
+
 void InputSelector::watch_dissent(Instant now, std::span<const Input> inputs) {
+    const bool certain = has_witnesses(inputs);
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         Voter& voter = voters_[place];
         const ChannelFrame& frame = control(place, inputs);
@@ -238,7 +252,7 @@ void InputSelector::watch_dissent(Instant now, std::span<const Input> inputs) {
         }
         voter.turning_since = voter.turning_since.value_or(now);
         const Duration needed = voter.outvoted ? recover_ : kDissentTime;
-        if (now - *voter.turning_since >= needed) {
+        if (now - *voter.turning_since >= needed && (voter.outvoted || certain)) {
             voter.outvoted = !voter.outvoted;
             voter.turning_since.reset();
             outvoted_count_ += voter.outvoted ? 1U : 0U;

@@ -80,6 +80,7 @@ class InputSelector {
     void vote(std::span<const Input> inputs);
     void decide(std::size_t channel, std::span<Pulse> values);
     void watch_dissent(Instant now, std::span<const Input> inputs);
+    bool has_witnesses(std::span<const Input> inputs) const;
     bool dissents(const ChannelFrame& frame) const;
     bool agrees(const ChannelFrame& frame) const;
     const ChannelFrame& control(std::size_t place, std::span<const Input> inputs) const {

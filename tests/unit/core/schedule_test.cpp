@@ -341,6 +341,23 @@ TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period_when_the
     }
 }
 
+/// A frame, seconds of noise, and a frame: that is no rhythm to keep step with.
+TEST(LockedGridSchedule, keeps_its_period_where_a_long_silence_lies_between_two_frames) {
+    Schedule schedule({.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked});
+    schedule.start(at(0ms));
+    ArrivalClock arrivals;
+    arrivals.arrived(at(1ms));
+    schedule.frame_arrived(arrivals);
+    arrivals.arrived(at(3900ms));
+    schedule.done(at(3899ms), true);
+    schedule.frame_arrived(arrivals);
+    for (int point = 0; point < 10; ++point) {
+        const Instant due = schedule.due();
+        schedule.done(due, true);
+        ASSERT_EQ(schedule.due() - due, 7ms);
+    }
+}
+
 TEST(LockedGridSchedule, goes_on_at_its_period_when_the_input_has_stopped) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 14ms, .phase = Phase::locked});
     const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);

@@ -137,6 +137,22 @@ TEST(SelectionMedian, of_three_that_all_differ_nobody_is_a_liar) {
     EXPECT_EQ(bench.engine().outputs()[0].selector().outvoted_count(), 0U);
 }
 
+TEST(SelectionMedian, where_each_of_three_agrees_with_another_on_another_channel_none_is_a_liar) {
+    Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
+                list(output_with(SelectionMode::median, 3)));
+    for (Instant when = at(1ms); when < at(3s); when += 8ms) {
+        for (const std::size_t input : {0U, 1U, 2U}) {
+            ChannelFrame frame;
+            for (std::size_t channel = 0; channel < 14; ++channel) {
+                frame.set(channel, us(channel < 3 && channel == input ? 1900 : 1500));
+            }
+            bench.send(IbusEncoder(), input, when, frame);
+        }
+    }
+    EXPECT_FALSE(bench.said(at(3s)).failsafe);
+    EXPECT_EQ(bench.engine().outputs()[0].selector().outvoted_count(), 0U);
+}
+
 TEST(SelectionMedian, a_liar_that_is_left_alone_gets_no_control) {
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
