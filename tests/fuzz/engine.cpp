@@ -193,12 +193,12 @@ class Play {
             } else if (operation < 230) {
                 engine_->device_lost(input);
             } else if (operation < 240) {
-                advance(0xFF);
+                be_silent();
             } else {
                 say_can_frame();
             }
         }
-        advance(0xFF);
+        be_silent();
     }
 
   private:
@@ -212,6 +212,13 @@ class Play {
         const auto periods = static_cast<std::size_t>(time / kPeriod) + 2;
         require(witness_.turns() - before <= periods * kTurnsOfPeriod,
                 "no more turns than periods have passed");
+    }
+
+    /// Twice as long as timeout and hold.
+    void be_silent() {
+        for (int i = 0; i < 10; ++i) {
+            advance(0xFF);
+        }
     }
 
     ChannelFrame sticks(std::uint8_t kind) {
