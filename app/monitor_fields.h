@@ -1,10 +1,13 @@
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
+
+#include "app/screen_parts.h"
 
 /// How a monitor reads what a daemon tells, which may be another version, or no daemon at all: a
 /// field that is not there, or of another kind, is nothing. Pure.
@@ -28,12 +31,14 @@ inline std::string raw_text(const Json& object, const char* key) {
 }
 
 /// To be shown: control characters, which a terminal would obey, are question marks.
-inline std::string shown(std::string text) {
-    constexpr unsigned char kBlank = 0x20;
-    constexpr unsigned char kDelete = 0x7F;
-    std::ranges::replace_if(
-        text, [](unsigned char c) { return c < kBlank || c == kDelete; }, '?');
-    return text;
+inline std::string shown(std::string_view text) {
+    std::string shown;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const std::size_t control = screen::control_length(text.substr(i));
+        shown += control == 0 ? text[i] : '?';
+        i += control == 0 ? 0 : control - 1;
+    }
+    return shown;
 }
 inline std::string text(const Json& object, const char* key) {
     return shown(raw_text(object, key));

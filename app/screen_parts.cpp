@@ -11,12 +11,20 @@ namespace {
 constexpr double kBarLeastUs = 900;
 constexpr double kBarMostUs = 2100;
 
-bool is_control(char byte) {
-    constexpr char kDelete = 0x7F;
-    return (static_cast<unsigned char>(byte) < ' ') || byte == kDelete;
-}
-
 }  // namespace
+
+std::size_t control_length(std::string_view text) {
+    constexpr unsigned char kDelete = 0x7F;
+    constexpr unsigned char kFirstOfLatin = 0xC2;
+    constexpr unsigned char kAboveControls = 0xA0;
+    const auto byte = [&](std::size_t i) {
+        return i < text.size() ? static_cast<unsigned char>(text[i]) : kAboveControls;
+    };
+    if (byte(0) < ' ' || byte(0) == kDelete) {
+        return 1;
+    }
+    return byte(0) == kFirstOfLatin && byte(1) < kAboveControls ? 2 : 0;
+}
 
 void Line::add(std::string_view text, std::string_view colour) {
     const bool coloured = style_.colour && !colour.empty() && !text.empty();
@@ -26,7 +34,7 @@ void Line::add(std::string_view text, std::string_view colour) {
         while (i + length < text.size() && (text[i + length] & 0xC0) == 0x80) {
             ++length;
         }
-        text_ += is_control(text[i]) ? "?" : text.substr(i, length);
+        text_ += control_length(text.substr(i)) > 0 ? "?" : text.substr(i, length);
         i += length;
     }
     text_ += coloured ? kReset : std::string_view();

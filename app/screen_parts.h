@@ -28,6 +28,10 @@ inline constexpr std::string_view kReverse = "\x1b[7m";
 /// The end of every line: erases what stood behind.
 inline constexpr std::string_view kEraseRest = "\x1b[K\r\n";
 
+/// How many bytes at the beginning of `text` are one character that a terminal obeys instead of
+/// showing it: below blank, delete, or U+0080 to U+009F; 0 if it begins with another one.
+std::size_t control_length(std::string_view text);
+
 /// One line of text of which the visible width is known, so that it can be cut without cutting
 /// into a colour. Control characters become '?': names may come from anywhere.
 class Line {

@@ -105,7 +105,7 @@ tl::expected<void, std::string> Loop::prepare() {
 
 void Loop::request_end() {
     end_requested_.store(true, std::memory_order_release);
-    ring();
+    ring(wake_up_.get());
 }
 
 ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {

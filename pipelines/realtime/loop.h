@@ -195,7 +195,7 @@ class Loop {
     };
 
     void begin();
-    void ring();
+    static void ring(int bell);
     Loop* successor(Instant now);
     void take_over(Loop& before, Instant now);
     void take_ports(Loop& before, Instant now);

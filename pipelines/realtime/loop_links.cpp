@@ -62,13 +62,13 @@ std::unique_ptr<Link> Loop::take_lost(std::size_t port) {
 
 void Loop::give(std::size_t port, std::unique_ptr<Link> link) {
     delete ports_[port].given.exchange(link.release(), std::memory_order_acq_rel);
-    ring();
+    ring(wake_up_.get());
 }
 
 /// Wakes the data thread.
-void Loop::ring() {
+void Loop::ring(int bell) {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(wake_up_.get(), &one, sizeof one);
+    [[maybe_unused]] const auto written = ::write(bell, &one, sizeof one);
 }
 
 void Loop::accept_given_links() {

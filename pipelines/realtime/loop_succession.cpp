@@ -21,13 +21,15 @@ constexpr int kMostDiscardedReads = 64;
 void Loop::retire(Leaving leaving) {
     leaving_ = std::move(leaving);
     retire_requested_.store(true, std::memory_order_release);
-    ring();
+    ring(wake_up_.get());
 }
 
 void Loop::hand_over_to(Loop& next, LoopCarry carry) {
     next.carry_ = std::move(carry);
+    // A data thread that is awake takes the bell away as soon as it sees `next`.
+    const int bell = wake_up_.get();
     successor_.store(&next, std::memory_order_release);
-    ring();
+    ring(bell);
 }
 
 void Loop::discard_unread() {

@@ -1,4 +1,7 @@
+#include <array>
+#include <chrono>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,7 +13,7 @@
 namespace tribus::fuzz {
 namespace {
 
-/// One input of each kind that reads CAN.
+/// One input of each kind that reads CAN, and what speaks to it; those of DBC are in the examples.
 constexpr const char* kConfiguration = R"(
 [input.classic]
 protocol = "can"
@@ -29,22 +32,90 @@ extended = true
 [input.drone]
 protocol = "dronecan"
 interface = "can1"
-[input.drone_fd]
+[input.servos]
 protocol = "dronecan"
 interface = "can1"
+carries = "servos"
+[input.motors]
+protocol = "dronecan"
+interface = "can1"
+carries = "motors"
 fd = true
+[output.classic]
+protocol = "can"
+interface = "can2"
+[output.fd]
+protocol = "can"
+interface = "can2"
+id = 0x400
+fd = true
+[output.long]
+protocol = "can"
+interface = "can2"
+crc = "p01"
+id = 0x1234500
+extended = true
+[output.drone]
+protocol = "dronecan"
+interface = "can3"
+node_id = 42
 [output.servos]
-protocol = "sbus"
-device = "/dev/ttyA"
+protocol = "dronecan"
+interface = "can3"
+node_id = 42
+carries = "servos"
+channels = 15
+arms = true
+[output.motors]
+protocol = "dronecan"
+interface = "can3"
+node_id = 42
+carries = "motors"
+channels = 15
+fd = true
 [pipeline.main]
-from = ["classic", "fd", "long", "drone", "drone_fd"]
-to = "servos"
+from = ["classic", "fd", "long", "drone", "servos", "motors"]
+to = ["classic", "fd", "long", "drone", "servos", "motors"]
 )";
 
-const Configuration& configuration() {
-    static const auto loaded = load_configuration(kConfiguration, "fuzz.toml");
-    require(loaded.has_value(), "the target's own configuration is valid");
-    return *loaded;
+struct Bus {
+    std::vector<const InputConfig*> readers;
+    std::vector<const OutputConfig*> speakers;
+};
+
+void add_ports(const Configuration& configuration, Bus& bus) {
+    for (const InputConfig& input : configuration.inputs) {
+        if (input.protocol->make_can_decoder != nullptr) {
+            bus.readers.push_back(&input);
+        }
+    }
+    for (const OutputConfig& output : configuration.outputs) {
+        if (output.protocol->make_can_encoder != nullptr) {
+            bus.speakers.push_back(&output);
+        }
+    }
+}
+
+const Bus& bus() {
+    static const auto loaded = [] {
+        std::vector<Configuration> all;
+        all.push_back(load_configuration(kConfiguration, "fuzz.toml").value());
+        for (const std::string name :
+             {"canopen-pdo", "j1939-joystick", "rc-box", "rover-command"}) {
+            all.push_back(
+                load_configuration_file(TRIBUS_SOURCE_DIR "/config/examples/" + name + ".toml")
+                    .value());
+        }
+        return all;
+    }();
+    static const auto made = [] {
+        Bus ports;
+        for (const Configuration& configuration : loaded) {
+            add_ports(configuration, ports);
+        }
+        return ports;
+    }();
+    return made;
 }
 
 /// Mostly an id that somebody listens to.
@@ -68,6 +139,34 @@ CanFrame frame_from(Input& input, std::span<const CanIdMatch> wanted) {
     return frame;
 }
 
+/// A snapshot as its sender puts it into frames, each of which may be lost, repeated or changed:
+/// no frame made by chance has the checksum that it needs.
+std::vector<CanFrame> spoken_by(CanEncoder& speaker, Input& input, Instant now) {
+    ChannelFrame snapshot;
+    const std::uint8_t choice = input.byte();
+    snapshot.frame_lost = (choice & 1U) != 0;
+    snapshot.failsafe = (choice & 2U) != 0;
+    const std::size_t channels = choice / 4 % (kChannelCount + 1);
+    for (std::size_t channel = 0; channel < channels; ++channel) {
+        snapshot.set(channel, Pulse::from_microseconds(880 + 5 * input.byte()));
+    }
+    snapshot.received = now - std::chrono::microseconds(input.byte()) * 100;
+    std::array<CanFrame, kMostSnapshotFrames> parts{};
+    const std::size_t count = speaker.encode(snapshot, now, parts);
+    std::vector<CanFrame> spoken;
+    for (CanFrame& part : std::span(parts).first(count)) {
+        const std::uint8_t fate = input.byte();
+        if (fate % 8 == 1) {
+            continue;
+        }
+        if (fate % 8 == 2 && part.length > 0) {
+            part.data[input.below(part.length)] ^= static_cast<std::uint8_t>(1U << (fate / 32U));
+        }
+        spoken.insert(spoken.end(), fate % 8 == 3 ? 2 : 1, part);
+    }
+    return spoken;
+}
+
 }  // namespace
 }  // namespace tribus::fuzz
 
@@ -77,16 +176,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     using namespace tribus;
     using fuzz::require;
     fuzz::Input input({data, size});
-    const auto& inputs = fuzz::configuration().inputs;
-    const InputConfig& config = inputs[input.below(inputs.size())];
+    const fuzz::Bus& bus = fuzz::bus();
+    const InputConfig& config = *bus.readers[input.below(bus.readers.size())];
     const auto decoder = config.protocol->make_can_decoder(config.settings);
-    Instant now{};
+    const OutputConfig& other = *bus.speakers[input.below(bus.speakers.size())];
+    const auto speaker = other.protocol->make_can_encoder(other.settings);
+    Instant now = later(Instant{}, std::chrono::seconds(1));
     std::uint64_t refused = 0;
     while (!input.empty()) {
+        constexpr std::uint8_t kSpoken = 128;
         now = later(now, std::chrono::microseconds(input.byte()) * 100);
-        const CanFrame frame = fuzz::frame_from(input, decoder->wanted());
-        if (const auto snapshot = decoder->next(frame, now)) {
-            require(snapshot->received <= now, "values are not from the future");
+        const auto frames = input.byte() < kSpoken
+                                ? std::vector{fuzz::frame_from(input, decoder->wanted())}
+                                : fuzz::spoken_by(*speaker, input, now);
+        for (const CanFrame& frame : frames) {
+            const auto snapshot = decoder->next(frame, now);
+            require(!snapshot || snapshot->received <= now, "values are not from the future");
         }
         std::uint64_t sum = 0;
         for (const NamedCount& cause : decoder->rejected()) {

@@ -27,7 +27,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             require(layout.needed_bytes() <= message.length, "a signal lies within its message");
             require(!signal.selector || *signal.selector < message.signals.size(),
                     "a selector is a signal of the message");
-            layout.bits_from_physical(layout.physical(layout.raw_bits(content)));
+            const std::uint64_t bits = layout.raw_bits(content);
+            layout.bits_from_physical(layout.physical(bits));
+            std::vector<std::uint8_t> written(message.length);
+            layout.set_raw_bits(written, bits);
+            require(layout.raw_bits(written) == bits, "what is written can be read");
+            present(message, signal, content);
         }
     }
     return 0;

@@ -91,7 +91,11 @@ class Witness final : public OutputObserver {
     void heard(std::size_t input, std::span<const std::uint8_t> bytes, Instant at) {
         note(latest_of(ears_[input], bytes, at), at);
     }
-    void damaged(std::size_t input) { ears_[input].serial->damaged_byte(); }
+    /// A frame that waited for what follows it may come out behind the damage.
+    void damaged(std::size_t input, Instant at) {
+        ears_[input].serial->damaged_byte();
+        note(latest_of(ears_[input], {}, at), at);
+    }
     void heard(std::size_t input, const CanFrame& frame, Instant at) {
         note(ears_[input].can->next(frame, at), at);
     }
@@ -193,12 +197,12 @@ class Play {
             } else if (operation < 230) {
                 engine_->device_lost(input);
             } else if (operation < 240) {
-                advance(0xFF);
+                be_silent();
             } else {
                 say_can_frame();
             }
         }
-        advance(0xFF);
+        be_silent();
     }
 
   private:
@@ -212,6 +216,13 @@ class Play {
         const auto periods = static_cast<std::size_t>(time / kPeriod) + 2;
         require(witness_.turns() - before <= periods * kTurnsOfPeriod,
                 "no more turns than periods have passed");
+    }
+
+    /// Twice as long as timeout and hold.
+    void be_silent() {
+        for (int i = 0; i < 10; ++i) {
+            advance(0xFF);
+        }
     }
 
     ChannelFrame sticks(std::uint8_t kind) {
@@ -257,7 +268,7 @@ class Play {
     }
     void damage(std::size_t input) {
         if (serial_[input]) {
-            witness_.damaged(input);
+            witness_.damaged(input, loop_->now());
             constexpr std::array<std::uint8_t, 1> kByte{0};
             loop_->receive(input, kByte, OneDamaged{}, loop_->now());
         }

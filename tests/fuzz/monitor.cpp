@@ -21,6 +21,10 @@ bool is_text_and_own_escapes(std::string_view screen) {
         if (static_cast<unsigned char>(rest.front()) < kBlank && !own) {
             return false;
         }
+        // U+0080 to U+009F: a terminal may obey these as it obeys an escape and a letter.
+        if (rest.size() > 1 && rest[0] == '\xC2' && static_cast<unsigned char>(rest[1]) < 0xA0) {
+            return false;
+        }
     }
     return true;
 }

@@ -45,12 +45,27 @@ struct Found {
     }
 };
 
+/// What was on the wire, and which bytes of it came with a parity or framing error.
+struct Line {
+    std::vector<std::uint8_t> bytes;
+    std::vector<bool> damaged;
+};
+
 /// In pieces of at most that many bytes.
-Found decode(Decoder& decoder, std::span<const std::uint8_t> bytes, std::size_t piece) {
+Found decode(Decoder& decoder, const Line& line, std::size_t piece) {
     Found found;
-    while (!bytes.empty()) {
-        std::span<const std::uint8_t> read = bytes.first(std::min(piece, bytes.size()));
-        bytes = bytes.subspan(read.size());
+    for (std::size_t at = 0; at < line.bytes.size();) {
+        if (line.damaged[at]) {
+            decoder.damaged_byte();
+            ++at;
+            continue;
+        }
+        std::size_t end = at + 1;
+        while (end < line.bytes.size() && end - at < piece && !line.damaged[end]) {
+            ++end;
+        }
+        auto read = std::span<const std::uint8_t>(line.bytes).subspan(at, end - at);
+        at = end;
         DecodedFrame frame;
         while (decoder.next(read, {}, frame)) {
             found.frames.push_back(frame);
@@ -73,6 +88,52 @@ void require_places(const Found& found, std::size_t size) {
         require(end <= size, "a frame lies within what was received");
     }
     require(found.skipped <= size, "no more was skipped than received");
+}
+
+/// No input made by chance has the checksum that it needs, so they are put where what stands there
+/// can be the beginning of a frame.
+void put_checksums(std::vector<std::uint8_t>& bytes, bool sensors) {
+    const auto length_at = [&](std::size_t at) -> std::size_t {
+        const std::size_t first = bytes[at];
+        if (sensors) {
+            return first == 4 || first == 6 || first == 8 ? first : 0;
+        }
+        return first == 0x20 && at + 1 < bytes.size() && bytes[at + 1] == 0x40 ? first : 0;
+    };
+    for (std::size_t at = 0; at < bytes.size();) {
+        const std::size_t length = length_at(at);
+        if (length == 0 || at + length > bytes.size()) {
+            ++at;
+            continue;
+        }
+        unsigned sum = 0xFFFF;
+        for (std::size_t i = 0; i < length - 2; ++i) {
+            sum -= bytes[at + i];
+        }
+        bytes[at + length - 2] = static_cast<std::uint8_t>(sum & 0xFFU);
+        bytes[at + length - 1] = static_cast<std::uint8_t>(sum >> 8U & 0xFFU);
+        at += length;
+    }
+}
+
+/// What follows in the input, with checksums or without, and up to three damaged bytes.
+Line line_from(Input& input, bool sensors) {
+    const std::uint8_t choice = input.byte();
+    std::vector<std::size_t> places(choice / 2 % 4);
+    for (std::size_t& place : places) {
+        place = input.byte();
+    }
+    const auto rest = input.rest();
+    Line line{.bytes = {rest.begin(), rest.end()}, .damaged = std::vector<bool>(rest.size())};
+    for (const std::size_t place : places) {
+        if (place < rest.size()) {
+            line.damaged[place] = true;
+        }
+    }
+    if (choice % 2 == 1) {
+        put_checksums(line.bytes, sensors);
+    }
+    return line;
 }
 
 void decode_sensor_frames(std::span<const std::uint8_t> bytes, std::size_t piece) {
@@ -105,15 +166,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::size_t which = input.below(protocols.size() + 1);
     const std::size_t piece = 1 + input.byte();
     if (which == protocols.size()) {
-        decode_sensor_frames(input.rest(), piece);
+        decode_sensor_frames(line_from(input, true).bytes, piece);
         return 0;
     }
     const auto& protocol = *protocols[which];
     const auto settings = settings_of(protocol, input);
-    const auto bytes = input.rest();
-    const auto whole = decode(*protocol.make_decoder(settings), bytes, bytes.size());
-    const auto pieces = decode(*protocol.make_decoder(settings), bytes, piece);
-    require_places(whole, bytes.size());
+    const Line line = line_from(input, false);
+    const auto whole = decode(*protocol.make_decoder(settings), line, line.bytes.size());
+    const auto pieces = decode(*protocol.make_decoder(settings), line, piece);
+    require_places(whole, line.bytes.size());
     require(whole == pieces, "how reads cut a stream changes nothing");
     return 0;
 }

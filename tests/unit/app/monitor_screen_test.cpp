@@ -69,6 +69,15 @@ TEST_F(MonitorScreen, ShowsNoControlCharactersOfTheDaemon) {
     EXPECT_EQ(monitor_line(view_).find("?[2Jcar??  "), 0U);
 }
 
+/// In UTF-8 they are two bytes, and terminals obey U+009B as the beginning of a sequence.
+TEST_F(MonitorScreen, ShowsNoControlCharactersAboveAscii) {
+    view_.status["name"] =
+        "\xC2\x9B"
+        "2Jm\xC3\xBCll\xC2\xA0";
+    EXPECT_TRUE(shows("tribus ?2Jm\xC3\xBCll\xC2\xA0  up")) << plain();
+    EXPECT_EQ(monitor_line(view_).find("?2Jm\xC3\xBCll\xC2\xA0  "), 0U);
+}
+
 TEST_F(MonitorScreen, ShowsEveryInputWithItsCause) {
     EXPECT_TRUE(shows("main         ibus     good")) << plain();
     EXPECT_TRUE(shows("142.8/s  age 3.0 ms  rejected 2"));

@@ -29,6 +29,12 @@ timeout = 100ms)",
      R"(t.toml:3:20: this line ends too early; a closing " is missing)"},
     {"header_not_closed", 1, "[input.receiver",
      R"(t.toml:1:16: this line ends too early; a closing ] is missing)"},
+    {"letter_beyond_ascii_without_quotes", 3, "device = \"/dev/ttyA\" \u00e4",
+     "t.toml:3:22: not valid TOML: Error while parsing key-value pair: expected a comment or "
+     "whitespace, saw '\u00e4'"},
+    {"letter_of_another_script_without_quotes", 3, "device = \"/dev/ttyA\"\n\u0492 = 1",
+     "t.toml:4:1: not valid TOML: Error while parsing root table: expected keys, tables, "
+     "whitespace or comments, saw '\u0492'"},
     {"list_not_closed", 8, R"(from = ["receiver")",
      R"(t.toml:8:19: this line ends too early; a closing ] is missing)"},
     {"inline_table_not_closed", 10,
