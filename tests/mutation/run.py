@@ -29,8 +29,8 @@ SUITES = ["unit", "property", "capture", "sim", "loopback"]
 # They look at sources, not at what the program does.
 NO_TESTS_OF_THE_PROGRAM = "Tidy.*:MutationList.*"
 NO_TEST = "no test"
-# Of what the suite takes where nothing is broken: a test that takes longer hangs. For the tests that
-# an entry names, the least.
+# Of what the suite takes where nothing is broken: a test that takes longer hangs. For the tests
+# that an entry names, the least.
 PATIENCE = 5
 LEAST_PATIENCE_S = 120
 
