@@ -93,7 +93,9 @@ def configure():
     subprocess.run(
         ["cmake", "-S", SOURCE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
          "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache",
-         "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST", f"-DTRIBUS_SHARED={shared}"],
+         "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST", f"-DTRIBUS_SHARED={shared}",
+         # A mutation may leave a variable without use.
+         "-DTRIBUS_WERROR=OFF"],
         check=True, stdout=subprocess.DEVNULL, env=environment())
 
 
