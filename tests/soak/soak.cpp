@@ -32,7 +32,7 @@ using namespace std::chrono_literals;
 /// The run is told in so many parts. The first is for warming up.
 constexpr int kParts = 20;
 constexpr double kMillion = 1e6;
-/// The main thread's heap grows in steps of some hundred KiB to the most that ever was in it at once.
+/// The main thread's heap grows in steps of some hundred KiB to the most that was ever in it.
 constexpr long kMemoryNoiseKib = 512;
 
 struct Options {
