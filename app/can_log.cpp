@@ -48,7 +48,8 @@ class LineCutter {
         if (end == std::string::npos) {
             return std::nullopt;
         }
-        return std::string_view(text_).substr(std::exchange(at_, end + 1), end - at_);
+        const std::size_t begin = std::exchange(at_, end + 1);
+        return std::string_view(text_).substr(begin, end - begin);
     }
     /// What stands behind the last end of a line.
     std::string_view rest() const { return std::string_view(text_).substr(at_); }
