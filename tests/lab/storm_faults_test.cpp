@@ -172,7 +172,7 @@ TEST_F(Storm, OfProcessesThatTakeTheWholeProcessorCostsNoLineItsControl) {
     {
         const std::array<Nuisance, 4> busy{Nuisance([] {}), Nuisance([] {}), Nuisance([] {}),
                                            Nuisance([] {})};
-        translate(5s);
+        translate(3s);
     }
     EXPECT_EQ(marked(), before);
     expect_control();
@@ -188,7 +188,7 @@ TEST_F(Storm, ThatLeavesNoMemoryCostsNoLineItsControl) {
             translate(100ms);
         }
         EXPECT_LE(available_memory(), 32 * 1024) << "the memory was not used up";
-        translate(5s);
+        translate(3s);
     }
     EXPECT_EQ(marked(), before);
     expect_control();
@@ -205,8 +205,8 @@ TEST_F(Storm, OfStepsOfTheWallClockCostsNoLineItsControl) {
 
 TEST_F(Storm, OfNoiseAtLineRateCostsOnlyTheLineThatHasIt) {
     const LineCounts before = lines_[3].counts();
-    lines_[2].babble(Clock::now() + 4s);
-    translate(4s);
+    lines_[2].babble(Clock::now() + 3s);
+    translate(3s);
     EXPECT_EQ(lines_[3].counts().marked, before.marked);
     EXPECT_GT(lines_[2].counts().marked, 0U) << "noise passed for control";
     calm_down();
@@ -219,7 +219,7 @@ TEST_F(Storm, OfAllTroublesAtOnceEndsWithEveryLineInControl) {
         const std::array<Nuisance, 4> busy{Nuisance([] {}), Nuisance([] {}), Nuisance([] {}),
                                            Nuisance([] {})};
         const Nuisance hog(use_up_memory);
-        for (int round = 0; round < 3; ++round) {
+        for (int round = 0; round < 2; ++round) {
             lines_[0].pull_servos();
             lines_[1].pull_receiver();
             lines_[2].babble(Clock::now() + 3s);
