@@ -10,6 +10,7 @@ namespace {
 
 /// Receivers hear the same sticks some milliseconds apart, so quick moves make them differ.
 constexpr Duration kDissentTime = std::chrono::milliseconds(500);
+/// So many inputs that contradict nobody make a liar of one that does.
 constexpr std::size_t kWitnesses = 2;
 /// A stick at a boundary between two positions of the handover channel stays where it was.
 constexpr std::int32_t kHandoverSlackEighths = 25 * Pulse::kEighthsPerMicrosecond;

@@ -32,8 +32,8 @@ using namespace std::chrono_literals;
 /// The run is told in so many parts. The first is for warming up.
 constexpr int kParts = 20;
 constexpr double kMillion = 1e6;
-/// The main thread's heap grows in steps of some hundred KiB to the most that was ever in it.
-constexpr long kMemoryNoiseKib = 512;
+/// Memory that may come and go with what the main thread does just then.
+constexpr long kMemoryNoiseKib = 256;
 
 struct Options {
     std::size_t pipelines = 64;
