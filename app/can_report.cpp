@@ -52,7 +52,7 @@ void log_interface(const Appliance& appliance, const PortPlan& plan) {
 CanReport::CanReport(const Appliance& appliance) {
     for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
         if (appliance.ports()[port].config.link == LinkKind::can) {
-            ports_.emplace(port, Memory{{}, {}, log_limit(), log_limit()});
+            ports_.try_emplace(port);
         }
     }
 }
@@ -65,16 +65,16 @@ void CanReport::start(const Appliance& appliance) {
 
 void CanReport::look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,
                               Instant now) {
-    if (status.state == memory.status.state) {
-        return;
+    if (status.state != memory.status.state) {
+        memory.bus_off_since =
+            status.state == CanBusState::bus_off ? std::optional(now) : std::nullopt;
+        memory.status.state = status.state;
     }
-    if (const auto swallowed = memory.limit.pass(now)) {
+    if (const auto swallowed = memory.said.look(status.state, memory.limit, now)) {
         const bool fine = status.state == CanBusState::ready;
         spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "interface {}: {}{}", name,
                     state_text(status.state, name), swallowed_note(*swallowed));
     }
-    memory.bus_off_since = status.state == CanBusState::bus_off ? std::optional(now) : std::nullopt;
-    memory.status.state = status.state;
 }
 
 void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& status,

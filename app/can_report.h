@@ -6,6 +6,8 @@
 #include <string>
 
 #include "app/appliance.h"
+#include "app/log_limit.h"
+#include "core/last_word.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 
@@ -26,8 +28,9 @@ class CanReport {
     struct Memory {
         CanLinkStatus status;
         std::optional<Instant> bus_off_since;
-        RateLimit limit;
-        RateLimit overflow_limit;
+        LastWord<CanBusState> said{CanBusState::ready};
+        RateLimit limit = log_limit();
+        RateLimit overflow_limit = log_limit();
     };
 
     void look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,

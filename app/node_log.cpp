@@ -15,10 +15,8 @@ NodeLog::NodeLog(const Appliance& appliance) {
         nodes_.push_back(
             {.interface = plan.port.device,
              .wanted = node.id,
-             .dynamic = node.dynamic,
-             .stage = node.dynamic ? dronecan::NodeStage::allocating : dronecan::NodeStage::online,
-             .id = node.dynamic ? dronecan::kNobody : node.id,
-             .limit = log_limit()});
+             .word = LastWord(node.dynamic ? Word{.stage = dronecan::NodeStage::allocating}
+                                           : Word{.id = node.id})});
     }
 }
 
@@ -26,15 +24,9 @@ void NodeLog::look(const Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         Memory& memory = nodes_[i];
         const dronecan::NodeReport report = appliance.node_report(i);
-        const bool changed =
-            report.stage != memory.stage ||
-            (report.stage == dronecan::NodeStage::online && report.id != memory.id);
-        if (!changed) {
-            continue;
-        }
-        memory.stage = report.stage;
-        memory.id = report.id;
-        if (const auto swallowed = memory.limit.pass(now)) {
+        const bool online = report.stage == dronecan::NodeStage::online;
+        const Word word{report.stage, online ? report.id : dronecan::kNobody};
+        if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
             say_change(memory, swallowed_note(*swallowed));
         }
     }
@@ -42,10 +34,10 @@ void NodeLog::look(const Appliance& appliance, Instant now) {
 
 void NodeLog::say_change(const Memory& memory, const std::string& note) {
     const LogFields fields({"TRIBUS_INTERFACE", memory.interface});
-    switch (memory.stage) {
+    switch (memory.word.said().stage) {
         case dronecan::NodeStage::online:
-            spdlog::info("{}: this program is DroneCAN node {}{}", memory.interface, memory.id,
-                         note);
+            spdlog::info("{}: this program is DroneCAN node {}{}", memory.interface,
+                         memory.word.said().id, note);
             break;
         case dronecan::NodeStage::conflict:
             spdlog::error(

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "app/appliance.h"
+#include "app/log_limit.h"
+#include "core/last_word.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 #include "pipelines/dronecan/node.h"
@@ -19,13 +21,17 @@ class NodeLog {
     void look(const Appliance& appliance, Instant now);
 
   private:
+    struct Word {
+        dronecan::NodeStage stage = dronecan::NodeStage::online;
+        dronecan::NodeId id = dronecan::kNobody;  ///< while it is online
+
+        bool operator==(const Word&) const = default;
+    };
     struct Memory {
         std::string interface;
         dronecan::NodeId wanted = dronecan::kNobody;  ///< that the configuration gives
-        bool dynamic = false;
-        dronecan::NodeStage stage = dronecan::NodeStage::online;
-        dronecan::NodeId id = dronecan::kNobody;
-        RateLimit limit;
+        LastWord<Word> word;
+        RateLimit limit = log_limit();
     };
 
     static void say_change(const Memory& memory, const std::string& note);

@@ -7,7 +7,6 @@
 #include <spdlog/spdlog.h>
 
 #include "app/log_fields.h"
-#include "app/log_limit.h"
 
 namespace tribus {
 namespace {
@@ -35,8 +34,7 @@ SensorBusLog::SensorBusLog(const Appliance& appliance, Instant start) : start_(s
     for (const SensorBusConfig& bus : configuration.sensor_buses) {
         buses_.push_back({.name = bus.name,
                           .sensors = bus.sensors.size(),
-                          .types = SensorTypes(bus.dialect, configuration.sensor_types),
-                          .limit = log_limit()});
+                          .types = SensorTypes(bus.dialect, configuration.sensor_types)});
     }
 }
 
@@ -52,18 +50,17 @@ std::string SensorBusLog::type_name(const Memory& memory, std::uint8_t type) {
 
 void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, Instant now) {
     const bool asked = state.sensor.requests > 0 && now - state.latest_request < kAskedNoMore;
-    if (asked != memory.asked) {
-        memory.asked = asked;
+    if (const auto swallowed = memory.asked.look(asked, memory.limit, now)) {
+        const std::string note = swallowed_note(*swallowed);
         if (asked && state.first_address == 0) {
-            say(memory.limit, now, spdlog::level::info,
-                "sensor bus {}: a receiver asks; waiting for an address", memory.name);
+            spdlog::info("sensor bus {}: a receiver asks; waiting for an address{}", memory.name,
+                         note);
         } else if (asked) {
-            say(memory.limit, now, spdlog::level::info,
-                "sensor bus {}: a receiver asks; sensors at addresses {} to {}", memory.name,
-                state.first_address, state.first_address + memory.sensors - 1);
+            spdlog::info("sensor bus {}: a receiver asks; sensors at addresses {} to {}{}",
+                         memory.name, state.first_address, state.first_address + memory.sensors - 1,
+                         note);
         } else {
-            say(memory.limit, now, spdlog::level::warn,
-                "sensor bus {}: the receiver does not ask any more", memory.name);
+            spdlog::warn("sensor bus {}: the receiver does not ask any more{}", memory.name, note);
         }
     }
     if (!memory.silence_said && state.sensor.requests == 0 && now - start_ >= kFirstWait) {
@@ -75,21 +72,29 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
     }
 }
 
-void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory, Instant now) {
-    for (std::size_t i = 0; i < std::max(state.found_count, memory.found_count); ++i) {
-        const bool was = i < memory.found_count;
-        const bool is = i < state.found_count;
-        if (was && (!is || state.found[i] != memory.found[i])) {
-            say(memory.limit, now, spdlog::level::warn, "sensor bus {}: address {}, {}, is gone",
-                memory.name, i + 1, type_name(memory, memory.found[i].type));
-        }
-        if (is && (!was || state.found[i] != memory.found[i])) {
-            say(memory.limit, now, spdlog::level::info, "sensor bus {}: address {} is {}",
-                memory.name, i + 1, type_name(memory, state.found[i].type));
-        }
+void SensorBusLog::look_at_address(const std::optional<FoundSensor>& found, std::size_t address,
+                                   Memory& memory, Instant now) {
+    auto& [sensor, limit] = memory.found[address - 1];
+    const std::optional<FoundSensor> before = sensor.said();
+    const auto swallowed = sensor.look(found, limit, now);
+    if (!swallowed) {
+        return;
     }
-    memory.found = state.found;
-    memory.found_count = state.found_count;
+    if (before) {
+        spdlog::warn("sensor bus {}: address {}, {}, is gone{}", memory.name, address,
+                     type_name(memory, before->type), swallowed_note(*swallowed));
+    }
+    if (found) {
+        spdlog::info("sensor bus {}: address {} is {}{}", memory.name, address,
+                     type_name(memory, found->type), before ? "" : swallowed_note(*swallowed));
+    }
+}
+
+void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory, Instant now) {
+    for (std::size_t i = 0; i < kMostSensors; ++i) {
+        look_at_address(i < state.found_count ? std::optional(state.found[i]) : std::nullopt, i + 1,
+                        memory, now);
+    }
     if (!memory.silence_said && state.found_count == 0 && now - start_ >= kFirstWait) {
         memory.silence_said = true;
         spdlog::warn(

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "app/appliance.h"
+#include "app/log_limit.h"
+#include "core/last_word.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 #include "transports/codecs/ibus_sensor_types.h"
@@ -23,21 +25,27 @@ class SensorBusLog {
     void look(const Appliance& appliance, Instant now);
 
   private:
+    /// Of one address; a sensor that comes and goes takes no lines from the others.
+    struct FoundMemory {
+        LastWord<std::optional<FoundSensor>> sensor{std::nullopt};
+        RateLimit limit = log_limit();
+    };
     struct Memory {
         std::string name;
         std::size_t sensors = 0;  ///< role sensor
         SensorTypes types;
-        RateLimit limit;
+        RateLimit limit = log_limit();
         bool silence_said = false;
-        bool asked = false;  ///< role sensor: by a receiver, lately
-        std::array<FoundSensor, kMostSensors> found{};
-        std::size_t found_count = 0;
+        LastWord<bool> asked{false};  ///< role sensor: by a receiver, lately
+        std::array<FoundMemory, kMostSensors> found{};
         std::uint64_t collisions = 0;
         std::uint64_t late = 0;
     };
 
     void look_at_sensor(const SensorBusState& state, Memory& memory, Instant now);
     void look_at_receiver(const SensorBusState& state, Memory& memory, Instant now);
+    static void look_at_address(const std::optional<FoundSensor>& found, std::size_t address,
+                                Memory& memory, Instant now);
     static void look_at_troubles(const SensorBusState& state, Memory& memory, Instant now);
     static std::string type_name(const Memory& memory, std::uint8_t type);
 

@@ -130,11 +130,11 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
         socket_.say("WATCHDOG=1");
     }
     const Punctuality found = watchdog_->punctuality();
-    if (found == said_) {
+    if (found == Punctuality::on_time) {
+        said_.take_as_known(found);
         return;
     }
-    said_ = found;
-    const auto swallowed = found == Punctuality::on_time ? std::nullopt : limit_.pass(now);
+    const auto swallowed = said_.look(found, limit_, now);
     if (!swallowed) {
         return;
     }

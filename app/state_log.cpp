@@ -5,7 +5,6 @@
 
 #include "app/cause_text.h"
 #include "app/log_fields.h"
-#include "app/log_limit.h"
 
 namespace tribus {
 namespace {
@@ -21,20 +20,18 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     for (const InputConfig& input : configuration.inputs) {
         const bool on_can = input.port.link == LinkKind::can;
         input_names_.push_back(input.name);
-        inputs_.push_back({on_can, LinkCause::never_seen, false, log_limit()});
+        inputs_.push_back({.on_can = on_can});
     }
-    for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        outputs_.push_back({OutputState{}, 0, 0, log_limit()});
-    }
+    outputs_.resize(configuration.outputs.size());
 }
 
 void StateLog::take_as_known(const Appliance& appliance) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
-        inputs_[i].cause = appliance.input_status(i).state.cause;
+        inputs_[i].cause.take_as_known(appliance.input_status(i).state.cause);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const OutputStatus status = appliance.output_status(i);
-        outputs_[i].state = status.state;
+        outputs_[i].state.take_as_known(status.state);
         outputs_[i].busy_drops = status.counts.busy_drops;
         outputs_[i].foreign_frames = status.counts.foreign_frames;
     }
@@ -42,11 +39,7 @@ void StateLog::take_as_known(const Appliance& appliance) {
 
 void StateLog::look_at_input(const std::string& name, const InputStatus& status,
                              InputMemory& memory, Instant now) {
-    if (status.state.cause == memory.cause) {
-        return;
-    }
-    memory.cause = status.state.cause;
-    const auto swallowed = memory.limit.pass(now);
+    const auto swallowed = memory.cause.look(status.state.cause, memory.limit, now);
     if (!swallowed) {
         return;
     }
@@ -108,16 +101,13 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                               Instant now) {
     const LogFields fields({"TRIBUS_OUTPUT", name},
                            {"TRIBUS_STATE", stage_word(status.state.stage, status.speaks)});
-    if (status.state != memory.state) {
-        const bool outvoted = status.state.outvoted != memory.state.outvoted;
-        memory.state = status.state;
-        if (const auto swallowed = memory.limit.pass(now)) {
-            const bool fine = status.state.stage == OutputStage::control && !status.state.outvoted;
-            spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}{}", name,
-                        output_text(status.state, input_names_),
-                        outvoted ? outvoted_text(status.state.outvoted, places) : "",
-                        swallowed_note(*swallowed));
-        }
+    const bool outvoted = status.state.outvoted != memory.state.said().outvoted;
+    if (const auto swallowed = memory.state.look(status.state, memory.limit, now)) {
+        const bool fine = status.state.stage == OutputStage::control && !status.state.outvoted;
+        spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}{}", name,
+                    output_text(status.state, input_names_),
+                    outvoted ? outvoted_text(status.state.outvoted, places) : "",
+                    swallowed_note(*swallowed));
     }
     look_at_drops(name, status, memory, now);
 }
@@ -144,16 +134,28 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
     }
 }
 
-void StateLog::look(Appliance& appliance, Instant now) {
-    for (const Appliance::DeviceEvent& event : appliance.tend()) {
-        RateLimit& device_limit = devices_.try_emplace(event.name, log_limit()).first->second;
-        if (const auto swallowed = device_limit.pass(now)) {
-            const LogFields fields({"TRIBUS_DEVICE", event.name});
-            spdlog::log(event.back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}",
-                        event.name, event.back ? "is back" : "is gone; waiting for it",
-                        swallowed_note(*swallowed));
+void StateLog::look_at_devices(Appliance& appliance, Instant now) {
+    const auto look = [now](const std::string& name, DeviceMemory& memory, bool back) {
+        if (const auto swallowed = memory.back.look(back, memory.limit, now)) {
+            const LogFields fields({"TRIBUS_DEVICE", name});
+            spdlog::log(back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}", name,
+                        back ? "is back" : "is gone; waiting for it", swallowed_note(*swallowed));
         }
+    };
+    for (const Appliance::DeviceEvent& event : appliance.tend()) {
+        const auto [device, first] = devices_.try_emplace(event.name);
+        if (first) {
+            device->second.back.take_as_known(!event.back);
+        }
+        look(event.name, device->second, event.back);
     }
+    for (auto& [name, memory] : devices_) {
+        look(name, memory, memory.back.seen());
+    }
+}
+
+void StateLog::look(Appliance& appliance, Instant now) {
+    look_at_devices(appliance, now);
     can_.look(appliance, now);
     sensor_buses_.look(appliance, now);
     nodes_.look(appliance, now);

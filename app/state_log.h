@@ -9,8 +9,10 @@
 
 #include "app/appliance.h"
 #include "app/can_report.h"
+#include "app/log_limit.h"
 #include "app/node_log.h"
 #include "app/sensor_bus_log.h"
+#include "core/last_word.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 
@@ -33,17 +35,22 @@ class StateLog {
   private:
     struct InputMemory {
         bool on_can = false;
-        LinkCause cause = LinkCause::never_seen;
+        LastWord<LinkCause> cause{LinkCause::never_seen};
         bool silence_said = false;
-        RateLimit limit;
+        RateLimit limit = log_limit();
     };
     struct OutputMemory {
-        OutputState state;
+        LastWord<OutputState> state{OutputState{}};
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
-        RateLimit limit;
+        RateLimit limit = log_limit();
+    };
+    struct DeviceMemory {
+        LastWord<bool> back{true};
+        RateLimit limit = log_limit();
     };
 
+    void look_at_devices(Appliance& appliance, Instant now);
     void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
                        Instant now);
     void look_at_output(const std::string& name, const OutputStatus& status,
@@ -59,7 +66,7 @@ class StateLog {
     std::vector<std::string> input_names_;
     std::vector<InputMemory> inputs_;
     std::vector<OutputMemory> outputs_;
-    std::map<std::string, RateLimit> devices_;
+    std::map<std::string, DeviceMemory> devices_;
     CanReport can_;
     SensorBusLog sensor_buses_;
     NodeLog nodes_;

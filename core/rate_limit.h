@@ -14,13 +14,14 @@ class RateLimit {
   public:
     RateLimit(unsigned burst, Duration window) : burst_(burst), window_(window) {}
 
+    bool may_pass(Instant now) const { return now >= window_end_ || said_ < burst_; }
     /// The number of times that were swallowed before, if it may be said now.
     std::optional<std::uint64_t> pass(Instant now) {
         if (now >= window_end_) {
             window_end_ = later(now, window_);
             said_ = 0;
         }
-        if (said_ >= burst_) {
+        if (!may_pass(now)) {
             ++swallowed_;
             return std::nullopt;
         }

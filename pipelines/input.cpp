@@ -23,6 +23,7 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
     state_ = before.state_;
     latest_ = before.latest_;
     latest_.source = index_;
+    read_times_ = before.read_times_;
     arrivals_ = before.arrivals_;
     counts_ = before.counts_;
     mapped_ = before.control();
@@ -38,7 +39,10 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
 bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
     bool any = false;
     while (decoder_->next(bytes, now, decoded_)) {
-        take(decoded_.channels, now);
+        // One that waited for its proof is as old as its bytes, not as what released it.
+        const Instant arrival = read_times_.of(decoded_.first_byte + decoded_.length - 1);
+        decoded_.channels.received = arrival;
+        take(decoded_.channels, arrival, now);
         any = true;
     }
     return any;
@@ -52,7 +56,7 @@ bool Input::receive(const CanFrame& frame, Instant at) {
     count_bytes(frame.length, at);
     const auto snapshot = can_decoder_->next(frame, at);
     if (snapshot) {
-        take(*snapshot, at);
+        take(*snapshot, at, at);
     }
     return snapshot.has_value();
 }
@@ -73,12 +77,12 @@ void Input::look(Instant now) {
     state_ = fresh;
 }
 
-void Input::take(ChannelFrame frame, Instant now) {
+void Input::take(ChannelFrame frame, Instant arrival, Instant now) {
     frame.source = index_;
     frame.sequence = latest_.sequence + 1;
     ++counts_.frames;
-    arrivals_.arrived(now);
-    supervisor_.take(frame, now);
+    arrivals_.arrived(arrival);
+    supervisor_.take(frame, arrival);
     latest_ = frame;
     counts_.failsafe_frames += frame.failsafe ? 1U : 0U;
     counts_.frame_lost_frames += frame.frame_lost && !frame.failsafe ? 1U : 0U;

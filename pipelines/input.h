@@ -19,6 +19,7 @@
 #include "pipelines/settings.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/read_times.h"
 
 namespace tribus {
 
@@ -56,12 +57,14 @@ class Input {
     /// Takes bytes that were read at `now`. Returns whether a frame came out of them.
     bool receive(std::span<const std::uint8_t> bytes, Instant now) {
         count_bytes(bytes.size(), now);
+        read_times_.add(counts_.bytes, now);
         return decode(bytes, now);
     }
     /// The same, with the positions of those that the line damaged.
     template <class DamagedMarks>
     bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
         count_bytes(bytes.size(), now);
+        read_times_.add(counts_.bytes, now);
         bool any = false;
         std::size_t start = 0;
         for (std::size_t position = 0; position < bytes.size(); ++position) {
@@ -104,12 +107,15 @@ class Input {
         supervisor_.bytes_came(now);
     }
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
-    void take(ChannelFrame frame, Instant now);
+    /// A frame that arrived at `arrival`, no later than `now`.
+    void take(ChannelFrame frame, Instant arrival, Instant now);
 
     std::string name_;
     std::unique_ptr<Decoder> decoder_;
     std::unique_ptr<CanDecoder> can_decoder_;
     DecodedFrame decoded_;
+    /// By the bytes that are counted, as the decoder places its frames.
+    ReadTimes read_times_;
     std::uint8_t index_;
 
     LinkSupervisor supervisor_;

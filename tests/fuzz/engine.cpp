@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
@@ -75,6 +76,9 @@ bool is_preset(const ChannelFrame& frame) {
            frame.channel(2) == Pulse::from_microseconds(999);
 }
 
+constexpr std::size_t kMostSteps = 400;
+constexpr std::size_t kMostBytesOfStep = 64;
+
 /// Hears what outputs write, with decoders of its own, and knows when inputs were last told
 /// anything good, by decoders of its own.
 class Witness final : public OutputObserver {
@@ -89,15 +93,22 @@ class Witness final : public OutputObserver {
     }
 
     void heard(std::size_t input, std::span<const std::uint8_t> bytes, Instant at) {
-        note(latest_of(ears_[input], bytes, at), at);
+        Ear& ear = ears_[input];
+        ear.read_at.insert(ear.read_at.end(), bytes.size(), at);
+        listen(ear, bytes, at);
     }
     /// A frame that waited for what follows it may come out behind the damage.
     void damaged(std::size_t input, Instant at) {
-        ears_[input].serial->damaged_byte();
-        note(latest_of(ears_[input], {}, at), at);
+        Ear& ear = ears_[input];
+        ear.read_at.push_back(at);
+        ear.serial->damaged_byte();
+        listen(ear, {}, at);
     }
     void heard(std::size_t input, const CanFrame& frame, Instant at) {
-        note(ears_[input].can->next(frame, at), at);
+        const auto snapshot = ears_[input].can->next(frame, at);
+        if (snapshot && snapshot->good()) {
+            note_good(at);
+        }
     }
 
     void wrote(std::size_t output, Instant at, const Transmission& sent) override {
@@ -128,11 +139,26 @@ class Witness final : public OutputObserver {
         std::unique_ptr<Decoder> serial;
         std::unique_ptr<CanDecoder> can;
         std::size_t frames = 0;
+        std::vector<Instant> read_at;  ///< each byte
     };
     static Ear make_ear(const Protocol& protocol, const SettingValues& settings) {
-        return protocol.link == LinkKind::serial
-                   ? Ear{.serial = protocol.make_decoder(settings), .can = nullptr}
-                   : Ear{.serial = nullptr, .can = protocol.make_can_decoder(settings)};
+        Ear ear;
+        if (protocol.link == LinkKind::serial) {
+            ear.serial = protocol.make_decoder(settings);
+            ear.read_at.reserve(kMostSteps * kMostBytesOfStep);
+        } else {
+            ear.can = protocol.make_can_decoder(settings);
+        }
+        return ear;
+    }
+    /// A frame is as old as its last byte, whatever it waited for.
+    void listen(Ear& ear, std::span<const std::uint8_t> bytes, Instant at) {
+        DecodedFrame frame;
+        while (ear.serial->next(bytes, at, frame)) {
+            if (frame.channels.good()) {
+                note_good(ear.read_at[frame.first_byte + frame.length - 1]);
+            }
+        }
     }
     static std::optional<ChannelFrame> latest_of(Ear& ear, std::span<const std::uint8_t> bytes,
                                                  Instant at) {
@@ -145,11 +171,7 @@ class Witness final : public OutputObserver {
         }
         return latest;
     }
-    void note(const std::optional<ChannelFrame>& frame, Instant at) {
-        if (frame && frame->good()) {
-            good_at_ = at;
-        }
-    }
+    void note_good(Instant at) { good_at_ = std::max(good_at_.value_or(at), at); }
 
     const Configuration& configuration_;
     std::vector<Ear> ears_;
@@ -183,8 +205,7 @@ class Play {
     }
 
     void run() {
-        constexpr int kMostSteps = 400;
-        for (int step = 0; step < kMostSteps && !script_.empty(); ++step) {
+        for (std::size_t step = 0; step < kMostSteps && !script_.empty(); ++step) {
             const std::size_t input = script_.below(configuration_.inputs.size());
             const std::uint8_t operation = script_.byte();
             advance(script_.byte());

@@ -218,7 +218,7 @@ TEST_P(ReceiverBus, GoesOnAfterItsDeviceWasPulledAndPluggedIn) {
 }
 
 TEST_P(ReceiverBus, DropsSensorsThatAnswerNoMoreAndTheirValues) {
-    Program& program = run(config("drop_after = 10\ntimeout = \"60s\"\n"));
+    Program& program = run(config("drop_after = 40\ntimeout = \"60s\"\n"));
     EXPECT_TRUE(teller_.ask_until(kValueOf1, value_reply(1, -1)));
     sensors_.set({{kSpeed, {0x10, 0x27}}});
     EXPECT_TRUE(program.says("sensor bus probes: address 2, external voltage, is gone"));

@@ -60,7 +60,7 @@ class Decoder : public DecoderReport {
   public:
     /// Takes bytes off the front of `bytes` until a frame is complete, fills `frame` with it and
     /// says so; call again with the rest. False when all bytes are taken and no further frame is
-    /// complete. `received` is the instant at which the bytes were read.
+    /// complete. `received`, when the bytes were read, is told of what they complete or release.
     bool next(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame) {
         if (buffer_.keep(bytes)) {
             bytes = {};

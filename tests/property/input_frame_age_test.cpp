@@ -1,0 +1,141 @@
+#include <gtest/gtest.h>
+
+#include <bitset>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pipelines/input.h"
+#include "tests/support/ibus_frames.h"
+#include "tests/support/sbus_streams.h"
+#include "tests/support/streams.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+
+/// However long a decoder holds a frame back, and whatever makes it let go, an input knows when the
+/// frame's last byte was read.
+namespace tribus::test {
+namespace {
+
+constexpr std::size_t kMostRead = 64;
+
+Bytes sbus_bytes(Random& random) {
+    constexpr std::array<std::uint8_t, 4> kFooters{0x00, 0x00, 0x04, 0x08};
+    const std::uint8_t footer = kFooters[random.below(kFooters.size())];
+    Bytes bytes = sbus_frame(random_payload(random, random.below(2) == 0), 0, footer);
+    for (std::uint32_t slot = footer == 0 ? 0 : random.below(9); slot > 0; --slot) {
+        append(bytes, slot_triple(random.below(32), 0x0F, random.byte()));
+    }
+    return bytes;
+}
+
+/// Of 1 to 14 channels, so that one fits into the wait for another.
+Bytes ibus_bytes(Random& random) {
+    const std::uint32_t channels = 1 + random.below(14);
+    Bytes frame{static_cast<std::uint8_t>(4 + 2 * channels), 0x40};
+    for (std::uint32_t byte = 0; byte < 2 * channels; ++byte) {
+        // What looks like the header of a long frame.
+        const auto header = static_cast<std::uint8_t>(byte % 2 == 0 ? 0x20 : 0x40);
+        frame.push_back(random.below(4) == 0 ? header : random.byte());
+    }
+    unsigned checksum = 0xFFFF;
+    for (const std::uint8_t byte : frame) {
+        checksum -= byte;
+    }
+    frame.push_back(static_cast<std::uint8_t>(checksum));
+    frame.push_back(static_cast<std::uint8_t>(checksum >> 8U));
+    return frame;
+}
+
+/// An input, and beside it a decoder of the same kind for where its frames stand.
+class Beside {
+  public:
+    template <class Kind>
+    static Beside of() {
+        return {std::make_unique<Kind>(), std::make_unique<Kind>()};
+    }
+
+    void read(const Bytes& bytes, const std::bitset<kMostRead>& damaged, Instant now) {
+        read_at_.insert(read_at_.end(), bytes.size(), now);
+        input_.receive(bytes, damaged, now);
+        std::optional<DecodedFrame> latest;
+        std::size_t start = 0;
+        for (std::size_t at = 0; at <= bytes.size(); ++at) {
+            if (at == bytes.size() || damaged[at]) {
+                auto run = std::span(bytes).subspan(start, at - start);
+                for (DecodedFrame frame; decoder_->next(run, now, frame);) {
+                    latest = frame;
+                }
+                start = at + 1;
+            }
+            if (at < bytes.size() && damaged[at]) {
+                decoder_->damaged_byte();
+            }
+        }
+        if (latest) {
+            const Instant arrival = read_at_[latest->first_byte + latest->length - 1];
+            ASSERT_EQ(input_.latest().received, arrival) << "at byte " << latest->first_byte;
+            held_ += arrival < now ? 1U : 0U;
+        }
+    }
+    /// How many frames came out later than with their last byte.
+    std::size_t held() const { return held_; }
+
+  private:
+    Beside(std::unique_ptr<Decoder> inner, std::unique_ptr<Decoder> beside)
+        : input_({.name = "in", .decoder = std::move(inner)}, 0), decoder_(std::move(beside)) {}
+
+    Input input_;
+    std::unique_ptr<Decoder> decoder_;
+    std::vector<Instant> read_at_;
+    std::size_t held_ = 0;
+};
+
+/// Frames with bytes lost, changed and damaged, in reads of any length.
+std::size_t frames_held(Beside beside, Bytes (*frame)(Random&), std::uint32_t seed) {
+    Random random(seed);
+    Instant now{};
+    Bytes line;
+    const std::uint32_t rarity = 10 + random.below(150);
+    const std::uint32_t longest = 1 + random.below(kMostRead);
+    for (int frames = 0; frames < 60; ++frames) {
+        append(line, frame(random));
+        while (line.size() >= kMostRead) {
+            Bytes read(line.begin(), line.begin() + 1 + random.below(longest));
+            line.erase(line.begin(), line.begin() + static_cast<std::ptrdiff_t>(read.size()));
+            std::bitset<kMostRead> damaged;
+            for (std::size_t at = 0; at < read.size(); ++at) {
+                damaged[at] = random.below(2 * rarity) == 0;
+                if (random.below(2 * rarity) == 0) {
+                    read[at] ^= static_cast<std::uint8_t>(1U << random.below(8));
+                }
+            }
+            if (random.below(rarity) == 0) {
+                read.pop_back();
+            }
+            now += std::chrono::microseconds(random.below(20'000));
+            beside.read(read, damaged, now);
+        }
+    }
+    return beside.held();
+}
+
+TEST(FrameAge, OfSbusIsThatOfItsLastByteWhateverTheLineDoes) {
+    std::size_t held = 0;
+    for (std::uint32_t seed = 1; seed <= 2000 && !HasFatalFailure(); ++seed) {
+        held += frames_held(Beside::of<SbusDecoder>(), sbus_bytes, seed);
+    }
+    EXPECT_GT(held, 100U) << "few frames were held: the test shows little";
+}
+
+TEST(FrameAge, OfIbusIsThatOfItsLastByteWhateverTheLineDoes) {
+    std::size_t held = 0;
+    for (std::uint32_t seed = 1; seed <= 500 && !HasFatalFailure(); ++seed) {
+        held += frames_held(Beside::of<IbusDecoder>(), ibus_bytes, seed);
+    }
+    EXPECT_GT(held, 300U) << "few frames were held: the test shows little";
+}
+
+}  // namespace
+}  // namespace tribus::test

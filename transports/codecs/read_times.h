@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/time.h"
+#include "transports/codecs/line_buffer.h"
+
+namespace tribus {
+
+/// When the latest bytes of a stream were read: as far back as a decoder can hold a frame that
+/// waits for what proves it. Thread-bound; no heap.
+class ReadTimes {
+  public:
+    /// All bytes before the position `end` that did not come earlier were read at `now`. Nothing if
+    /// there are none.
+    void add(std::uint64_t end, Instant now) {
+        if (end != reads_[latest_].end) {
+            latest_ = (latest_ + 1) % reads_.size();
+            reads_[latest_] = {end, now};
+        }
+    }
+    /// When the byte at `position` was read; it is one of the latest `LineBuffer::kCapacity`.
+    Instant of(std::uint64_t position) const {
+        std::size_t read = latest_;
+        for (std::size_t i = 1; i < reads_.size(); ++i) {
+            const std::size_t before = (read + reads_.size() - 1) % reads_.size();
+            if (reads_[before].end <= position) {
+                break;
+            }
+            read = before;
+        }
+        return reads_[read].at;
+    }
+
+  private:
+    struct Read {
+        std::uint64_t end = 0;
+        Instant at{};
+    };
+    /// Each brings a byte at least, so no more of them matter; one more tells where the first ends.
+    std::array<Read, LineBuffer::kCapacity> reads_{};
+    std::size_t latest_ = 0;
+};
+
+}  // namespace tribus
