@@ -1,5 +1,7 @@
 #include "app/run.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <csignal>
 #include <memory>
@@ -59,7 +61,16 @@ struct RunOptions {
     bool metrics_public = false;
 };
 
+/// What the control socket tells of many pipelines is a text of a hundred KiB and more. In memory
+/// of its own, which is given back, it leaves no gaps between what stays: for those the heap would
+/// grow for hours.
+void keep_long_texts_out_of_the_heap() {
+    constexpr int kLongTextBytes = 64 * 1024;
+    ::mallopt(M_MMAP_THRESHOLD, kLongTextBytes);
+}
+
 int run(const RunOptions& options) {
+    keep_long_texts_out_of_the_heap();
     ServiceNotify service;
     std::optional<Configuration> configuration = load_or_explain(options.path);
     if (!configuration) {
