@@ -92,7 +92,7 @@ Verdict loses_its_period(std::size_t output, const RandomWorld& world,
 
 }  // namespace
 
-RandomWorld::RandomWorld(std::uint64_t seed) : random_(seed) {
+RandomWorld::RandomWorld(std::uint64_t seed, WorldKind kind) : random_(seed), kind_(kind) {
     inputs_ = one_to(4);
     for (std::size_t i = 0; i < inputs_; ++i) {
         add_input(i);
@@ -116,26 +116,34 @@ void RandomWorld::duration(std::string_view key, Duration value) {
     line(fmt::format("{} = \"{}ms\"", key, value / 1ms));
 }
 
+/// Returns its protocol. Each has a bus of its own, for all have the same ids.
+std::string RandomWorld::add_port(std::string_view end, std::size_t index, unsigned sbus_percent) {
+    const bool can = kind_ == WorldKind::with_can && chance(50);
+    const std::string protocol = can ? "can" : chance(sbus_percent) ? "sbus" : "ibus";
+    line(fmt::format("[{}put.{}{}]\nprotocol = \"{}\"\n{} = \"{}{}{}\"", end, end, index, protocol,
+                     can ? "interface" : "device", can ? "" : "/dev/", end, index));
+    return protocol;
+}
+
 void RandomWorld::add_input(std::size_t index) {
-    const bool sbus = chance(50);
-    line(fmt::format("[input.in{}]\nprotocol = \"{}\"\ndevice = \"/dev/in{}\"", index,
-                     sbus ? "sbus" : "ibus", index));
+    const std::string protocol = add_port("in", index, 50);
     const bool watches_for_frozen = chance(50);
-    longest_unnoticed_ = std::max(longest_unnoticed_, add_detectors(sbus, watches_for_frozen));
-    add_sender(index, sbus, watches_for_frozen);
+    longest_unnoticed_ =
+        std::max(longest_unnoticed_, add_detectors(protocol != "ibus", watches_for_frozen));
+    add_sender(index, protocol, watches_for_frozen);
 }
 
 /// Returns how long a loss may go unnoticed with them.
-Duration RandomWorld::add_detectors(bool sbus, bool watches_for_frozen) {
+Duration RandomWorld::add_detectors(bool has_flags, bool watches_for_frozen) {
     const Duration timeout = between(150ms, 400ms);
     duration("timeout", timeout);
     Duration unnoticed = timeout;
-    if (sbus && chance(40)) {
+    if (has_flags && chance(40)) {
         const Duration run = between(50ms, 900ms);
         duration("frame_lost_run", run);
         unnoticed = std::max(unnoticed, run);
     }
-    if (sbus && chance(30)) {
+    if (has_flags && chance(30)) {
         line(fmt::format("frame_lost_ratio = {}", chance(50) ? "1.0" : "0.5"));
     }
     if (watches_for_frozen) {
@@ -146,24 +154,24 @@ Duration RandomWorld::add_detectors(bool sbus, bool watches_for_frozen) {
     return unnoticed;
 }
 
-void RandomWorld::add_sender(std::size_t index, bool sbus, bool may_freeze) {
+void RandomWorld::add_sender(std::size_t index, const std::string& protocol, bool may_freeze) {
     constexpr std::array kPeriods{Duration(4ms), Duration(7ms), Duration(7700us), Duration(9ms),
                                   Duration(14ms)};
     Sender sender{.input = index,
-                  .protocol = sbus ? "sbus" : "ibus",
+                  .protocol = protocol,
                   .period = kPeriods[below(kPeriods.size())],
                   .first = Instant(between(0ms, 3s)),
                   .last = kEnd,
                   .first_number = static_cast<std::uint32_t>(kNumbersApart * index)};
     sender.faults.drop_frame = chance(30) ? 0.2 : 0;
     // SBUS has no checksum: a lost byte can make a frame of wrong values, which is a change.
-    sender.faults.lose_byte = !sbus && chance(30) ? 0.005 : 0;
+    sender.faults.lose_byte = protocol == "ibus" && chance(30) ? 0.005 : 0;
     for (Instant at = Instant(between(1s, 6s)); at < kTroublesEnd - 4s;) {
         const auto kind = static_cast<SpellKind>(below(5));
         // Without a flag, and without `frozen`, nobody can tell it from a pilot who holds still.
         const bool invisible =
             kind == SpellKind::frozen ||
-            (!sbus && (kind == SpellKind::frame_lost || kind == SpellKind::failsafe));
+            (protocol == "ibus" && (kind == SpellKind::frame_lost || kind == SpellKind::failsafe));
         const Instant until = at + between(20ms, 4s);
         sender.spells.push_back({at, until, invisible && !may_freeze ? SpellKind::silence : kind});
         at = until + between(10ms, 3s);
@@ -173,11 +181,9 @@ void RandomWorld::add_sender(std::size_t index, bool sbus, bool may_freeze) {
 }
 
 void RandomWorld::add_output(std::size_t index) {
-    const bool sbus = chance(60);
-    const Duration period = sbus ? between(7ms, 20ms) : between(5ms, 20ms);
-    line(fmt::format("[output.out{}]\nprotocol = \"{}\"\ndevice = \"/dev/out{}\"", index,
-                     sbus ? "sbus" : "ibus", index));
-    if (!sbus) {
+    const std::string protocol = add_port("out", index, 60);
+    const Duration period = protocol == "sbus" ? between(7ms, 20ms) : between(5ms, 20ms);
+    if (protocol == "ibus") {
         line("channels = 18");
     }
     duration("period", period);
@@ -187,7 +193,7 @@ void RandomWorld::add_output(std::size_t index) {
         locked = chance(50);
         line(locked ? "phase = \"locked\"" : "phase = \"free\"");
     }
-    marks_.push_back(sbus);
+    marks_.push_back(protocol != "ibus");
     periods_.push_back(period);
     locked_.push_back(locked);
 }

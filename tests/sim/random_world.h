@@ -13,11 +13,14 @@
 
 namespace tribus::test {
 
+/// What its inputs and outputs speak.
+enum class WorldKind : std::uint8_t { serial, with_can };
+
 /// A random configuration, and random receivers with random troubles, all of it from one seed. A
 /// change of what it draws, or in which order, makes other worlds of the same seeds.
 class RandomWorld {
   public:
-    explicit RandomWorld(std::uint64_t seed);
+    explicit RandomWorld(std::uint64_t seed, WorldKind kind = WorldKind::serial);
 
     /// So long it lasts; its troubles end some time before.
     static constexpr Instant kEnd = Instant(std::chrono::seconds(34));
@@ -46,14 +49,16 @@ class RandomWorld {
     void duration(std::string_view key, Duration value);
 
     void add_input(std::size_t index);
-    Duration add_detectors(bool sbus, bool watches_for_frozen);
-    void add_sender(std::size_t index, bool sbus, bool may_freeze);
+    std::string add_port(std::string_view end, std::size_t index, unsigned sbus_percent);
+    Duration add_detectors(bool has_flags, bool watches_for_frozen);
+    void add_sender(std::size_t index, const std::string& protocol, bool may_freeze);
     void add_output(std::size_t index);
     void add_pipeline();
     void add_failsafe();
     void add_channels();
 
     std::mt19937_64 random_;
+    WorldKind kind_;
     std::string text_;
     std::size_t inputs_ = 0;
     std::size_t outputs_ = 0;

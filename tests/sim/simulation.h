@@ -17,6 +17,7 @@
 #include "core/time.h"
 #include "pipelines/engine.h"
 #include "pipelines/virtual_loop.h"
+#include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 #include "transports/links/faulty_link.h"
 
@@ -42,7 +43,8 @@ struct Spell {
     SpellKind kind = SpellKind::silence;
 };
 
-/// A transmitter and receiver that send numbered frames of i.Bus or SBUS over a faulty wire.
+/// A transmitter and receiver that send numbered frames of i.Bus or SBUS over a faulty wire, or of
+/// the own format over a bus on which `drop_frame` is the chance of each CAN frame.
 struct Sender {
     std::size_t input = 0;
     std::string protocol = "ibus";
@@ -81,6 +83,8 @@ class Simulation final : public OutputObserver {
     Simulation(const Configuration& configuration, std::vector<Sender> senders, std::uint64_t seed);
 
     void run_until(Instant until);
+    /// The configuration that runs is read again: another engine goes on from this one.
+    void reload(const Configuration& unchanged, Instant at);
     /// A CAN frame arrives at an input, after all that comes before `at`.
     void receive(std::size_t input, const CanFrame& frame, Instant at);
 
@@ -90,6 +94,8 @@ class Simulation final : public OutputObserver {
         return written_to_can_[output];
     }
     /// When the last byte of a sender's frame arrived; nothing if it was dropped or not yet sent.
+    /// On CAN, where a reader that doubts the sender passes over whole snapshots, when one without
+    /// doubt first had its values.
     std::optional<Instant> arrived_at(std::size_t sender, std::uint32_t number) const;
     std::uint32_t frames_sent(std::size_t sender) const { return wires_[sender].next_number; }
     /// Allocations inside the engine since it started.
@@ -101,6 +107,8 @@ class Simulation final : public OutputObserver {
     struct Wire {
         Sender sender;
         std::unique_ptr<Encoder> encoder;
+        std::unique_ptr<CanEncoder> can_encoder;
+        std::unique_ptr<CanDecoder> can_witness;  ///< hears what the input hears
         LineSettings line;
         FaultInjector faults;
         std::uint32_t next_number = 0;
@@ -108,15 +116,27 @@ class Simulation final : public OutputObserver {
         Instant next_arrival = kNever;
         Instant latest_arrival{};
         Reception reception{};
+        std::array<CanFrame, kMostSnapshotFrames> can_frames{};
+        std::size_t can_count = 0;
         bool dropped = false;
         std::vector<Instant> arrivals{};
     };
+    struct NextFrame {
+        ChannelFrame frame;
+        bool garbage = false;
+    };
     void plan(Wire& wire);
-    std::size_t write_frame(Wire& wire, Instant at, std::span<std::uint8_t, kLongestSerialFrame>);
+    static std::optional<NextFrame> next_frame(Wire& wire, Instant at);
+    static Duration put_on_line(Wire& wire, const std::optional<NextFrame>& next);
+    static Duration put_on_bus(Wire& wire, const std::optional<NextFrame>& next, Instant at);
+    void deliver(Wire& wire);
+    static void witness(Wire& wire, const CanFrame& frame);
     Wire* next_wire();
+    std::optional<ChannelFrame> heard(std::size_t output, Instant at, const Transmission& sent);
 
     std::unique_ptr<Engine> engine_;
     std::vector<std::unique_ptr<Decoder>> readers_;
+    std::vector<std::unique_ptr<CanDecoder>> can_readers_;  ///< of the own format
     std::vector<std::vector<Written>> written_;
     std::vector<std::vector<WrittenToCan>> written_to_can_;
     std::vector<Wire> wires_;
