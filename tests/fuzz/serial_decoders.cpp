@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "tests/fuzz/fuzz.h"
+#include "tests/support/ibus_checksum.h"
 #include "transports/codecs/ibus_sensor.h"
 #include "transports/registry/registry.h"
 
@@ -106,12 +107,9 @@ void put_checksums(std::vector<std::uint8_t>& bytes, bool sensors) {
             ++at;
             continue;
         }
-        unsigned sum = 0xFFFF;
-        for (std::size_t i = 0; i < length - 2; ++i) {
-            sum -= bytes[at + i];
-        }
-        bytes[at + length - 2] = static_cast<std::uint8_t>(sum & 0xFFU);
-        bytes[at + length - 1] = static_cast<std::uint8_t>(sum >> 8U & 0xFFU);
+        const unsigned sum = test::ibus_checksum(std::span(bytes).subspan(at, length - 2));
+        bytes[at + length - 2] = static_cast<std::uint8_t>(sum);
+        bytes[at + length - 1] = static_cast<std::uint8_t>(sum >> 8U);
         at += length;
     }
 }

@@ -7,8 +7,9 @@
 #include <chrono>
 #include <ctime>
 #include <initializer_list>
-#include <numeric>
 #include <utility>
+
+#include "tests/support/ibus_checksum.h"
 
 namespace tribus::test {
 namespace {
@@ -21,12 +22,6 @@ constexpr std::size_t kLongest = 18;
 constexpr unsigned kDiscover = 0x80;
 constexpr unsigned kType = 0x90;
 constexpr unsigned kValue = 0xA0;
-
-unsigned checksum(const Bytes& before) {
-    return std::accumulate(before.begin(), before.end(), 0xFFFFU,
-                           [](unsigned sum, std::uint8_t byte) { return sum - byte; }) &
-           0xFFFFU;
-}
 
 void add_word(Bytes& bytes, unsigned word) {
     bytes.push_back(static_cast<std::uint8_t>(word & 0xFFU));
@@ -61,8 +56,7 @@ Bytes sensor_frame(unsigned command_and_address, const Bytes& data) {
     frame.push_back(static_cast<std::uint8_t>(kShortest + data.size()));
     frame.push_back(static_cast<std::uint8_t>(command_and_address));
     append(frame, data);
-    add_word(frame, checksum(frame));
-    return frame;
+    return with_ibus_checksum(frame);
 }
 
 Bytes value_reply(unsigned address, int raw) {

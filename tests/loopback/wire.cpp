@@ -4,6 +4,8 @@
 #include <cmath>
 #include <span>
 
+#include "tests/support/ibus_checksum.h"
+
 namespace tribus::test {
 namespace {
 
@@ -11,15 +13,6 @@ constexpr std::size_t kIbusLength = 32;
 constexpr std::size_t kIbusSlots = 14;
 constexpr std::size_t kSbusLength = 25;
 constexpr std::size_t kSbusBits = 11;
-
-/// 0xFFFF less every byte before it.
-unsigned ibus_checksum(std::span<const std::uint8_t> before) {
-    unsigned sum = 0xFFFF;
-    for (const std::uint8_t byte : before) {
-        sum -= byte;
-    }
-    return sum & 0xFFFFU;
-}
 
 unsigned slot(std::span<const std::uint8_t> frame, std::size_t index) {
     return frame[2 + 2 * index] | static_cast<unsigned>(frame[3 + 2 * index]) << 8U;

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "tests/support/ibus_frames.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/ibus.h"
 
@@ -27,21 +28,8 @@ constexpr std::size_t kFrameLength = 32;
 constexpr std::size_t kHitFrame = 1;
 constexpr std::uint32_t kFrames = 4;
 
-unsigned checksum_of(std::span<const std::uint8_t> body) {
-    unsigned checksum = 0xFFFF;
-    for (const std::uint8_t byte : body) {
-        checksum -= byte;
-    }
-    return checksum & 0xFFFFU;
-}
-
 Bytes servo_frame(const Bytes& payload) {
-    Bytes frame{static_cast<std::uint8_t>(payload.size() + 4), 0x40};
-    append(frame, payload);
-    const unsigned checksum = checksum_of(frame);
-    frame.push_back(static_cast<std::uint8_t>(checksum));
-    frame.push_back(static_cast<std::uint8_t>(checksum >> 8U));
-    return frame;
+    return test::servo_frame(payload, 0x40);
 }
 
 struct Sticks {
@@ -210,8 +198,8 @@ std::vector<std::size_t> places_of_frames(const Bytes& bytes) {
                 sum += rest[word] | unsigned{rest[word + 1]} << 8U;
                 good = good && rest[word + 1] < 0x10;
             }
-            good = good &&
-                   found == (length == 31 ? sum & 0xFFFFU : checksum_of(rest.first(length - 2)));
+            good = good && found == (length == 31 ? sum & 0xFFFFU
+                                                  : test::ibus_checksum(rest.first(length - 2)));
         }
         if (good) {
             places.push_back(at);

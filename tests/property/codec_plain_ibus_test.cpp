@@ -17,24 +17,13 @@ namespace {
 
 using test::Bytes;
 using test::Random;
+using test::servo_frame;
 
 using Both = SideBySide<IbusDecoder, PlainIbusDecoder>;
 
 /// Bytes that mean something to the decoder: lengths, commands, and what i-BUS2 begins with.
 constexpr std::array<std::uint8_t, 14> kTelling{0x20, 0x40, 0x55, 0x00, 0x06, 0x40, 0x08,
                                                 0x1E, 0x25, 0x04, 0x0A, 0x20, 0x05, 0xDC};
-
-Bytes servo_frame(Bytes payload, std::uint8_t command) {
-    Bytes frame{static_cast<std::uint8_t>(payload.size() + 4), command};
-    test::append(frame, payload);
-    unsigned checksum = 0xFFFF;
-    for (const std::uint8_t byte : frame) {
-        checksum -= byte;
-    }
-    frame.push_back(static_cast<std::uint8_t>(checksum));
-    frame.push_back(static_cast<std::uint8_t>(checksum >> 8U));
-    return frame;
-}
 
 Bytes random_payload(Random& random, std::size_t length) {
     const std::uint32_t kind = random.below(4);

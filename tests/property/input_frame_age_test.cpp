@@ -32,20 +32,13 @@ Bytes sbus_bytes(Random& random) {
 
 /// Of 1 to 14 channels, so that one fits into the wait for another.
 Bytes ibus_bytes(Random& random) {
-    const std::uint32_t channels = 1 + random.below(14);
-    Bytes frame{static_cast<std::uint8_t>(4 + 2 * channels), 0x40};
-    for (std::uint32_t byte = 0; byte < 2 * channels; ++byte) {
-        // What looks like the header of a long frame.
-        const auto header = static_cast<std::uint8_t>(byte % 2 == 0 ? 0x20 : 0x40);
-        frame.push_back(random.below(4) == 0 ? header : random.byte());
+    Bytes slots(2 * (1 + random.below(14)));
+    for (std::size_t at = 0; at < slots.size(); ++at) {
+        // Or what looks like the header of a long frame.
+        const auto header = static_cast<std::uint8_t>(at % 2 == 0 ? 0x20 : 0x40);
+        slots[at] = random.below(4) == 0 ? header : random.byte();
     }
-    unsigned checksum = 0xFFFF;
-    for (const std::uint8_t byte : frame) {
-        checksum -= byte;
-    }
-    frame.push_back(static_cast<std::uint8_t>(checksum));
-    frame.push_back(static_cast<std::uint8_t>(checksum >> 8U));
-    return frame;
+    return servo_frame(slots, 0x40);
 }
 
 /// An input, and beside it a decoder of the same kind for where its frames stand.

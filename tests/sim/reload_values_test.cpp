@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/sim/reload_run.h"
+#include "tests/support/ibus_checksum.h"
 
 /// Sensor buses and values across a reload.
 namespace tribus::test {
@@ -29,16 +30,6 @@ std::string with_another(const std::string& job, bool in_front) {
     return in_front ? another + job : job + another;
 }
 
-std::vector<std::uint8_t> frame(std::vector<std::uint8_t> bytes) {
-    unsigned sum = 0xFFFF;
-    for (const std::uint8_t byte : bytes) {
-        sum -= byte;
-    }
-    bytes.push_back(static_cast<std::uint8_t>(sum & 0xFF));
-    bytes.push_back(static_cast<std::uint8_t>(sum >> 8));
-    return bytes;
-}
-
 /// A temperature sensor of 21.5 degrees at address 1 (ibus-sbus.md 2.2).
 std::vector<std::uint8_t> answer_to(std::span<const std::uint8_t> request) {
     if (request.size() != 4 || (request[1] & 0x0F) != 1) {
@@ -46,11 +37,11 @@ std::vector<std::uint8_t> answer_to(std::span<const std::uint8_t> request) {
     }
     switch (request[1] >> 4) {
         case 8:
-            return frame({4, request[1]});
+            return with_ibus_checksum({4, request[1]});
         case 9:
-            return frame({6, request[1], 0x01, 2});
+            return with_ibus_checksum({6, request[1], 0x01, 2});
         case 10:
-            return frame({6, request[1], 0x6F, 0x02});
+            return with_ibus_checksum({6, request[1], 0x6F, 0x02});
         default:
             return {};
     }
@@ -113,7 +104,7 @@ unit = "V"
     bool in_front = false;
     for (int request = 1; request <= 50; ++request) {
         const Instant now = at(request * 8ms);
-        const auto asked = frame({4, 0xA1});
+        const auto asked = with_ibus_checksum({4, 0xA1});
         run.receive_on_bus("telemetry", std::span(asked).first(2), now);
         in_front = !in_front;
         run.reload(with_another(job, in_front), now + 100us);

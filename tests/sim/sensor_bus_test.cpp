@@ -13,6 +13,7 @@
 #include "pipelines/sensor_bus/sensor_role.h"
 #include "tests/sim/sensor_wire.h"
 #include "tests/support/heap_trap.h"
+#include "tests/support/ibus_checksum.h"
 #include "transports/links/recording.h"
 
 /// Both roles of a sensor bus under virtual time: against a recorded receiver, against simulated
@@ -145,9 +146,9 @@ class GenuineSensors final : public SensorBusRole {
         }
         reply_.assign(bytes.begin(), bytes.end());
         if (bytes[1] >> 4U == 9) {
-            reply_ = with_checksum({6, bytes[1], static_cast<std::uint8_t>(address + 1), 2});
+            reply_ = with_ibus_checksum({6, bytes[1], static_cast<std::uint8_t>(address + 1), 2});
         } else if (bytes[1] >> 4U == 0xA) {
-            reply_ = with_checksum({6, bytes[1], static_cast<std::uint8_t>(10 * address), 0});
+            reply_ = with_ibus_checksum({6, bytes[1], static_cast<std::uint8_t>(10 * address), 0});
         }
         reply_at_ = now + 630us;
     }
@@ -163,16 +164,6 @@ class GenuineSensors final : public SensorBusRole {
     int missed() const { return missed_; }
 
   private:
-    static Bytes with_checksum(Bytes bytes) {
-        unsigned sum = 0xFFFF;
-        for (const std::uint8_t byte : bytes) {
-            sum -= byte;
-        }
-        bytes.push_back(static_cast<std::uint8_t>(sum & 0xFFU));
-        bytes.push_back(static_cast<std::uint8_t>(sum >> 8U));
-        return bytes;
-    }
-
     double miss_;
     int missed_ = 0;
     int silenced_ = 0;  ///< it does not listen to itself

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/channel_frame.h"
+#include "tests/support/ibus_checksum.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/ibus.h"
 
@@ -63,6 +64,13 @@ inline std::optional<ChannelFrame> decode_one(const Bytes& wire,
     IbusDecoder decoder(slots);
     const auto frames = feed(decoder, wire);
     return frames.size() == 1 ? std::optional(frames[0].channels) : std::nullopt;
+}
+
+/// Of any length that a payload may have, with its checksum.
+inline Bytes servo_frame(const Bytes& payload, std::uint8_t command) {
+    Bytes frame{static_cast<std::uint8_t>(payload.size() + 4), command};
+    append(frame, payload);
+    return with_ibus_checksum(frame);
 }
 
 }  // namespace tribus::test

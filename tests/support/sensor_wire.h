@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/time.h"
+#include "tests/support/ibus_checksum.h"
 #include "transports/codecs/ibus_sensor.h"
 
 /// Bytes of a sensor bus with their instants, for the tests of its parser.
@@ -99,13 +100,7 @@ inline Bytes servo_frame(const std::vector<std::uint16_t>& slots) {
         frame.push_back(static_cast<std::uint8_t>(slot));
         frame.push_back(static_cast<std::uint8_t>(slot >> 8U));
     }
-    std::uint16_t sum = 0xFFFF;
-    for (const std::uint8_t byte : frame) {
-        sum = static_cast<std::uint16_t>(sum - byte);
-    }
-    frame.push_back(static_cast<std::uint8_t>(sum));
-    frame.push_back(static_cast<std::uint8_t>(sum >> 8U));
-    return frame;
+    return test::with_ibus_checksum(frame);
 }
 
 inline const Bytes kRequest{0x04, 0xA1, 0x5A, 0xFF};

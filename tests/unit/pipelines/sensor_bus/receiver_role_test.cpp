@@ -31,13 +31,13 @@ class ReceiverRoleAtAWire : public testing::Test {
     void set_type(std::uint8_t address, std::uint8_t type, std::uint8_t size) {
         replies_[0x80U + address] = request(0x80U + address);
         replies_[0x90U + address] =
-            framed({0x06, static_cast<std::uint8_t>(0x90U + address), type, size});
+            with_ibus_checksum({0x06, static_cast<std::uint8_t>(0x90U + address), type, size});
     }
     void set_value(std::uint8_t address, const Bytes& data) {
         Bytes reply{static_cast<std::uint8_t>(4 + data.size()),
                     static_cast<std::uint8_t>(0xA0U + address)};
         reply.insert(reply.end(), data.begin(), data.end());
-        replies_[0xA0U + address] = framed(reply);
+        replies_[0xA0U + address] = with_ibus_checksum(reply);
     }
     void unplug(std::uint8_t address) {
         for (const unsigned command : {0x80U, 0x90U, 0xA0U}) {
@@ -220,8 +220,9 @@ TEST_F(ReceiverRoleAtAWire, RefusesAnswersToSomethingElse) {
     set_type(1, 0x02, 2);
     start_up();
     asked(3);
-    for (const Bytes& wrong : {framed({0x06, 0xA2, 1, 0}), framed({0x06, 0x91, 1, 0}),
-                               framed({0x08, 0xA1, 1, 0, 0, 0})}) {
+    for (const Bytes& wrong :
+         {with_ibus_checksum({0x06, 0xA2, 1, 0}), with_ibus_checksum({0x06, 0x91, 1, 0}),
+          with_ibus_checksum({0x08, 0xA1, 1, 0, 0, 0})}) {
         replies_[0xA1] = wrong;
         slot();
         EXPECT_FALSE(board_.ever(1));

@@ -10,6 +10,7 @@
 #include "core/value_board.h"
 #include "pipelines/sensor_bus/role.h"
 #include "pipelines/sensor_bus/sensor_role.h"
+#include "tests/support/ibus_checksum.h"
 
 /// Both roles of a sensor bus on a bench, under virtual time.
 namespace tribus::test::sensor_bus {
@@ -19,18 +20,8 @@ using namespace std::chrono_literals;
 
 inline constexpr Instant kStart{10s};
 
-/// With the checksum behind it (ibus-sbus.md 1.2).
-inline Bytes framed(Bytes bytes) {
-    unsigned sum = 0xFFFF;
-    for (const std::uint8_t byte : bytes) {
-        sum -= byte;
-    }
-    bytes.push_back(static_cast<std::uint8_t>(sum & 0xFFU));
-    bytes.push_back(static_cast<std::uint8_t>((sum >> 8U) & 0xFFU));
-    return bytes;
-}
 inline Bytes request(unsigned command_and_address) {
-    return framed({0x04, static_cast<std::uint8_t>(command_and_address)});
+    return with_ibus_checksum({0x04, static_cast<std::uint8_t>(command_and_address)});
 }
 
 inline SensorSettings sensor(const char* type, std::size_t value) {

@@ -47,13 +47,15 @@ TEST_F(SensorRoleOfTwo, AnswersADiscoverRequestWithTheSameBytes) {
 }
 
 TEST_F(SensorRoleOfTwo, TellsTypeAndSize) {
-    EXPECT_EQ(answer({0x04, 0x91, 0x6A, 0xFF}), framed({0x06, 0x91, 0x03, 0x02}));
-    EXPECT_EQ(answer(request(0x92)), framed({0x06, 0x92, 0x01, 0x02}));
+    EXPECT_EQ(answer({0x04, 0x91, 0x6A, 0xFF}), with_ibus_checksum({0x06, 0x91, 0x03, 0x02}));
+    EXPECT_EQ(answer(request(0x92)), with_ibus_checksum({0x06, 0x92, 0x01, 0x02}));
 }
 
 TEST_F(SensorRoleOfTwo, TellsItsValues) {
-    EXPECT_EQ(answer({0x04, 0xA1, 0x5A, 0xFF}), framed({0x06, 0xA1, 0xD2, 0x04})) << "1234";
-    EXPECT_EQ(answer(request(0xA2)), framed({0x06, 0xA2, 0x67, 0x02})) << "(21.5 + 40) * 10";
+    EXPECT_EQ(answer({0x04, 0xA1, 0x5A, 0xFF}), with_ibus_checksum({0x06, 0xA1, 0xD2, 0x04}))
+        << "1234";
+    EXPECT_EQ(answer(request(0xA2)), with_ibus_checksum({0x06, 0xA2, 0x67, 0x02}))
+        << "(21.5 + 40) * 10";
 }
 
 TEST_F(SensorRoleOfTwo, IsSilentToOtherAddressesAndToPowerUpFrames) {
@@ -63,8 +65,8 @@ TEST_F(SensorRoleOfTwo, IsSilentToOtherAddressesAndToPowerUpFrames) {
 }
 
 TEST_F(SensorRoleOfTwo, NeverAnswersTheReplyOfAnother) {
-    EXPECT_TRUE(answer(framed({0x06, 0xA1, 0x00, 0x00})).empty());
-    EXPECT_TRUE(answer(framed({0x06, 0x91, 0x00, 0x02})).empty());
+    EXPECT_TRUE(answer(with_ibus_checksum({0x06, 0xA1, 0x00, 0x00})).empty());
+    EXPECT_TRUE(answer(with_ibus_checksum({0x06, 0x91, 0x00, 0x02})).empty());
 }
 
 TEST_F(SensorRoleOfTwo, AnswersAfterAWaitAndNotBefore) {
@@ -88,7 +90,7 @@ TEST_F(SensorRoleOfTwo, WithholdsTheAnswerToARequestThatSomethingFollowsAlready)
     Bytes both = request(0xA1);
     const Bytes next = request(0xA2);
     both.insert(both.end(), next.begin(), next.end());
-    EXPECT_EQ(answer(both), framed({0x06, 0xA2, 0x67, 0x02}));
+    EXPECT_EQ(answer(both), with_ibus_checksum({0x06, 0xA2, 0x67, 0x02}));
     EXPECT_EQ(role_->counts().late, 1U);
 }
 
@@ -144,12 +146,12 @@ TEST_F(SensorRoleOfTwo, SaysANewValueOneSlotLaterAtTheLatest) {
     answer(request(0xA2));
     board_.set(0, 11, now_);
     answer(request(0xA2));
-    EXPECT_EQ(answer(request(0xA1)), framed({0x06, 0xA1, 0x4C, 0x04}));
+    EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0x4C, 0x04}));
 }
 
 TEST_F(SensorRoleOfTwo, SaysNotAvailableForAStaleValueWhereTheTypeHasACode) {
     now_ += 2s;
-    EXPECT_EQ(answer(request(0xA1)), framed({0x06, 0xA1, 0x00, 0x80}));
+    EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0x00, 0x80}));
 }
 
 TEST_F(SensorRoleOfTwo, DoesNotAnswerForAStaleValueWhereTheTypeHasNone) {
@@ -158,7 +160,7 @@ TEST_F(SensorRoleOfTwo, DoesNotAnswerForAStaleValueWhereTheTypeHasNone) {
     EXPECT_EQ(role_->counts().stale, 1U);
     EXPECT_FALSE(answer(request(0x82)).empty()) << "the sensors behind it are found all the same";
     board_.set(1, 30, now_);
-    EXPECT_EQ(answer(request(0xA2)), framed({0x06, 0xA2, 0xBC, 0x02}));
+    EXPECT_EQ(answer(request(0xA2)), with_ibus_checksum({0x06, 0xA2, 0xBC, 0x02}));
 }
 
 TEST_F(SensorRoleOfTwo, SaysTheNumberThatTheUserWantsForAStaleValue) {
@@ -166,7 +168,7 @@ TEST_F(SensorRoleOfTwo, SaysTheNumberThatTheUserWantsForAStaleValue) {
     temperature.when_stale = -40;
     make({.first_address = 1, .sensors = {temperature}});
     now_ += 2s;
-    EXPECT_EQ(answer(request(0xA1)), framed({0x06, 0xA1, 0x00, 0x00}));
+    EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0x00, 0x00}));
 }
 
 TEST_F(SensorRoleOfTwo, NeverSaysAValueThatGrewStaleAfterItWasPrepared) {
@@ -175,7 +177,7 @@ TEST_F(SensorRoleOfTwo, NeverSaysAValueThatGrewStaleAfterItWasPrepared) {
     now_ = stale - 1us;
     role_->receive(request(0xA3), now_, board_);
     now_ = stale;
-    EXPECT_EQ(answer(request(0xA1)), framed({0x06, 0xA1, 0x00, 0x80}));
+    EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0x00, 0x80}));
 }
 
 TEST_F(SensorRoleOfTwo, SaturatesAtTheEndsOfTheType) {
@@ -183,15 +185,16 @@ TEST_F(SensorRoleOfTwo, SaturatesAtTheEndsOfTheType) {
          {std::tuple{1e9, 0xFF, 0x7F}, std::tuple{-1e9, 0x01, 0x80}}) {
         board_.set(0, number, now_);
         answer(request(0xA3));
-        EXPECT_EQ(answer(request(0xA1)), framed({0x06, 0xA1, static_cast<std::uint8_t>(low),
-                                                 static_cast<std::uint8_t>(high)}));
+        EXPECT_EQ(answer(request(0xA1)),
+                  with_ibus_checksum({0x06, 0xA1, static_cast<std::uint8_t>(low),
+                                      static_cast<std::uint8_t>(high)}));
     }
     board_.set(1, -300, now_);
     answer(request(0xA3));
-    EXPECT_EQ(answer(request(0xA2)), framed({0x06, 0xA2, 0x00, 0x00}));
+    EXPECT_EQ(answer(request(0xA2)), with_ibus_checksum({0x06, 0xA2, 0x00, 0x00}));
     board_.set(1, 1e9, now_);
     answer(request(0xA3));
-    EXPECT_EQ(answer(request(0xA2)), framed({0x06, 0xA2, 0xFF, 0xFF}));
+    EXPECT_EQ(answer(request(0xA2)), with_ibus_checksum({0x06, 0xA2, 0xFF, 0xFF}));
 }
 
 TEST_F(SensorRoleOfTwo, TakesItsOwnEchoForNothingElse) {
@@ -218,10 +221,10 @@ TEST_F(SensorRoleOfTwo, AnswersBetweenServoFramesOnTheSameWire) {
         servo.push_back(0xDC);
         servo.push_back(0x05);
     }
-    const Bytes frame = framed(servo);
+    const Bytes frame = with_ibus_checksum(servo);
     for (int slot = 0; slot < 10; ++slot) {
         role_->receive(frame, now_ - 800us, board_);
-        EXPECT_EQ(answer(request(0xA1)), framed({0x06, 0xA1, 0xD2, 0x04})) << slot;
+        EXPECT_EQ(answer(request(0xA1)), with_ibus_checksum({0x06, 0xA1, 0xD2, 0x04})) << slot;
     }
     EXPECT_EQ(role_->parser().servo_frames(), 10U);
 }
@@ -230,7 +233,7 @@ TEST_F(SensorRoleOfTwo, KeepsToItsFixedAddresses) {
     make({.first_address = 4});
     EXPECT_TRUE(answer(request(0x81)).empty());
     EXPECT_EQ(answer(request(0x84)), request(0x84));
-    EXPECT_EQ(answer(request(0x95)), framed({0x06, 0x95, 0x01, 0x02}));
+    EXPECT_EQ(answer(request(0x95)), with_ibus_checksum({0x06, 0x95, 0x01, 0x02}));
 }
 
 TEST_F(SensorRoleOfTwo, TakesTheAddressOfTheFirstDiscoverRequestInAChain) {
@@ -240,7 +243,7 @@ TEST_F(SensorRoleOfTwo, TakesTheAddressOfTheFirstDiscoverRequestInAChain) {
     EXPECT_EQ(answer(request(0x84)), request(0x84));
     EXPECT_TRUE(answer(request(0x85)).empty()) << "passed on: there are only two";
     EXPECT_TRUE(answer(request(0x81)).empty());
-    EXPECT_EQ(answer(request(0xA3)), framed({0x06, 0xA3, 0xD2, 0x04}));
+    EXPECT_EQ(answer(request(0xA3)), with_ibus_checksum({0x06, 0xA3, 0xD2, 0x04}));
 }
 
 TEST_F(SensorRoleOfTwo, LetsGoOfItsAddressInAChainWhenTheReceiverBeginsAnew) {
@@ -287,7 +290,7 @@ TEST_F(SensorRoleOfTwo, GivesAnAnswerThatIsDueAfterAReload) {
     next.start(now_);
     next.continue_from(*role_);
     EXPECT_EQ(next.due(), now_ + 200us);
-    EXPECT_EQ(turn(next, now_ + 200us, board_), framed({0x06, 0xA1, 0xD2, 0x04}));
+    EXPECT_EQ(turn(next, now_ + 200us, board_), with_ibus_checksum({0x06, 0xA1, 0xD2, 0x04}));
 }
 
 }  // namespace
