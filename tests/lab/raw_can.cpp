@@ -148,4 +148,18 @@ std::vector<CanSight> RawCan::receive_all() {
     return all;
 }
 
+std::vector<CanSight> RawCan::receive_all(std::size_t expected) {
+    std::vector<CanSight> all;
+    while (all.size() < expected) {
+        const auto sight = receive();
+        if (!sight) {
+            return all;
+        }
+        all.push_back(*sight);
+    }
+    const auto more = receive_all();
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
 }  // namespace tribus::test

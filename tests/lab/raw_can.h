@@ -47,6 +47,8 @@ class RawCan {
     std::optional<CanSight> receive(std::chrono::milliseconds wait = std::chrono::seconds(15));
     /// All that have arrived; does not wait.
     std::vector<CanSight> receive_all();
+    /// Waits for so many, which may still be under way, and takes what there is beyond them.
+    std::vector<CanSight> receive_all(std::size_t expected);
     /// The errno of the latest read that failed for another reason than that nothing was there.
     int read_error() const { return read_error_; }
 

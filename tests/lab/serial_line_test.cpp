@@ -1,6 +1,8 @@
+#include <chrono>
 #include <memory>
 #include <numeric>
 #include <string>
+#include <thread>
 
 #include <gtest/gtest.h>
 
@@ -46,6 +48,19 @@ Bytes receive(SerialPort& port, std::size_t count) {
         return all.size() >= count;
     });
     return all;
+}
+
+/// What a test before sent may still be on its way through the emulator.
+void wait_for_silence(SerialPort& port, Uart& far_end) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::milliseconds kSilence{300};
+    Reception reception;
+    for (auto latest = Clock::now(); Clock::now() - latest < kSilence;) {
+        if (port.read(reception) == ReadStatus::received || !far_end.receive().empty()) {
+            latest = Clock::now();
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
 }
 
 TEST(LabFtdi, KeepsTheLineSettingsOfSbus) {
@@ -154,6 +169,7 @@ TEST(Lab16550, CarriesEveryByteValueBothWaysEvenAfterARefusal) {
     const auto port = opened(device, kIbus);
     ASSERT_TRUE(port);
     Uart far_end(uart_16550(2), kIbus);
+    wait_for_silence(*port, far_end);
     const Bytes bytes = all_byte_values();
     far_end.send(bytes);
     EXPECT_EQ(receive(*port, bytes.size()), bytes);

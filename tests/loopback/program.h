@@ -55,7 +55,8 @@ class Program {
     bool runs();
     /// Processor time that it has used so far.
     std::chrono::nanoseconds used_time() const;
-    /// How many descriptors it has open.
+    /// How many descriptors it has open, without those of files that it opens for a moment now and
+    /// then: the fewest of several looks.
     std::ptrdiff_t open_descriptors() const;
     /// A line of /proc/PID/status, such as "VmRSS", in KiB.
     long memory_kib(const std::string& line) const;

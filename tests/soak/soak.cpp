@@ -140,6 +140,9 @@ class Soak {
             part.deaf_lines += counts.good == good_before_[i] ? 1U : 0U;
             good_before_[i] = counts.good;
         }
+        // Before the question: the answer is a text of a hundred KiB, which is there for a moment.
+        part.resident_kib = daemon_->memory_kib("VmRSS");
+        part.data_kib = daemon_->memory_kib("VmData");
         if (const auto status = ask_daemon(folder_ / "control", "status", 5s)) {
             for (const auto& output : monitor::list(*status, "outputs")) {
                 part.frames += monitor::count(output, "frames");
@@ -148,23 +151,9 @@ class Soak {
         }
         part.bare_wakes = bare_.wakes();
         part.bare_misses = bare_.misses();
-        part.resident_kib = daemon_->memory_kib("VmRSS");
-        part.data_kib = daemon_->memory_kib("VmData");
-        part.descriptors = least_descriptors();
+        part.descriptors = daemon_->open_descriptors();
         parts_.push_back(part);
         print_latest(begin);
-    }
-
-    /// Without the files that its main thread opens for a moment now and then.
-    std::ptrdiff_t least_descriptors() const {
-        constexpr int kLooks = 20;
-        std::ptrdiff_t least = daemon_->open_descriptors();
-        for (int look = 1; look < kLooks; ++look) {
-            constexpr timespec kPause{.tv_sec = 0, .tv_nsec = 1'000'000};
-            ::nanosleep(&kPause, nullptr);
-            least = std::min(least, daemon_->open_descriptors());
-        }
-        return least;
     }
 
     void print_latest(Clock::time_point begin) const {
