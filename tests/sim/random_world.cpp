@@ -163,7 +163,8 @@ void RandomWorld::add_sender(std::size_t index, const std::string& protocol, boo
                   .first = Instant(between(0ms, 3s)),
                   .last = kEnd,
                   .first_number = static_cast<std::uint32_t>(kNumbersApart * index)};
-    sender.faults.drop_frame = chance(30) ? 0.2 : 0;
+    // A snapshot on CAN needs each of its five frames.
+    sender.faults.drop_frame = !chance(30) ? 0 : protocol == "can" ? 0.05 : 0.2;
     // SBUS has no checksum: a lost byte can make a frame of wrong values, which is a change.
     sender.faults.lose_byte = protocol == "ibus" && chance(30) ? 0.005 : 0;
     for (Instant at = Instant(between(1s, 6s)); at < kTroublesEnd - 4s;) {

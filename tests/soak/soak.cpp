@@ -79,6 +79,8 @@ class Soak {
         fmt::print(
             "  minutes      good    marked  misses/1e6  bare/1e6  RSS KiB  data KiB  "
             "descriptors\n");
+        // The heap grows for the first answer, once.
+        static_cast<void>(ask_daemon(folder_ / "control", "status", 5s));
         const Clock::time_point begin = Clock::now();
         const auto part_length = std::chrono::milliseconds(1000L * options_.seconds / kParts);
         for (int part = 1; part <= kParts && daemon_->runs(); ++part) {
