@@ -14,6 +14,7 @@ class RateLimit {
   public:
     RateLimit(unsigned burst, Duration window) : burst_(burst), window_(window) {}
 
+    /// Whether `pass` would let one through; counts nothing.
     bool may_pass(Instant now) const { return now >= window_end_ || said_ < burst_; }
     /// The number of times that were swallowed before, if it may be said now.
     std::optional<std::uint64_t> pass(Instant now) {

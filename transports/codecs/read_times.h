@@ -39,7 +39,7 @@ class ReadTimes {
         std::uint64_t end = 0;
         Instant at{};
     };
-    /// Each brings a byte at least, so no more of them matter; one more tells where the first ends.
+    /// Each brings a byte at least, so no more of them matter.
     std::array<Read, LineBuffer::kCapacity> reads_{};
     std::size_t latest_ = 0;
 };
