@@ -117,7 +117,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
     if (!errors.empty()) {
         return tl::unexpected(std::move(errors));
     }
-    appliance->settle_recorder(nullptr);
+    appliance->settle_recorder();
     // Before the data thread locks the memory, stacks and all.
     if (appliance->gpio_thread_) {
         if (auto started = appliance->gpio_thread_->start(); !started) {

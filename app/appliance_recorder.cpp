@@ -29,14 +29,10 @@ tl::expected<void, std::string> Appliance::make_recorder(Appliance* before) {
 }
 
 /// Once the loop of the appliance before has given way.
-void Appliance::settle_recorder(Appliance* before) {
-    if (!configuration_.recorder) {
-        return;
+void Appliance::settle_recorder() {
+    if (recorder_) {
+        recorder_->settle(configuration_, plans_, monotonic_now());
     }
-    if (!recorder_) {
-        recorder_ = std::move(before->recorder_);
-    }
-    recorder_->settle(configuration_, plans_, monotonic_now());
 }
 
 void Appliance::look_at_recorder(Instant now) {

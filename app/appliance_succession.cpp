@@ -106,7 +106,10 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     next->gpio_thread_ = std::move(running->gpio_thread_);
     next->missing_lines_ = running->missing_lines_;
     next->missing_realtime_ = running->missing_realtime_;
-    next->settle_recorder(running.get());
+    if (next->configuration_.recorder && !next->recorder_) {
+        next->recorder_ = std::move(running->recorder_);
+    }
+    next->settle_recorder();
     // Closes what the new one did not take, so that it can be opened again.
     running.reset();
     return next;

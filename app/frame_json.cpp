@@ -33,7 +33,7 @@ void append_detail(std::string& text, const FrameDetail& detail) {
     }
 }
 
-void append_rejected(std::string& text, std::span<const NamedCount> rejected) {
+void append_rejected_json(std::string& text, std::span<const NamedCount> rejected) {
     text += "\"rejected\":{";
     for (const NamedCount& cause : rejected) {
         fmt::format_to(std::back_inserter(text), "{}\"{}\":{}", text.back() == '{' ? "" : ",",
@@ -151,7 +151,7 @@ void append_frame_json(std::string& text, const FoundFrame& found) {
 void append_summary_json(std::string& text, const Tally& tally, std::string_view input) {
     auto out = std::back_inserter(text);
     fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"frames\":{},", tally.bytes, tally.frames);
-    append_rejected(text, tally.rejected);
+    append_rejected_json(text, tally.rejected);
     fmt::format_to(out, ",\"skipped_bytes\":{},\"input\":\"{}\"}}}}\n", tally.skipped_bytes, input);
 }
 
@@ -159,7 +159,7 @@ void append_can_summary_json(std::string& text, const CanTally& tally, std::stri
     auto out = std::back_inserter(text);
     fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"can_frames\":{},\"frames\":{},",
                    tally.bytes, tally.can_frames, tally.frames);
-    append_rejected(text, tally.rejected);
+    append_rejected_json(text, tally.rejected);
     fmt::format_to(out,
                    ",\"other_can_frames\":{},\"error_frames\":{},\"log_start_us\":{},\"input\":"
                    "\"{}\"}}}}\n",

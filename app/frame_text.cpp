@@ -25,7 +25,7 @@ std::string_view link_text(const ChannelFrame& frame) {
 }
 
 /// `, rejected: 3 checksum, 1 damaged`
-void append_rejected(std::string& text, std::span<const NamedCount> rejected) {
+void append_rejected_text(std::string& text, std::span<const NamedCount> rejected) {
     text += ", rejected:";
     bool any = false;
     for (const NamedCount& cause : rejected) {
@@ -83,7 +83,7 @@ void append_frame_text(std::string& text, const FoundFrame& found) {
 void append_summary_text(std::string& text, const Tally& tally) {
     fmt::format_to(std::back_inserter(text), "{} frames in {} bytes, {} bytes skipped",
                    tally.frames, tally.bytes, tally.skipped_bytes);
-    append_rejected(text, tally.rejected);
+    append_rejected_text(text, tally.rejected);
     text += '\n';
 }
 
@@ -92,7 +92,7 @@ void append_can_summary_text(std::string& text, const CanTally& tally) {
     fmt::format_to(
         out, "{} frames in {} CAN frames of {} bytes, {} other CAN frames, {} error frames",
         tally.frames, tally.can_frames, tally.bytes, tally.other_can_frames, tally.error_frames);
-    append_rejected(text, tally.rejected);
+    append_rejected_text(text, tally.rejected);
     const std::int64_t start = whole_microseconds(tally.log_start);
     fmt::format_to(out, "; 0 is {}.{:06} of the log\n", start / 1'000'000, start % 1'000'000);
 }

@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using Failed = tl::unexpected<std::string>;
 using Done = tl::expected<void, std::string>;
 
-constexpr std::string_view kUnfinished = ".unfinished";
+constexpr std::string_view kUnfinishedEnding = ".unfinished";
 constexpr std::size_t kPiecesAtOnce = 256;
 constexpr std::size_t kBytesAtOnce = std::size_t{64} * 1024;
 /// Of a length that `recording_time` gives.
@@ -241,7 +241,7 @@ bool is_recording(const std::string& name) {
 }
 
 bool is_unfinished(const std::string& name) {
-    return is_recording(name) && name.ends_with(kUnfinished);
+    return is_recording(name) && name.ends_with(kUnfinishedEnding);
 }
 
 /// Of several of one second: 1 for the first, which has no number in its name.
@@ -332,7 +332,7 @@ tl::expected<fs::path, std::string> write_recording(const RecordingOrder& order)
     }
     const fs::path folder = name_in(order.directory, order);
     fs::path unfinished = folder;
-    unfinished += kUnfinished;
+    unfinished += kUnfinishedEnding;
     if (::mkdir(unfinished.c_str(), 0750) != 0) {
         return failed(unfinished, errno);
     }

@@ -10,9 +10,6 @@
 namespace tribus::test {
 namespace {
 
-constexpr LineSettings kSbus{.baud = 100'000, .parity = Parity::even, .stop_bits = 2};
-constexpr LineSettings kIbus{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
-
 class LabDoctor : public Loopback {
   protected:
     /// What it says of `device` while `sender` repeats a frame; it has to end with `status`.

@@ -14,9 +14,7 @@
 namespace tribus::test {
 namespace {
 
-constexpr LineSettings kSbus{.baud = 100'000, .parity = Parity::even, .stop_bits = 2};
 constexpr LineSettings kSbusFast{.baud = 200'000, .parity = Parity::even, .stop_bits = 2};
-constexpr LineSettings kIbus{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
 
 std::unique_ptr<SerialPort> opened(const std::string& device, const LineSettings& settings) {
     auto port = SerialPort::open(device, settings);

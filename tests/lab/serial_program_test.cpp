@@ -11,9 +11,6 @@
 namespace tribus::test {
 namespace {
 
-constexpr LineSettings kSbus{.baud = 100'000, .parity = Parity::even, .stop_bits = 2};
-constexpr LineSettings kIbus{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
-
 class LabProgram : public Loopback {
   protected:
     std::string config(const std::string& receiver, const std::string& servos) {

@@ -17,9 +17,6 @@
 namespace tribus::test {
 namespace {
 
-constexpr LineSettings kSbus{.baud = 100'000, .parity = Parity::even, .stop_bits = 2};
-constexpr LineSettings kIbus{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
-
 const std::string kPackage = "/host" TRIBUS_PACKAGE;
 const std::string kUnit = "tribus@servos.service";
 const std::filesystem::path kConfigurations = "/etc/tribus";
@@ -351,7 +348,8 @@ TEST_F(CanExamples, BringABusUp) {
     shell(
         "cp /usr/share/doc/tribus/examples/networkd/80-can* /etc/systemd/network/; "
         "rm /etc/systemd/network/80-can0-fd.network; "
-        "modprobe -r kvaser_pci; modprobe kvaser_pci; systemctl start systemd-networkd");
+        "driver=$(basename $(readlink -f /sys/class/net/can0/device/driver/module)); "
+        "modprobe -r $driver; modprobe $driver; systemctl start systemd-networkd");
     EXPECT_TRUE(in_time([] {
         return shell("ip -details link show can0").find("bitrate 500000") != std::string::npos;
     })) << shell("ip -details link show can0; journalctl -q -u systemd-networkd");

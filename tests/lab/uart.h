@@ -13,6 +13,9 @@ namespace tribus::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
+inline constexpr LineSettings kSbus{.baud = 100'000, .parity = Parity::even, .stop_bits = 2};
+inline constexpr LineSettings kIbus{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
+
 /// The line settings of a serial device as its driver tells them (TCGETS2).
 struct LineSeen {
     std::uint32_t baud = 0;

@@ -12,7 +12,7 @@ namespace tribus {
 namespace {
 
 constexpr std::string_view kChip = "gpiochip";
-constexpr std::string_view kAllowed =
+constexpr std::string_view kWhatAPlaceIs =
     "give a line's name, such as \"GPIO17\", or chip and offset, such as \"gpiochip0:17\"";
 
 bool only_digits(std::string_view text) {
@@ -20,7 +20,7 @@ bool only_digits(std::string_view text) {
 }
 
 tl::unexpected<std::string> refused(std::string_view text, const std::string& why) {
-    return tl::unexpected(in_quotes(text) + " " + why + ": " + std::string(kAllowed));
+    return tl::unexpected(in_quotes(text) + " " + why + ": " + std::string(kWhatAPlaceIs));
 }
 
 }  // namespace

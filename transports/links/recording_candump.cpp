@@ -22,7 +22,7 @@ using recording_text::trimmed;
 
 constexpr Duration kMostStepBack = std::chrono::milliseconds(100);
 
-constexpr std::string_view kAllowed =
+constexpr std::string_view kWhatALineIs =
     "; a line is (1436509052.249713) can0 123#1122, as candump -L and candump -l write it";
 
 /// Set in the id of a line that is a note of the controller (CAN_ERR_FLAG).
@@ -39,7 +39,7 @@ constexpr std::size_t kLongestInterface = 15;
 
 /// 10 digits of seconds reach to the year 2286; their nanoseconds fit.
 constexpr std::size_t kMostSecondDigits = 10;
-constexpr std::uint64_t kMostSeconds = 9'000'000'000;
+constexpr std::uint64_t kMostUnixSeconds = 9'000'000'000;
 constexpr std::size_t kMostFractionDigits = 9;
 
 /// What is wrong with a word, and how far into it.
@@ -73,7 +73,7 @@ std::optional<Duration> parse_time(std::string_view word) {
     padded.resize(kMostFractionDigits, '0');
     const auto seconds = parse_number<std::uint64_t>(whole, 10);
     const auto nanoseconds = parse_number<std::uint64_t>(padded, 10);
-    if (!seconds || !nanoseconds || *seconds > kMostSeconds) {
+    if (!seconds || !nanoseconds || *seconds > kMostUnixSeconds) {
         return std::nullopt;
     }
     return Duration(static_cast<std::int64_t>(*seconds * 1'000'000'000 + *nanoseconds));
@@ -176,7 +176,7 @@ tl::expected<void, Flaw> read_classic(std::string_view text, std::size_t offset,
 tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
     const std::size_t mark = word.find('#');
     if (mark == std::string_view::npos) {
-        return FlawFound({0, quoted(word) + " is no frame" + std::string(kAllowed)});
+        return FlawFound({0, quoted(word) + " is no frame" + std::string(kWhatALineIs)});
     }
     CanFrame frame;
     if (auto read = read_id(word.substr(0, mark), frame); !read) {
@@ -216,7 +216,7 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     }
     auto logged = parse_time(time.text);
     if (!logged) {
-        return mistake(time.column, quoted(time.text) + " is no time" + std::string(kAllowed));
+        return mistake(time.column, quoted(time.text) + " is no time" + std::string(kWhatALineIs));
     }
     if (log_start_ && *logged < latest_ - kMostStepBack) {
         return mistake(time.column,
@@ -231,7 +231,7 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     Token word;
     if (!tokens.next(interface) || !tokens.next(word)) {
         return mistake(time.column,
-                       "a time without an interface and a frame" + std::string(kAllowed));
+                       "a time without an interface and a frame" + std::string(kWhatALineIs));
     }
     if (interface.text.size() > kLongestInterface) {
         return mistake(interface.column, quoted(interface.text) +
@@ -245,7 +245,7 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     Token further;
     if (tokens.next(further) && (!is_direction(further.text) || tokens.next(further))) {
         return mistake(further.column,
-                       quoted(further.text) + " behind the frame" + std::string(kAllowed));
+                       quoted(further.text) + " behind the frame" + std::string(kWhatALineIs));
     }
     latest_ = *logged;
     log_start_ = log_start_.value_or(*logged);
