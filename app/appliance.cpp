@@ -5,6 +5,17 @@
 #include <utility>
 
 namespace tribus {
+namespace {
+
+std::string device_name(const PortConfig& config) {
+    return (config.link == LinkKind::can ? "interface " : "device ") + config.device;
+}
+
+std::string device_name(const LineConfig& config) {
+    return "line " + config.name + " (" + to_text(config.place) + ")";
+}
+
+}  // namespace
 
 Appliance::Appliance(Configuration configuration)
     : configuration_(std::move(configuration)),
@@ -141,12 +152,21 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
     return appliance;
 }
 
+std::vector<Appliance::DeviceEvent> Appliance::devices() const {
+    std::vector<DeviceEvent> all;
+    for (std::size_t port = 0; port < plans_.size(); ++port) {
+        all.push_back({device_name(plans_[port].config), port_present(port)});
+    }
+    for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
+        all.push_back({device_name(configuration_.lines[line]), line_present(line)});
+    }
+    return all;
+}
+
 std::vector<Appliance::DeviceEvent> Appliance::tend() {
     std::vector<DeviceEvent> events;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
-        const PortConfig& config = plans_[port].config;
-        const std::string name =
-            (config.link == LinkKind::can ? "interface " : "device ") + config.device;
+        const std::string name = device_name(plans_[port].config);
         if (loop_->take_lost(port)) {
             missing_[port] = true;
             events.push_back({name, false});
@@ -169,7 +189,7 @@ void Appliance::tend_lines(std::vector<DeviceEvent>& events) {
     tends_until_opening_ = tends_until_opening_ == 0 ? kTendsPerOpening : tends_until_opening_ - 1;
     for (std::size_t i = 0; i < missing_lines_.size(); ++i) {
         const LineConfig& config = configuration_.lines[i];
-        const std::string name = "line " + config.name + " (" + to_text(config.place) + ")";
+        const std::string name = device_name(config);
         if (gpio_thread_->take_lost(i)) {
             missing_lines_[i] = true;
             events.push_back({name, false});

@@ -55,6 +55,8 @@ class Appliance {
         std::string name;  ///< "device /dev/ttyUSB0"
         bool back = false;
     };
+    /// How it stands with each, in the words of an event.
+    std::vector<DeviceEvent> devices() const;
     /// Closes devices that vanished and opens those that are back. Call a few times a second.
     std::vector<DeviceEvent> tend();
 

@@ -1,5 +1,6 @@
 #include "app/can_report.h"
 
+#include <algorithm>
 #include <utility>
 
 #include <spdlog/spdlog.h>
@@ -52,23 +53,36 @@ void log_interface(const Appliance& appliance, const PortPlan& plan) {
 CanReport::CanReport(const Appliance& appliance) {
     for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
         if (appliance.ports()[port].config.link == LinkKind::can) {
-            ports_.try_emplace(port);
+            interfaces_[appliance.ports()[port].config.device].port = port;
         }
     }
 }
 
 void CanReport::start(const Appliance& appliance) {
-    for (const auto& [port, memory] : ports_) {
-        log_interface(appliance, appliance.ports()[port]);
+    for (const auto& [name, memory] : interfaces_) {
+        log_interface(appliance, appliance.ports()[memory.port]);
+    }
+}
+
+void CanReport::go_on_from(const CanReport& before, const Appliance& appliance) {
+    for (auto& [name, memory] : interfaces_) {
+        const auto known = before.interfaces_.find(name);
+        if (known == before.interfaces_.end()) {
+            continue;
+        }
+        const std::size_t port = std::exchange(memory, known->second).port;
+        memory.port = port;
+        // An interface that is opened anew counts anew.
+        memory.receive_overflows =
+            std::min(memory.receive_overflows, appliance.can_status(port).counts.receive_overflows);
     }
 }
 
 void CanReport::look_at_state(const std::string& name, const CanLinkStatus& status, Memory& memory,
                               Instant now) {
-    if (status.state != memory.status.state) {
+    if (status.state != memory.said.seen()) {
         memory.bus_off_since =
             status.state == CanBusState::bus_off ? std::optional(now) : std::nullopt;
-        memory.status.state = status.state;
     }
     if (const auto swallowed = memory.said.look(status.state, memory.limit, now)) {
         const bool fine = status.state == CanBusState::ready;
@@ -79,8 +93,7 @@ void CanReport::look_at_state(const std::string& name, const CanLinkStatus& stat
 
 void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& status,
                                   Memory& memory, Instant now) {
-    const std::uint64_t lost =
-        status.counts.receive_overflows - memory.status.counts.receive_overflows;
+    const std::uint64_t lost = status.counts.receive_overflows - memory.receive_overflows;
     if (lost == 0) {
         return;
     }
@@ -88,7 +101,7 @@ void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& 
         spdlog::warn("interface {}: {} frames lost because they came faster than they were read{}",
                      name, lost, swallowed_note(*swallowed));
     }
-    memory.status.counts = status.counts;
+    memory.receive_overflows = status.counts.receive_overflows;
 }
 
 /// Where restart-ms is 0 the controller stays off for ever, unless somebody restarts it.
@@ -114,9 +127,8 @@ void CanReport::end_bus_off(const std::string& name, Memory& memory, Instant now
 }
 
 void CanReport::look(const Appliance& appliance, Instant now) {
-    for (auto& [port, memory] : ports_) {
-        const std::string& name = appliance.ports()[port].config.device;
-        const CanLinkStatus status = appliance.can_status(port);
+    for (auto& [name, memory] : interfaces_) {
+        const CanLinkStatus status = appliance.can_status(memory.port);
         const LogFields fields({"TRIBUS_INTERFACE", name});
         look_at_state(name, status, memory, now);
         look_at_overflows(name, status, memory, now);

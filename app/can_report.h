@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -22,11 +23,14 @@ class CanReport {
 
     /// Logs what the kernel tells of every interface.
     void start(const Appliance& appliance);
+    /// After a reload: all that `before` knew of the interfaces that are still used.
+    void go_on_from(const CanReport& before, const Appliance& appliance);
     void look(const Appliance& appliance, Instant now);
 
   private:
     struct Memory {
-        CanLinkStatus status;
+        std::size_t port = 0;
+        std::uint64_t receive_overflows = 0;
         std::optional<Instant> bus_off_since;
         LastWord<CanBusState> said{CanBusState::ready};
         RateLimit limit = log_limit();
@@ -39,7 +43,7 @@ class CanReport {
                            Instant now);
     void end_bus_off(const std::string& name, Memory& memory, Instant now);
 
-    std::map<std::size_t, Memory> ports_;
+    std::map<std::string, Memory> interfaces_;
 };
 
 }  // namespace tribus

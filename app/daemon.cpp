@@ -45,10 +45,11 @@ void Daemon::watch() {
 }
 
 /// Tells of one that goes on from another, which had those ports.
-void Daemon::watch_on(const std::vector<PortPlan>& ports_before) {
+void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over) {
     const Instant now = monotonic_now();
-    log_ = std::make_unique<StateLog>(*appliance_, now);
-    log_->take_as_known(*appliance_);
+    auto log = std::make_unique<StateLog>(*appliance_, now);
+    log->go_on_from(*log_, *appliance_, carry_over);
+    log_ = std::move(log);
     const bool new_port = std::ranges::any_of(appliance_->ports(), [&](const PortPlan& port) {
         return std::ranges::none_of(ports_before, [&](const PortPlan& before) {
             return same_device(before.config, port.config);
@@ -119,7 +120,7 @@ ReloadOutcome Daemon::take_between_frames(Configuration fresh, const CarryOver& 
     }
     appliance_ = std::move(*next);
     spdlog::info("reloaded {}", summary(configuration()));
-    watch_on(ports_before);
+    watch_on(ports_before, carry_over);
     return {.taken = true};
 }
 

@@ -70,7 +70,7 @@ class Daemon {
     void set_trial(std::optional<Trial> trial);
     void restart();
     void watch();
-    void watch_on(const std::vector<PortPlan>& ports_before);
+    void watch_on(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over);
 
     std::string path_;
     InsideView& inside_;

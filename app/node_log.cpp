@@ -20,6 +20,14 @@ NodeLog::NodeLog(const Appliance& appliance) {
     }
 }
 
+void NodeLog::go_on_from(const NodeLog& before, std::span<const CarriedFrom> from) {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (from[i]) {
+            nodes_[i] = before.nodes_[*from[i]];
+        }
+    }
+}
+
 void NodeLog::look(const Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         Memory& memory = nodes_[i];

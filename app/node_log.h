@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "core/last_word.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
+#include "pipelines/carry_over.h"
 #include "pipelines/dronecan/node.h"
 
 namespace tribus {
@@ -18,6 +20,8 @@ class NodeLog {
   public:
     explicit NodeLog(const Appliance& appliance);
 
+    /// After a reload: all that `before` knew of the nodes that go on.
+    void go_on_from(const NodeLog& before, std::span<const CarriedFrom> from);
     void look(const Appliance& appliance, Instant now);
 
   private:

@@ -29,12 +29,21 @@ void say(RateLimit& limit, Instant now, spdlog::level::level_enum level,
 
 }  // namespace
 
-SensorBusLog::SensorBusLog(const Appliance& appliance, Instant start) : start_(start) {
+SensorBusLog::SensorBusLog(const Appliance& appliance, Instant start) {
     const Configuration& configuration = appliance.configuration();
     for (const SensorBusConfig& bus : configuration.sensor_buses) {
         buses_.push_back({.name = bus.name,
                           .sensors = bus.sensors.size(),
-                          .types = SensorTypes(bus.dialect, configuration.sensor_types)});
+                          .types = SensorTypes(bus.dialect, configuration.sensor_types),
+                          .start = start});
+    }
+}
+
+void SensorBusLog::go_on_from(const SensorBusLog& before, std::span<const CarriedFrom> from) {
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+        if (from[i]) {
+            buses_[i] = before.buses_[*from[i]];
+        }
     }
 }
 
@@ -63,7 +72,7 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
             spdlog::warn("sensor bus {}: the receiver does not ask any more{}", memory.name, note);
         }
     }
-    if (!memory.silence_said && state.sensor.requests == 0 && now - start_ >= kFirstWait) {
+    if (!memory.silence_said && state.sensor.requests == 0 && now - memory.start >= kFirstWait) {
         memory.silence_said = true;
         spdlog::warn(
             "sensor bus {}: not one request yet; check wire, ground and power, and that it is the "
@@ -95,7 +104,7 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
         look_at_address(i < state.found_count ? std::optional(state.found[i]) : std::nullopt, i + 1,
                         memory, now);
     }
-    if (!memory.silence_said && state.found_count == 0 && now - start_ >= kFirstWait) {
+    if (!memory.silence_said && state.found_count == 0 && now - memory.start >= kFirstWait) {
         memory.silence_said = true;
         spdlog::warn(
             "sensor bus {}: no sensor answers yet; check wire, ground and power{}", memory.name,

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "core/last_word.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
+#include "pipelines/carry_over.h"
 #include "transports/codecs/ibus_sensor_types.h"
 
 namespace tribus {
@@ -22,6 +24,8 @@ class SensorBusLog {
   public:
     SensorBusLog(const Appliance& appliance, Instant start);
 
+    /// After a reload: all that `before` knew of the buses that go on.
+    void go_on_from(const SensorBusLog& before, std::span<const CarriedFrom> from);
     void look(const Appliance& appliance, Instant now);
 
   private:
@@ -34,6 +38,7 @@ class SensorBusLog {
         std::string name;
         std::size_t sensors = 0;  ///< role sensor
         SensorTypes types;
+        Instant start;
         RateLimit limit = log_limit();
         bool silence_said = false;
         LastWord<bool> asked{false};  ///< role sensor: by a receiver, lately
@@ -49,7 +54,6 @@ class SensorBusLog {
     static void look_at_troubles(const SensorBusState& state, Memory& memory, Instant now);
     static std::string type_name(const Memory& memory, std::uint8_t type);
 
-    Instant start_;
     std::vector<Memory> buses_;
 };
 

@@ -25,16 +25,31 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     outputs_.resize(configuration.outputs.size());
 }
 
-void StateLog::take_as_known(const Appliance& appliance) {
+void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
+                          const CarryOver& carry_over) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
-        inputs_[i].cause.take_as_known(appliance.input_status(i).state.cause);
+        if (const CarriedFrom from = carry_over.engine.inputs[i].from) {
+            inputs_[i].cause = before.inputs_[*from].cause;
+            inputs_[i].limit = before.inputs_[*from].limit;
+        } else {
+            inputs_[i].cause.take_as_known(appliance.input_status(i).state.cause);
+        }
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
-        const OutputStatus status = appliance.output_status(i);
-        outputs_[i].state.take_as_known(status.state);
-        outputs_[i].busy_drops = status.counts.busy_drops;
-        outputs_[i].foreign_frames = status.counts.foreign_frames;
+        if (const CarriedFrom from = carry_over.engine.outputs[i].from) {
+            outputs_[i] = before.outputs_[*from];
+        } else {
+            outputs_[i].state.take_as_known(appliance.output_status(i).state);
+        }
     }
+    for (const Appliance::DeviceEvent& device : appliance.devices()) {
+        if (const auto known = before.devices_.find(device.name); known != before.devices_.end()) {
+            devices_.insert(*known).first->second.present = device.back;
+        }
+    }
+    can_.go_on_from(before.can_, appliance);
+    sensor_buses_.go_on_from(before.sensor_buses_, carry_over.values.buses);
+    nodes_.go_on_from(before.nodes_, carry_over.engine.nodes);
 }
 
 void StateLog::look_at_input(const std::string& name, const InputStatus& status,
@@ -147,10 +162,11 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
         if (first) {
             device->second.back.take_as_known(!event.back);
         }
+        device->second.present = event.back;
         look(event.name, device->second, event.back);
     }
     for (auto& [name, memory] : devices_) {
-        look(name, memory, memory.back.seen());
+        look(name, memory, memory.present);
     }
 }
 

@@ -12,6 +12,7 @@
 #include "app/log_limit.h"
 #include "app/node_log.h"
 #include "app/sensor_bus_log.h"
+#include "config/carry_over.h"
 #include "core/last_word.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
@@ -25,8 +26,10 @@ class StateLog {
 
     /// Logs how every CAN interface is set up.
     void say_interfaces(const Appliance& appliance) { can_.start(appliance); }
-    /// What is so already is no change: after a reload nobody needs to be told again.
-    void take_as_known(const Appliance& appliance);
+    /// After a reload: what `before` said of the parts that go on needs no word again, and what it
+    /// had no line left for is still to come.
+    void go_on_from(const StateLog& before, const Appliance& appliance,
+                    const CarryOver& carry_over);
 
     /// Compares with the last look and logs each change, at most a few lines a while for each
     /// input, output and device.
@@ -46,6 +49,7 @@ class StateLog {
         RateLimit limit = log_limit();
     };
     struct DeviceMemory {
+        bool present = true;
         LastWord<bool> back{true};
         RateLimit limit = log_limit();
     };

@@ -46,12 +46,18 @@ void Loop::publish_output(std::size_t index, Instant now) {
 }
 
 void Loop::publish_values() {
+    if (settings_.values == nullptr) {
+        return;
+    }
+    const ValueBoard& board = settings_.values->board();
     for (std::size_t value = 0; value < value_status_.size(); ++value) {
-        const ValueBoard& board = settings_.values->board();
         value_status_[value].publish({.number = board.latest(value),
                                       .at = board.at(value),
                                       .ever = board.ever(value),
                                       .available = board.available(value)});
+    }
+    for (std::size_t bus = 0; bus < bus_states_.size(); ++bus) {
+        bus_states_[bus].publish(settings_.values->bus_state(bus));
     }
 }
 
@@ -67,9 +73,6 @@ void Loop::publish(Instant now) {
         publish_output(i, now);
     }
     publish_values();
-    for (std::size_t bus = 0; bus < bus_states_.size(); ++bus) {
-        bus_states_[bus].publish(settings_.values->bus_state(bus));
-    }
     for (std::size_t node = 0; node < node_reports_.size(); ++node) {
         node_reports_[node].publish(engine_.node(node).report());
     }

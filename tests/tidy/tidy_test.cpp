@@ -125,6 +125,24 @@ TEST(Tidy, what_is_promised_is_shown_by_tests_that_there_are) {
     EXPECT_GT(found, 30U);
 }
 
+/// The README's commands are called by their paths.
+TEST(Tidy, what_says_how_to_run_it_can_be_run) {
+    std::size_t found = 0;
+    for (const std::string_view folder : {".ci", "deploy", "tests"}) {
+        for (const auto& entry :
+             fs::recursive_directory_iterator(fs::path(TRIBUS_SOURCE_DIR) / folder)) {
+            std::ifstream file(entry.path());
+            std::string line;
+            if (entry.is_regular_file() && std::getline(file, line) && line.starts_with("#!")) {
+                ++found;
+                EXPECT_NE(entry.status().permissions() & fs::perms::owner_exec, fs::perms::none)
+                    << entry.path();
+            }
+        }
+    }
+    EXPECT_GT(found, 10U);
+}
+
 TEST(Tidy, no_source_file_is_longer_than_400_lines) {
     for (const SourceLine& line : lines_of(kProduct)) {
         EXPECT_NE(line.number, 401U) << line.file;

@@ -101,7 +101,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kSlotsChoices{"nibbles", "plain"};
 constexpr std::array<std::string_view, 2> kChannelsChoices{"14", "18"};
-constexpr std::array kSettings{
+constexpr std::array kIbusSettings{
     Setting{.key = "baud",
             .type = SettingType::integer,
             .fallback = "115200",
@@ -124,12 +124,12 @@ constexpr std::array kSettings{
                     "failsafe)"},
 };
 
-std::unique_ptr<Decoder> make_decoder(const SettingValues& settings) {
+std::unique_ptr<Decoder> make_ibus_decoder(const SettingValues& settings) {
     const bool plain = settings.get_or<std::string>("slots", "nibbles") == "plain";
     return std::make_unique<IbusDecoder>(plain ? IbusSlots::plain : IbusSlots::nibbles);
 }
 
-std::unique_ptr<Encoder> make_encoder(const SettingValues& settings) {
+std::unique_ptr<Encoder> make_ibus_encoder(const SettingValues& settings) {
     return std::make_unique<IbusEncoder>(
         static_cast<std::size_t>(settings.get_or<std::int64_t>("channels", 14)));
 }
@@ -142,13 +142,13 @@ const Protocol kIbusProtocol{
     .name = "ibus",
     .description = "FlySky i.Bus servo frames, 14 or 18 channels",
     .line = {.baud = 115200, .parity = Parity::none, .stop_bits = 1},
-    .settings = kSettings,
+    .settings = kIbusSettings,
     .longest_frame = kLongestFrame,
     .default_period = std::chrono::milliseconds(7),
     .least_period = std::chrono::milliseconds(4),
     .says_failsafe = never_says_failsafe,
-    .make_decoder = make_decoder,
-    .make_encoder = make_encoder,
+    .make_decoder = make_ibus_decoder,
+    .make_encoder = make_ibus_encoder,
 };
 
 }  // namespace tribus

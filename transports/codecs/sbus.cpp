@@ -83,7 +83,7 @@ namespace {
 constexpr std::array<std::string_view, 2> kBaudChoices{"100000", "200000"};
 constexpr std::array<std::string_view, 5> kScaleChoices{"betaflight", "ardupilot", "px4", "frsky",
                                                         "futaba"};
-constexpr std::array kSettings{
+constexpr std::array kSbusSettings{
     Setting{.key = "baud",
             .type = SettingType::integer,
             .fallback = "100000",
@@ -100,11 +100,11 @@ constexpr std::array kSettings{
             .help = "Ask the UART to invert the line by itself; Linux has no setting for it"},
 };
 
-std::unique_ptr<Decoder> make_decoder(const SettingValues& settings) {
+std::unique_ptr<Decoder> make_sbus_decoder(const SettingValues& settings) {
     return std::make_unique<SbusDecoder>(SbusScale::from_setting(settings.find("scale")));
 }
 
-std::unique_ptr<Encoder> make_encoder(const SettingValues& settings) {
+std::unique_ptr<Encoder> make_sbus_encoder(const SettingValues& settings) {
     return std::make_unique<SbusEncoder>(SbusScale::from_setting(settings.find("scale")));
 }
 
@@ -120,14 +120,14 @@ const Protocol kSbusProtocol{
     .name = "sbus",
     .description = "Futaba SBUS, and SBUS2 frames as input",
     .line = {.baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true},
-    .settings = kSettings,
+    .settings = kSbusSettings,
     .longest_frame = kSbusFrameLength,
     .default_period = std::chrono::milliseconds(14),
     .least_period = std::chrono::milliseconds(7),
     .says_failsafe = always_says_failsafe,
     .raw_zero = raw_zero,
-    .make_decoder = make_decoder,
-    .make_encoder = make_encoder,
+    .make_decoder = make_sbus_decoder,
+    .make_encoder = make_sbus_encoder,
 };
 
 /// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last

@@ -16,7 +16,7 @@ using namespace sensor_can;
 
 namespace {
 
-constexpr std::array kSettings{
+constexpr std::array kSensorSettings{
     Setting{.key = "sensor_bus",
             .type = SettingType::text,
             .required = true,
@@ -69,7 +69,7 @@ bool never_needs_pipeline(const SettingValues& /*settings*/) {
     return false;
 }
 
-std::unique_ptr<CanEncoder> make_encoder(const SettingValues& settings) {
+std::unique_ptr<CanEncoder> make_sensor_encoder(const SettingValues& settings) {
     return std::make_unique<SensorCanEncoder>(SensorCanFormat::from_settings(settings));
 }
 
@@ -155,7 +155,7 @@ const Protocol kSensorsProtocol{
     .description = "The readings of a sensor bus, a CAN frame for each address",
     .link = LinkKind::can,
     .line = {},
-    .settings = kSettings,
+    .settings = kSensorSettings,
     .default_period = kDefaultPeriod,
     .least_period = kLeastPeriod,
     // It says itself which readings are fresh, whatever becomes of channels.
@@ -163,7 +163,7 @@ const Protocol kSensorsProtocol{
     .check = check,
     .value_names = value_names,
     .needs_pipeline = never_needs_pipeline,
-    .make_can_encoder = make_encoder,
+    .make_can_encoder = make_sensor_encoder,
 };
 
 }  // namespace tribus

@@ -20,7 +20,7 @@ namespace tribus {
 
 namespace {
 
-bool gone(int error) {
+bool interface_is_gone(int error) {
     return error == ENODEV || error == ENXIO || error == EBADF;
 }
 
@@ -131,7 +131,7 @@ ReadStatus CanSocket::read_failed(int error, Instant now) {
     } else if (error == ENETDOWN) {
         // Told once; the same socket works again when the interface is up (can.md 3.4).
         went_down();
-    } else if (gone(error)) {
+    } else if (interface_is_gone(error)) {
         lost_ = true;
         return ReadStatus::lost;
     }
@@ -294,7 +294,7 @@ void CanSocket::send_failed(int error, Instant now) {
         transmitter_.refused_full(now);
     } else if (error == ENETDOWN) {
         went_down();
-    } else if (gone(error)) {
+    } else if (interface_is_gone(error)) {
         lost_ = true;
     } else {
         transmitter_.refused();
@@ -318,7 +318,7 @@ void CanSocket::recheck(Instant now) {
 void CanSocket::check_line(Instant now) {
     checked_ = now;
     if (::ioctl(fd_.get(), SIOCGIFFLAGS, &buffers_->line) != 0) {
-        lost_ = lost_ || gone(errno);
+        lost_ = lost_ || interface_is_gone(errno);
         return;
     }
     const auto flags = static_cast<unsigned>(buffers_->line.ifr_flags);

@@ -10,7 +10,7 @@ namespace {
 constexpr std::uint8_t kMark = 0xFF;
 constexpr std::uint8_t kDamageFollows = 0x00;
 
-void append(std::uint8_t byte, bool damaged, Reception& reception) {
+void append_byte(std::uint8_t byte, bool damaged, Reception& reception) {
     reception.bytes[reception.count] = byte;
     reception.damaged.set(reception.count, damaged);
     ++reception.count;
@@ -49,7 +49,7 @@ void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {
             if (byte == kMark) {
                 place_ = Place::after_mark;
             } else {
-                append(byte, false, reception);
+                append_byte(byte, false, reception);
             }
             return;
         case Place::after_mark:
@@ -59,11 +59,11 @@ void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {
             }
             // The kernel puts nothing but FF or 00 here. Should another byte come, a byte is
             // missing in between: not to be trusted.
-            append(byte, byte != kMark, reception);
+            append_byte(byte, byte != kMark, reception);
             place_ = Place::plain;
             return;
         case Place::before_damaged:
-            append(byte, true, reception);
+            append_byte(byte, true, reception);
             place_ = Place::plain;
             return;
     }

@@ -32,7 +32,7 @@ constexpr const char* kInUse =
     "another program uses it, or this one opened it under another name; "
     "`fuser -v` with the device's path names the program: end it first";
 
-bool gone(int error) {
+bool device_is_gone(int error) {
     return error == EIO || error == ENXIO || error == ENODEV || error == EPIPE || error == EBADF;
 }
 
@@ -65,7 +65,7 @@ std::string settings_problem(int error) {
     if (error == ENOTTY) {
         return not_serial();
     }
-    if (gone(error)) {
+    if (device_is_gone(error)) {
         return open_problem(EIO);
     }
     return std::string("its driver refuses the line settings: ") + std::strerror(error);
@@ -247,7 +247,7 @@ ReadStatus SerialPort::read(Reception& reception) {
 WriteStatus SerialPort::write(std::span<const std::uint8_t> frame) {
     int queued = 0;
     if (!lost_ && tells_queue_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
-        lost_ = gone(errno);
+        lost_ = device_is_gone(errno);
         queued = 0;  // a driver that cannot tell: let the write decide
     }
     if (lost_) {
@@ -262,7 +262,7 @@ WriteStatus SerialPort::write(std::span<const std::uint8_t> frame) {
         taken = ::write(fd_.get(), frame.data(), frame.size());
         error = errno;
     }
-    if (taken < 0 && gone(error)) {
+    if (taken < 0 && device_is_gone(error)) {
         lost_ = true;
         return WriteStatus::lost;
     }

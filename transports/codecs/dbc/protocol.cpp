@@ -14,7 +14,7 @@
 namespace tribus {
 namespace {
 
-constexpr std::array kSettings{
+constexpr std::array kDbcSettings{
     Setting{.key = "dbc",
             .type = SettingType::file,
             .required = true,
@@ -81,12 +81,12 @@ bool needs_pipeline(const SettingValues& settings) {
     return !map || map->needs_channels();
 }
 
-std::unique_ptr<CanDecoder> make_decoder(const SettingValues& settings) {
+std::unique_ptr<CanDecoder> make_dbc_decoder(const SettingValues& settings) {
     auto map = build_dbc_map(settings, SettingScope::input);
     return std::make_unique<DbcDecoder>(map ? std::move(*map) : DbcMap{});
 }
 
-std::unique_ptr<CanEncoder> make_encoder(const SettingValues& settings) {
+std::unique_ptr<CanEncoder> make_dbc_encoder(const SettingValues& settings) {
     auto map = build_dbc_map(settings, SettingScope::output);
     return std::make_unique<DbcEncoder>(map ? std::move(*map) : DbcMap{});
 }
@@ -100,7 +100,7 @@ const Protocol kDbcProtocol{
     .description = "messages that a DBC file describes",
     .link = LinkKind::can,
     .line = {},
-    .settings = kSettings,
+    .settings = kDbcSettings,
     .default_period = std::chrono::milliseconds(20),
     .own_period = own_period,
     .least_period = kLeastPeriod,
@@ -108,8 +108,8 @@ const Protocol kDbcProtocol{
     .check = check,
     .value_names = value_names,
     .needs_pipeline = needs_pipeline,
-    .make_can_decoder = make_decoder,
-    .make_can_encoder = make_encoder,
+    .make_can_decoder = make_dbc_decoder,
+    .make_can_encoder = make_dbc_encoder,
 };
 
 }  // namespace tribus

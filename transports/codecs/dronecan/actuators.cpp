@@ -11,9 +11,9 @@
 namespace tribus::dronecan {
 namespace {
 
-constexpr double kCentre = 1500;
+constexpr double kNeutral = 1500;
 constexpr double kHalfTravel = 500;
-constexpr double kLow = 1000;
+constexpr double kLowest = 1000;
 constexpr double kTravel = 1000;
 constexpr double kMostThrottle = 8191;
 constexpr double kLeastThrottle = -8192;
@@ -43,7 +43,7 @@ std::optional<Pulse> pulse_of(const ActuatorCommand& command) {
     }
     switch (command.command_type) {
         case ActuatorCommand::kUnitless:
-            return Pulse::from_fractional_microseconds(kCentre +
+            return Pulse::from_fractional_microseconds(kNeutral +
                                                        kHalfTravel * std::clamp(value, -1.0, 1.0));
         case ActuatorCommand::kPwm:
             return Pulse::from_fractional_microseconds(value);
@@ -55,13 +55,13 @@ std::optional<Pulse> pulse_of(const ActuatorCommand& command) {
 Pulse pulse_of_throttle(std::int16_t throttle, bool reversible) {
     const double share = throttle / kMostThrottle;
     return Pulse::from_fractional_microseconds(reversible
-                                                   ? kCentre + kHalfTravel * std::max(share, -1.0)
-                                                   : kLow + kTravel * std::max(share, 0.0));
+                                                   ? kNeutral + kHalfTravel * std::max(share, -1.0)
+                                                   : kLowest + kTravel * std::max(share, 0.0));
 }
 
 std::int16_t throttle_of(Pulse pulse, bool reversible) {
-    const double share = reversible ? (pulse.microseconds() - kCentre) / kHalfTravel
-                                    : std::max((pulse.microseconds() - kLow) / kTravel, 0.0);
+    const double share = reversible ? (pulse.microseconds() - kNeutral) / kHalfTravel
+                                    : std::max((pulse.microseconds() - kLowest) / kTravel, 0.0);
     return static_cast<std::int16_t>(
         nearest_whole(std::clamp(share * kMostThrottle, kLeastThrottle, kMostThrottle)));
 }
@@ -216,7 +216,7 @@ std::size_t CommandEncoder::encode_servos(const ChannelFrame& snapshot,
             const double value =
                 format_.pulses
                     ? pulse->microseconds()
-                    : std::clamp((pulse->microseconds() - kCentre) / kHalfTravel, -1.0, 1.0);
+                    : std::clamp((pulse->microseconds() - kNeutral) / kHalfTravel, -1.0, 1.0);
             message.commands.push_back(
                 {.actuator_id = static_cast<std::uint8_t>(format_.first + channel),
                  .command_type =

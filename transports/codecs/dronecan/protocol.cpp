@@ -28,7 +28,7 @@ constexpr std::array<std::string_view, 5> kQualityTypes{"link_quality", "rssi", 
 constexpr std::size_t kMostServos = 15;
 constexpr std::size_t kMostMotors = 20;
 
-constexpr std::array kSettings{
+constexpr std::array kDroneCanSettings{
     Setting{.key = "carries",
             .type = SettingType::choice,
             .fallback = "\"rc\"",
@@ -283,7 +283,7 @@ const Protocol kDroneCanProtocol{
     .description = "DroneCAN: RCInput, ArrayCommand, RawCommand",
     .link = LinkKind::can,
     .line = {},
-    .settings = dronecan::kSettings,
+    .settings = dronecan::kDroneCanSettings,
     .default_period = std::chrono::milliseconds(10),
     // Faster than 100 Hz fills a shared bus, and autopilots tell no shorter intervals apart.
     .least_period = std::chrono::milliseconds(10),

@@ -23,7 +23,6 @@ constexpr std::uint32_t kServiceBit = 1U << 7;
 constexpr std::uint32_t kRequestBit = 1U << 15;
 
 constexpr std::uint16_t kCrcStart = 0xFFFF;
-constexpr std::size_t kCrcBytes = 2;
 constexpr std::array<std::uint8_t, kMostFdBytes> kPadding{};
 
 /// Of the transfer, without the tail byte.

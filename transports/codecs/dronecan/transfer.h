@@ -30,6 +30,8 @@ inline constexpr std::uint8_t kTailStart = 0x80;
 inline constexpr std::uint8_t kTailEnd = 0x40;
 inline constexpr std::uint8_t kTailToggle = 0x20;
 inline constexpr std::uint8_t kTailTransferId = 0x1F;
+/// In front of the payload, where that takes more than one frame.
+inline constexpr std::size_t kCrcBytes = 2;
 
 /// What the CAN id and the tail byte tell of a transfer.
 struct TransferHead {

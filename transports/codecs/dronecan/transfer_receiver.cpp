@@ -10,7 +10,6 @@ namespace {
 /// Specification 4.1, "Transfer ID timeout".
 constexpr Duration kTransferTimeout = std::chrono::seconds(2);
 
-constexpr std::size_t kCrcBytes = 2;
 constexpr std::size_t kMostFdCarried = kMostFdBytes - 1;
 
 std::uint8_t tail_of(const CanFrame& frame) {
