@@ -8,6 +8,7 @@
 #include <span>
 
 #include "app/cause_text.h"
+#include "app/object_text.h"
 #include "config/effective_channels.h"
 #include "core/link_cause.h"
 #include "pipelines/machine_facts.h"
@@ -308,60 +309,47 @@ Json line_json(const LineConfig& line, bool present) {
     return {{"name", line.name}, {"line", to_text(line.place)}, {"present", present}};
 }
 
-/// One entry for each of `count`.
-template <class Entry>
-Json list_of(std::size_t count, Entry entry) {
-    Json json = Json::array();
-    for (std::size_t i = 0; i < count; ++i) {
-        json.push_back(entry(i));
-    }
-    return json;
-}
-
-void add_lists(Json& json, const StatusReport& report) {
+void add_lists(ObjectText& json, const StatusReport& report) {
     const Configuration& configuration = *report.configuration;
-    json["inputs"] = list_of(report.inputs.size(), [&](std::size_t i) {
+    json.add_list("inputs", report.inputs.size(), [&](std::size_t i) {
         return input_json(configuration.inputs[i], report.inputs[i], report.now);
     });
-    json["pipelines"] = list_of(configuration.pipelines.size(), [&](std::size_t i) {
+    json.add_list("pipelines", configuration.pipelines.size(), [&](std::size_t i) {
         return pipeline_json(configuration.pipelines[i], configuration);
     });
-    json["outputs"] = list_of(report.outputs.size(), [&](std::size_t i) {
-        return output_json(i, report.outputs[i], report);
-    });
-    json["ports"] =
-        list_of(report.ports.size(), [&](std::size_t i) { return port_json(report.ports[i]); });
-    json["lines"] = list_of(report.lines_present.size(), [&](std::size_t i) {
+    json.add_list("outputs", report.outputs.size(),
+                  [&](std::size_t i) { return output_json(i, report.outputs[i], report); });
+    json.add_list("ports", report.ports.size(),
+                  [&](std::size_t i) { return port_json(report.ports[i]); });
+    json.add_list("lines", report.lines_present.size(), [&](std::size_t i) {
         return line_json(configuration.lines[i], report.lines_present[i]);
     });
-    json["sensor_buses"] = list_of(report.sensor_buses.size(), [&](std::size_t i) {
+    json.add_list("sensor_buses", report.sensor_buses.size(), [&](std::size_t i) {
         return sensor_bus_json(configuration.sensor_buses[i], report.sensor_buses[i], report);
     });
-    json["dronecan"] =
-        list_of(report.nodes.size(), [&](std::size_t i) { return node_json(report.nodes[i]); });
-    json["values"] = list_of(report.values.size(), [&](std::size_t i) {
-        return value_json(report.values[i], report.now);
-    });
+    json.add_list("dronecan", report.nodes.size(),
+                  [&](std::size_t i) { return node_json(report.nodes[i]); });
+    json.add_list("values", report.values.size(),
+                  [&](std::size_t i) { return value_json(report.values[i], report.now); });
 }
 
 }  // namespace
 
 std::string status_json(const StatusReport& report) {
-    Json json;
-    json["type"] = "status";
-    json["version"] = kStatusVersion;
-    json["name"] = std::filesystem::path(report.configuration->file).stem().string();
-    json["file"] = report.configuration->file;
-    json["t_us"] = us(report.now.time_since_epoch());
-    json["unix_time_us"] = us(report.wall_time);
-    json["uptime_us"] = us(report.now - report.started);
-    json["trial_left_us"] = report.trial_left ? Json(us(*report.trial_left)) : Json();
-    json["figures_age_us"] = age(report.figures_at, report.now);
-    json["missing_realtime"] = report.missing_realtime;
+    ObjectText json;
+    json.add("type", "status");
+    json.add("version", kStatusVersion);
+    json.add("name", std::filesystem::path(report.configuration->file).stem().string());
+    json.add("file", report.configuration->file);
+    json.add("t_us", us(report.now.time_since_epoch()));
+    json.add("unix_time_us", us(report.wall_time));
+    json.add("uptime_us", us(report.now - report.started));
+    json.add("trial_left_us", report.trial_left ? Json(us(*report.trial_left)) : Json());
+    json.add("figures_age_us", age(report.figures_at, report.now));
+    json.add("missing_realtime", report.missing_realtime);
     add_lists(json, report);
-    json["machine"] = machine_json(report);
-    // File names and those of devices may be of any bytes.
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    json.add("machine", machine_json(report));
+    return std::move(json).end();
 }
 
 }  // namespace tribus
