@@ -33,7 +33,7 @@ class BusLoadOfARecordedReceiver : public testing::Test {
                       "node_id = 42\nschedule = \"grid\"\n" +
                           lines + "[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n");
         const test::Ended ended = test::run_in_shell(
-            "cd '" + folder_.path("") + "'; \"$TRIBUS\" simulate bus.toml --in receiver='" +
+            "cd '" + folder_ / "" + "'; \"$TRIBUS\" simulate bus.toml --in receiver='" +
             (captures / "ibus_servo18_afhds3.timed.txt").string() + "' --out bus=bus.log");
         EXPECT_EQ(ended.status, 0) << ended.output;
         const auto recording =

@@ -71,7 +71,7 @@ class Tshark : public testing::Test {
         }
     }
     Ended run(const std::string& command) const {
-        return run_in_shell("cd '" + folder.path("") + "'; " + command);
+        return run_in_shell("cd '" + folder / "" + "'; " + command);
     }
     /// 18 channels of an i.Bus receiver through a pipeline with an output on CAN.
     std::string simulate(const std::string& config, const std::string& recording) const {
@@ -92,7 +92,7 @@ class Tshark : public testing::Test {
         }
         folder.write("frames.json", lines);
         run("\"$TRIBUS\" encode --protocol ibus --format timed frames.json > ibus.txt");
-        return folder.path("ibus.txt");
+        return folder / "ibus.txt";
     }
     Rows seen(const std::string& fields) const {
         return lines_of(run("tshark -r can.log -T fields " + fields + " 2>/dev/null").output);

@@ -12,27 +12,27 @@ namespace tribus::test {
 
 class KernelTree {
   public:
-    const std::filesystem::path root() const { return folder_.path(""); }
+    const std::filesystem::path root() const { return folder_ / ""; }
 
     void write(const std::string& path, std::string_view content) const {
-        const std::filesystem::path file = folder_.path(path);
+        const std::filesystem::path file = folder_ / path;
         std::filesystem::create_directories(file.parent_path());
         std::ofstream(file, std::ios::binary) << content;
     }
     void folder(const std::string& path) const {
-        std::filesystem::create_directories(folder_.path(path));
+        std::filesystem::create_directories(folder_ / path);
     }
     /// A link inside of the tree: both are given from its root.
     void link(const std::string& path, const std::string& target) const {
-        const std::filesystem::path link = folder_.path(path);
+        const std::filesystem::path link = folder_ / path;
         std::filesystem::create_directories(link.parent_path());
         folder(target);
         std::filesystem::create_directory_symlink(
-            std::filesystem::relative(folder_.path(target), link.parent_path()), link);
+            std::filesystem::relative(folder_ / target, link.parent_path()), link);
     }
     /// A link as /proc has it, to whatever is there.
     void plain_link(const std::string& path, const std::string& target) const {
-        const std::filesystem::path link = folder_.path(path);
+        const std::filesystem::path link = folder_ / path;
         std::filesystem::create_directories(link.parent_path());
         std::filesystem::create_symlink(target, link);
     }

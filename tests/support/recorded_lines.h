@@ -16,7 +16,7 @@ namespace tribus::test {
 
 inline Recording recorded(const std::string& name) {
     const TemporaryFolder folder;
-    std::filesystem::copy(std::string(TRIBUS_SHARED_DIR "/captures/") + name, folder.path("it"));
+    std::filesystem::copy(std::string(TRIBUS_SHARED_DIR "/captures/") + name, folder / "it");
     auto recording = parse_recording(folder.read("it"), name);
     EXPECT_TRUE(recording) << recording.error();
     return recording ? *std::move(recording) : Recording{};

@@ -2,11 +2,14 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
+#include <system_error>
 
 namespace tribus::test {
 
-/// A folder that goes with its object.
+/// A folder that goes with its object, and its content with it.
 class TemporaryFolder {
   public:
     TemporaryFolder() {
@@ -15,10 +18,22 @@ class TemporaryFolder {
     }
     TemporaryFolder(const TemporaryFolder&) = delete;
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-    ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+    ~TemporaryFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
 
     std::string operator/(const std::string& name) const { return (path_ / name).string(); }
     const std::filesystem::path& path() const { return path_; }
+    std::string write(const std::string& name, const std::string& content) const {
+        std::ofstream(path_ / name, std::ios::binary) << content;
+        return *this / name;
+    }
+    std::string read(const std::string& name) const {
+        std::ostringstream content;
+        content << std::ifstream(path_ / name, std::ios::binary).rdbuf();
+        return content.str();
+    }
 
   private:
     std::filesystem::path path_;

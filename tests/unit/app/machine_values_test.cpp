@@ -20,11 +20,11 @@ namespace fs = std::filesystem;
 class Machine : public testing::Test {
   protected:
     void write(const std::string& path, std::string_view content) const {
-        const fs::path file = fs::path(folder_.path(path));
+        const fs::path file = fs::path(folder_ / path);
         fs::create_directories(file.parent_path());
         std::ofstream(file) << content;
     }
-    MachineWatch watch() const { return MachineWatch(folder_.path("")); }
+    MachineWatch watch() const { return MachineWatch(folder_ / ""); }
     /// What a watch that starts now sees at its first look.
     std::optional<double> seen(std::string_view name) const {
         MachineWatch fresh = watch();
@@ -65,7 +65,7 @@ TEST_F(Machine, AZoneWithoutASensibleNumberDoesNotCount) {
     write("sys/class/thermal/thermal_zone0/temp", "-274000\n");
     write("sys/class/thermal/thermal_zone1/temp", "");
     write("sys/class/thermal/thermal_zone2/temp", "hot\n");
-    fs::create_directories(folder_.path("sys/class/thermal/thermal_zone3/temp"));
+    fs::create_directories(folder_ / "sys/class/thermal/thermal_zone3/temp");
     EXPECT_EQ(seen("temperature"), std::nullopt);
     write("sys/class/thermal/thermal_zone4/temp", "30000\n");
     EXPECT_EQ(seen("temperature"), 30);
@@ -138,7 +138,7 @@ TEST_F(Machine, AFileThatGoesAwayTakesItsValueWithIt) {
     write("sys/class/thermal/thermal_zone0/temp", "48000\n");
     MachineWatch machine = watch();
     EXPECT_EQ(value(machine.look(), "temperature"), 48);
-    fs::remove(folder_.path("sys/class/thermal/thermal_zone0/temp"));
+    fs::remove(folder_ / "sys/class/thermal/thermal_zone0/temp");
     EXPECT_EQ(value(machine.look(), "temperature"), std::nullopt);
 }
 

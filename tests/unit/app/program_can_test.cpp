@@ -47,7 +47,7 @@ std::string plain(const std::string& json) {
 class ProgramCan : public testing::Test {
   protected:
     Ended run(const std::string& command) const {
-        return run_in_shell("cd '" + folder.path("") + "'; " + command);
+        return run_in_shell("cd '" + folder / "" + "'; " + command);
     }
     TemporaryFolder folder;
 };

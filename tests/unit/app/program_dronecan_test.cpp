@@ -24,7 +24,7 @@ class ProgramDroneCan : public testing::Test {
   protected:
     void SetUp() override { folder.write("bus.log", std::string(kLog)); }
     Ended run(const std::string& command) const {
-        return run_in_shell("cd '" + folder.path("") + "'; " + command);
+        return run_in_shell("cd '" + folder / "" + "'; " + command);
     }
     TemporaryFolder folder;
 };

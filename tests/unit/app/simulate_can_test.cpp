@@ -58,7 +58,7 @@ class SimulateCan : public testing::Test {
         folder.write("1750.json", receiver_frames(1750));
     }
     Ended run(const std::string& command) const {
-        return run_in_shell("cd '" + folder.path("") + "'; " + command);
+        return run_in_shell("cd '" + folder / "" + "'; " + command);
     }
     /// A log of native frames on an interface.
     std::string log(const std::string& frames, const std::string& interface) const {

@@ -41,9 +41,7 @@ class SensorBusConfiguration : public ::testing::Test {
   protected:
     SensorBusConfiguration() { folder_.write("battery.dbc", std::string(kBattery)); }
 
-    auto load(std::string_view text) const {
-        return load_configuration(text, folder_.path("t.toml"));
-    }
+    auto load(std::string_view text) const { return load_configuration(text, folder_ / "t.toml"); }
     Configuration loaded(const std::string& text) const {
         auto configuration = load(text);
         if (!configuration) {
