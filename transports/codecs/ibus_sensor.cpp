@@ -6,8 +6,8 @@ namespace tribus {
 namespace {
 
 constexpr std::size_t kDataAt = 2;
-constexpr std::size_t kSumBytes = 2;
-constexpr std::size_t kFrameBytes = kDataAt + kSumBytes;  // without data
+constexpr std::size_t kSensorChecksumBytes = 2;
+constexpr std::size_t kFrameBytes = kDataAt + kSensorChecksumBytes;  // without data
 constexpr std::size_t kTypeReplyBytes = kFrameBytes + 2;
 constexpr std::uint8_t kServoLength = 0x20;
 constexpr std::uint8_t kServoCommand = 0x40;
@@ -27,7 +27,7 @@ std::uint16_t checksum(std::span<const std::uint8_t> bytes) {
 }
 
 bool holds(std::span<const std::uint8_t> frame) {
-    const std::size_t end = frame.size() - kSumBytes;
+    const std::size_t end = frame.size() - kSensorChecksumBytes;
     const auto stated = static_cast<unsigned>(frame[end] | frame[end + 1] << 8U);
     return checksum(frame.first(end)) == stated;
 }
@@ -63,14 +63,14 @@ std::size_t encode_sensor_frame(SensorCommand command, std::uint8_t address,
                                 std::span<std::uint8_t, kLongestSensorFrame> wire) {
     const std::size_t size = std::min(data.size(), kMostSensorData);
     const std::size_t end = kDataAt + size;
-    wire[0] = static_cast<std::uint8_t>(end + kSumBytes);
+    wire[0] = static_cast<std::uint8_t>(end + kSensorChecksumBytes);
     wire[1] = static_cast<std::uint8_t>(static_cast<unsigned>(command) << kCommandShift |
                                         (address & kAddressMask));
     std::copy_n(data.begin(), size, wire.begin() + kDataAt);
     const std::uint16_t sum = checksum(wire.first(end));
     wire[end] = static_cast<std::uint8_t>(sum);
     wire[end + 1] = static_cast<std::uint8_t>(sum >> 8U);
-    return end + kSumBytes;
+    return end + kSensorChecksumBytes;
 }
 
 std::optional<SensorFrame> SensorFrameParser::next(std::span<const std::uint8_t>& bytes,
