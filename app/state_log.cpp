@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "app/cause_text.h"
 #include "app/log_fields.h"
 
 namespace tribus {
@@ -15,36 +14,35 @@ constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
 }  // namespace
 
 StateLog::StateLog(const Appliance& appliance, Instant start)
-    : start_(start), can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
+    : can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
     const Configuration& configuration = appliance.configuration();
     for (const InputConfig& input : configuration.inputs) {
         const bool on_can = input.port.link == LinkKind::can;
         input_names_.push_back(input.name);
-        inputs_.push_back({.on_can = on_can});
+        inputs_.push_back({.on_can = on_can, .start = start});
     }
     outputs_.resize(configuration.outputs.size());
+    for (const Appliance::DeviceEvent& device : appliance.devices()) {
+        devices_[device.name].present = device.back;
+    }
 }
 
 void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
                           const CarryOver& carry_over) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         if (const CarriedFrom from = carry_over.engine.inputs[i].from) {
-            inputs_[i].cause = before.inputs_[*from].cause;
-            inputs_[i].limit = before.inputs_[*from].limit;
-        } else {
-            inputs_[i].cause.take_as_known(appliance.input_status(i).state.cause);
+            inputs_[i] = before.inputs_[*from];
         }
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         if (const CarriedFrom from = carry_over.engine.outputs[i].from) {
             outputs_[i] = before.outputs_[*from];
-        } else {
-            outputs_[i].state.take_as_known(appliance.output_status(i).state);
         }
     }
-    for (const Appliance::DeviceEvent& device : appliance.devices()) {
-        if (const auto known = before.devices_.find(device.name); known != before.devices_.end()) {
-            devices_.insert(*known).first->second.present = device.back;
+    for (auto& [name, memory] : devices_) {
+        if (const auto known = before.devices_.find(name); known != before.devices_.end()) {
+            memory.word = known->second.word;
+            memory.limit = known->second.limit;
         }
     }
     can_.go_on_from(before.can_, appliance);
@@ -68,7 +66,7 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
 /// Silence at the start is the commonest trouble of all, and its cause shows in the bytes.
 void StateLog::say_never_good(const std::string& name, const InputStatus& status,
                               InputMemory& memory, Instant now) {
-    if (memory.silence_said || status.ever_good || now - start_ < kFirstFrameWait) {
+    if (memory.silence_said || status.ever_good || now - memory.start < kFirstFrameWait) {
         return;
     }
     memory.silence_said = true;
@@ -99,16 +97,15 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
 }
 
 /// By the places of a pipeline's inputs.
-std::string StateLog::outvoted_text(std::uint32_t outvoted,
-                                    std::span<const std::size_t> places) const {
+std::string StateLog::outvoted_names(std::uint32_t outvoted,
+                                     std::span<const std::size_t> places) const {
     std::string text;
     for (std::size_t place = 0; place < places.size(); ++place) {
         if ((outvoted >> place & 1U) != 0) {
-            text += fmt::format("{}{}", text.empty() ? "; outvoted by the others: " : ", ",
-                                input_names_[places[place]]);
+            text += fmt::format("{}{}", text.empty() ? "" : ", ", input_names_[places[place]]);
         }
     }
-    return text.empty() ? "; its inputs agree again" : text;
+    return text;
 }
 
 void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
@@ -116,13 +113,17 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                               Instant now) {
     const LogFields fields({"TRIBUS_OUTPUT", name},
                            {"TRIBUS_STATE", stage_word(status.state.stage, status.speaks)});
-    const bool outvoted = status.state.outvoted != memory.state.said().outvoted;
-    if (const auto swallowed = memory.state.look(status.state, memory.limit, now)) {
-        const bool fine = status.state.stage == OutputStage::control && !status.state.outvoted;
+    const OutputWord word{.state = output_text(status.state, input_names_),
+                          .outvoted = outvoted_names(status.state.outvoted, places)};
+    const bool same_votes = word.outvoted == memory.word.said().outvoted;
+    if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
+        const bool fine = status.state.stage == OutputStage::control && word.outvoted.empty();
+        const std::string votes = same_votes ? ""
+                                  : word.outvoted.empty()
+                                      ? "; its inputs agree again"
+                                      : "; outvoted by the others: " + word.outvoted;
         spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}{}", name,
-                    output_text(status.state, input_names_),
-                    outvoted ? outvoted_text(status.state.outvoted, places) : "",
-                    swallowed_note(*swallowed));
+                    word.state, votes, swallowed_note(*swallowed));
     }
     look_at_drops(name, status, memory, now);
 }
@@ -150,23 +151,21 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
 }
 
 void StateLog::look_at_devices(Appliance& appliance, Instant now) {
-    const auto look = [now](const std::string& name, DeviceMemory& memory, bool back) {
-        if (const auto swallowed = memory.back.look(back, memory.limit, now)) {
+    const auto look = [now](const std::string& name, DeviceMemory& memory) {
+        const bool back = memory.present;
+        if (const auto swallowed = memory.word.look(back, memory.limit, now)) {
             const LogFields fields({"TRIBUS_DEVICE", name});
             spdlog::log(back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}", name,
                         back ? "is back" : "is gone; waiting for it", swallowed_note(*swallowed));
         }
     };
+    // One that goes and comes within a look has been gone nevertheless.
     for (const Appliance::DeviceEvent& event : appliance.tend()) {
-        const auto [device, first] = devices_.try_emplace(event.name);
-        if (first) {
-            device->second.back.take_as_known(!event.back);
-        }
-        device->second.present = event.back;
-        look(event.name, device->second, event.back);
+        devices_[event.name].present = event.back;
+        look(event.name, devices_[event.name]);
     }
     for (auto& [name, memory] : devices_) {
-        look(name, memory, memory.present);
+        look(name, memory);
     }
 }
 

@@ -9,6 +9,7 @@
 
 #include "app/appliance.h"
 #include "app/can_report.h"
+#include "app/cause_text.h"
 #include "app/log_limit.h"
 #include "app/node_log.h"
 #include "app/sensor_bus_log.h"
@@ -38,19 +39,26 @@ class StateLog {
   private:
     struct InputMemory {
         bool on_can = false;
+        Instant start;
         LastWord<LinkCause> cause{LinkCause::never_seen};
         bool silence_said = false;
         RateLimit limit = log_limit();
     };
+    /// By names: another configuration may count inputs otherwise.
+    struct OutputWord {
+        std::string state;
+        std::string outvoted;
+        bool operator==(const OutputWord&) const = default;
+    };
     struct OutputMemory {
-        LastWord<OutputState> state{OutputState{}};
+        LastWord<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
         RateLimit limit = log_limit();
     };
     struct DeviceMemory {
         bool present = true;
-        LastWord<bool> back{true};
+        LastWord<bool> word{true};
         RateLimit limit = log_limit();
     };
 
@@ -59,14 +67,12 @@ class StateLog {
                        Instant now);
     void look_at_output(const std::string& name, const OutputStatus& status,
                         std::span<const std::size_t> places, OutputMemory& memory, Instant now);
-    std::string outvoted_text(std::uint32_t outvoted, std::span<const std::size_t> places) const;
-
+    std::string outvoted_names(std::uint32_t outvoted, std::span<const std::size_t> places) const;
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
     void say_never_good(const std::string& name, const InputStatus& status, InputMemory& memory,
                         Instant now);
 
-    Instant start_;
     std::vector<std::string> input_names_;
     std::vector<InputMemory> inputs_;
     std::vector<OutputMemory> outputs_;

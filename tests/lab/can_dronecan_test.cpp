@@ -77,6 +77,19 @@ TEST_F(DroneCan, FallsSilentWhileAnotherNodeHasItsId) {
     expect_clean_end(reader);
 }
 
+TEST_F(DroneCan, TellsOfANodeWithItsIdOnceThoughItIsReloaded) {
+    const VirtualBus bus;
+    Program& sender = start_sender(kJob);
+    RawCan other("vcan0");
+    send(other, frames_of_message(NodeStatus{}, 42, 0));
+    EXPECT_TRUE(sender.says("another DroneCAN node has the id 42 too"));
+    sender.signal(SIGHUP);
+    EXPECT_TRUE(sender.says("reloaded"));
+    EXPECT_TRUE(sender.says("this program is DroneCAN node 42")) << "not back after 5 s of silence";
+    EXPECT_EQ(count_of("has the id 42 too", sender.errors()), 1U) << sender.errors();
+    expect_clean_end(sender);
+}
+
 TEST_F(DroneCan, SaysThatItIsThereAndAnswersWhoItIs) {
     const VirtualBus bus;
     RawCan tool("vcan0");

@@ -83,5 +83,18 @@ TEST_F(BusReload, ASenderThatGetsASecondOutputGoesOnWithTheFirst) {
     expect_clean_end(reader_);
 }
 
+TEST_F(BusReload, TellsOfABusThatIsDownOnce) {
+    ASSERT_TRUE(carry_until_control());
+    set_link_down("vcan0");
+    EXPECT_TRUE(reader_.says("interface vcan0: is down"));
+    reload(reader_, "reader.toml", reader_text({}));
+    set_link_up("vcan0");
+    EXPECT_TRUE(reader_.says("interface vcan0: works"));
+    EXPECT_EQ(count_of("vcan0: is down", reader_.errors()), 1U) << reader_.errors();
+    EXPECT_TRUE(carry_until_control());
+    expect_clean_end(sender_);
+    expect_clean_end(reader_);
+}
+
 }  // namespace
 }  // namespace tribus::test

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "tests/loopback/far_end.h"
+#include "tests/support/far_end.h"
 #include "tests/loopback/wire.h"
 #include "transports/links/recording.h"
 

@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "tests/loopback/far_end.h"
+#include "tests/support/far_end.h"
 #include "tests/loopback/program.h"
 #include "tests/loopback/wire.h"
 

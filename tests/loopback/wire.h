@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tests/loopback/far_end.h"
+#include "tests/support/far_end.h"
 
 /// The two wire formats, written again for the tests and independent of the program's codecs
 /// (ibus-sbus.md 1.2, 1.3, 3.2, 3.7).

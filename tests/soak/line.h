@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "tests/loopback/far_end.h"
+#include "tests/support/far_end.h"
 #include "tests/loopback/wire.h"
 
 namespace tribus::test {

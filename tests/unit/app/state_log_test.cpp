@@ -1,12 +1,11 @@
 #include "app/state_log.h"
 
-#include <unistd.h>
-
 #include <chrono>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -14,10 +13,11 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
-#include "app/pty.h"
 #include "config/load.h"
 #include "pipelines/realtime/clock.h"
+#include "tests/support/far_end.h"
 #include "tests/support/sbus_frames.h"
+#include "tests/support/temporary_folder.h"
 
 /// What the log says from one configuration to the next: of an appliance at work at ptys, with a
 /// log that looks when the test says so, at instants that the test says.
@@ -27,6 +27,8 @@ namespace {
 using namespace std::chrono_literals;
 
 const Bytes kGood = from_hex(kAll992);
+/// ibus-sbus.md 2.2: is there a sensor at address 1?
+const Bytes kDiscover1{0x04, 0x81, 0x7A, 0xFF};
 
 /// With the bits for frame lost and failsafe (ibus-sbus.md 2.2).
 Bytes radio_lost() {
@@ -37,76 +39,113 @@ Bytes radio_lost() {
 
 class StateLogOverAReload : public testing::Test {
   protected:
-    StateLogOverAReload() : before_(spdlog::default_logger()) {
+    StateLogOverAReload() : logger_before_(spdlog::default_logger()) {
         auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
         sink->set_pattern("%v");
         spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
-        auto started = Appliance::start(configuration());
+        auto started = Appliance::start(configuration("receiver", "ibus"));
         if (!started) {
             throw std::runtime_error(started.error().front());
         }
         appliance_ = std::move(*started);
         log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
     }
-    ~StateLogOverAReload() override { spdlog::set_default_logger(before_); }
+    ~StateLogOverAReload() override { spdlog::set_default_logger(logger_before_); }
 
-    Configuration configuration() const {
-        const std::string text =
-            "[input.receiver]\nprotocol = \"sbus\"\ntimeout = \"10s\"\ndevice = \"" +
-            receiver_.path + "\"\n[output.servos]\nprotocol = \"ibus\"\ndevice = \"" +
-            servos_.path +
-            "\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n"
-            "[runtime]\nrealtime = \"off\"\n";
-        return load_configuration(text, "test.toml").value();
-    }
     /// The receiver says that until the program has seen it; then the log looks.
     void receive(const Bytes& frame, LinkCause cause, Instant now) {
-        const Instant patience = monotonic_now() + 10s;
-        while (appliance_->input_status(0).state.cause != cause) {
-            ASSERT_LT(monotonic_now(), patience) << name_of(cause) << " was not seen";
-            ASSERT_EQ(::write(receiver_.master.get(), frame.data(), frame.size()),
-                      static_cast<ssize_t>(frame.size()));
-            std::this_thread::sleep_for(7ms);
-        }
+        until([&] {
+            receiver_.send(frame);
+            return appliance_->input_status(0).state.cause == cause;
+        });
         log_->look(*appliance_, now);
     }
-    void reload() {
-        const CarryOver carry_over = plan_carry_over(appliance_->configuration(), configuration());
-        appliance_ = Appliance::succeed(appliance_, configuration(), carry_over).value();
-        auto log = std::make_unique<StateLog>(*appliance_, Instant(0s));
+    void receive_until_control(Instant now) {
+        until([&] {
+            receiver_.send(kGood);
+            return appliance_->output_status(0).state.stage == OutputStage::control;
+        });
+        log_->look(*appliance_, now);
+    }
+    void ask_sensors(Instant now) {
+        until([&] {
+            sensors_.send(kDiscover1);
+            return appliance_->bus_state(0).sensor.requests > 0;
+        });
+        log_->look(*appliance_, now);
+    }
+    void reload(Instant now, const std::string& input = "receiver",
+                const std::string& output_protocol = "ibus") {
+        Configuration fresh = configuration(input, output_protocol);
+        const CarryOver carry_over = plan_carry_over(appliance_->configuration(), fresh);
+        appliance_ = Appliance::succeed(appliance_, std::move(fresh), carry_over).value();
+        auto log = std::make_unique<StateLog>(*appliance_, now);
         log->go_on_from(*log_, *appliance_, carry_over);
         log_ = std::move(log);
     }
-    /// Of the receiver, since the last call.
-    std::string said() {
+    /// Of what has a name that begins so, since the last call.
+    std::string said(std::string_view of) {
         std::istringstream all(std::move(said_).str());
         said_.str("");
         std::string lines;
         for (std::string line; std::getline(all, line);) {
-            lines += line.starts_with("input receiver: ") ? line + "\n" : "";
+            lines += line.starts_with(of) ? line + "\n" : "";
         }
         return lines;
     }
-    std::string said_at(Instant now) {
+    std::string said_at(Instant now, std::string_view of) {
         log_->look(*appliance_, now);
-        return said();
+        return said(of);
     }
+    std::string device(const FarEnd& far_end) { return "device " + far_end.path() + ": "; }
+
+    TemporaryFolder folder_;
+    FarEnd receiver_{folder_ / "receiver"};
+    FarEnd servos_{folder_ / "servos"};
+    FarEnd sensors_{folder_ / "sensors"};
 
   private:
-    Pty receiver_ = Pty::open().value();
-    Pty servos_ = Pty::open().value();
+    Configuration configuration(const std::string& input,
+                                const std::string& output_protocol) const {
+        const std::string text =
+            "[input." + input + "]\nprotocol = \"sbus\"\ntimeout = \"10s\"\ndevice = \"" +
+            receiver_.path() + "\"\n[output.servos]\nprotocol = \"" + output_protocol +
+            "\"\ndevice = \"" + servos_.path() + "\"\n[pipeline.main]\nfrom = \"" + input +
+            "\"\nto = \"servos\"\n"
+            "[sensor_bus.telemetry]\nrole = \"sensor\"\nwires = \"two\"\n"
+            "device = \"" +
+            sensors_.path() +
+            "\"\n[[sensor_bus.telemetry.sensor]]\n"
+            "type = \"external_voltage\"\nvalue = \"cells\"\n"
+            "[values.cells]\nconstant = 1\nunit = \"V\"\n"
+            "[runtime]\nrealtime = \"off\"\n";
+        return load_configuration(text, "test.toml").value();
+    }
+    template <class Condition>
+    static void until(Condition condition) {
+        const Instant patience = monotonic_now() + 10s;
+        while (!condition()) {
+            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
+            std::this_thread::sleep_for(7ms);
+        }
+    }
+
     std::ostringstream said_;
-    std::shared_ptr<spdlog::logger> before_;
+    std::shared_ptr<spdlog::logger> logger_before_;
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<StateLog> log_;
 };
 
-TEST_F(StateLogOverAReload, SaysNothingAgain) {
+constexpr std::string_view kReceiver = "input receiver: ";
+constexpr std::string_view kServos = "output servos: ";
+constexpr std::string_view kTelemetry = "sensor bus telemetry: ";
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfAnInput) {
     receive(kGood, LinkCause::good, Instant(1s));
     receive(radio_lost(), LinkCause::radio_lost, Instant(2s));
-    EXPECT_NE(said(), "");
-    reload();
-    EXPECT_EQ(said_at(Instant(3s)), "");
+    EXPECT_NE(said(kReceiver), "");
+    reload(Instant(3s));
+    EXPECT_EQ(said_at(Instant(3s), kReceiver), "");
 }
 
 TEST_F(StateLogOverAReload, SaysWhatHadNoLineLeftBefore) {
@@ -115,12 +154,77 @@ TEST_F(StateLogOverAReload, SaysWhatHadNoLineLeftBefore) {
         receive(kGood, LinkCause::good, Instant(second));
         receive(radio_lost(), LinkCause::radio_lost, Instant(second + 1s));
     }
-    EXPECT_NE(said(), "");
+    EXPECT_NE(said(kReceiver), "");
     receive(kGood, LinkCause::good, Instant(8s));
-    EXPECT_EQ(said(), "");
-    reload();
-    EXPECT_EQ(said_at(Instant(29s)), "") << "a reload gives no new lines";
-    EXPECT_EQ(said_at(Instant(60s)), "input receiver: good\n");
+    EXPECT_EQ(said(kReceiver), "");
+    reload(Instant(9s));
+    EXPECT_EQ(said_at(Instant(29s), kReceiver), "") << "a reload gives no new lines";
+    EXPECT_EQ(said_at(Instant(60s), kReceiver), "input receiver: good\n");
+}
+
+TEST_F(StateLogOverAReload, CountsTheSilenceOfAnInputFromItsStart) {
+    EXPECT_EQ(said_at(Instant(1s), kReceiver), "");
+    reload(Instant(2s));
+    const std::string silent =
+        "input receiver: not one byte yet; check wire, ground and power of the receiver\n";
+    EXPECT_EQ(said_at(Instant(3s), kReceiver), silent);
+    reload(Instant(4s));
+    EXPECT_EQ(said_at(Instant(8s), kReceiver), "") << "it has been said";
+}
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfAnOutput) {
+    receive_until_control(Instant(1s));
+    EXPECT_EQ(said(kServos), "output servos: under control of receiver\n");
+    reload(Instant(2s));
+    EXPECT_EQ(said_at(Instant(2s), kServos), "");
+}
+
+TEST_F(StateLogOverAReload, SaysWhoIsInControlWhenTheInputsAreOthers) {
+    receive_until_control(Instant(1s));
+    EXPECT_EQ(said(kServos), "output servos: under control of receiver\n");
+    reload(Instant(2s), "radio");
+    EXPECT_EQ(said_at(Instant(2s), kServos), "output servos: under control of radio\n");
+}
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfADeviceThatIsGone) {
+    servos_.pull();
+    receive_until_control(Instant(1s));
+    const Instant patience = monotonic_now() + 10s;
+    std::string gone;
+    while (gone.empty() && monotonic_now() < patience) {
+        gone = said_at(Instant(1s), device(servos_));
+    }
+    EXPECT_EQ(gone, device(servos_) + "is gone; waiting for it\n");
+    reload(Instant(2s));
+    EXPECT_EQ(said_at(Instant(2s), device(servos_)), "");
+    servos_.plug_in();
+    EXPECT_EQ(said_at(Instant(3s), device(servos_)), device(servos_) + "is back\n");
+}
+
+TEST_F(StateLogOverAReload, SaysNothingOfADeviceThatIsOpenedWithOtherSettings) {
+    reload(Instant(1s), "receiver", "sbus");
+    EXPECT_EQ(said_at(Instant(1s), device(servos_)), "");
+}
+
+TEST_F(StateLogOverAReload, SaysThatADeviceWithOtherSettingsIsNotThere) {
+    servos_.pull();
+    reload(Instant(1s), "receiver", "sbus");
+    EXPECT_EQ(said_at(Instant(1s), device(servos_)), device(servos_) + "is gone; waiting for it\n");
+}
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfASensorBus) {
+    ask_sensors(Instant(1s));
+    EXPECT_EQ(said(kTelemetry),
+              "sensor bus telemetry: a receiver asks; sensors at addresses 1 to 1\n");
+    reload(Instant(2s));
+    EXPECT_EQ(said_at(Instant(2s), kTelemetry), "");
+}
+
+TEST_F(StateLogOverAReload, CountsTheSilenceOfASensorBusFromItsStart) {
+    reload(Instant(2s));
+    EXPECT_NE(said_at(Instant(3s), kTelemetry), "");
+    reload(Instant(4s));
+    EXPECT_EQ(said_at(Instant(8s), kTelemetry), "") << "it has been said";
 }
 
 }  // namespace

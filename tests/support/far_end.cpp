@@ -1,4 +1,4 @@
-#include "tests/loopback/far_end.h"
+#include "tests/support/far_end.h"
 
 #include <fcntl.h>
 #include <stdlib.h>
