@@ -15,7 +15,10 @@ namespace tribus {
 class ObjectText {
   public:
     /// Beyond the threshold of the heap (app/run.cpp), so that not even the text grows in it.
-    ObjectText() { text_.reserve(kLongText); }
+    ObjectText() {
+        text_.reserve(kLongText);
+        text_ += '{';
+    }
 
     void add(std::string_view key, const nlohmann::ordered_json& value) {
         open_member(key);
@@ -41,7 +44,7 @@ class ObjectText {
     static constexpr std::size_t kLongText = std::size_t{128} * 1024;
 
     void open_member(std::string_view key) {
-        text_ += text_.empty() ? "{\"" : ",\"";
+        text_ += text_.size() == 1 ? "\"" : ",\"";
         text_ += key;
         text_ += "\":";
     }
