@@ -131,6 +131,7 @@ TEST_F(Reload, OpensADeviceAnewWhoseLineSettingsChanged) {
     expect_first_channel(1100);
     repeater_.change(ibus_bytes(sticks_with_first(1300)));
     expect_first_channel(1300);
+    EXPECT_EQ(count_of("is back", program.errors()), 0U) << "it has never been gone";
     expect_clean_end(program);
 }
 

@@ -116,6 +116,7 @@ TEST_F(Trial, GoesBackAlsoToADeviceThatIsGoneMeanwhile) {
         const auto seen = servos_.listen();
         return !seen.empty() && seen.back().failsafe;
     })) << "without its receiver the output does not say failsafe";
+    EXPECT_TRUE(program.says("device " + receiver_.path() + ": is gone; waiting for it"));
     receiver_.plug_in();
     expect_first_channel(1100);
     EXPECT_TRUE(other.receive().empty());
