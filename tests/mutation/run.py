@@ -191,15 +191,29 @@ def try_one(mutation, limits, jobs):
         path.write_text(original)
 
 
-def table(results):
-    lines = ["| broken | in | noticed by |", "|---|---|---|"]
-    for result in results:
-        noticed = result.said.removeprefix("caught by ")
-        test, _, how = noticed.partition(",")
-        test = f"`{test}`" if result.good else test
-        lines.append(f"| {result.mutation.name} | `{result.mutation.file}` | "
-                     f"{test}{',' if how else ''}{how} |")
-    return "\n".join(lines)
+def row(result):
+    noticed = result.said.removeprefix("caught by ")
+    test, _, how = noticed.partition(",")
+    test = f"`{test}`" if result.good else test
+    return (f"| {result.mutation.name} | `{result.mutation.file}` | "
+            f"{test}{',' if how else ''}{how} |")
+
+
+def table(rows):
+    return "\n".join(["| broken | in | noticed by |", "|---|---|---|", *rows])
+
+
+def record(mutations, results):
+    """Of mutations that were not tried now, what was seen before stays."""
+    fresh = {result.mutation.name: row(result) for result in results}
+    before = CAUGHT.read_text().splitlines() if CAUGHT.is_file() else []
+    rows = []
+    for mutation in mutations:
+        begin = f"| {mutation.name} | `{mutation.file}` | "
+        known = next((line for line in before if line.startswith(begin)),
+                     f"{begin}not tried yet |")
+        rows.append(fresh.get(mutation.name, known))
+    CAUGHT.write_text(table(rows) + "\n")
 
 
 def main():
@@ -215,8 +229,6 @@ def main():
               any(pattern.lower() in mutation.name.lower() for pattern in asked.patterns)]
     if not chosen:
         sys.exit("No mutation has such a name; tests/mutation/mutations.toml has them all.")
-    if asked.record and len(chosen) < len(mutations):
-        parser.error("--record is for all mutations, without a pattern")
 
     begin = time.monotonic()
     digest = copy_sources()
@@ -234,10 +246,10 @@ def main():
             f"({time.monotonic() - started:.0f} s)")
     good = sum(result.good for result in results)
     summary = f"{good} of {len(results)} noticed, {(time.monotonic() - begin) / 60:.0f} min"
-    print(table(results))
+    print(table(row(result) for result in results))
     say(summary)
     if asked.record:
-        CAUGHT.write_text(table(results) + "\n")
+        record(mutations, results)
     return 0 if good == len(results) else 1
 
 

@@ -66,6 +66,15 @@ TEST(MutationList, what_stands_there_instead_is_something_else) {
     }
 }
 
+TEST(MutationList, each_was_noticed_by_a_test) {
+    const std::string record = source("tests/mutation/caught.md");
+    for (const Mutation& mutation : mutations()) {
+        EXPECT_NE(record.find("| " + mutation.name + " | `" + mutation.file + "` | `"),
+                  std::string::npos)
+            << "run: tests/mutation/run.sh --record \"" << mutation.name << "\"";
+    }
+}
+
 TEST(MutationList, names_tell_mutations_apart) {
     std::set<std::string> names;
     for (const Mutation& mutation : mutations()) {

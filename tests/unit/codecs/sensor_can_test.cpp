@@ -90,6 +90,16 @@ TEST_F(SensorsOnCan, HaveACounterOfTheirOwnThatComesRoundAfterFifteen) {
     EXPECT_EQ(sent(20).at(1).data[1] >> 4U, 0);
 }
 
+TEST_F(SensorsOnCan, CountOnWhereAnotherConfigurationTakesOver) {
+    board_.set(raw_of_address(1), 0, at(0), kTemperatureType);
+    sent(0);
+    sent(1);
+    SensorCanEncoder next({.sensor_bus = "probes"});
+    next.use(board_);
+    next.continue_from(encoder_);
+    EXPECT_EQ(frames_of(next, ChannelFrame{}, at(2)), sent(2));
+}
+
 TEST_F(SensorsOnCan, RawValuesKeepTheirSign) {
     const auto bytes_of_raw = [&](double raw) {
         board_.set(raw_of_address(1), raw, at(0), kVoltageType);

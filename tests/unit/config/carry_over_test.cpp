@@ -93,6 +93,13 @@ TEST(CarryOver, SaysWhatCannotChangeWithoutAStop) {
     EXPECT_EQ(
         carry_over(kJob + "[gpio.lamp]\nline = \"GPIO17\"\nrole = \"link\"\n").obstacles.size(),
         1U);
+    const std::string lamp = "[gpio.lamp]\nline = \"GPIO17\"\nrole = \"link\"\n";
+    EXPECT_EQ(carry_over(kJob + lamp, kJob + lamp).obstacles.size(), 0U);
+    const std::string renamed =
+        replaced(replaced(kJob, "[output.servos]", "[output.wings]"), "\"servos\"", "\"wings\"");
+    EXPECT_EQ(carry_over(renamed + lamp, kJob + lamp).obstacles,
+              std::vector<std::string>{
+                  "inputs or outputs that GPIO lines refer to were added or removed"});
     EXPECT_EQ(carry_over(kJob + "[runtime]\nspin = \"100us\"\n").obstacles.size(), 0U);
 }
 
@@ -106,6 +113,23 @@ TEST(CarryOver, KeepsASensorBusAndItsValuesWhereItIsTheSame) {
     EXPECT_FALSE(plan.values.values.empty());
     const CarryOver changed = carry_over(kJob + bus + "probe_every = 7\n", kJob + bus);
     EXPECT_EQ(changed.values.buses[0], std::nullopt);
+}
+
+TEST(CarryOver, KeepsTheReaderOfAMessageAndItsValuesWhereItIsTheSame) {
+    const std::string probes = "[sensor_bus.probes]\nrole = \"receiver\"\ndevice = \"/dev/ttyS\"\n";
+    const auto message = [](const std::string& name, const std::string& more = "") {
+        return "[values." + name +
+               "]\ninterface = \"can0\"\ndronecan = \"uavcan.equipment.power.BatteryInfo\"\n" +
+               more;
+    };
+    const std::string running = kJob + probes + message("battery");
+    const CarryOver plan =
+        carry_over(kJob + probes + message("another", "node = 7\n") + message("battery"), running);
+    ASSERT_EQ(plan.values.messages.size(), 2U);
+    EXPECT_EQ(plan.values.messages[0], std::nullopt);
+    EXPECT_EQ(plan.values.messages[1], 0U);
+    const CarryOver changed = carry_over(kJob + probes + message("battery", "node = 7\n"), running);
+    EXPECT_EQ(changed.values.messages[0], std::nullopt);
 }
 
 TEST(CarryOver, KeepsANodeOfDroneCanWithTheSameIdOnTheSameInterface) {

@@ -66,8 +66,8 @@ class DbcSettings : public ::testing::Test {
                                   (folder_ / "t.toml").string());
     }
     /// As "line:column: text".
-    Lines mistakes(std::string_view end) const {
-        const auto configuration = load(end);
+    template <class Loaded>
+    static Lines told(const Loaded& configuration) {
         Lines lines;
         if (!configuration) {
             for (const Mistake& mistake : configuration.error()) {
@@ -75,6 +75,21 @@ class DbcSettings : public ::testing::Test {
             }
         }
         return lines;
+    }
+    Lines mistakes(std::string_view end) const { return told(load(end)); }
+    /// Of an input of the messages; line 10 of the file is the first of `end`.
+    Lines mistakes_of_input(const std::string& end) const {
+        return told(load_configuration(R"([pipeline]
+main = { from = "bus", to = "servos" }
+[output.servos]
+protocol = "ibus"
+device = "/dev/ttyA"
+[input.bus]
+protocol = "dbc"
+interface = "can0"
+dbc = "bus.dbc"
+)" + end,
+                                       (folder_ / "t.toml").string()));
     }
     Configuration loaded(std::string_view end) const {
         auto configuration = load(end);
@@ -163,26 +178,18 @@ TEST_F(DbcSettings, SignalsAreATable) {
 }
 
 TEST_F(DbcSettings, AnInputTakesEachChannelFromOneSignal) {
-    const auto configuration = load_configuration(R"([pipeline]
-main = { from = "bus", to = "servos" }
-[output.servos]
-protocol = "ibus"
-device = "/dev/ttyA"
-[input.bus]
-protocol = "dbc"
-interface = "can0"
-dbc = "bus.dbc"
-[input.bus.signals.Command]
-Speed = 1
-Good = 1
-)",
-                                                  (folder_ / "t.toml").string());
-    ASSERT_FALSE(configuration);
-    ASSERT_EQ(configuration.error().size(), 1U);
-    const Mistake& mistake = configuration.error().front();
-    EXPECT_EQ(format_mistake({"f", mistake.where, mistake.text}),
-              "f:12:8: channel 1 comes from \"Command.Speed\" already; allowed: one signal for "
-              "each channel");
+    EXPECT_EQ(mistakes_of_input("[input.bus.signals.Command]\nSpeed = 1\nGood = 1\n"),
+              Lines{"12:8: channel 1 comes from \"Command.Speed\" already; allowed: one signal for "
+                    "each channel"});
+}
+
+TEST_F(DbcSettings, AnInputWaitsLongerThanForOneCycleOfItsMessages) {
+    const std::string_view signals = "signals.Command.Speed = 1\n";
+    EXPECT_EQ(mistakes_of_input("timeout = \"51ms\"\n" + std::string(signals)), Lines{});
+    EXPECT_EQ(mistakes_of_input("timeout = \"50ms\"\n" + std::string(signals)),
+              Lines{"10:11: the timeout of input \"bus\" is \"50ms\", but its messages come every "
+                    "\"50ms\": each pause between two would be judged a loss; allowed: a longer "
+                    "timeout, best three times as long"});
 }
 
 TEST_F(DbcSettings, ThePeriodIsTheCycleOfTheFileUnlessTheUserSaysOtherwise) {

@@ -108,6 +108,20 @@ TEST(DroneCanConfiguration, AsksForANodeIdWhereThereIsNone) {
               "interface\n");
 }
 
+TEST(DroneCanConfiguration, AsksForANodeIdOfATableThatNobodyGivesOne) {
+    EXPECT_EQ(mistakes_of(std::string(kReceiver) +
+                          "[output.autopilot]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+                          "[dronecan.bus]\ninterface = \"can1\"\n"),
+              "test.toml:11:11: [dronecan.bus] has no node_id; required: one of 1 to 125 that no "
+              "other node on \"can1\" has, or dynamic = true\n");
+}
+
+TEST(DroneCanConfiguration, TakesTheIdOfAnOutputForATableThatHasNone) {
+    const Configuration configuration =
+        load(with_output("node_id = 42", "[dronecan.bus]\ninterface = \"can1\"\n"));
+    EXPECT_EQ(plan_nodes(configuration, {})[0].settings.id, 42);
+}
+
 TEST(DroneCanConfiguration, RefusesTwoIdsOnOneInterface) {
     const std::string mistakes = mistakes_of(
         with_output("node_id = 42", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\n"));

@@ -144,6 +144,21 @@ mode = "median"
                   R"(lies could not be outvoted; allowed: three or more inputs, or another mode)"});
 }
 
+TEST(MoreInputsThanAPipelineMayHave, are_a_mistake) {
+    std::string text;
+    std::string from;
+    for (int i = 1; i <= 17; ++i) {
+        const std::string number = std::to_string(i);
+        text +=
+            "[input.in" + number + "]\nprotocol = \"ibus\"\ndevice = \"/dev/tty" + number + "\"\n";
+        from += (from.empty() ? "\"in" : ", \"in") + number + "\"";
+    }
+    text += "[output.out]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyOut\"\n[pipeline.main]\n";
+    EXPECT_EQ(mistakes_in(text + "from = [" + from + "]\nto = \"out\"\n"),
+              std::vector<std::string>{
+                  "t.toml:56:8: [pipeline.main] has 17 inputs; allowed: at most 16"});
+}
+
 TEST(HandoverOfOneInput, is_a_mistake) {
     EXPECT_EQ(mistakes_in(main_job_with(10, "changeover = \"100us/s\"")),
               std::vector<std::string>{

@@ -231,6 +231,48 @@ TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithAMessage) {
     EXPECT_EQ(mistakes(probes + "message = \"Battery\"\nconstant = 1\n").size(), 3U);
 }
 
+TEST_F(SensorBusConfiguration, SaysWhereTheFileOfAMessageIsWrong) {
+    folder_.write("battery.dbc",
+                  "BO_ 291 Battery: 8 A\n SG_ Voltage : 0|16@1+ (1,0 [0|0] \"\" B\n");
+    const Lines found = mistakes(
+        "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
+        "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\nmessage = \"Battery\"\n");
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_TRUE(found.front().starts_with("6:7: battery.dbc:2:29: ")) << found.front();
+}
+
+TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithTheNamesOfSignals) {
+    const std::string probes =
+        "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
+        "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\nmessage = \"Battery\"\n";
+    EXPECT_EQ(mistakes(probes + "signals = { Current = \"Voltage\" }\n"),
+              Lines{"8:13: \"Current\" is itself a signal of Battery; give \"Voltage\" another "
+                    "name"});
+    EXPECT_EQ(mistakes(probes + "signals = \"Voltage\"\n"),
+              Lines{"8:11: \"signals\" is \"Voltage\"; allowed: a table, { NAME = the name of a "
+                    "signal in quotes }"});
+    EXPECT_EQ(mistakes(probes + "signals = { u = 1 }\n"),
+              Lines{"8:17: \"u\" is 1; allowed: the name of a signal in quotes"});
+    EXPECT_EQ(mistakes(probes + "signals = { u = \"\" }\n"),
+              Lines{"8:17: \"u\" is \"\"; allowed: the name of a signal in quotes"});
+}
+
+TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithASensor) {
+    EXPECT_EQ(sensor_mistake("type = \"fuel\"\nvalue = \"cells\"\nvalues = { fuel = \"cells\" }"),
+              "14:1: \"values\" beside \"value\"; leave one of them out");
+    EXPECT_EQ(sensor_mistake("type = \"gps_status\"\nvalues = \"cells\""),
+              "13:10: \"values\" is \"cells\"; allowed: a table, { NAME = the name of a value in "
+              "quotes }");
+    EXPECT_EQ(mistakes("[sensor_bus.t]\ndevice = \"/dev/ttyB\"\nrole = \"sensor\"\n"
+                       "sensor = [\"fuel\"]\n"),
+              Lines{"4:11: sensor 1 of [sensor_bus.t] is \"fuel\"; allowed: a table with \"type\" "
+                    "and \"value\""});
+    EXPECT_EQ(mistakes("[sensor_bus.t]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
+                       "[sensor_type.lift]\nid = 200\nscale = 0\n"),
+              Lines{"6:9: \"scale\" is 0, so every number would be the same; allowed: any other "
+                    "number"});
+}
+
 TEST_F(SensorBusConfiguration, MissesNoPipelineForAnOutputThatMayCarryValuesOnly) {
     const std::string bus =
         "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"

@@ -19,11 +19,12 @@ OutputCarry everything() {
 }
 
 /// `next` with as many inputs, each the successor of the one in its place.
-void reload(Bench& bench, Engine& next, Duration when, const OutputCarry& carry = everything()) {
+void reload(Bench& bench, Engine& next, Duration when, const OutputCarry& carry = everything(),
+            bool same_input_channels = true) {
     bench.said(at(when));
     std::vector<InputCarry> inputs;
     for (std::size_t input = 0; input < next.inputs().size(); ++input) {
-        inputs.push_back({.from = input, .same_channels = true});
+        inputs.push_back({.from = input, .same_channels = same_input_channels});
     }
     next.start(at(when));
     next.continue_from(bench.engine(), {.inputs = inputs, .outputs = {carry}, .nodes = {}},
@@ -69,6 +70,32 @@ TEST(ReloadOfAnOutput, begins_a_new_slew_where_it_stands_although_the_map_before
     reload(bench, next, 500ms, all_but_channels());
     bench.ibus(0, at(501ms), us(1000));
     EXPECT_EQ(bench.said(at(510ms)).raw[0], raw_of(1990)) << "10 ms after it said 2000 us";
+}
+
+TEST(ReloadOfAnOutput, in_failsafe_goes_to_other_presets_as_slowly_as_it_is_to) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    EXPECT_EQ(bench.said(at(500ms)).raw[0], raw_of(1500));
+    OutputSettings other = sbus_output({0});
+    other.failsafe.presets[0] = us(2000);
+    other.failsafe.slew_us_per_second = 1000;
+    Engine next(list(ibus_input()), list(std::move(other)));
+    OutputCarry carry = everything();
+    carry.same_failsafe = false;
+    reload(bench, next, 500ms, carry);
+    EXPECT_EQ(bench.said(at(600ms)).raw[0], raw_of(1600));
+    EXPECT_EQ(bench.said(at(1500ms)).raw[0], raw_of(2000));
+}
+
+TEST(ReloadOfAnInput, begins_a_new_slew_of_its_own_where_it_stands) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus_run(0, at(1ms), at(500ms), us(1000));
+    InputSettings slow = ibus_input();
+    slow.channels = {
+        {.output = 0, .source = FromChannel{0}, .reverse = true, .slew_us_per_second = 1000}};
+    Engine next(list(std::move(slow)), list(sbus_output({0})));
+    reload(bench, next, 500ms, everything(), false);
+    bench.ibus(0, at(510ms), us(1000));
+    EXPECT_EQ(bench.said(at(520ms)).raw[0], raw_of(1010)) << "on its way to 2000 us";
 }
 
 TEST(ReloadOfAnOutput, keeps_what_buttons_say_until_they_say_otherwise) {

@@ -80,6 +80,23 @@ TEST_F(HealthOfAReceiver, TellsThatAllIsLostWhenNothingComesAnyMore) {
     EXPECT_NEAR(input(InputFact::age), 2010, 0.001);
 }
 
+TEST_F(HealthOfAReceiver, GoesOnInAnotherEngineWhereTheReceiverHasAnotherPlace) {
+    fly(3s);
+    auto two = one_input();
+    two.push_back(ibus_input());
+    Engine next(std::move(two), one_output());
+    const EngineCarry carry{.inputs = {{}, {.from = 0}}, .outputs = {{.from = 0}}, .nodes = {}};
+    next.start(at(now_));
+    next.continue_from(bench_.engine(), carry, at(now_));
+    HealthWatch watch{2, 1};
+    watch.continue_from(watch_, carry);
+    watch.look(next, at(now_ + 100ms));
+    EXPECT_NEAR(watch.number(next, 1, InputFact::frame_rate, at(now_)).value_or(-1), 89, 1)
+        << "none came in 100 of the 900 ms";
+    EXPECT_EQ(watch.number(next, 0, InputFact::frame_rate, at(now_)), 0);
+    EXPECT_NEAR(watch.number(next, 0, OutputFact::frame_rate, at(now_)).value_or(-1), 89, 1);
+}
+
 TEST_F(HealthOfAReceiver, TellsWhetherAnOutputIsInFailsafe) {
     EXPECT_EQ(watch_.number(bench_.engine(), 0, OutputFact::failsafe, at(now_)), 1);
     fly(3s);

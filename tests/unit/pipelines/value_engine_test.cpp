@@ -105,5 +105,46 @@ TEST(ValueOfAMessage, IsGoneAsSoonAsTheMessageSaysThatThereIsNone) {
     EXPECT_FALSE(values.board().fresh(0, at(30ms)));
 }
 
+/// Tells the number of the frame.
+class Counting final : public CanValueReader {
+  public:
+    std::span<const CanIdMatch> wanted() const override { return {}; }
+    bool uses_fd() const override { return false; }
+    std::span<const Value> values() const override { return {}; }
+    std::optional<Instant> take(const CanFrame& /*frame*/, Instant when,
+                                std::span<ValueReading> readings) override {
+        readings[0] = {.state = ValueReading::State::number, .number = ++frames_};
+        return when;
+    }
+    std::span<const NamedCount> rejected() const override { return {}; }
+
+  private:
+    double frames_ = 0;
+};
+
+/// It may be in the midst of a transfer, and knows which counter comes next.
+TEST(ValueOfAMessage, IsReadOnOverAReloadByTheReaderThatTheMessageHas) {
+    const auto two_messages = [] {
+        ValueEngineSettings settings;
+        settings.values = {{"first", "V", 500ms}, {"second", "V", 500ms}};
+        settings.messages.push_back({std::make_unique<Counting>(), {0}});
+        settings.messages.push_back({std::make_unique<Counting>(), {1}});
+        return settings;
+    };
+    ValueEngine before(two_messages());
+    before.start(at(0ms));
+    before.receive(1, CanFrame{}, at(10ms));
+    before.receive(1, CanFrame{}, at(20ms));
+    ValueEngine next(two_messages());
+    next.start(at(20ms));
+    next.continue_from(before, {.values = {1, std::nullopt}, .buses = {}, .messages = {1, {}}}, {});
+    EXPECT_EQ(next.board().fresh(0, at(30ms)), 2);
+    EXPECT_EQ(next.board().fresh(1, at(30ms)), std::nullopt);
+    next.receive(0, CanFrame{}, at(40ms));
+    next.receive(1, CanFrame{}, at(40ms));
+    EXPECT_EQ(next.board().fresh(0, at(40ms)), 3);
+    EXPECT_EQ(next.board().fresh(1, at(40ms)), 1);
+}
+
 }  // namespace
 }  // namespace tribus::test::serial

@@ -103,6 +103,22 @@ TEST(DbcEncoder, TheCounterGoesToItsMostAndStartsAgain) {
     EXPECT_EQ(counts, (std::vector{0, 1, 2, 0, 1}));
 }
 
+TEST(DbcEncoder, GoesOnWhereAnotherConfigurationTakesOver) {
+    const auto map = [] {
+        return sent_map(kDrive, R"({"Command": {"Speed": 1, "Count": {"counter": true}}})",
+                        R"({"Command": "50ms"})");
+    };
+    DbcEncoder before(map());
+    DbcEncoder next(map());
+    EXPECT_EQ(frames_of(before, channels({1500}), at(0)).size(), 1U);
+    next.continue_from(before);
+    for (const int when : {10, 40, 50, 60, 100}) {
+        EXPECT_EQ(frames_of(next, channels({1500}), at(when)),
+                  frames_of(before, channels({1500}), at(when)))
+            << when << " ms after the reload";
+    }
+}
+
 constexpr std::string_view kCodes = R"(
 BO_ 1 M: 4 A
  SG_ Unsigned : 0|8@1+ (1,0) [0|0] "" B

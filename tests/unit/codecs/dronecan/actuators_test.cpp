@@ -355,6 +355,26 @@ TEST(ArmingOutput, DisarmsMotorsInFailsafe) {
               ArmingStatus::kDisarmed);
 }
 
+/// Frame by frame as the encoder before would have: numbers of transfers, when permissions are due,
+/// and that motors are disarmed because somebody had control once.
+TEST(ActuatorOutput, GoesOnWhereAnotherConfigurationTakesOver) {
+    const CommandOutputFormat format{
+        .kind = CommandKind::motors, .first = 0, .channels = 1, .arms = true};
+    CommandEncoder before(format);
+    CommandEncoder next(format);
+    before.speak_as(kVoice);
+    next.speak_as(kVoice);
+    encoded(before, pulses({1200}));
+    next.continue_from(before);
+    ChannelFrame failsafe = pulses({1000});
+    failsafe.failsafe = true;
+    for (auto since = milliseconds(100); since <= milliseconds(400); since += milliseconds(100)) {
+        EXPECT_EQ(encoded(next, failsafe, kStart + since),
+                  encoded(before, failsafe, kStart + since))
+            << since.count() << " ms after the reload";
+    }
+}
+
 TEST(ActuatorOutput, SaysNothingInTheNameOfNobody) {
     CommandEncoder encoder({});
     EXPECT_TRUE(encoded(encoder, pulses({1500})).empty());

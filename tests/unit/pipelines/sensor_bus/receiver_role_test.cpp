@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -62,6 +64,13 @@ class ReceiverRoleAtAWire : public testing::Test {
         for (int i = 0; i < kStartSlots; ++i) {
             slot();
         }
+    }
+    /// A sensor of 10,000 rpm at address 1, which is asked for its value next.
+    void find_speed() {
+        set_type(1, 0x02, 2);
+        set_value(1, {0x10, 0x27});
+        start_up();
+        asked(3);
     }
     /// What is asked in the next slots, such as "81 91 82 a1".
     std::string asked(int slots) {
@@ -228,6 +237,29 @@ TEST_F(ReceiverRoleAtAWire, RefusesAnswersToSomethingElse) {
         EXPECT_FALSE(board_.ever(1));
     }
     EXPECT_EQ(role_->counts().wrong, 3U);
+}
+
+TEST_F(ReceiverRoleAtAWire, TakesNoReplyInWhichTheLineDamagedAByte) {
+    find_speed();
+    const Bytes asked = turn(*role_, now_, board_);
+    ASSERT_EQ(asked, request(0xA1));
+    role_->receive(asked, now_ + 350us, board_);
+    const std::span reply(replies_.at(0xA1));
+    role_->receive(reply.first(3), now_ + 1500us, board_);
+    role_->damaged_byte(now_ + 1500us);
+    role_->receive(reply.subspan(3), now_ + 1500us, board_);
+    EXPECT_EQ(board_.fresh(1, now_ + 2ms), std::nullopt);
+}
+
+TEST_F(ReceiverRoleAtAWire, HearsTheReplyBehindAnEchoInWhichTheLineDamagedAByte) {
+    find_speed();
+    const Bytes asked = turn(*role_, now_, board_);
+    const std::span echo(asked);
+    role_->receive(echo.first(2), now_ + 350us, board_);
+    role_->damaged_byte(now_ + 350us);
+    role_->receive(echo.last(1), now_ + 350us, board_);
+    role_->receive(replies_.at(0xA1), now_ + 1500us, board_);
+    EXPECT_EQ(board_.fresh(1, now_ + 2ms), 10'000);
 }
 
 TEST_F(ReceiverRoleAtAWire, ReadsTheSizeFromTheTypeReplyWhateverTheTableSays) {
