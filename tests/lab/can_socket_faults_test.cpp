@@ -215,7 +215,7 @@ TEST(LabCanFaults, InBusOffNothingIsSentUntilTheControllerIsRestarted) {
     record(time_to_next_written(driver));
     driver.stream_for(100ms);
     EXPECT_EQ(driver.status().state, CanBusState::ready);
-    EXPECT_TRUE(eventually([&] { return adapter.heard().back().starts_with("t303"); }));
+    EXPECT_TRUE(driver.run_until([&] { return adapter.heard().back().starts_with("t303"); }));
 }
 
 TEST(LabCanFaults, ARestartFrameEndsABusOff) {
