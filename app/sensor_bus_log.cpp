@@ -58,7 +58,7 @@ std::string SensorBusLog::type_name(const Memory& memory, std::uint8_t type) {
 }
 
 void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, Instant now) {
-    const bool asked = state.sensor.requests > 0 && now - state.latest_request < kAskedNoMore;
+    const bool asked = state.latest_request && now - *state.latest_request < kAskedNoMore;
     if (const auto swallowed = memory.asked.look(asked, memory.limit, now)) {
         const std::string note = swallowed_note(*swallowed);
         if (asked && state.first_address == 0) {

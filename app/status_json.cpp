@@ -243,7 +243,7 @@ Json sensor_bus_json(const SensorBusConfig& config, const SensorBusState& state,
         json["first_address"] = state.first_address == 0 ? Json() : Json(state.first_address);
         json["sensors"] = config.sensors.size();
         json["request_age_us"] =
-            counts.requests == 0 ? Json() : Json(us(report.now - state.latest_request));
+            state.latest_request ? Json(us(report.now - *state.latest_request)) : Json();
         json["counts"] = {{"requests", counts.requests},
                           {"answered", counts.answered},
                           {"late", counts.late},

@@ -162,7 +162,7 @@ SensorBusState ValueEngine::bus_state(std::size_t bus) const {
         state.sensor = (*sensor)->counts();
         state.echo = (*sensor)->echo();
         state.first_address = (*sensor)->first_address().value_or(0);
-        state.latest_request = (*sensor)->latest_request().value_or(Instant::min());
+        state.latest_request = (*sensor)->latest_request();
         return state;
     }
     const ReceiverRole& receiver = *std::get<std::unique_ptr<ReceiverRole>>(buses_[bus]);

@@ -19,8 +19,8 @@
 #include "tests/support/sbus_frames.h"
 #include "tests/support/temporary_folder.h"
 
-/// What the log says from one configuration to the next: of an appliance at work at ptys, with a
-/// log that looks when the test says so, at instants that the test says.
+/// What the log says, also from one configuration to the next: of an appliance at work at ptys,
+/// with a log that looks when the test says so, at instants that the test says.
 namespace tribus::test {
 namespace {
 
@@ -37,9 +37,9 @@ Bytes radio_lost() {
     return frame;
 }
 
-class StateLogOverAReload : public testing::Test {
+class StateLogAtPtys : public testing::Test {
   protected:
-    StateLogOverAReload() : logger_before_(spdlog::default_logger()) {
+    StateLogAtPtys() : logger_before_(spdlog::default_logger()) {
         auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
         sink->set_pattern("%v");
         spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
@@ -50,7 +50,7 @@ class StateLogOverAReload : public testing::Test {
         appliance_ = std::move(*started);
         log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
     }
-    ~StateLogOverAReload() override { spdlog::set_default_logger(logger_before_); }
+    ~StateLogAtPtys() override { spdlog::set_default_logger(logger_before_); }
 
     /// The receiver says that until the program has seen it; then the log looks.
     void receive(const Bytes& frame, LinkCause cause, Instant now) {
@@ -97,6 +97,15 @@ class StateLogOverAReload : public testing::Test {
         log_->look(*appliance_, now);
         return said(of);
     }
+    /// What a log says that looks at 1 s until it says something.
+    std::string said_soon(std::string_view of) {
+        std::string lines;
+        until([&] {
+            lines = said_at(Instant(1s), of);
+            return !lines.empty();
+        });
+        return lines;
+    }
     std::string device(const FarEnd& far_end) { return "device " + far_end.path() + ": "; }
 
     TemporaryFolder folder_;
@@ -135,6 +144,9 @@ class StateLogOverAReload : public testing::Test {
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<StateLog> log_;
 };
+
+class StateLogOverAReload : public StateLogAtPtys {};
+class StateLogOfASensorBus : public StateLogAtPtys {};
 
 constexpr std::string_view kReceiver = "input receiver: ";
 constexpr std::string_view kServos = "output servos: ";
@@ -189,12 +201,7 @@ TEST_F(StateLogOverAReload, SaysWhoIsInControlWhenTheInputsAreOthers) {
 TEST_F(StateLogOverAReload, SaysNothingAgainOfADeviceThatIsGone) {
     servos_.pull();
     receive_until_control(Instant(1s));
-    const Instant patience = monotonic_now() + 10s;
-    std::string gone;
-    while (gone.empty() && monotonic_now() < patience) {
-        gone = said_at(Instant(1s), device(servos_));
-    }
-    EXPECT_EQ(gone, device(servos_) + "is gone; waiting for it\n");
+    EXPECT_EQ(said_soon(device(servos_)), device(servos_) + "is gone; waiting for it\n");
     reload(Instant(2s));
     EXPECT_EQ(said_at(Instant(2s), device(servos_)), "");
     servos_.plug_in();
@@ -218,6 +225,13 @@ TEST_F(StateLogOverAReload, SaysNothingAgainOfASensorBus) {
               "sensor bus telemetry: a receiver asks; sensors at addresses 1 to 1\n");
     reload(Instant(2s));
     EXPECT_EQ(said_at(Instant(2s), kTelemetry), "");
+}
+
+TEST_F(StateLogOfASensorBus, SaysThatNobodyAsksWhereItsDeviceIsGone) {
+    ask_sensors(Instant(1s));
+    EXPECT_NE(said(kTelemetry), "");
+    sensors_.pull();
+    EXPECT_EQ(said_soon(kTelemetry), "sensor bus telemetry: the receiver does not ask any more\n");
 }
 
 TEST_F(StateLogOverAReload, CountsTheSilenceOfASensorBusFromItsStart) {
