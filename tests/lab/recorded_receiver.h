@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "tests/support/far_end.h"
 #include "tests/loopback/wire.h"
+#include "tests/support/far_end.h"
 #include "transports/links/recording.h"
 
 namespace tribus::test {

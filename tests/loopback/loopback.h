@@ -11,9 +11,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/far_end.h"
 #include "tests/loopback/program.h"
 #include "tests/loopback/wire.h"
+#include "tests/support/far_end.h"
 
 namespace tribus::test {
 

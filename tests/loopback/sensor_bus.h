@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "tests/support/far_end.h"
 #include "tests/loopback/program.h"
 #include "tests/loopback/wire.h"
+#include "tests/support/far_end.h"
 
 /// The far ends of a sensor bus, written again for the tests and independent of the program's codec
 /// (ibus-sbus.md 2.2, 2.3).

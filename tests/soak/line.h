@@ -8,8 +8,8 @@
 #include <random>
 #include <string>
 
-#include "tests/support/far_end.h"
 #include "tests/loopback/wire.h"
+#include "tests/support/far_end.h"
 
 namespace tribus::test {
 
