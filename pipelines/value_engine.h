@@ -70,7 +70,7 @@ struct SensorBusState {
     EchoCounts echo;
     /// Sensor role: of its first sensor, 0 while it waits for one.
     std::uint8_t first_address = 0;
-    /// When the latest request was heard; none since its device was lost.
+    /// When the latest request was heard; none before the first, and since its device was lost.
     std::optional<Instant> latest_request;
     std::array<FoundSensor, kMostSensors> found{};
     std::size_t found_count = 0;

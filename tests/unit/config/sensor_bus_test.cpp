@@ -216,44 +216,43 @@ TEST_F(SensorBusConfiguration, RefusesNamesThatCouldNotBeToldApart) {
               Lines{"6:14: [sensor_type.b] has the id 200, as [sensor_type.a]; each has its own"});
 }
 
+/// Without the name of the message, which would be in line 7.
+const std::string kMessageOfABus =
+    "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
+    "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\n";
+
 TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithAMessage) {
-    const std::string probes =
-        "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
-        "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\n";
-    EXPECT_EQ(mistakes(probes + "message = \"Batery\"\n").size(), 1U);
-    EXPECT_EQ(mistakes(probes + "message = \"Batery\"\n").front().substr(0, 5), "7:11:");
-    EXPECT_EQ(mistakes(probes), Lines{"4:1: [values.x] lacks \"message\"; required: \"interface\" "
-                                      "and either \"dbc\" with \"message\" or \"dronecan\"; or "
-                                      "else \"constant\""});
-    EXPECT_EQ(mistakes(probes + "message = \"Battery\"\nsignals = { u = \"Voltge\" }\n"),
+    EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Batery\"\n").size(), 1U);
+    EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Batery\"\n").front().substr(0, 5), "7:11:");
+    EXPECT_EQ(mistakes(kMessageOfABus),
+              Lines{"4:1: [values.x] lacks \"message\"; required: \"interface\" "
+                    "and either \"dbc\" with \"message\" or \"dronecan\"; or "
+                    "else \"constant\""});
+    EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Battery\"\nsignals = { u = \"Voltge\" }\n"),
               Lines{"8:17: message Battery has no signal \"Voltge\"; did you mean \"Voltage\"? "
                     "Allowed: \"Voltage\", \"Current\", \"Odd\""});
-    EXPECT_EQ(mistakes(probes + "message = \"Battery\"\nconstant = 1\n").size(), 3U);
+    EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Battery\"\nconstant = 1\n").size(), 3U);
 }
 
 TEST_F(SensorBusConfiguration, SaysWhereTheFileOfAMessageIsWrong) {
     folder_.write("battery.dbc",
                   "BO_ 291 Battery: 8 A\n SG_ Voltage : 0|16@1+ (1,0 [0|0] \"\" B\n");
-    const Lines found = mistakes(
-        "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
-        "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\nmessage = \"Battery\"\n");
+    const Lines found = mistakes(kMessageOfABus + "message = \"Battery\"\n");
     ASSERT_EQ(found.size(), 1U);
     EXPECT_TRUE(found.front().starts_with("6:7: battery.dbc:2:29: ")) << found.front();
 }
 
 TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithTheNamesOfSignals) {
-    const std::string probes =
-        "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
-        "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\nmessage = \"Battery\"\n";
-    EXPECT_EQ(mistakes(probes + "signals = { Current = \"Voltage\" }\n"),
+    const std::string battery = kMessageOfABus + "message = \"Battery\"\n";
+    EXPECT_EQ(mistakes(battery + "signals = { Current = \"Voltage\" }\n"),
               Lines{"8:13: \"Current\" is itself a signal of Battery; give \"Voltage\" another "
                     "name"});
-    EXPECT_EQ(mistakes(probes + "signals = \"Voltage\"\n"),
+    EXPECT_EQ(mistakes(battery + "signals = \"Voltage\"\n"),
               Lines{"8:11: \"signals\" is \"Voltage\"; allowed: a table, { NAME = the name of a "
                     "signal in quotes }"});
-    EXPECT_EQ(mistakes(probes + "signals = { u = 1 }\n"),
+    EXPECT_EQ(mistakes(battery + "signals = { u = 1 }\n"),
               Lines{"8:17: \"u\" is 1; allowed: the name of a signal in quotes"});
-    EXPECT_EQ(mistakes(probes + "signals = { u = \"\" }\n"),
+    EXPECT_EQ(mistakes(battery + "signals = { u = \"\" }\n"),
               Lines{"8:17: \"u\" is \"\"; allowed: the name of a signal in quotes"});
 }
 
