@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/captures.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
@@ -30,11 +31,8 @@ using test::from_hex;
 class DbcVectors : public testing::Test {
   protected:
     void SetUp() override {
-        const auto path = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures/dbc_vectors.json";
-        std::ifstream file(path);
-        if (!file) {
-            GTEST_SKIP() << "no " << path << "; set TRIBUS_SHARED to the folder with captures/";
-        }
+        std::ifstream file(test::capture("dbc_vectors.json"));
+        ASSERT_TRUE(file) << test::kNoCaptures;
         vectors_ = json::parse(file);
     }
 

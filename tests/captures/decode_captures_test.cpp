@@ -16,6 +16,7 @@
 #include "app/encode.h"
 #include "app/exit_status.h"
 #include "app/protocol_use.h"
+#include "tests/support/captures.h"
 #include "transports/links/recording.h"
 
 /// The recordings of real receivers. Expected counts are those of the recordings' own README, which
@@ -25,12 +26,8 @@ namespace {
 
 using nlohmann::json;
 
-std::filesystem::path capture(std::string_view name) {
-    return std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / name;
-}
-
 std::string content_of(std::string_view name) {
-    std::ifstream file(capture(name), std::ios::binary);
+    std::ifstream file(test::capture(name), std::ios::binary);
     EXPECT_TRUE(file) << name;
     return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -38,10 +35,7 @@ std::string content_of(std::string_view name) {
 class Captures : public testing::Test {
   protected:
     void SetUp() override {
-        if (!std::filesystem::exists(capture("README.md"))) {
-            GTEST_SKIP() << "no recordings in " << capture("")
-                         << "; set TRIBUS_SHARED to the folder that holds captures/";
-        }
+        ASSERT_TRUE(std::filesystem::exists(test::capture("README.md"))) << test::kNoCaptures;
     }
 };
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/can_bits.h"
+#include "tests/support/captures.h"
 #include "tests/support/shell.h"
 #include "transports/links/recording.h"
 
@@ -26,7 +27,6 @@ class BusLoadOfARecordedReceiver : public testing::Test {
   protected:
     /// Of the whole seconds in which the receiver sends.
     std::map<std::chrono::seconds::rep, Second> seconds(const std::string& lines) {
-        const auto captures = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures";
         folder_.write("bus.toml",
                       "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyAMA2\"\n"
                       "[output.bus]\nprotocol = \"dronecan\"\ninterface = \"can0\"\n"
@@ -34,7 +34,7 @@ class BusLoadOfARecordedReceiver : public testing::Test {
                           lines + "[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n");
         const test::Ended ended = test::run_in_shell(
             "cd '" + folder_ / "" + "'; \"$TRIBUS\" simulate bus.toml --in receiver='" +
-            (captures / "ibus_servo18_afhds3.timed.txt").string() + "' --out bus=bus.log");
+            test::capture("ibus_servo18_afhds3.timed.txt").string() + "' --out bus=bus.log");
         EXPECT_EQ(ended.status, 0) << ended.output;
         const auto recording =
             parse_recording(folder_.read("bus.log"), "bus.log", RecordingKind::candump);
@@ -52,11 +52,8 @@ class BusLoadOfARecordedReceiver : public testing::Test {
         return all;
     }
     void SetUp() override {
-        const auto captures = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures";
-        if (!std::filesystem::exists(captures)) {
-            GTEST_SKIP() << "no recordings in " << captures
-                         << "; set TRIBUS_SHARED to the folder that holds captures/";
-        }
+        ASSERT_TRUE(std::filesystem::exists(test::capture("ibus_servo18_afhds3.timed.txt")))
+            << test::kNoCaptures;
     }
 
     test::TemporaryFolder folder_;

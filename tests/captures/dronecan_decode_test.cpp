@@ -16,6 +16,7 @@
 
 #include "app/decode_dronecan.h"
 #include "app/exit_status.h"
+#include "tests/support/captures.h"
 #include "tests/support/outcome.h"
 
 /// What `decode` says of the transfers and receive sequences that three independent
@@ -129,12 +130,8 @@ ordered_json node(const ordered_json& id) {
 class DroneCanDecodeVectors : public testing::Test {
   protected:
     void SetUp() override {
-        const auto path =
-            std::filesystem::path(TRIBUS_SHARED_DIR) / "captures/dronecan_vectors.json";
-        std::ifstream file(path);
-        if (!file) {
-            GTEST_SKIP() << "no " << path << "; set TRIBUS_SHARED to the folder with captures/";
-        }
+        std::ifstream file(test::capture("dronecan_vectors.json"));
+        ASSERT_TRUE(file) << test::kNoCaptures;
         vectors_ = ordered_json::parse(file);
     }
 

@@ -13,6 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/captures.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/transfer.h"
 
@@ -27,13 +28,8 @@ using test::Bytes;
 class DronecanVectors : public testing::Test {
   protected:
     void SetUp() override {
-        const auto path =
-            std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / "dronecan_vectors.json";
-        std::ifstream file(path);
-        if (!file) {
-            GTEST_SKIP() << "no file " << path
-                         << "; set TRIBUS_SHARED to the folder that holds captures/";
-        }
+        std::ifstream file(test::capture("dronecan_vectors.json"));
+        ASSERT_TRUE(file) << test::kNoCaptures;
         vectors_ = json::parse(file);
     }
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/captures.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/payload.h"
 #include "transports/codecs/dronecan/types.h"
@@ -98,12 +99,8 @@ TransferKind kind_of(const json& transfer) {
 class DroneCanTypeVectors : public testing::Test {
   protected:
     void SetUp() override {
-        const auto path =
-            std::filesystem::path(TRIBUS_SHARED_DIR) / "captures/dronecan_vectors.json";
-        std::ifstream file(path);
-        if (!file) {
-            GTEST_SKIP() << "no " << path << "; set TRIBUS_SHARED to the folder with captures/";
-        }
+        std::ifstream file(test::capture("dronecan_vectors.json"));
+        ASSERT_TRUE(file) << test::kNoCaptures;
         vectors_ = json::parse(file);
     }
 

@@ -15,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/can_snapshots.h"
+#include "tests/support/captures.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/can_channels.h"
 #include "transports/codecs/e2e.h"
@@ -32,12 +33,8 @@ class NativeVectors : public testing::Test {
   protected:
     void SetUp() override {
         for (const std::string_view name : {"dbc_vectors.json", "e2e_vectors.json"}) {
-            const auto path = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / name;
-            std::ifstream file(path);
-            if (!file) {
-                GTEST_SKIP() << "no file " << path
-                             << "; set TRIBUS_SHARED to the folder that holds captures/";
-            }
+            std::ifstream file(test::capture(name));
+            ASSERT_TRUE(file) << test::kNoCaptures;
             (name == "e2e_vectors.json" ? e2e_ : dbc_) = json::parse(file);
         }
     }

@@ -15,6 +15,7 @@
 #include "app/decode_sensor.h"
 #include "app/exit_status.h"
 #include "app/sensor_frame_finder.h"
+#include "tests/support/captures.h"
 #include "transports/links/recording.h"
 
 /// The recordings of a genuine receiver (FS-iA6B) with genuine sensors. Expected counts are those
@@ -24,12 +25,8 @@ namespace {
 
 using nlohmann::json;
 
-std::filesystem::path capture(std::string_view name) {
-    return std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / name;
-}
-
 Recording recording_of(std::string_view name) {
-    std::ifstream file(capture(name), std::ios::binary);
+    std::ifstream file(test::capture(name), std::ios::binary);
     EXPECT_TRUE(file) << name;
     const std::string content{std::istreambuf_iterator<char>(file), {}};
     auto recording = parse_recording(content, name);
@@ -40,10 +37,7 @@ Recording recording_of(std::string_view name) {
 class SensorCaptures : public testing::Test {
   protected:
     void SetUp() override {
-        if (!std::filesystem::exists(capture("README.md"))) {
-            GTEST_SKIP() << "no recordings in " << capture("")
-                         << "; set TRIBUS_SHARED to the folder that holds captures/";
-        }
+        ASSERT_TRUE(std::filesystem::exists(test::capture("README.md"))) << test::kNoCaptures;
     }
 };
 

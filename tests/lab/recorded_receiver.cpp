@@ -1,4 +1,5 @@
 #include "tests/lab/recorded_receiver.h"
+#include "tests/support/captures.h"
 
 #include <fstream>
 #include <iterator>
@@ -11,7 +12,7 @@
 namespace tribus::test {
 namespace {
 
-const std::string kRecording = TRIBUS_SHARED_DIR "/captures/ibus_servo18_afhds3";
+const std::string kRecording = capture("ibus_servo18_afhds3").string();
 
 }  // namespace
 

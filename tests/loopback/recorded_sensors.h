@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/loopback/sensor_bus.h"
+#include "tests/support/captures.h"
 
 /// The recorded talk between a genuine receiver and its two sensors, to be had again with the
 /// program as the sensors.
@@ -36,8 +37,6 @@ unit     = "rpm"
 constant = -0.01
 unit     = "V"
 )";
-inline constexpr std::string_view kNoRecordings =
-    "no recordings in " TRIBUS_SHARED_DIR "; set TRIBUS_SHARED to the folder that holds captures/";
 
 struct RecordedExchange {
     unsigned request = 0;  ///< its second byte
@@ -46,10 +45,10 @@ struct RecordedExchange {
     Bytes answer;
 };
 
-/// The first `count` of the 652 requests, in their order; none where the captures are missing.
+/// The first `count` of the 652 requests, in their order.
 inline std::vector<RecordedExchange> recorded_exchanges(std::size_t count) {
-    std::ifstream file(std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" /
-                       "ibus_sensor_ia6b_2sensors.timed.txt");
+    std::ifstream file(capture("ibus_sensor_ia6b_2sensors.timed.txt"));
+    EXPECT_TRUE(file) << kNoCaptures;
     Bytes wire;
     for (std::string line; std::getline(file, line);) {
         std::istringstream words(line.starts_with('#') ? "" : line);

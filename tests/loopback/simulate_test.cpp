@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/loopback/loopback.h"
+#include "tests/support/captures.h"
 
 namespace tribus::test {
 namespace {
@@ -172,14 +173,10 @@ TEST_F(Simulate, MainJobCarriesTheNewestInputThenMarksTheLossThenFailsafe) {
 
 /// An FlySky AFHDS3 receiver, 18 channels each 4 ms (origin in the README of the captures).
 TEST_F(Simulate, MainJobOverARealReceiversRecording) {
-    const auto captures = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures";
-    const auto recording = captures / "ibus_servo18_afhds3.timed.txt";
-    if (!std::filesystem::exists(recording)) {
-        GTEST_SKIP() << "no recordings in " << captures
-                     << "; set TRIBUS_SHARED to the folder that holds captures/";
-    }
+    const auto recording = capture("ibus_servo18_afhds3.timed.txt");
+    ASSERT_TRUE(std::filesystem::exists(recording)) << kNoCaptures;
     std::vector<Sticks> rows;
-    std::ifstream table(captures / "ibus_servo18_afhds3.channels.csv");
+    std::ifstream table(capture("ibus_servo18_afhds3.channels.csv"));
     std::string row;
     std::getline(table, row);
     while (std::getline(table, row)) {

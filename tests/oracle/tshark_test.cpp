@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/captures.h"
 #include "tests/support/shell.h"
 #include "transports/links/recording.h"
 
@@ -125,12 +126,8 @@ TEST_F(Tshark, SeesTheFdFramesOfAPipeline) {
 
 /// A FlySky AFHDS3 receiver (origin in the README of the captures).
 TEST_F(Tshark, SeesWhatAPipelineMakesOfARealReceiver) {
-    const auto captures = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures";
-    const auto recording = captures / "ibus_servo18_afhds3.timed.txt";
-    if (!std::filesystem::exists(recording)) {
-        GTEST_SKIP() << "no recordings in " << captures
-                     << "; set TRIBUS_SHARED to the folder that holds captures/";
-    }
+    const auto recording = test::capture("ibus_servo18_afhds3.timed.txt");
+    ASSERT_TRUE(std::filesystem::exists(recording)) << test::kNoCaptures;
     const std::string log = simulate(kClassic, recording);
     ASSERT_GT(rows_in(log).size(), 500U);
     EXPECT_EQ(seen("-e can.id -e data.data"), rows_in(log));

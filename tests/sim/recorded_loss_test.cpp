@@ -1,4 +1,5 @@
 #include "tests/sim/loss_run.h"
+#include "tests/support/captures.h"
 
 #include <filesystem>
 #include <fstream>
@@ -37,7 +38,7 @@ constexpr RecordedFlight kFlights[]{
 };
 
 std::vector<ChannelFrame> recorded_frames(const RecordedFlight& flight) {
-    const auto path = std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / flight.file;
+    const auto path = capture(flight.file);
     std::ifstream file(path, std::ios::binary);
     const std::string content{std::istreambuf_iterator<char>(file), {}};
     const auto recording = parse_recording(content, path.string());
@@ -56,10 +57,7 @@ std::vector<ChannelFrame> recorded_frames(const RecordedFlight& flight) {
 class RecordedLoss : public testing::TestWithParam<RecordedFlight> {
   protected:
     void SetUp() override {
-        if (!std::filesystem::exists(std::filesystem::path(TRIBUS_SHARED_DIR) / "captures")) {
-            GTEST_SKIP() << "no recordings in " << TRIBUS_SHARED_DIR
-                         << "; set TRIBUS_SHARED to the folder that holds captures/";
-        }
+        ASSERT_TRUE(std::filesystem::exists(capture(GetParam().file))) << kNoCaptures;
     }
 };
 

@@ -12,6 +12,7 @@
 #include "pipelines/sensor_bus/receiver_role.h"
 #include "pipelines/sensor_bus/sensor_role.h"
 #include "tests/sim/sensor_wire.h"
+#include "tests/support/captures.h"
 #include "tests/support/heap_trap.h"
 #include "tests/support/ibus_checksum.h"
 #include "transports/links/recording.h"
@@ -46,13 +47,9 @@ struct RecordedBus {
 
 class RecordedReceiver : public testing::TestWithParam<RecordedBus> {
   protected:
-    static std::filesystem::path file() {
-        return std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" / GetParam().file;
-    }
+    static std::filesystem::path file() { return capture(GetParam().file); }
     void SetUp() override {
-        if (!std::filesystem::exists(file())) {
-            GTEST_SKIP() << "no recordings in " << TRIBUS_SHARED_DIR;
-        }
+        ASSERT_TRUE(std::filesystem::exists(file())) << kNoCaptures;
         std::ifstream stream(file(), std::ios::binary);
         const std::string content{std::istreambuf_iterator<char>(stream), {}};
         bursts_ = parse_recording(content, file().string())->bursts;

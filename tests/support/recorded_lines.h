@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "app/doctor/line_heard.h"
+#include "tests/support/captures.h"
 #include "tests/support/shell.h"
 #include "tests/support/uart_wire.h"
 #include "transports/links/recording.h"
@@ -16,7 +17,7 @@ namespace tribus::test {
 
 inline Recording recorded(const std::string& name) {
     const TemporaryFolder folder;
-    std::filesystem::copy(std::string(TRIBUS_SHARED_DIR "/captures/") + name, folder / "it");
+    std::filesystem::copy(capture(name), folder / "it");
     auto recording = parse_recording(folder.read("it"), name);
     EXPECT_TRUE(recording) << recording.error();
     return recording ? *std::move(recording) : Recording{};

@@ -1,4 +1,5 @@
 #include "transports/codecs/can_channels_dbc.h"
+#include "tests/support/captures.h"
 
 #include <gtest/gtest.h>
 
@@ -51,11 +52,8 @@ TEST(NativeDbc, TheShippedFileIsWhatTheCodecSays) {
 class ProposedDbc : public testing::Test {
   protected:
     void SetUp() override {
-        const fs::path path = fs::path(TRIBUS_SHARED_DIR) / "captures/native.dbc";
-        if (!fs::exists(path)) {
-            GTEST_SKIP() << "no file " << path
-                         << "; set TRIBUS_SHARED to the folder that holds captures/";
-        }
+        const fs::path path = test::capture("native.dbc");
+        ASSERT_TRUE(fs::exists(path)) << test::kNoCaptures;
         proposed_ = content_of(path);
     }
 
