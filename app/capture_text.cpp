@@ -6,6 +6,12 @@
 #include "transports/links/recording_writer.h"
 
 namespace tribus {
+namespace {
+
+/// Far more than is read or written at once.
+constexpr std::size_t kMostBurstBytes = 4096;
+
+}  // namespace
 
 CaptureText::CaptureText(CaptureFormat format) : format_(std::move(format)) {
     for (Text& text : texts_) {
@@ -19,22 +25,50 @@ CaptureText::CaptureText(CaptureFormat format) : format_(std::move(format)) {
 
 void CaptureText::take(std::span<const CapturePiece> pieces) {
     for (const CapturePiece& piece : pieces) {
-        if (!piece.has(CaptureMarks::kContinued)) {
-            end_burst();
-            begin_burst(piece);
-        } else if (burst_.begun && format_.can) {
-            CanFrame& frame = burst_.frame;
-            const std::size_t room = frame.data.size() - frame.length;
-            const auto more = piece.data().first(std::min<std::size_t>(piece.count, room));
-            std::ranges::copy(more, frame.data.begin() + frame.length);
-            frame.length = static_cast<std::uint8_t>(frame.length + more.size());
-        }
-        // Else its beginning has been overwritten.
-        for (std::size_t i = 0; burst_.begun && i < piece.count; ++i) {
-            burst_.bytes.push_back(piece.bytes[i]);
-            burst_.damaged.push_back((piece.damaged >> i & 1U) != 0);
+        if (!take(piece)) {
+            ++damaged_count_;
+            burst_.begun = false;
         }
     }
+}
+
+/// False where the piece, or what it ends, is damaged.
+bool CaptureText::take(const CapturePiece& piece) {
+    if (!can_be_recorded(piece, format_.can) || piece.at() > format_.end) {
+        return false;
+    }
+    if (!piece.has(CaptureMarks::kContinued)) {
+        end_burst();
+        begin_burst(piece);
+    } else if (!burst_.begun) {
+        // Its beginning has been overwritten.
+        return true;
+    } else if (!go_on_with(piece)) {
+        return false;
+    }
+    for (std::size_t i = 0; i < piece.count; ++i) {
+        burst_.bytes.push_back(piece.bytes[i]);
+        burst_.damaged.push_back((piece.damaged >> i & 1U) != 0);
+    }
+    return true;
+}
+
+bool CaptureText::go_on_with(const CapturePiece& piece) {
+    const CapturePiece& first = burst_.first;
+    if (piece.at_ns != first.at_ns || piece.can_id != first.can_id ||
+        piece.marks != (first.marks | CaptureMarks::kContinued) ||
+        burst_.bytes.size() + piece.count > kMostBurstBytes) {
+        return false;
+    }
+    CanFrame& frame = burst_.frame;
+    if (format_.can && frame.length + std::size_t{piece.count} > frame.data.size()) {
+        return false;
+    }
+    if (format_.can) {
+        std::ranges::copy(piece.data(), frame.data.begin() + frame.length);
+        frame.length = static_cast<std::uint8_t>(frame.length + piece.count);
+    }
+    return true;
 }
 
 void CaptureText::begin_burst(const CapturePiece& piece) {
@@ -76,6 +110,10 @@ void CaptureText::end_bytes(Text& text) {
 }
 
 void CaptureText::end_frame(Text& text) {
+    if (!valid_can_length(burst_.frame.length, burst_.frame.fd)) {
+        ++damaged_count_;
+        return;
+    }
     if (burst_.first.at() < format_.zero) {
         return;
     }

@@ -19,6 +19,7 @@ struct CaptureFormat {
     Duration byte_time{};   ///< of the line; serial only
     Instant zero{};         ///< of the recording; what came before is left out
     Duration zero_wall{};   ///< the same since 1970
+    Instant end = kNever;   ///< what claims to be later is damaged
 };
 
 /// Turns pieces into text: timed lines of bytes, or a log as of candump. What was read and what was
@@ -27,7 +28,7 @@ class CaptureText {
   public:
     explicit CaptureText(CaptureFormat format);
 
-    /// In their order.
+    /// In their order. Pieces that nobody can have recorded so are left out and counted.
     void take(std::span<const CapturePiece> pieces);
     /// No more of them come.
     void finish() { end_burst(); }
@@ -38,6 +39,8 @@ class CaptureText {
     /// Reads or writes, or frames, so far.
     std::uint64_t read_count() const { return texts_[0].count; }
     std::uint64_t written_count() const { return texts_[1].count; }
+    /// Pieces that were left out.
+    std::uint64_t damaged_count() const { return damaged_count_; }
 
   private:
     struct Text {
@@ -53,6 +56,8 @@ class CaptureText {
         std::vector<std::uint8_t> bytes;
         std::vector<bool> damaged;
     };
+    bool take(const CapturePiece& piece);
+    bool go_on_with(const CapturePiece& piece);
     void begin_burst(const CapturePiece& piece);
     void end_burst();
     void end_bytes(Text& text);
@@ -61,6 +66,7 @@ class CaptureText {
     CaptureFormat format_;
     std::array<Text, 2> texts_;
     Burst burst_;
+    std::uint64_t damaged_count_ = 0;
 };
 
 }  // namespace tribus

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +13,7 @@
 
 #include "app/control_server.h"
 #include "app/control_socket.h"
+#include "app/left_recording.h"
 #include "config/carry_over.h"
 #include "pipelines/realtime/clock.h"
 
@@ -24,7 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kKib = 1024;
 constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
-constexpr const char* kPlanFile = "plan.json";
 /// What is read first may have begun so long before: 256 bytes of an i.Bus line.
 constexpr Duration kLongestBurst = std::chrono::milliseconds(23);
 /// Of so many requests the outcome is remembered.
@@ -39,24 +38,6 @@ std::string state_directory() {
 
 std::string ring_file(std::size_t number) {
     return fmt::format("{}.ring", number);
-}
-
-/// Leads to the ring of a port, by its place in the plan.
-std::string port_link(std::size_t port) {
-    return fmt::format("port-{}", port);
-}
-
-std::optional<std::string> content_of(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return file ? std::optional(std::string(std::istreambuf_iterator<char>(file), {}))
-                : std::nullopt;
-}
-
-/// The newest piece; nothing where it is empty.
-std::optional<Instant> latest_in(const CaptureRing& ring) {
-    CapturePiece piece;
-    const auto batch = ring.read(ring.end() == 0 ? 0 : ring.end() - 1, {&piece, 1});
-    return batch.count == 0 ? std::nullopt : std::optional(piece.at());
 }
 
 }  // namespace
@@ -88,47 +69,33 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
 
 /// What the process before had in memory when it ended, if that was not by itself.
 void FlightRecorder::write_left(Instant now, Duration wall_now) {
-    const fs::path left = home_ ? home_->left() : fs::path();
-    std::error_code error;
-    if (!home_ || !fs::exists(left, error)) {
+    const auto folder = home_ ? home_->take_left() : std::nullopt;
+    if (!folder) {
         return;
-    }
-    const auto text = content_of(left / kPlanFile);
-    auto plan = text ? plan_from_text(*text) : std::nullopt;
-    std::vector<RingMemory> memories;
-    std::vector<CaptureRing> rings;
-    Instant latest{};
-    for (std::size_t i = 0; plan && i < plan->ports.size(); ++i) {
-        auto memory = RingMemory::copy_of(left / port_link(i));
-        const auto ring = memory ? CaptureRing::adopt(memory->span()) : std::nullopt;
-        if (!ring) {
-            plan.reset();
-            break;
-        }
-        memories.push_back(std::move(*memory));
-        rings.push_back(*ring);
-        latest = std::max(latest, latest_in(*ring).value_or(latest));
     }
     const auto age = age_of_latest(directory_, "crash", wall_now);
-    const bool too_soon = age && *age < config_.pause;
-    if (!plan || latest == Instant{} || too_soon) {
-        spdlog::warn("recorder: the process before this one ended by a crash, or was killed; {}",
-                     too_soon ? "as its like was recorded a moment ago, nothing is written"
-                              : "it left nothing that can be written");
-        fs::remove_all(left, error);
+    auto left = age && *age < config_.pause
+                    ? tl::unexpected<std::string>("its like was recorded a moment ago")
+                    : read_left_recording(*folder, now);
+    if (!left) {
+        spdlog::warn(
+            "recorder: the process before this one ended by a crash, or was killed; nothing of it "
+            "is written: {}",
+            left.error());
+        home_->remove_left();
         return;
     }
-    plan_ = std::move(*plan);
-    latest = std::min(latest, now);
+    plan_ = std::move(left->plan);
     const Duration wall_offset = wall_now - now.time_since_epoch();
     RecordingOrder crash = order({.kind = "crash",
                                   .reason = "the process before this one ended by a crash, or was "
                                             "killed",
-                                  .wall = wall_offset + latest.time_since_epoch(),
-                                  .at = latest,
-                                  .due = latest},
+                                  .wall = wall_offset + left->latest.time_since_epoch(),
+                                  .at = left->latest,
+                                  .due = left->latest},
                                  wall_offset);
-    job_ = RecordingJob::start(std::move(crash), std::move(memories), std::move(rings));
+    crash.end = now;
+    job_ = RecordingJob::start(std::move(crash), std::move(left->memories), std::move(left->rings));
     job_number_ = 0;
 }
 
@@ -145,10 +112,22 @@ FlightRecorder::~FlightRecorder() {
     }
 }
 
-tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const fs::path& file,
+tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::string& device,
+                                                                 fs::path& file,
                                                                  std::size_t bytes) {
-    auto memory = home_ ? RingMemory::in_file(file, bytes) : RingMemory::anonymous(bytes);
-    return memory || !home_ ? std::move(memory) : RingMemory::anonymous(bytes);
+    if (!home_) {
+        return RingMemory::anonymous(bytes);
+    }
+    auto memory = RingMemory::in_file(file, bytes);
+    if (memory) {
+        return memory;
+    }
+    auto anonymous = RingMemory::anonymous(bytes);
+    if (anonymous) {
+        spdlog::warn("recorder: a crash loses what passed {}: {}", device, memory.error());
+        file.clear();
+    }
+    return anonymous;
 }
 
 CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig& config) {
@@ -158,12 +137,16 @@ CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig
             return &tape->ring;
         }
     }
-    const fs::path file = home_ ? home_->path() / ring_file(files_made_++) : fs::path();
-    auto memory = memory_for(file, bytes);
+    fs::path file = home_ ? home_->path() / ring_file(files_made_++) : fs::path();
+    auto memory = memory_for(port.config.device, file, bytes);
     if (!memory) {
-        spdlog::warn("recorder: {} is not recorded, {}", port.config.device, memory.error());
+        const std::string lack = fmt::format("{}: {}", port.config.device, memory.error());
+        spdlog::warn("recorder: {} KiB for a port cannot be had; not recorded: {}",
+                     config.memory_kib, lack);
+        lacks_[port.config.device] = lack;
         return nullptr;
     }
+    lacks_.erase(port.config.device);
     CaptureRing ring = CaptureRing::create(memory->span());
     tapes_.push_back(
         std::make_unique<Tape>(Tape{port.config, bytes, file, std::move(*memory), ring}));
@@ -174,18 +157,25 @@ void FlightRecorder::settle(const Configuration& configuration, const std::vecto
                             Instant now) {
     begin_ = begin_.value_or(now - kLongestBurst);
     config_ = *configuration.recorder;
-    plan_ = plan_recording(configuration, ports, *begin_);
+    std::vector<PortPlan> recorded;
+    std::vector<std::string> lacks;
     std::vector<std::unique_ptr<Tape>> before = std::exchange(tapes_, {});
-    for (std::size_t i = 0; i < ports.size(); ++i) {
-        plan_.ports[i].ring = ports[i].wiring.capture;
+    for (const PortPlan& port : ports) {
         const auto tape = std::ranges::find_if(before, [&](const auto& candidate) {
-            return candidate && &candidate->ring == ports[i].wiring.capture;
+            return candidate && &candidate->ring == port.wiring.capture;
         });
         if (tape != before.end()) {
             tapes_.push_back(std::move(*tape));
+            recorded.push_back(port);
+        } else {
+            lacks.push_back(lacks_[port.config.device]);
         }
     }
-    std::erase_if(plan_.ports, [](const RecordedPort& port) { return port.ring == nullptr; });
+    plan_ = plan_recording(configuration, recorded, *begin_);
+    plan_.lacks = std::move(lacks);
+    for (std::size_t i = 0; i < tapes_.size(); ++i) {
+        plan_.ports[i].ring_file = tapes_[i]->file.filename();
+    }
     for (auto& tape : before) {
         retire(std::move(tape));
     }
@@ -215,15 +205,12 @@ void FlightRecorder::tell_successor() const {
     if (!home_) {
         return;
     }
+    RecordingPlan outliving = plan_;
+    std::erase_if(outliving.ports, [](const RecordedPort& port) { return port.ring_file.empty(); });
     std::error_code ignored;
-    for (std::size_t i = 0; i < tapes_.size(); ++i) {
-        const fs::path link = home_->path() / port_link(i);
-        fs::remove(link, ignored);
-        fs::create_symlink(tapes_[i]->file.filename(), link, ignored);
-    }
     const fs::path fresh = home_->path() / "plan.new";
-    std::ofstream(fresh, std::ios::binary) << plan_to_text(plan_);
-    fs::rename(fresh, home_->path() / kPlanFile, ignored);
+    std::ofstream(fresh, std::ios::binary) << plan_to_text(outliving);
+    fs::rename(fresh, home_->path() / kRecordingPlanFile, ignored);
 }
 
 RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) const {
@@ -237,6 +224,7 @@ RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) c
     order.ports = plan_.ports;
     order.files = plan_.files;
     order.replay = plan_.replay;
+    order.lacks = plan_.lacks;
     order.keep = static_cast<std::size_t>(config_.keep);
     order.space = static_cast<std::uintmax_t>(config_.space_mib) * kMib;
     return order;
@@ -280,6 +268,15 @@ void FlightRecorder::tend(Instant now, Duration wall_now) {
 }
 
 void FlightRecorder::begin(const Event& event, Instant now, Duration wall_now) {
+    if (plan_.ports.empty()) {
+        if (event.number != 0) {
+            outcomes_[event.number] = {
+                .done = true,
+                .result = tl::unexpected(
+                    fmt::format("no port is recorded ({})", fmt::join(plan_.lacks, "; ")))};
+        }
+        return;
+    }
     job_ = RecordingJob::start(order(event, wall_now - now.time_since_epoch()));
     job_number_ = event.number;
 }
@@ -299,9 +296,8 @@ void FlightRecorder::end_job() {
             "tried again; make room there, or name another place in [recorder] directory",
             order.reason, result.error());
     }
-    if (result && home_ && order.kind == "crash") {
-        std::error_code ignored;
-        fs::remove_all(home_->left(), ignored);
+    if (home_ && order.kind == "crash") {
+        result ? home_->remove_left() : home_->put_left_back();
     }
     if (job_number_ != 0) {
         outcomes_[job_number_] = {.done = true, .result = result};

@@ -75,7 +75,8 @@ class FlightRecorder {
 
     FlightRecorder(RecorderConfig config, std::filesystem::path directory,
                    std::optional<RingHome> home);
-    tl::expected<RingMemory, std::string> memory_for(const std::filesystem::path& file,
+    tl::expected<RingMemory, std::string> memory_for(const std::string& device,
+                                                     std::filesystem::path& file,
                                                      std::size_t bytes);
     RecordingOrder order(const Event& event, Duration wall_offset) const;
     void write_left(Instant now, Duration wall_now);
@@ -95,6 +96,8 @@ class FlightRecorder {
     /// Since when this process records.
     std::optional<Instant> begin_;
     std::size_t files_made_ = 0;
+    /// By device: why it is not recorded.
+    std::map<std::string, std::string> lacks_;
     RecordingPlan plan_;
     std::vector<std::string> output_names_;
     std::vector<std::uint64_t> failsafe_entries_;

@@ -138,6 +138,7 @@ class PortFiles {
 struct PortCounts {
     std::uint64_t read = 0;
     std::uint64_t written = 0;
+    std::uint64_t damaged = 0;
     /// Where more came since the zero than there was memory for: when what is left begins.
     std::optional<Duration> begin;
 };
@@ -154,7 +155,8 @@ tl::expected<PortCounts, std::string> write_port(const RecordedPort& port,
                       .interface = port.device,
                       .byte_time = port.byte_time,
                       .zero = order.zero,
-                      .zero_wall = order.zero_wall});
+                      .zero_wall = order.zero_wall,
+                      .end = order.end});
     PortCounts counts;
     std::array<CapturePiece, kPiecesAtOnce> pieces;
     const std::uint64_t end = port.ring->end();
@@ -164,7 +166,8 @@ tl::expected<PortCounts, std::string> write_port(const RecordedPort& port,
             port.ring->read(next, std::span(pieces).first(static_cast<std::size_t>(wanted)));
         next = batch.first + std::max<std::size_t>(batch.count, 1);
         if (!counts.begin && batch.count > 0) {
-            const bool overwritten = batch.first > 0 && pieces[0].at() > order.zero;
+            const bool overwritten =
+                batch.first > 0 && pieces[0].at() > order.zero && pieces[0].at() <= order.end;
             counts.begin = overwritten ? pieces[0].at() - order.zero : Duration::zero();
         }
         text.take(std::span(pieces).first(batch.count));
@@ -181,6 +184,7 @@ tl::expected<PortCounts, std::string> write_port(const RecordedPort& port,
     }
     counts.read = text.read_count();
     counts.written = text.written_count();
+    counts.damaged = text.damaged_count();
     return counts;
 }
 
@@ -212,6 +216,13 @@ tl::expected<std::string, std::string> write_ports(const RecordingOrder& order,
             list += fmt::format("  {:<28} written to {}: {} {}{}\n", port.written_file, port.device,
                                 counts->written, what, begin);
         }
+        if (counts->damaged > 0) {
+            list += fmt::format("  pieces of {} that were damaged and are left out: {}\n",
+                                port.device, counts->damaged);
+        }
+    }
+    for (const std::string& lack : order.lacks) {
+        list += fmt::format("  not recorded: {}\n", lack);
     }
     return list;
 }
@@ -248,7 +259,10 @@ bool is_unfinished(const std::string& name) {
 int number_of(const std::string& name) {
     const std::size_t dash = name.rfind('-');
     int number = 1;
-    std::from_chars(name.data() + dash + 1, name.data() + name.size(), number);
+    // Whoever made a folder with a name like ours may have chosen any number.
+    constexpr std::size_t kMostDigits = 9;
+    const std::size_t digits = std::min(name.size() - dash - 1, kMostDigits);
+    std::from_chars(name.data() + dash + 1, name.data() + dash + 1 + digits, number);
     return number;
 }
 
@@ -369,8 +383,10 @@ std::optional<Duration> age_of_latest(const fs::path& directory, const std::stri
     std::optional<Duration> age;
     for (const fs::path& folder : recordings_in(directory)) {
         struct stat told {};
+        // One from the future says that the clock has gone back since.
         if (folder.filename().string().find("Z-" + kind) == kTimeLength - 1 &&
-            ::stat(folder.c_str(), &told) == 0) {
+            ::stat(folder.c_str(), &told) == 0 &&
+            std::chrono::seconds(told.st_mtim.tv_sec) < wall_now) {
             const Duration written = std::chrono::seconds(told.st_mtim.tv_sec) +
                                      std::chrono::nanoseconds(told.st_mtim.tv_nsec);
             age = age ? std::min(*age, wall_now - written) : wall_now - written;

@@ -23,6 +23,7 @@ struct RecordedPort {
     Duration byte_time{};  ///< serial only
     std::string read_file;
     std::string written_file;
+    std::string ring_file;  ///< where its ring is a file that outlives a crash
 };
 
 /// A small file that belongs to a recording: its configuration, and what that names.
@@ -34,14 +35,17 @@ struct SideFile {
 /// What is to become one folder. All text is for the person who finds it.
 struct RecordingOrder {
     std::filesystem::path directory;
-    std::string kind;    ///< "failsafe": part of the folder's name
-    std::string reason;  ///< a sentence
-    Instant zero{};      ///< what came before is left out
+    std::string kind;      ///< "failsafe": part of the folder's name
+    std::string reason;    ///< a sentence
+    Instant zero{};        ///< what came before is left out
+    Instant end = kNever;  ///< what claims to be later is damaged
     Duration zero_wall{};
     Duration event_wall{};  ///< for the name; since 1970
     std::vector<RecordedPort> ports;
     std::vector<SideFile> files;
     std::string replay;  ///< the command that runs the configuration over it again
+    /// `/dev/ttyAMA3: why`, of each port that is not recorded.
+    std::vector<std::string> lacks;
     std::size_t keep = 0;
     std::uintmax_t space = 0;  ///< bytes of all recordings
 };

@@ -1,7 +1,10 @@
 #include "app/recording_plan.h"
 
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -16,13 +19,21 @@ namespace {
 
 using Json = nlohmann::json;
 
+/// 146 years of a machine that runs.
+constexpr std::uint64_t kMostNanoseconds = std::uint64_t{1} << 62U;
+
+bool is_plain(char c) {
+    return std::isprint(static_cast<unsigned char>(c)) != 0 && c != '/';
+}
+
 RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan) {
-    RecordedPort port{.ring = nullptr,
+    RecordedPort port{.ring = plan.wiring.capture,
                       .can = plan.config.link == LinkKind::can,
                       .device = plan.config.device,
                       .byte_time = plan.config.line.bytes_time(1),
                       .read_file = {},
-                      .written_file = {}};
+                      .written_file = {},
+                      .ring_file = {}};
     const PortWiring& wiring = plan.wiring;
     if (port.can) {
         port.read_file = port.device + "-in.log";
@@ -62,14 +73,23 @@ std::string replay_command(const Configuration& configuration,
     return command;
 }
 
+/// What a file is called, as far as its name is short and plain.
+std::string tame_name(const std::string& path) {
+    constexpr std::size_t kLongest = 100;
+    std::string name = std::filesystem::path(path).filename().string();
+    name.erase(0, name.size() - std::min(name.size(), kLongest));
+    std::ranges::replace_if(
+        name, [](char c) { return !is_plain(c); }, '_');
+    return name;
+}
+
 /// Files that the configuration names, as neighbours of the recorded one.
 class NamedFiles {
   public:
     void take(SettingFile& file) {
         const auto [known, fresh] = names_.try_emplace(file.path);
         if (fresh) {
-            const std::string name = std::filesystem::path(file.path).filename().string();
-            known->second = fmt::format("config-{}-{}", names_.size(), name);
+            known->second = fmt::format("config-{}-{}", names_.size(), tame_name(file.path));
             files_.push_back({known->second, file.content});
         }
         file.path = known->second;
@@ -112,6 +132,49 @@ std::vector<SideFile> configuration_files(Configuration configuration) {
     return files;
 }
 
+/// -1 where it is none, or cannot be.
+Duration nanoseconds_in(const Json& json) {
+    return json.is_number_unsigned() && json.get<std::uint64_t>() <= kMostNanoseconds
+               ? Duration(json.get<std::int64_t>())
+               : Duration(-1);
+}
+
+bool is_line(const std::string& text) {
+    return std::ranges::none_of(
+        text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; });
+}
+
+/// Names of files in one folder.
+class Names {
+  public:
+    /// False where it leads elsewhere, or is taken.
+    bool take(const std::string& name) {
+        return !name.empty() && name.size() <= kLongest && name != "." && name != ".." &&
+               is_line(name) && name.find('/') == std::string::npos && taken_.insert(name).second;
+    }
+
+  private:
+    static constexpr std::size_t kLongest = 200;
+    std::set<std::string> taken_;
+};
+
+bool is_sound(const RecordingPlan& plan) {
+    constexpr Duration kLongestByte = std::chrono::seconds(1);
+    Names recorded;
+    recorded.take("README.txt");
+    Names rings;
+    const bool ports = std::ranges::all_of(plan.ports, [&](const RecordedPort& port) {
+        return port.byte_time >= Duration::zero() && port.byte_time <= kLongestByte &&
+               is_line(port.device) && (port.read_file.empty() || recorded.take(port.read_file)) &&
+               (port.written_file.empty() || recorded.take(port.written_file)) &&
+               rings.take(port.ring_file);
+    });
+    return ports && plan.begin >= Instant{} && is_line(plan.replay) &&
+           std::ranges::all_of(plan.lacks, is_line) &&
+           std::ranges::all_of(plan.files,
+                               [&](const SideFile& file) { return recorded.take(file.name); });
+}
+
 }  // namespace
 
 RecordingPlan plan_recording(const Configuration& configuration, const std::vector<PortPlan>& ports,
@@ -130,13 +193,15 @@ std::string plan_to_text(const RecordingPlan& plan) {
     Json json;
     json["begin_ns"] = plan.begin.time_since_epoch().count();
     json["replay"] = plan.replay;
+    json["lacks"] = plan.lacks;
     json["ports"] = Json::array();
     for (const RecordedPort& port : plan.ports) {
         json["ports"].push_back({{"can", port.can},
                                  {"device", port.device},
                                  {"byte_time_ns", port.byte_time.count()},
                                  {"read_file", port.read_file},
-                                 {"written_file", port.written_file}});
+                                 {"written_file", port.written_file},
+                                 {"ring_file", port.ring_file}});
     }
     json["files"] = Json::array();
     for (const SideFile& file : plan.files) {
@@ -150,22 +215,23 @@ std::optional<RecordingPlan> plan_from_text(std::string_view text) {
     try {
         const Json json = Json::parse(text);
         RecordingPlan plan;
-        plan.begin = Instant(Duration(json.at("begin_ns").get<std::int64_t>()));
+        plan.begin = Instant(nanoseconds_in(json.at("begin_ns")));
         plan.replay = json.at("replay").get<std::string>();
+        plan.lacks = json.at("lacks").get<std::vector<std::string>>();
         for (const Json& port : json.at("ports")) {
-            plan.ports.push_back(
-                {.ring = nullptr,
-                 .can = port.at("can").get<bool>(),
-                 .device = port.at("device").get<std::string>(),
-                 .byte_time = Duration(port.at("byte_time_ns").get<std::int64_t>()),
-                 .read_file = port.at("read_file").get<std::string>(),
-                 .written_file = port.at("written_file").get<std::string>()});
+            plan.ports.push_back({.ring = nullptr,
+                                  .can = port.at("can").get<bool>(),
+                                  .device = port.at("device").get<std::string>(),
+                                  .byte_time = nanoseconds_in(port.at("byte_time_ns")),
+                                  .read_file = port.at("read_file").get<std::string>(),
+                                  .written_file = port.at("written_file").get<std::string>(),
+                                  .ring_file = port.at("ring_file").get<std::string>()});
         }
         for (const Json& file : json.at("files")) {
             plan.files.push_back(
                 {file.at("name").get<std::string>(), file.at("content").get<std::string>()});
         }
-        return plan;
+        return is_sound(plan) ? std::optional(std::move(plan)) : std::nullopt;
     } catch (const Json::exception&) {
         return std::nullopt;
     }

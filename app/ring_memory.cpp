@@ -13,6 +13,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 namespace tribus {
 namespace {
@@ -22,9 +23,17 @@ using Failed = tl::unexpected<std::string>;
 
 constexpr const char* kFolder = "recorder";
 constexpr const char* kLeft = "recorder-left";
+/// What a process has begun to read.
+constexpr const char* kTaken = "recorder-taken";
 
 Failed failed(const fs::path& path, int error) {
     return Failed(fmt::format("{}: {}", path.string(), std::strerror(error)));
+}
+
+/// Of any kind; a link that leads nowhere too.
+bool there_is(const fs::path& path) {
+    std::error_code error;
+    return fs::symlink_status(path, error).type() != fs::file_type::not_found;
 }
 
 }  // namespace
@@ -54,13 +63,28 @@ tl::expected<RingMemory, std::string> RingMemory::in_file(const fs::path& path, 
     return map(MAP_SHARED, file.get(), bytes);
 }
 
-tl::expected<RingMemory, std::string> RingMemory::copy_of(const fs::path& path) {
-    const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+tl::expected<RingMemory, std::string> RingMemory::copy_of(const fs::path& path, std::size_t most) {
+    const UniqueFd file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     struct stat told {};
     if (!file.valid() || ::fstat(file.get(), &told) != 0) {
         return failed(path, errno);
     }
-    return map(MAP_PRIVATE, file.get(), static_cast<std::size_t>(told.st_size));
+    if (!S_ISREG(told.st_mode)) {
+        return Failed(fmt::format("{} is not a file", path.string()));
+    }
+    if (told.st_size <= 0 || static_cast<std::uintmax_t>(told.st_size) > most) {
+        return Failed(fmt::format("{} has {} bytes", path.string(), told.st_size));
+    }
+    // Read, not mapped: a file that shrinks would end the process.
+    auto memory = anonymous(static_cast<std::size_t>(told.st_size));
+    for (std::size_t at = 0; memory && at < memory->bytes_;) {
+        const ssize_t count = ::read(file.get(), memory->begin_ + at, memory->bytes_ - at);
+        if (count == 0 || (count < 0 && errno != EINTR)) {
+            return failed(path, count == 0 ? EIO : errno);
+        }
+        at += count > 0 ? static_cast<std::size_t>(count) : 0;
+    }
+    return memory;
 }
 
 RingMemory::~RingMemory() {
@@ -69,8 +93,25 @@ RingMemory::~RingMemory() {
     }
 }
 
-fs::path RingHome::left() const {
-    return path_.parent_path() / kLeft;
+std::optional<fs::path> RingHome::take_left() const {
+    const fs::path left = path_.parent_path() / kLeft;
+    const fs::path taken = path_.parent_path() / kTaken;
+    std::error_code error;
+    if (!there_is(left)) {
+        return std::nullopt;
+    }
+    fs::rename(left, taken, error);
+    return error ? std::nullopt : std::optional(taken);
+}
+
+void RingHome::remove_left() const {
+    std::error_code ignored;
+    fs::remove_all(path_.parent_path() / kTaken, ignored);
+}
+
+void RingHome::put_left_back() const {
+    std::error_code ignored;
+    fs::rename(path_.parent_path() / kTaken, path_.parent_path() / kLeft, ignored);
 }
 
 tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_directory) {
@@ -92,9 +133,16 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     const fs::path path = runtime_directory / kFolder;
     const fs::path left = runtime_directory / kLeft;
     std::error_code error;
-    if (fs::exists(path, error)) {
+    const fs::path taken = runtime_directory / kTaken;
+    if (there_is(taken)) {
+        spdlog::warn(
+            "recorder: the process before this one ended while it wrote what a crash had "
+            "left; that is given up");
+        fs::remove_all(taken, error);
+    }
+    if (there_is(path)) {
         // The first crash of several tells most.
-        if (fs::exists(left, error)) {
+        if (there_is(left)) {
             fs::remove_all(path, error);
         } else {
             fs::rename(path, left, error);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -21,8 +22,10 @@ class RingMemory {
     /// A fresh file, which stays when the process ends otherwise than by itself.
     static tl::expected<RingMemory, std::string> in_file(const std::filesystem::path& path,
                                                          std::size_t bytes);
-    /// What is in a file; changes do not reach it.
-    static tl::expected<RingMemory, std::string> copy_of(const std::filesystem::path& path);
+    /// What is in a file; changes do not reach it. Anything else than a file of 1 to `most` bytes
+    /// is refused, and never waited for.
+    static tl::expected<RingMemory, std::string> copy_of(const std::filesystem::path& path,
+                                                         std::size_t most);
 
     RingMemory(RingMemory&& other) noexcept
         : begin_(std::exchange(other.begin_, nullptr)), bytes_(other.bytes_) {}
@@ -46,7 +49,7 @@ class RingMemory {
 };
 
 /// A folder of the service's runtime directory that this process alone uses: memory in its files
-/// outlives a crash. What such a process left is found under `left()`.
+/// outlives a crash, for the process that comes next.
 class RingHome {
   public:
     /// The error is a sentence: without a home memory is anonymous, and a crash loses it.
@@ -56,8 +59,13 @@ class RingHome {
     ~RingHome();
 
     const std::filesystem::path& path() const { return path_; }
-    /// Where what the process before left stands; there is nothing at that path if it left nothing.
-    std::filesystem::path left() const;
+    /// What the process before left, under a name at which nobody looks again: should reading it
+    /// end this process, the next one starts all the same. Nothing where it left nothing.
+    std::optional<std::filesystem::path> take_left() const;
+    /// It has been written, or cannot be.
+    void remove_left() const;
+    /// It could not be written just now: the next process takes it.
+    void put_left_back() const;
 
   private:
     RingHome(std::filesystem::path path, UniqueFd lock)

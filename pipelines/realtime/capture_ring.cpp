@@ -143,6 +143,26 @@ CaptureRing::Batch CaptureRing::read(std::uint64_t from, std::span<CapturePiece>
     return {first + lost, count - lost};
 }
 
+bool can_be_recorded(const CapturePiece& piece, bool can) {
+    constexpr std::uint8_t kCanOnly = CaptureMarks::kExtended | CaptureMarks::kRemote |
+                                      CaptureMarks::kFd | CaptureMarks::kBitRateSwitch |
+                                      CaptureMarks::kErrorState;
+    constexpr std::uint8_t kFdOnly =
+        CaptureMarks::kContinued | CaptureMarks::kBitRateSwitch | CaptureMarks::kErrorState;
+    if (piece.at_ns < 0 || piece.count > CapturePiece::kMostBytes ||
+        piece.has(CaptureMarks::kCan) != can) {
+        return false;
+    }
+    if (!can) {
+        return piece.count > 0 && !piece.has(kCanOnly);
+    }
+    const bool fd = piece.has(CaptureMarks::kFd);
+    const std::uint32_t last_id =
+        piece.has(CaptureMarks::kExtended) ? kMostExtendedId : kMostStandardId;
+    return piece.can_id <= last_id && !(fd && piece.has(CaptureMarks::kRemote)) &&
+           (fd || (piece.count <= kMostClassicBytes && !piece.has(kFdOnly)));
+}
+
 CanFrame can_frame_of(const CapturePiece& piece) {
     CanFrame frame;
     frame.id = piece.can_id;

@@ -65,7 +65,8 @@ class CaptureRing {
 
     /// An empty ring. The memory is aligned to 64 bytes, has at least kLeastBytes, and outlives it.
     static CaptureRing create(std::span<std::byte> memory);
-    /// The ring that another process left in this memory; nothing where there is none.
+    /// The ring that another process left in this memory; nothing where there is none. Its pieces
+    /// may be anything: see `can_be_recorded`.
     static std::optional<CaptureRing> adopt(std::span<std::byte> memory);
 
     /// What was read at once, with its damage. Data thread.
@@ -115,7 +116,12 @@ class CaptureRing {
     std::size_t place_;
 };
 
-/// The CAN frame that begins with this piece, with as many bytes as are in it.
+/// Whether `record` can have written such a piece of a port of that kind. What another process left
+/// may be damaged: no piece of it is used before it was asked for.
+bool can_be_recorded(const CapturePiece& piece, bool can);
+
+/// The CAN frame that begins with this piece, with as many bytes as are in it. Of a piece that can
+/// be recorded.
 CanFrame can_frame_of(const CapturePiece& piece);
 
 }  // namespace tribus

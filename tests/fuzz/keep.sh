@@ -8,7 +8,7 @@ cd "$(dirname "$0")/../.."
 longest=1024
 build=build-sanitize
 [ $# -gt 0 ] || set -- serial_decoders can_decoders dbc_file configuration recording \
-    control_socket monitor engine
+    crash_recording control_socket monitor engine
 for target in "$@"; do
     case $target in
         dbc_file) seeds="config/examples deploy/can" ;;

@@ -13,7 +13,7 @@ seconds=${1:-60}
 install_packages $build_packages $test_libraries clang-14 libclang-rt-14-dev llvm-14
 cmake --preset sanitize >&2
 [ $# -gt 0 ] || set -- serial_decoders can_decoders dbc_file configuration recording \
-    control_socket monitor engine
+    crash_recording control_socket monitor engine
 build=build-sanitize
 for target in "$@"; do
     cmake --build $build --target fuzz_"$target" >&2

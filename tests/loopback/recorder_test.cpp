@@ -1,3 +1,5 @@
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <csignal>
 #include <cstdint>
@@ -163,6 +165,57 @@ TEST_F(Recorded, WhatAKilledProcessKnewIsWrittenByTheNext) {
     expect_clean_end(next);
     EXPECT_FALSE(fs::exists(runtime_.path() / "recorder"));
     EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-left"));
+}
+
+/// The count of each piece of the first port's ring says more than a piece holds: byte 21 of 64.
+TEST_F(Recorded, ADamagedRingStopsNoStart) {
+    const std::string config = config_with("");
+    Program& killed = run_service(config);
+    ASSERT_TRUE(drive({1234}));
+    killed.signal(SIGKILL);
+    killed.end();
+    const fs::path ring = runtime_.path() / "recorder" / "0.ring";
+    {
+        std::fstream file(ring, std::ios::in | std::ios::out | std::ios::binary);
+        for (std::size_t piece = 0; 64 * (piece + 2) <= fs::file_size(ring); ++piece) {
+            file.seekp(static_cast<std::streamoff>(64 * (piece + 1) + 21));
+            file.put('\xFF');
+        }
+    }
+    Program& next = run_service(config);
+    EXPECT_TRUE(next.says("recorder: ")) << next.errors();
+    EXPECT_TRUE(drive({1345})) << next.errors();
+    expect_clean_end(next);
+    EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-left"));
+}
+
+/// In the place of the plan it would be waited for, and the recorder's folder is anything too.
+TEST_F(Recorded, AFifoThatWasLeftStopsNoStart) {
+    fs::create_directory(runtime_.path() / "recorder");
+    ASSERT_EQ(::mkfifo((runtime_.path() / "recorder" / "plan.json").c_str(), 0600), 0);
+    Program& first = run_service(config_with(""));
+    EXPECT_TRUE(drive({1234})) << first.errors();
+    EXPECT_TRUE(first.says("nothing of it is written")) << first.errors();
+    expect_clean_end(first);
+    ASSERT_EQ(::mkfifo((runtime_.path() / "recorder").c_str(), 0600), 0);
+    Program& second = run_service(config_with(""));
+    EXPECT_TRUE(drive({1234})) << second.errors();
+    expect_clean_end(second);
+}
+
+/// Whoever ended while reading it may have ended by it.
+TEST_F(Recorded, WhatAProcessHadBegunToReadIsNotReadAgain) {
+    const std::string config = config_with("");
+    Program& killed = run_service(config);
+    ASSERT_TRUE(drive({1234}));
+    killed.signal(SIGKILL);
+    killed.end();
+    fs::rename(runtime_.path() / "recorder", runtime_.path() / "recorder-taken");
+    Program& next = run_service(config);
+    EXPECT_TRUE(next.says("that is given up")) << next.errors();
+    expect_clean_end(next);
+    EXPECT_TRUE(found().empty());
+    EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-taken"));
 }
 
 TEST_F(Recorded, ARequestIsAnsweredByTheFolder) {

@@ -45,7 +45,8 @@ class RecordingFolder : public testing::Test {
                                .device = "/dev/ttyAMA3",
                                .byte_time = 120us,
                                .read_file = "",
-                               .written_file = "output-servos.txt"});
+                               .written_file = "output-servos.txt",
+                               .ring_file = ""});
         order.files.push_back({"config.toml", "# the configuration\n"});
         order.replay = "tribus simulate config.toml --out servos=simulated-servos.txt";
         order.keep = 20;
@@ -165,6 +166,33 @@ TEST_F(RecordingFolder, leaves_nothing_where_the_disk_is_full) {
     EXPECT_TRUE(found().empty());
 }
 
+TEST_F(RecordingFolder, names_what_is_not_recorded) {
+    RecordingOrder partly = order();
+    partly.lacks = {"/dev/ttyAMA4: no memory for it: Cannot allocate memory"};
+    const auto written = write_recording(partly);
+    ASSERT_TRUE(written) << written.error();
+    const std::string told = content(*written / "README.txt");
+    EXPECT_NE(told.find("  not recorded: /dev/ttyAMA4: no memory for it: Cannot allocate memory\n"),
+              std::string::npos)
+        << told;
+}
+
+TEST_F(RecordingFolder, says_how_much_of_it_was_damaged) {
+    // The count of the third piece.
+    memory_[3].bytes[21] = std::byte{200};
+    const auto written = write_recording(order());
+    ASSERT_TRUE(written) << written.error();
+    const std::string told = content(*written / "README.txt");
+    EXPECT_NE(told.find("  pieces of /dev/ttyAMA3 that were damaged and are left out: 1\n"),
+              std::string::npos)
+        << told;
+}
+
+TEST_F(RecordingFolder, of_a_time_that_is_yet_to_come_does_not_count_as_the_latest) {
+    ASSERT_TRUE(write_recording(order()));
+    EXPECT_FALSE(age_of_latest(folder_.path() / "recordings", "failsafe", Duration(1h)));
+}
+
 TEST_F(RecordingFolder, that_cannot_be_made_says_where) {
     RecordingOrder impossible = order();
     impossible.directory = "/proc/nothing";
@@ -182,7 +210,9 @@ TEST(RecordingPlan, is_the_same_for_the_process_that_comes_after) {
                           .device = "can0",
                           .byte_time = 0ns,
                           .read_file = "can0-in.log",
-                          .written_file = "can0-out.log"});
+                          .written_file = "can0-out.log",
+                          .ring_file = "0.ring"});
+    plan.lacks = {"/dev/ttyAMA3: no memory for it"};
     plan.files.push_back({"config.toml", "a = \"\\u00e4\"\n"});
     const auto after = plan_from_text(plan_to_text(plan));
     ASSERT_TRUE(after);
@@ -190,6 +220,8 @@ TEST(RecordingPlan, is_the_same_for_the_process_that_comes_after) {
     EXPECT_EQ(after->replay, plan.replay);
     EXPECT_EQ(after->ports.at(0).read_file, "can0-in.log");
     EXPECT_TRUE(after->ports.at(0).can);
+    EXPECT_EQ(after->ports.at(0).ring_file, "0.ring");
+    EXPECT_EQ(after->lacks, plan.lacks);
     EXPECT_EQ(after->files.at(0).content, plan.files[0].content);
 }
 
