@@ -4,10 +4,16 @@
 #include <tuple>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "config/key_parts.h"
+
 // Debian's shared library is built with exceptions, so the header is compiled here, without.
 #define TOML_EXCEPTIONS 0
 #define TOML_HEADER_ONLY 1
 #define TOML_ENABLE_FORMATTERS 0
+// Lists and inline tables in each other; no value of a configuration has more than a few.
+#define TOML_MAX_NESTED_VALUES 32
 // toml++ 3.3 asserts that a key follows `[[`, and promises it to the optimiser where NDEBUG is set,
 // but `[[=` and `[[[` get there too (fixed upstream in 2026, marzer/tomlplusplus pull request 301).
 // Without either it goes on to report a mistake of syntax, as it should.
@@ -42,7 +48,7 @@ Location location(const toml::source_region& source) {
 
 Table convert(const toml::table& table);
 
-// toml++ itself refuses to nest deeper than 256 levels, so the recursion is bounded.
+// As deep as `find_key_of_too_many_parts` and TOML_MAX_NESTED_VALUES allow together.
 Value convert(const toml::node& node) {
     Value value{location(node.source()), DateOrTime{}};
     if (const auto* truth = node.as_boolean()) {
@@ -77,13 +83,32 @@ Table convert(const toml::table& table) {
     return result;
 }
 
+SyntaxError syntax_error(const toml::parse_error& error) {
+    const Location where = location(error.source());
+    if (error.description().find("TOML_MAX_NESTED_VALUES") != std::string_view::npos) {
+        return {.where = where,
+                .text = fmt::format("more than {} lists and tables in each other; no value of a "
+                                    "configuration has more than a few",
+                                    TOML_MAX_NESTED_VALUES),
+                .whole = true};
+    }
+    return {.where = where, .text = std::string(error.description())};
+}
+
 }  // namespace
 
 tl::expected<Table, SyntaxError> parse_toml(std::string_view text) {
+    if (const auto deep = find_key_of_too_many_parts(text)) {
+        return tl::unexpected(
+            SyntaxError{.where = *deep,
+                        .text = fmt::format("this key has more parts than any of a "
+                                            "configuration; allowed: at most {}",
+                                            kMostKeyParts),
+                        .whole = true});
+    }
     const toml::parse_result result = toml::parse(text);
     if (!result) {
-        return tl::unexpected(SyntaxError{location(result.error().source()),
-                                          std::string(result.error().description())});
+        return tl::unexpected(syntax_error(result.error()));
     }
     return convert(result.table());
 }

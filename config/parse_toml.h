@@ -11,7 +11,8 @@ namespace tribus {
 /// The first place where a text is not TOML.
 struct SyntaxError {
     Location where;
-    std::string text;  ///< the library's words
+    std::string text;    ///< the library's words, or
+    bool whole = false;  ///< a sentence of our own
 };
 
 /// The one place that sees the TOML library. Any bytes are allowed.

@@ -189,7 +189,7 @@ std::string without_detour(const SyntaxError& error) {
     if (given_twice(error)) {
         return "this key or table was already given further up; each stands once";
     }
-    return fmt::format("not valid TOML: {}", error.text);
+    return error.whole ? error.text : fmt::format("not valid TOML: {}", error.text);
 }
 
 class Recovery {

@@ -1,9 +1,12 @@
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "config/build.h"
 #include "config/effective.h"
 #include "config/load.h"
+#include "config/read_document.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace {
@@ -27,6 +30,30 @@ bool means_the_same(const tribus::Configuration& a, const tribus::Configuration&
            a.values == b.values && a.dronecan == b.dronecan;
 }
 
+/// Chance alone makes nothing deep. So the byte 1, which no text has, stands with the two behind it
+/// for one of these, up to 25,500 times.
+std::string with_depth(std::string_view text) {
+    constexpr std::array<std::string_view, 12> kDeeper{
+        "a.",  "\"a\".", "a . ",     "[",       "{ a = ",    "[[",
+        "]\n", "}",      "{ a.a = ", "[{ a = ", "\n[a.b.c.", "a.b.c = [{ x.y = "};
+    constexpr std::size_t kSteps = 100;
+    constexpr std::size_t kLongest = 2 * tribus::kMostConfigurationBytes;
+    std::string deep;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        if (text[at] != '\1' || at + 2 >= text.size()) {
+            deep += text[at];
+            continue;
+        }
+        const auto& more = kDeeper[static_cast<unsigned char>(text[at + 1]) % kDeeper.size()];
+        const auto times = static_cast<unsigned char>(text[at + 2]) * kSteps;
+        for (std::size_t i = 0; i < times && deep.size() < kLongest; ++i) {
+            deep += more;
+        }
+        at += 2;
+    }
+    return deep;
+}
+
 }  // namespace
 
 /// A configuration is refused with mistakes that each have a text, or an engine can be built of it,
@@ -34,7 +61,7 @@ bool means_the_same(const tribus::Configuration& a, const tribus::Configuration&
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus;
     using fuzz::require;
-    const std::string_view text = fuzz::Input({data, size}).rest_as_text();
+    const std::string text = with_depth(fuzz::Input({data, size}).rest_as_text());
     const auto configuration = load_configuration(text, kFile);
     if (!configuration) {
         require(!configuration.error().empty(), "what is refused has a mistake");
