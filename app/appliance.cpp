@@ -119,6 +119,7 @@ LoopSettings Appliance::loop_settings(LineExchange* lines) {
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
     Configuration configuration, MissingDevices missing) {
+    keep_stops_from_threads();
     std::unique_ptr<Appliance> appliance(new Appliance(std::move(configuration)));
     const auto recorder = appliance->make_recorder(nullptr);
     std::vector<std::string> errors = appliance->open_devices(missing);

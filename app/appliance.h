@@ -68,6 +68,7 @@ class Appliance {
     const std::vector<std::string>& missing_realtime() const { return missing_realtime_; }
     /// When the data thread last wrote down its figures.
     Instant figures_at() const { return loop_->published_at(); }
+    AbsenceStatus absence() const { return loop_->absence(); }
     InputStatus input_status(std::size_t input) const { return loop_->input_status(input); }
     const InputTiming& input_timing(std::size_t input) const { return loop_->input_timing(input); }
     /// What `InputStatus::rejected_by` counts.

@@ -45,6 +45,8 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
             memory.limit = known->second.limit;
         }
     }
+    absences_ = before.absences_;
+    absence_limit_ = before.absence_limit_;
     can_.go_on_from(before.can_, appliance);
     sensor_buses_.go_on_from(before.sensor_buses_, carry_over.values.buses);
     nodes_.go_on_from(before.nodes_, carry_over.engine.nodes);
@@ -150,6 +152,20 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
     }
 }
 
+/// Before what came of it: an input that fell silent meanwhile did nothing wrong.
+void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
+    if (absence.count == absences_) {
+        return;
+    }
+    if (const auto swallowed = absence_limit_.pass(now)) {
+        spdlog::warn(
+            "this program did not run for {:.1f} s (stopped, suspended, or without processor "
+            "time): inputs with a shorter timeout count as lost{}",
+            std::chrono::duration<double>(absence.latest).count(), swallowed_note(*swallowed));
+        absences_ = absence.count;
+    }
+}
+
 void StateLog::look_at_devices(Appliance& appliance, Instant now) {
     const auto look = [now](const std::string& name, DeviceMemory& memory) {
         const bool back = memory.present;
@@ -170,6 +186,7 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
 }
 
 void StateLog::look(Appliance& appliance, Instant now) {
+    look_at_absence(appliance.absence(), now);
     look_at_devices(appliance, now);
     can_.look(appliance, now);
     sensor_buses_.look(appliance, now);

@@ -62,6 +62,7 @@ class StateLog {
         RateLimit limit = log_limit();
     };
 
+    void look_at_absence(const AbsenceStatus& absence, Instant now);
     void look_at_devices(Appliance& appliance, Instant now);
     void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
                        Instant now);
@@ -77,6 +78,8 @@ class StateLog {
     std::vector<InputMemory> inputs_;
     std::vector<OutputMemory> outputs_;
     std::map<std::string, DeviceMemory> devices_;
+    std::uint64_t absences_ = 0;
+    RateLimit absence_limit_ = log_limit();
     CanReport can_;
     SensorBusLog sensor_buses_;
     NodeLog nodes_;

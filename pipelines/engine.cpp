@@ -72,6 +72,12 @@ bool Engine::announce(std::size_t input, bool frame_came) {
     return frame_came;
 }
 
+void Engine::was_away(Instant since, Instant now) {
+    for (Input& input : inputs_) {
+        input.was_away(since, now);
+    }
+}
+
 void Engine::watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at) {
     const auto ids = outputs_[output].sent_ids();
     if (std::ranges::any_of(ids, [&](const CanIdMatch& id) { return id.matches(frame); })) {

@@ -53,6 +53,12 @@ class Engine {
         nodes_[node]->receive(frame, at);
     }
     void device_lost(std::size_t input) { inputs_[input].device_lost(); }
+    /// Bytes of one input were thrown away unread.
+    void bytes_discarded(std::size_t input) { inputs_[input].bytes_discarded(); }
+    /// The caller was away from `since` to `now`: stopped, starved, or suspended with the machine.
+    /// Call it when all that waited was received, bytes as if they had been read at `since`. An
+    /// input whose timeout is no longer than that is lost and has to prove itself anew.
+    void was_away(Instant since, Instant now);
     /// Brings the state of an input up to date; those of an output that runs are.
     void look(std::size_t input, Instant now) { inputs_[input].look(now); }
 

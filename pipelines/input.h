@@ -79,6 +79,15 @@ class Input {
     /// Takes one CAN frame that arrived at `at`; false also if it is none that this input wants.
     bool receive(const CanFrame& frame, Instant at);
     void device_lost() { ++counts_.device_losses; }
+    /// Nobody read from `since` to `now`. What waited meanwhile has been given to `receive`, bytes
+    /// as if they had been read at `since`, for so old they may be; or it was thrown away.
+    void was_away(Instant since, Instant now) { supervisor_.was_away(since, now); }
+    /// Bytes behind those that came were thrown away: no frame goes on across them.
+    void bytes_discarded() {
+        if (decoder_) {
+            decoder_->damaged_byte();
+        }
+    }
 
     /// Whether its frames count, and since when, until when and why.
     const LinkSupervisor& link() const { return supervisor_; }

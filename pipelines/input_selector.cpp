@@ -44,9 +44,10 @@ void InputSelector::judge_service(Instant now, Instant until, std::span<const In
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         const LinkSupervisor& link = inputs[settings_.inputs[place]].link();
         Voter& voter = voters_[place];
-        const bool trusted =
-            (bridging && voter.served) || now - link.run_start() >= proof(voter, link);
+        const bool served = voter.served && voter.absences == link.absences();
+        const bool trusted = (bridging && served) || now - link.run_start() >= proof(voter, link);
         voter.serves = trusted && link.alive(until);
+        voter.absences = voter.serves ? link.absences() : voter.absences;
         voter.ever_served = voter.ever_served || voter.serves;
         any = any || voter.serves;
     }

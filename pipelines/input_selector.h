@@ -63,6 +63,8 @@ class InputSelector {
         /// It did when last any did.
         bool served = false;
         bool ever_served = false;
+        /// Of its link, when it last served.
+        std::uint64_t absences = 0;
         bool outvoted = false;
         /// Since when it disagrees with the vote, or agrees again.
         std::optional<Instant> turning_since{};

@@ -219,4 +219,16 @@ void LinkSupervisor::bytes_came(Instant now) {
     latest_bytes_ = now;
 }
 
+/// What a link says by its own clock, as a CAN socket's stamps do, may be younger than `since`: it
+/// counts for nothing all the same.
+void LinkSupervisor::was_away(Instant since, Instant now) {
+    if (now - since < settings_.timeout) {
+        return;
+    }
+    ++absences_;
+    expires_ = std::min(expires_, since + settings_.timeout);
+    latest_frame_ = std::min(latest_frame_, since);
+    latest_bytes_ = std::min(latest_bytes_, since);
+}
+
 }  // namespace tribus

@@ -36,6 +36,13 @@ class LinkSupervisor {
 
     /// Bytes came, whether or not a frame will come of them.
     void bytes_came(Instant now);
+    /// Nobody looked from `since` to `now`; what came meanwhile was told already. For as long as
+    /// the timeout or longer: lost since then, and of no use to an output that still holds values
+    /// until it has proved itself anew.
+    void was_away(Instant since, Instant now);
+    /// How often it was lost so.
+    std::uint64_t absences() const { return absences_; }
+    Duration timeout() const { return settings_.timeout; }
     /// A whole frame came at `now`. What is ignored, or found by a rule, is set right in its flags.
     void take(ChannelFrame& frame, Instant now);
 
@@ -86,6 +93,7 @@ class LinkSupervisor {
     std::size_t next_mark_ = 0;
     std::size_t lost_count_ = 0;
     std::uint64_t runs_ = 0;
+    std::uint64_t absences_ = 0;
 
     /// When the good frame becomes too old, if nothing else comes.
     Instant expires_{};

@@ -110,6 +110,8 @@ class ValueEngine {
     /// A CAN frame on the interface of one message.
     void receive(std::size_t message, const CanFrame& frame, Instant at);
     void device_lost(std::size_t bus) { role(bus).device_lost(board_); }
+    /// Bytes of one bus were thrown away unread.
+    void bytes_discarded(std::size_t bus, Instant now) { role(bus).damaged_byte(now); }
     /// What the machine told of itself at `at`; nothing: it does not tell.
     void set_machine(std::size_t index, std::optional<double> number, Instant at);
 

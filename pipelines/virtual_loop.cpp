@@ -54,6 +54,11 @@ void VirtualLoop::run_until(Instant until) {
     now_ = std::max(now_, until);
 }
 
+void VirtualLoop::come_back(Instant since, Instant until) {
+    engine_->was_away(since, until);
+    poll(until);
+}
+
 void VirtualLoop::go_on_with(Engine& next, ValueEngine* values, Instant at) {
     engine_ = &next;
     values_ = values;

@@ -78,6 +78,10 @@ class VirtualLoop {
         poll(at);
     }
 
+    /// The thread was away from `since`, which is now, to `until`: no deadline ran meanwhile. Bytes
+    /// that came then are to be received by the engine before, as of `since`.
+    void come_back(Instant since, Instant until);
+
     /// `next`, which has continued from the engine so far, runs from `at` on.
     void go_on_with(Engine& next, ValueEngine* values, Instant at);
     /// These parts say their last frames; returns when they have.

@@ -33,6 +33,7 @@ class StampingLink final : public ByteLink {
         }
         return WriteStatus::written;
     }
+    void discard_unread() override {}
     int descriptor() const override { return -1; }
 
     static std::uint64_t beginning_of(std::span<const std::uint8_t> frame) {

@@ -20,6 +20,9 @@ namespace {
 
 /// The longest sleep without a deadline, so that figures do not stand still.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
+/// A wake that is later finds what may be old: less than any period of frames, more than a busy
+/// machine lets a thread wait each time.
+constexpr Duration kMostLateness = std::chrono::milliseconds(5);
 
 std::string error_text(const char* what) {
     return std::string(what) + " failed: " + std::strerror(errno);
@@ -108,94 +111,23 @@ void Loop::request_end() {
     ring(wake_up_.get());
 }
 
-ReadStatus Loop::read_bytes(std::size_t port, ByteLink& link, Instant now) {
-    const ReadStatus status = link.read(reception_);
-    if (status != ReadStatus::received) {
-        return status;
+/// A frame that was made at `now` speaks for one period: behind that it would be stale.
+WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& sent, Duration period,
+                            Instant now) {
+    ByteLink* bytes = link.as_bytes();
+    const WriteStatus asked = bytes != nullptr ? bytes->ask() : WriteStatus::written;
+    clock_ = monotonic_now();
+    if (asked != WriteStatus::written) {
+        return asked;
     }
-    if (ports_[port].wiring.capture != nullptr) {
-        ports_[port].wiring.capture->record(reception_, now);
+    if (clock_ - now > period) {
+        return WriteStatus::busy;
     }
-    bool frame_came = false;
-    const bool clean = reception_.damaged.none();
-    for (const std::size_t input : ports_[port].wiring.inputs) {
-        if (clean ? engine_.receive(input, reception_.view(), now)
-                  : engine_.receive(input, reception_.view(), reception_.damaged, now)) {
-            input_timing_[input]->frame_came(now);
-            frame_came = true;
-        }
-    }
-    for (const std::size_t bus : ports_[port].wiring.sensor_buses) {
-        settings_.values->receive(bus, reception_.view(), reception_.damaged, now);
-    }
-    const Instant read_next = ports_[port].pacer.delivered(reception_.count, frame_came, now);
-    if (read_next > now) {
-        set_watched(port, false);
-        ports_[port].quiet_until = read_next;
-        ++quiet_ports_;
-    }
-    return status;
-}
-
-ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) {
-    const ReadStatus status = link.read(can_reception_, now, wall_time_now());
-    if (status == ReadStatus::received) {
-        for (const ReceivedCanFrame& received : can_reception_.view()) {
-            if (wiring.capture != nullptr) {
-                wiring.capture->record(Passage::read, received.frame, received.at);
-            }
-            for (const std::size_t input : wiring.inputs) {
-                if (engine_.receive(input, received.frame, received.at)) {
-                    input_timing_[input]->frame_came(received.at);
-                }
-            }
-            for (const std::size_t message : wiring.value_messages) {
-                settings_.values->receive(message, received.frame, received.at);
-            }
-            if (wiring.node) {
-                engine_.receive_node(*wiring.node, received.frame, received.at);
-            }
-            for (const std::size_t output : wiring.outputs) {
-                engine_.watch_for_foreign_sender(output, received.frame, received.at);
-            }
-        }
-    }
-    return status;
-}
-
-void Loop::read_port(std::size_t index, Instant now) {
-    Port& port = ports_[index];
-    if (!port.link) {
-        return;
-    }
-    if (port.quiet_until != kNever) {
-        port.quiet_until = kNever;
-        --quiet_ports_;
-        set_watched(index, true);
-    }
-    ByteLink* bytes = port.link->as_bytes();
-    const ReadStatus status = bytes != nullptr ? read_bytes(index, *bytes, now)
-                                               : read_can(port.wiring, *port.link->as_can(), now);
-    if (status == ReadStatus::lost) {
-        lose(port);
-    }
-}
-
-void Loop::read_quiet_ports(Instant now) {
-    for (std::size_t port = 0; quiet_ports_ > 0 && port < ports_.size(); ++port) {
-        if (ports_[port].quiet_until <= now) {
-            read_port(port, now);
-        }
-    }
+    return bytes != nullptr ? bytes->write_asked(sent.bytes)
+                            : link.as_can()->write(lane, sent.can_frames, clock_);
 }
 
 namespace {
-
-WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent, Instant now) {
-    ByteLink* bytes = link.as_bytes();
-    return bytes != nullptr ? bytes->write(sent.bytes)
-                            : link.as_can()->write(lane, sent.can_frames, now);
-}
 
 void count(WriteStatus status, Output& output) {
     switch (status) {
@@ -236,7 +168,7 @@ void Loop::write_outputs(Instant now) {
         const auto [port_index, lane] = routes_[index];
         Port& port = ports_[port_index];
         const WriteStatus status =
-            port.link ? hand_over(*port.link, lane, sent, now) : WriteStatus::lost;
+            port.link ? hand_over(*port.link, lane, sent, output.period(), now) : WriteStatus::lost;
         clock_ = monotonic_now();
         count(status, output);
         if (status == WriteStatus::written) {
@@ -286,8 +218,11 @@ Instant Loop::advance(Instant now) {
 }
 
 std::size_t Loop::wait(Instant until) {
+    const Instant at_the_latest = std::min(until, later(clock_, kLongestWait));
     const std::size_t ready = wait_until(until - std::min(settings_.spin, until - clock_));
     clock_ = monotonic_now();
+    const Instant in_time = interrupted_ ? read_until_ : at_the_latest;
+    late_by_ = clock_ - in_time;
     while (ready == 0 && clock_ < until && until - clock_ <= settings_.spin) {
         clock_ = monotonic_now();
     }
@@ -299,7 +234,12 @@ std::size_t Loop::wait_until(Instant until) {
     const Duration sleep = std::clamp(until - monotonic_now(), Duration::zero(), kLongestWait);
     const timespec timeout = as_timespec(sleep);
     std::array<epoll_event, kEventsPerWake> events;
-    const int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
+    int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
+    // The thread was stopped, frozen or suspended, and was told nothing.
+    interrupted_ = count < 0;
+    if (interrupted_) {
+        count = wait_for_events(epoll_.get(), events, {}, has_epoll_pwait2_);
+    }
     std::size_t ready = 0;
     for (int i = 0; i < count; ++i) {
         const void* place = events[static_cast<std::size_t>(i)].data.ptr;
@@ -330,6 +270,7 @@ void Loop::begin() {
     // From here on this thread allocates nothing; the tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
+    read_until_ = clock_;
     engine_.start(clock_);
     if (settings_.values != nullptr) {
         settings_.values->start(clock_);
@@ -350,14 +291,19 @@ Loop* Loop::run() {
         if (!end_at && end_requested_.load(std::memory_order_acquire)) {
             end_at = engine_.end(now);
         }
+        look_at_lines(now);
+        if (late_by_ > kMostLateness) {
+            catch_up(read_until_, now);
+        } else {
+            for (std::size_t i = 0; i < ready; ++i) {
+                read_port(ready_[i], now);
+            }
+            read_quiet_ports(now);
+        }
+        read_until_ = now;
         if (Loop* following = successor(now)) {
             return following;
         }
-        look_at_lines(now);
-        for (std::size_t i = 0; i < ready; ++i) {
-            read_port(ready_[i], now);
-        }
-        read_quiet_ports(now);
         if (!end_at || now < *end_at) {
             next = advance(now);
         }

@@ -107,6 +107,13 @@ struct OutputStatus {
     bool speaks = false;
 };
 
+/// How often the data thread was away for longer than a receiver is usually given: stopped, starved
+/// of processor time, or suspended with the machine.
+struct AbsenceStatus {
+    std::uint64_t count = 0;
+    Duration latest{};
+};
+
 /// What the main thread may know of a named value.
 struct ValueStatus {
     double number = 0;
@@ -116,10 +123,12 @@ struct ValueStatus {
 };
 
 /// Drives an engine in real time: waits for bytes and deadlines, reads all that is ready, lets the
-/// engine run, and writes what is due. It reads the clock at each wake, behind each write, which
-/// tells the latency, and before it sleeps, so that it does not sleep longer. One thread, the data
-/// thread, calls `run` and owns every link that is in use; it never waits for another thread and
-/// does not allocate. The rest is for the main thread, as each function says.
+/// engine run, and writes what is due. It reads the clock at each wake, before and behind writes,
+/// which tells the latency, and before it sleeps, so that it does not sleep longer. A wake that
+/// comes late finds old bytes on all ports: they are read to the last one, as old as they may be,
+/// before anything is written. One thread, the data thread, calls `run` and owns every link that is
+/// in use; it never waits for another thread and does not allocate. The rest is for the main
+/// thread, as each function says.
 class Loop {
   public:
     /// Wants a link for each wiring; none where the device is missing and will be given.
@@ -168,6 +177,7 @@ class Loop {
     Instant published_at() const {
         return Instant(Duration(published_at_ns_.load(std::memory_order_acquire)));
     }
+    AbsenceStatus absence() const { return absence_status_.read(); }
     /// By the places on the board.
     std::size_t value_count() const { return value_status_.size(); }
     ValueStatus value_status(std::size_t value) const { return value_status_[value].read(); }
@@ -212,7 +222,16 @@ class Loop {
     void read_quiet_ports(Instant now);
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
+    bool hand_on_bytes(const PortWiring& wiring, Instant at);
+    void hand_on_can(const PortWiring& wiring);
+    void end_quiet(Port& port);
+    void catch_up(Instant since, Instant now);
+    ReadStatus catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
+                                 Instant now);
+    bool is_long(const PortWiring& wiring, Duration absence) const;
     void write_outputs(Instant now);
+    WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent, Duration period,
+                          Instant now);
     static void capture(const Port& port, const Transmission& sent, Instant at);
     Instant advance_values(Instant now);
     void write_nodes(Instant now);
@@ -230,6 +249,8 @@ class Loop {
     std::size_t wait_until(Instant until);
 
     static constexpr std::size_t kEventsPerWake = 64;
+    /// A receive buffer of the kernel has been read by then, and no sender holds up the others.
+    static constexpr int kMostReads = 64;
 
     Engine& engine_;
     LoopSettings settings_;
@@ -257,6 +278,14 @@ class Loop {
     std::array<std::size_t, kEventsPerWake> ready_{};
     /// The latest reading of the clock.
     Instant clock_{};
+    /// Whatever had come until then has been read.
+    Instant read_until_{};
+    /// How much later than it should the latest wait ended.
+    Duration late_by_{};
+    /// It was cut short by something that happened to the thread.
+    bool interrupted_ = false;
+    AbsenceStatus absence_;
+    Snapshot<AbsenceStatus> absence_status_;
     Reception reception_;
     CanReception can_reception_;
     Instant next_publish_{};

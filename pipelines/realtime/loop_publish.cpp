@@ -82,6 +82,7 @@ void Loop::publish(Instant now) {
                                       settings_.machine->told_at());
     }
     publish_can_status();
+    absence_status_.publish(absence_);
     published_at_ns_.store(now.time_since_epoch().count(), std::memory_order_release);
 }
 

@@ -11,12 +11,6 @@
 /// and neither allocates nor closes anything: what is left over stays in the loop before, which the
 /// main thread destroys.
 namespace tribus {
-namespace {
-
-/// A receive buffer of the kernel has been read by then.
-constexpr int kMostDiscardedReads = 64;
-
-}  // namespace
 
 void Loop::retire(Leaving leaving) {
     leaving_ = std::move(leaving);
@@ -58,6 +52,8 @@ Loop* Loop::successor(Instant now) {
 
 void Loop::take_over(Loop& before, Instant now) {
     clock_ = now;
+    read_until_ = now;
+    absence_ = before.absence_;
     before.accept_given_links();
     read_second_sockets(before, now);
     take_waiting(before);
@@ -152,11 +148,13 @@ void Loop::take_link(std::size_t index, Port& before, const PortCarry& carry, In
 }
 
 void Loop::discard_unread_of(Link& link, Instant now) {
-    ReadStatus status = ReadStatus::received;
-    for (int i = 0; i < kMostDiscardedReads && status == ReadStatus::received; ++i) {
-        ByteLink* bytes = link.as_bytes();
-        status = bytes != nullptr ? bytes->read(reception_)
-                                  : link.as_can()->read(can_reception_, now, wall_time_now());
+    if (ByteLink* bytes = link.as_bytes()) {
+        bytes->discard_unread();
+        return;
+    }
+    can_reception_.full = true;
+    for (int i = 0; i < kMostReads && can_reception_.full; ++i) {
+        link.as_can()->read(can_reception_, now, wall_time_now());
     }
 }
 

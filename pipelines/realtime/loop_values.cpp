@@ -4,6 +4,12 @@
 #include "pipelines/realtime/loop.h"
 
 namespace tribus {
+namespace {
+
+/// Half of a sensor's slot.
+constexpr Duration kMostSpeechDelay = std::chrono::microseconds(3500);
+
+}  // namespace
 
 /// Runs what is due of sensor buses and values, and sends it; returns when something will be.
 Instant Loop::advance_values(Instant now) {
@@ -15,7 +21,12 @@ Instant Loop::advance_values(Instant now) {
     for (const ValueEngine::Speech& speech : values.speeches()) {
         Port& port = ports_[bus_ports_[speech.bus]];
         ByteLink* link = port.link ? port.link->as_bytes() : nullptr;
-        const WriteStatus status = link == nullptr ? WriteStatus::lost : link->write(speech.bytes);
+        clock_ = monotonic_now();
+        // Behind that nobody waits for an answer any more.
+        const bool held_up = clock_ - now > kMostSpeechDelay;
+        const WriteStatus status = link == nullptr ? WriteStatus::lost
+                                   : held_up       ? WriteStatus::busy
+                                                   : link->write(speech.bytes);
         clock_ = monotonic_now();
         if (status == WriteStatus::written) {
             capture(port, {.bytes = speech.bytes, .can_frames = {}}, clock_);

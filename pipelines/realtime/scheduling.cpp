@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <cstring>
 
@@ -80,7 +81,26 @@ UniqueFd keep_processors_awake(Missing& missing) {
     return {};
 }
 
+void mask_continue(int how) {
+    sigset_t set;
+    ::sigemptyset(&set);
+    ::sigaddset(&set, SIGCONT);
+    ::pthread_sigmask(how, &set, nullptr);
+}
+
 }  // namespace
+
+void keep_stops_from_threads() {
+    mask_continue(SIG_BLOCK);
+    struct sigaction action {};
+    action.sa_handler = [](int) {};
+    // Without SA_RESTART, that is the point.
+    ::sigaction(SIGCONT, &action, nullptr);
+}
+
+void hear_of_stops() {
+    mask_continue(SIG_UNBLOCK);
+}
 
 Scheduling make_realtime(const SchedulingSettings& settings) {
     Scheduling got;

@@ -33,4 +33,11 @@ struct Scheduling {
 /// `cpu`. Call on the data thread before it starts; its stack has `kRealtimeStackBytes`.
 [[nodiscard]] Scheduling make_realtime(const SchedulingSettings& settings);
 
+/// A program that is stopped in the middle of a write begins it anew when it goes on, with the
+/// bytes of long ago, unless a signal comes that it handles. SIGCONT is one from here on, and
+/// reaches only a thread that calls `hear_of_stops`. Main thread, before all others.
+void keep_stops_from_threads();
+/// Calls of the kernel in this thread end with EINTR where a stop cut into them.
+void hear_of_stops();
+
 }  // namespace tribus

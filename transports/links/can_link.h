@@ -11,9 +11,9 @@
 
 namespace tribus {
 
-/// Most frames that one wake takes from one interface: 7 ms of a 1 Mbit/s bus full of the shortest
-/// frames are 149. What is left is read at the next wake.
-inline constexpr std::size_t kCanFramesPerWake = 64;
+/// Most frames that one read takes from one interface: 7 ms of a 1 Mbit/s bus full of the shortest
+/// frames are 149.
+inline constexpr std::size_t kCanFramesPerRead = 64;
 
 /// Senders that one interface serves: its outputs, and a node.
 inline constexpr std::size_t kMostCanOutputs = 16;
@@ -31,8 +31,9 @@ struct ReceivedCanFrame {
 };
 
 struct CanReception {
-    std::array<ReceivedCanFrame, kCanFramesPerWake> frames{};
+    std::array<ReceivedCanFrame, kCanFramesPerRead> frames{};
     std::size_t count = 0;
+    bool full = false;  ///< it took as much as one read takes: more may wait
 
     std::span<const ReceivedCanFrame> view() const { return {frames.data(), count}; }
 };
@@ -73,7 +74,7 @@ struct CanLinkStatus {
 /// never carries old values in a burst. Nothing ends it but the loss of the device.
 class CanLink : public Link {
   public:
-    /// Reads what is there, at most kCanFramesPerWake. Error frames and confirmations are
+    /// Reads what is there, at most kCanFramesPerRead. Error frames and confirmations are
     /// digested and not among the received ones. `wall_time` is the time of the system clock at
     /// `now`, since 1970: the kernel's stamps are on that scale.
     virtual ReadStatus read(CanReception& reception, Instant now, Duration wall_time) = 0;

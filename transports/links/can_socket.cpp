@@ -59,13 +59,13 @@ Side side_of(msghdr& header) {
 
 /// Outside of the object because of its size, and of the system's headers.
 struct CanSocket::Buffers {
-    std::array<canfd_frame, kCanFramesPerWake> frames{};
-    std::array<iovec, kCanFramesPerWake> vectors{};
+    std::array<canfd_frame, kCanFramesPerRead> frames{};
+    std::array<iovec, kCanFramesPerRead> vectors{};
     struct alignas(cmsghdr) Control {
         std::array<std::uint8_t, kControlBytes> bytes{};
     };
-    std::array<Control, kCanFramesPerWake> controls{};
-    std::array<mmsghdr, kCanFramesPerWake> headers{};
+    std::array<Control, kCanFramesPerRead> controls{};
+    std::array<mmsghdr, kCanFramesPerRead> headers{};
     ifreq line{};
 
     /// The kernel writes into the headers, so they are set anew for each read.
@@ -100,12 +100,13 @@ CanSocket::~CanSocket() = default;
 
 ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_time) {
     reception.count = 0;
+    reception.full = false;
     if (lost_) {
         return ReadStatus::lost;
     }
     buffers_->prepare();
     const int taken =
-        ::recvmmsg(fd_.get(), buffers_->headers.data(), kCanFramesPerWake, MSG_DONTWAIT, nullptr);
+        ::recvmmsg(fd_.get(), buffers_->headers.data(), kCanFramesPerRead, MSG_DONTWAIT, nullptr);
     if (taken < 0) {
         return read_failed(errno, now);
     }
@@ -116,7 +117,8 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
             ++reception.count;
         }
     }
-    if (count < kCanFramesPerWake) {
+    reception.full = count == kCanFramesPerRead;
+    if (!reception.full) {
         emptied_ = now;
     }
     counts_.received += reception.count;

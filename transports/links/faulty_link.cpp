@@ -98,6 +98,7 @@ ReadStatus FaultyLink::read(Reception& reception) {
     const ReadStatus status = link_.read(sound);
     reception.count = 0;
     reception.damaged.reset();
+    reception.full = sound.full;
     if (status != ReadStatus::received) {
         return status;
     }

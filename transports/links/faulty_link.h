@@ -91,6 +91,7 @@ class FaultyLink : public ByteLink {
 
     ReadStatus read(Reception& reception) override;
     WriteStatus write(std::span<const std::uint8_t> frame) override;
+    void discard_unread() override { link_.discard_unread(); }
     int descriptor() const override { return link_.descriptor(); }
 
   private:

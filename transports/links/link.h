@@ -8,16 +8,16 @@
 
 namespace tribus {
 
-/// Most bytes that one wake takes from one link: 22 ms of an i.Bus line at full speed. What is
-/// left is read at the next wake, so one flooded port cannot hold up the others.
-inline constexpr std::size_t kBytesPerWake = 256;
+/// Most bytes that one read takes from one link: 22 ms of an i.Bus line at full speed.
+inline constexpr std::size_t kBytesPerRead = 256;
 
 /// What one read brought. `damaged` marks the bytes that had a parity or framing error; their
 /// value means nothing.
 struct Reception {
-    std::array<std::uint8_t, kBytesPerWake> bytes{};
+    std::array<std::uint8_t, kBytesPerRead> bytes{};
     std::size_t count = 0;
-    std::bitset<kBytesPerWake> damaged{};
+    std::bitset<kBytesPerRead> damaged{};
+    bool full = false;  ///< it took as much as one read takes: more may wait
 
     std::span<const std::uint8_t> view() const { return {bytes.data(), count}; }
 };
@@ -55,6 +55,13 @@ class ByteLink : public Link {
   public:
     virtual ReadStatus read(Reception& reception) = 0;
     virtual WriteStatus write(std::span<const std::uint8_t> frame) = 0;
+    /// The same in two steps, for a look at the clock between them: a thread that is stopped stops
+    /// at the end of a call of the kernel. `ask` makes all calls but that of `write_asked`, which
+    /// follows at once if `ask` returns `written`, or not at all.
+    virtual WriteStatus ask() { return WriteStatus::written; }
+    virtual WriteStatus write_asked(std::span<const std::uint8_t> frame) { return write(frame); }
+    /// Throws away all that waits to be read.
+    virtual void discard_unread() = 0;
     ByteLink* as_bytes() final { return this; }
 };
 

@@ -7,6 +7,7 @@ namespace tribus {
 ReadStatus MemoryLink::read(Reception& reception) {
     reception.count = 0;
     reception.damaged.reset();
+    reception.full = false;
     if (lost_) {
         return ReadStatus::lost;
     }
@@ -17,6 +18,7 @@ ReadStatus MemoryLink::read(Reception& reception) {
         first_ = (first_ + 1) % kCapacity;
         --waiting_;
     }
+    reception.full = reception.count == reception.bytes.size();
     return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
 }
 

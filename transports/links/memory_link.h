@@ -19,6 +19,7 @@ class MemoryLink : public ByteLink {
     ReadStatus read(Reception& reception) override;
     /// Busy where `kCapacity` would be exceeded: the far side has not cleared what was written.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
+    void discard_unread() override { waiting_ = 0; }
     int descriptor() const override { return -1; }
 
     /// The far side sends. Returns how many bytes were taken: none while the link is lost; what

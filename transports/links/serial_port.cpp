@@ -24,8 +24,8 @@ namespace tribus {
 
 namespace {
 
-// A call that a signal interrupts is repeated so often and no more: signals are blocked in the
-// data thread, so this covers strays only.
+// A read that a signal interrupts is repeated so often and no more: only the end of a stop
+// interrupts the data thread.
 constexpr int kInterruptedTries = 3;
 
 constexpr const char* kInUse =
@@ -191,7 +191,7 @@ tl::expected<std::unique_ptr<SerialPort>, std::string> SerialPort::open(
     if (const auto why = claim(fd->get(), pseudo_terminal)) {
         return failed(*why);
     }
-    std::unique_ptr<SerialPort> port(new SerialPort(std::move(*fd), pseudo_terminal));
+    std::unique_ptr<SerialPort> port(new SerialPort(std::move(*fd)));
     const auto facts = set_line(port->descriptor(), node.st_rdev, settings);
     if (!facts) {
         return failed(facts.error());
@@ -221,11 +221,12 @@ SerialPort::~SerialPort() {
 ReadStatus SerialPort::read(Reception& reception) {
     reception.count = 0;
     reception.damaged.reset();
+    reception.full = false;
     if (lost_) {
         return ReadStatus::lost;
     }
     // No larger than a Reception: marks only shrink, so all of it finds room.
-    std::array<std::uint8_t, kBytesPerWake> raw;
+    std::array<std::uint8_t, kBytesPerRead> raw;
     ssize_t taken = -1;
     int error = EINTR;
     for (int tries = 0; taken < 0 && error == EINTR && tries < kInterruptedTries; ++tries) {
@@ -233,6 +234,7 @@ ReadStatus SerialPort::read(Reception& reception) {
         error = errno;
     }
     if (taken > 0) {
+        reception.full = taken == static_cast<ssize_t>(raw.size());
         marks_.take({raw.data(), static_cast<std::size_t>(taken)}, reception);
         return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
     }
@@ -244,23 +246,33 @@ ReadStatus SerialPort::read(Reception& reception) {
     return ReadStatus::lost;
 }
 
+void SerialPort::discard_unread() {
+    // What the line buffer had no room for is handed to it a while after it was read: only the
+    // kernel can throw away both.
+    ::ioctl(fd_.get(), TCFLSH, TCIFLUSH);
+    marks_ = {};
+}
+
 WriteStatus SerialPort::write(std::span<const std::uint8_t> frame) {
+    const WriteStatus asked = ask();
+    return asked == WriteStatus::written ? write_asked(frame) : asked;
+}
+
+WriteStatus SerialPort::ask() {
     int queued = 0;
-    if (!lost_ && tells_queue_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
+    if (!lost_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
         lost_ = device_is_gone(errno);
         queued = 0;  // a driver that cannot tell: let the write decide
     }
-    if (lost_) {
-        return WriteStatus::lost;
-    }
-    if (queued > 0) {
+    return lost_ ? WriteStatus::lost : queued > 0 ? WriteStatus::busy : WriteStatus::written;
+}
+
+WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame) {
+    const ssize_t taken = ::write(fd_.get(), frame.data(), frame.size());
+    const int error = errno;
+    if (taken < 0 && error == EINTR) {
+        // Not tried again: nobody knows how long that took.
         return WriteStatus::busy;
-    }
-    ssize_t taken = -1;
-    int error = EINTR;
-    for (int tries = 0; taken < 0 && error == EINTR && tries < kInterruptedTries; ++tries) {
-        taken = ::write(fd_.get(), frame.data(), frame.size());
-        error = errno;
     }
     if (taken < 0 && device_is_gone(error)) {
         lost_ = true;

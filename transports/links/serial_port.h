@@ -34,10 +34,14 @@ class SerialPort : public ByteLink {
 
     ReadStatus read(Reception& reception) override;
 
+    void discard_unread() override;
+
     /// Writes only if the kernel's output queue is empty: a frame that waits there is stale when
     /// it leaves. What the kernel does not take whole is thrown away. A pty has no such queue: it
     /// takes bytes until nobody has read about 20 kB, and is busy then.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
+    WriteStatus ask() override;
+    WriteStatus write_asked(std::span<const std::uint8_t> frame) override;
 
     int descriptor() const override { return fd_.get(); }
 
@@ -45,12 +49,9 @@ class SerialPort : public ByteLink {
     static constexpr int kMostDrainMilliseconds = 20;
 
   private:
-    SerialPort(UniqueFd fd, bool pseudo_terminal)
-        : fd_(std::move(fd)), tells_queue_(!pseudo_terminal) {}
+    explicit SerialPort(UniqueFd fd) : fd_(std::move(fd)) {}
 
     UniqueFd fd_;
-    /// A pty always says that its queue is empty: asking is a system call for nothing.
-    bool tells_queue_;
     ParityMarks marks_;
     bool lost_ = false;
 };

@@ -93,8 +93,8 @@ TEST(FaultInjectorTest, KeepsTheDamageThatWasThereBefore) {
 }
 
 TEST(FaultInjectorTest, LosesWhatDoesNotFit) {
-    const Reception out = injected({.add_byte = 1}, 1, Bytes(kBytesPerWake, 0x11));
-    EXPECT_EQ(out.count, kBytesPerWake);
+    const Reception out = injected({.add_byte = 1}, 1, Bytes(kBytesPerRead, 0x11));
+    EXPECT_EQ(out.count, kBytesPerRead);
 }
 
 // 5 % of 10000 is 500 with a standard deviation of 22.

@@ -69,10 +69,10 @@ TEST(MemoryLinkTest, KeepsTheMarksOfAReceptionThatIsSent) {
 
 TEST(MemoryLinkTest, ReadsNoMoreThanOneWakeAndThenTheRest) {
     MemoryLink link;
-    link.send(counting(kBytesPerWake + 1));
+    link.send(counting(kBytesPerRead + 1));
     Reception reception;
     link.read(reception);
-    EXPECT_EQ(bytes_of(reception.view()), counting(kBytesPerWake));
+    EXPECT_EQ(bytes_of(reception.view()), counting(kBytesPerRead));
     link.read(reception);
     EXPECT_EQ(bytes_of(reception.view()), Bytes{0});
 }

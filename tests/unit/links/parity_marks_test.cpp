@@ -106,21 +106,21 @@ TEST(ParityMarksTest, AnUnfinishedMarkIsNoByteYet) {
 TEST(ParityMarksTest, OneReadOfWhateverBytesFitsOneReception) {
     for (const std::uint8_t filler : Bytes{0x00, 0x20, 0xFF}) {
         ParityMarks marks;
-        const Bytes raw(kBytesPerWake, filler);
+        const Bytes raw(kBytesPerRead, filler);
         Reception before;
         marks.take(Bytes{0xFF}, before);
         Reception reception;
         marks.take(raw, reception);
-        EXPECT_LE(reception.count, kBytesPerWake);
+        EXPECT_LE(reception.count, kBytesPerRead);
     }
 }
 
 TEST(ParityMarksTest, NothingIsWrittenBeyondAFullReception) {
     ParityMarks marks;
     Reception reception;
-    marks.take(Bytes(kBytesPerWake, 0x11), reception);
-    marks.take(Bytes(kBytesPerWake, 0x22), reception);
-    EXPECT_EQ(reception.count, kBytesPerWake);
+    marks.take(Bytes(kBytesPerRead, 0x11), reception);
+    marks.take(Bytes(kBytesPerRead, 0x22), reception);
+    EXPECT_EQ(reception.count, kBytesPerRead);
     EXPECT_EQ(reception.bytes.back(), 0x11);
 }
 

@@ -197,10 +197,45 @@ TEST_F(SerialPortTest, ReadsWhatLooksLikeAParityMarkAsTheBytesThatItIs) {
 TEST_F(SerialPortTest, ReadsMoreThanOneWakeOfDoubledBytesWithoutLoss) {
     const auto port = open_port();
     ASSERT_NE(port, nullptr);
-    Bytes bytes(3 * kBytesPerWake + 1, 0xFF);
+    Bytes bytes(3 * kBytesPerRead + 1, 0xFF);
     bytes[1] = 0x0F;  // so that a doubled FF stands across the end of each read
     send(bytes);
     EXPECT_EQ(read_from(*port, bytes.size()), bytes);
+}
+
+TEST_F(SerialPortTest, TellsAFullReadFromOneThatLeftNothing) {
+    const auto port = open_port();
+    ASSERT_NE(port, nullptr);
+    send(Bytes(kBytesPerRead + 1, 0x0F));
+    ASSERT_EQ(wait_for(port->descriptor(), kArrivalMilliseconds), POLLIN);
+    Reception reception;
+    port->read(reception);
+    EXPECT_TRUE(reception.full);
+    port->read(reception);
+    EXPECT_FALSE(reception.full);
+}
+
+/// The kernel's terminal holds 4095 bytes, and more behind them that move up when these are read.
+TEST_F(SerialPortTest, ThrowsAwayAllThatWaitsAlsoWhatTheLineBufferHasNoRoomFor) {
+    const auto port = open_port();
+    ASSERT_NE(port, nullptr);
+    for (int part = 0; part < 5; ++part) {
+        send(Bytes(2048, 0x0F));
+    }
+    ASSERT_EQ(wait_for(port->descriptor(), kArrivalMilliseconds), POLLIN);
+    ::poll(nullptr, 0, kSilenceMilliseconds);
+    port->discard_unread();
+    EXPECT_EQ(wait_for(port->descriptor(), kSilenceMilliseconds), 0);
+    send(terminal_traps());
+    EXPECT_EQ(read_from(*port, terminal_traps().size()), terminal_traps());
+}
+
+TEST_F(SerialPortTest, WritesInTwoStepsAsInOne) {
+    const auto port = open_port();
+    ASSERT_NE(port, nullptr);
+    EXPECT_EQ(port->ask(), WriteStatus::written);
+    EXPECT_EQ(port->write_asked(every_byte_value()), WriteStatus::written);
+    EXPECT_EQ(receive(256), every_byte_value());
 }
 
 TEST_F(SerialPortTest, WritesEveryByteValueUnchanged) {

@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+
+#include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/loop.h"
+
+/// What the ports have to say, on the way to the engine; and what waited while the thread was away.
+namespace tribus {
+namespace {
+
+/// As much as a terminal's line buffer holds (N_TTY_BUF_SIZE, one byte stays free). What the kernel
+/// keeps beyond it moves up only after a read, in the kernel's own time.
+constexpr std::size_t kLineBufferBytes = 4095;
+/// On a bus where only sensors talk, what waited for longer is of no use.
+constexpr Duration kLongAbsenceOfBus = std::chrono::milliseconds(50);
+/// The timeout that an input has by itself.
+constexpr Duration kToldAbsence = std::chrono::milliseconds(100);
+
+}  // namespace
+
+/// The latest reception, as read at `at`. Returns whether a frame came out of it.
+bool Loop::hand_on_bytes(const PortWiring& wiring, Instant at) {
+    if (wiring.capture != nullptr) {
+        wiring.capture->record(reception_, at);
+    }
+    bool frame_came = false;
+    const bool clean = reception_.damaged.none();
+    for (const std::size_t input : wiring.inputs) {
+        if (clean ? engine_.receive(input, reception_.view(), at)
+                  : engine_.receive(input, reception_.view(), reception_.damaged, at)) {
+            input_timing_[input]->frame_came(at);
+            frame_came = true;
+        }
+    }
+    for (const std::size_t bus : wiring.sensor_buses) {
+        settings_.values->receive(bus, reception_.view(), reception_.damaged, at);
+    }
+    return frame_came;
+}
+
+/// More than one read's worth waits only where somebody was held up: only the newest counts.
+ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
+    Port& port = ports_[index];
+    std::size_t bytes = 0;
+    bool frame_came = false;
+    ReadStatus status = ReadStatus::received;
+    reception_.full = true;
+    for (int reads = 0; reads < kMostReads && reception_.full; ++reads) {
+        status = link.read(reception_);
+        if (status != ReadStatus::received) {
+            break;
+        }
+        bytes += reception_.count;
+        frame_came = hand_on_bytes(port.wiring, now) || frame_came;
+    }
+    if (bytes == 0) {
+        return status;
+    }
+    const Instant read_next = port.pacer.delivered(bytes, frame_came, now);
+    if (read_next > now && status == ReadStatus::received) {
+        set_watched(index, false);
+        port.quiet_until = read_next;
+        ++quiet_ports_;
+    }
+    return status;
+}
+
+void Loop::hand_on_can(const PortWiring& wiring) {
+    for (const ReceivedCanFrame& received : can_reception_.view()) {
+        if (wiring.capture != nullptr) {
+            wiring.capture->record(Passage::read, received.frame, received.at);
+        }
+        for (const std::size_t input : wiring.inputs) {
+            if (engine_.receive(input, received.frame, received.at)) {
+                input_timing_[input]->frame_came(received.at);
+            }
+        }
+        for (const std::size_t message : wiring.value_messages) {
+            settings_.values->receive(message, received.frame, received.at);
+        }
+        if (wiring.node) {
+            engine_.receive_node(*wiring.node, received.frame, received.at);
+        }
+        for (const std::size_t output : wiring.outputs) {
+            engine_.watch_for_foreign_sender(output, received.frame, received.at);
+        }
+    }
+}
+
+/// Each frame has a time of its own, so that it matters little when it is read.
+ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) {
+    ReadStatus status = ReadStatus::nothing;
+    can_reception_.full = true;
+    for (int reads = 0; reads < kMostReads && can_reception_.full; ++reads) {
+        status = link.read(can_reception_, now, wall_time_now());
+        hand_on_can(wiring);
+    }
+    return status;
+}
+
+void Loop::end_quiet(Port& port) {
+    if (port.quiet_until != kNever) {
+        port.quiet_until = kNever;
+        --quiet_ports_;
+        set_watched(*port.place, true);
+    }
+}
+
+void Loop::read_port(std::size_t index, Instant now) {
+    Port& port = ports_[index];
+    if (!port.link) {
+        return;
+    }
+    end_quiet(port);
+    ByteLink* bytes = port.link->as_bytes();
+    const ReadStatus status = bytes != nullptr ? read_bytes(index, *bytes, now)
+                                               : read_can(port.wiring, *port.link->as_can(), now);
+    if (status == ReadStatus::lost) {
+        lose(port);
+    }
+}
+
+void Loop::read_quiet_ports(Instant now) {
+    for (std::size_t port = 0; quiet_ports_ > 0 && port < ports_.size(); ++port) {
+        if (ports_[port].quiet_until <= now) {
+            read_port(port, now);
+        }
+    }
+}
+
+/// Whether nothing that waited so long is of use on that port.
+bool Loop::is_long(const PortWiring& wiring, Duration absence) const {
+    return wiring.inputs.empty() ? absence >= kLongAbsenceOfBus
+                                 : std::ranges::any_of(wiring.inputs, [&](std::size_t input) {
+                                       return absence >= engine_.inputs()[input].link().timeout();
+                                   });
+}
+
+/// All that waits, to the last byte: it may have come at any time since `since`.
+ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
+                                   Instant now) {
+    ReadStatus status = ReadStatus::received;
+    std::size_t bytes = 0;
+    bool discards = is_long(wiring, now - since);
+    for (int reads = 0; !discards && reads < kMostReads; ++reads) {
+        status = link.read(reception_);
+        if (status != ReadStatus::received) {
+            break;
+        }
+        bytes += reception_.count;
+        hand_on_bytes(wiring, since);
+        discards = bytes >= kLineBufferBytes;
+    }
+    if (discards) {
+        link.discard_unread();
+        for (const std::size_t input : wiring.inputs) {
+            engine_.bytes_discarded(input);
+        }
+        for (const std::size_t bus : wiring.sensor_buses) {
+            settings_.values->bytes_discarded(bus, now);
+        }
+    }
+    return status;
+}
+
+/// The thread was away from `since` to `now`. Every port is read dry, whether or not it was told to
+/// be ready, so that nothing old is left that a later read would take for new.
+void Loop::catch_up(Instant since, Instant now) {
+    if (late_by_ >= kToldAbsence) {
+        ++absence_.count;
+        absence_.latest = late_by_;
+    }
+    for (std::size_t index = 0; index < ports_.size(); ++index) {
+        Port& port = ports_[index];
+        if (!port.link) {
+            continue;
+        }
+        end_quiet(port);
+        ReadStatus status = ReadStatus::nothing;
+        if (CanLink* can = port.link->as_can()) {
+            status = read_can(port.wiring, *can, now);
+        } else if (wants_bytes(port.wiring)) {
+            status = catch_up_on_bytes(port.wiring, *port.link->as_bytes(), since, now);
+        }
+        if (status == ReadStatus::lost) {
+            lose(port);
+        }
+    }
+    engine_.was_away(since, now);
+}
+
+}  // namespace tribus
