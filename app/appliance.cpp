@@ -25,6 +25,10 @@ Appliance::Appliance(Configuration configuration)
     values_ = build_value_engine(configuration_, *engine_);
 }
 
+std::unique_ptr<Appliance> Appliance::build(Configuration configuration) {
+    return std::unique_ptr<Appliance>(new Appliance(std::move(configuration)));
+}
+
 bool Appliance::restart_wanted() const {
     for (std::size_t node = 0; node < engine_->node_count(); ++node) {
         if (node_report(node).restart_wanted) {
@@ -119,8 +123,12 @@ LoopSettings Appliance::loop_settings(LineExchange* lines) {
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
     Configuration configuration, MissingDevices missing) {
+    return start(build(std::move(configuration)), missing);
+}
+
+tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
+    std::unique_ptr<Appliance> appliance, MissingDevices missing) {
     keep_stops_from_threads();
-    std::unique_ptr<Appliance> appliance(new Appliance(std::move(configuration)));
     const auto recorder = appliance->make_recorder(nullptr);
     std::vector<std::string> errors = appliance->open_devices(missing);
     if (!recorder) {

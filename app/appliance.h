@@ -34,18 +34,23 @@ class Appliance {
         refuse,    ///< each is an error
         wait_for,  ///< as if they had vanished later; `tend` opens them
     };
+    /// All that can be made of a configuration beforehand. Opens no device. Any thread.
+    static std::unique_ptr<Appliance> build(Configuration configuration);
     /// Opens every device and starts. The error is one line for each thing that is wrong, and
     /// nothing stays open then.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
+        std::unique_ptr<Appliance> built, MissingDevices missing = MissingDevices::refuse);
+    static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
         Configuration configuration, MissingDevices missing = MissingDevices::refuse);
 
-    /// A fresh configuration in the place of the running one, between two frames. All that is new
+    /// A fresh one, as built, in the place of the running one, between two frames. All that is new
     /// is made and opened beside it first: where that fails, `running` runs on as if nothing had
     /// been asked for, and the error says why, a line for each thing. Afterwards it is gone. Needs
     /// a `carry_over` without obstacles, of the two configurations. A serial device that is to be
     /// used with other line settings, or that is missing already, is left to `tend`.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> succeed(
-        std::unique_ptr<Appliance>& running, Configuration fresh, const CarryOver& carry_over);
+        std::unique_ptr<Appliance>& running, std::unique_ptr<Appliance> next,
+        const CarryOver& carry_over);
 
     Appliance(const Appliance&) = delete;
     Appliance& operator=(const Appliance&) = delete;

@@ -77,8 +77,8 @@ void Appliance::retire_parts(const Leaving& leaving) {
 }
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::succeed(
-    std::unique_ptr<Appliance>& running, Configuration fresh, const CarryOver& carry_over) {
-    std::unique_ptr<Appliance> next(new Appliance(std::move(fresh)));
+    std::unique_ptr<Appliance>& running, std::unique_ptr<Appliance> next,
+    const CarryOver& carry_over) {
     if (auto recorder = next->make_recorder(running.get()); !recorder) {
         return tl::unexpected(std::vector{recorder.error()});
     }

@@ -1,8 +1,11 @@
 #include "app/control_requests.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "config/effective.h"
@@ -18,48 +21,82 @@ constexpr Duration kLeastTrial = std::chrono::seconds(1);
 constexpr Duration kMostTrial = std::chrono::hours(1);
 
 std::string outcome_text(const ReloadOutcome& outcome) {
-    return json_text({{"type", "outcome"}, {"taken", outcome.taken}, {"lines", outcome.lines}});
+    Json json{{"type", "outcome"}, {"taken", outcome.taken}, {"lines", outcome.lines}};
+    json["trial"] = outcome.trial ? Json(*outcome.trial) : Json(nullptr);
+    return json_text(json);
 }
 
-std::string reload(Daemon& daemon, Words words) {
+ControlServer::LateAnswer known(std::string text) {
+    return [text = std::move(text)] { return std::optional(text); };
+}
+
+/// Once that change is there and has an outcome. An earlier request of the same moment may have
+/// ended all.
+std::optional<std::string> outcome_of(const Daemon& daemon, std::optional<std::uint64_t> change) {
+    if (!daemon.runs()) {
+        return error_object("nothing runs any more");
+    }
+    const auto outcome = change ? daemon.outcome_of(*change) : std::nullopt;
+    return outcome ? std::optional(outcome_text(*outcome)) : std::nullopt;
+}
+
+ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
     const auto trial = words.empty() ? std::nullopt : parse_duration(words.front());
     if (words.size() > 1 ||
         (!words.empty() && (!trial || *trial < kLeastTrial || *trial > kMostTrial))) {
-        return error_object(
-            "\"reload\" takes how long the trial is, from \"1s\" to \"3600s\", "
-            "or nothing");
+        return known(
+            error_object("\"reload\" takes how long the trial is, from \"1s\" to \"3600s\", "
+                         "or nothing"));
     }
-    return outcome_text(daemon.reload(trial));
+    return [&daemon, trial, change = std::optional<std::uint64_t>()]() mutable {
+        if (!change && daemon.runs()) {
+            change = daemon.begin_reload(trial);
+        }
+        return outcome_of(daemon, change);
+    };
 }
 
-std::string on_trial_only(Daemon& daemon, ReloadOutcome (*what)(Daemon&)) {
-    return daemon.trial_end() ? outcome_text(what(daemon))
-                              : error_object("no configuration is on trial");
+/// The trial that these words mean is on, or why it cannot be ended.
+std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
+    const auto trial = daemon.runs() ? daemon.trial() : std::nullopt;
+    if (!trial) {
+        return "no configuration is on trial";
+    }
+    if (words.empty() || (words.size() == 1 && words.front() == std::to_string(*trial))) {
+        return std::nullopt;
+    }
+    return fmt::format("that trial is over; the one that goes on is number {}", *trial);
+}
+
+std::string confirm(Daemon& daemon, Words words) {
+    if (const auto why = why_no_trial(daemon, words)) {
+        return error_object(*why);
+    }
+    daemon.confirm();
+    return outcome_text({.taken = true});
+}
+
+ControlServer::LateAnswer go_back(Daemon& daemon, Words words) {
+    if (const auto why = why_no_trial(daemon, words)) {
+        return known(error_object(*why));
+    }
+    const std::uint64_t change = daemon.begin_going_back();
+    return [&daemon, change] { return outcome_of(daemon, change); };
 }
 
 }  // namespace
 
 void add_control_requests(ControlServer& control, Daemon& daemon) {
-    const auto add = [&](const char* name, auto answer) {
-        control.add(name, [&daemon, answer](Words words) {
-            // An earlier request of the same moment may have ended it.
-            return daemon.runs() ? answer(daemon, words) : error_object("nothing runs any more");
-        });
-    };
-    add("reload", reload);
-    add("confirm", [](Daemon& asked, Words) {
-        return on_trial_only(asked, [](Daemon& tried) {
-            tried.confirm();
-            return ReloadOutcome{.taken = true};
-        });
-    });
-    add("back", [](Daemon& asked, Words) {
-        return on_trial_only(asked, [](Daemon& tried) { return tried.go_back(); });
-    });
-    add("configuration", [](Daemon& asked, Words) {
+    control.add_late("reload", [&daemon](Words words) { return reload(daemon, words); });
+    control.add_late("back", [&daemon](Words words) { return go_back(daemon, words); });
+    control.add("confirm", [&daemon](Words words) { return confirm(daemon, words); });
+    control.add("configuration", [&daemon](Words) {
+        if (!daemon.runs()) {
+            return error_object("nothing runs any more");
+        }
         return json_text({{"type", "configuration"},
-                          {"file", asked.configuration().file},
-                          {"toml", effective_toml(asked.configuration())}});
+                          {"file", daemon.configuration().file},
+                          {"toml", effective_toml(daemon.configuration())}});
     });
 }
 

@@ -6,8 +6,8 @@
 namespace tribus {
 
 /// What a daemon does for those who ask over its control socket, beside telling its status:
-/// `reload [PERIOD]`, `confirm`, `back`, `configuration`; deploy/status.md has their answers. The
-/// daemon must outlive the server.
+/// `reload [PERIOD]`, `confirm [TRIAL]`, `back [TRIAL]`, `configuration`; deploy/status.md has
+/// their answers. The daemon must outlive the server.
 void add_control_requests(ControlServer& control, Daemon& daemon);
 
 }  // namespace tribus

@@ -1,5 +1,6 @@
 #include "app/control_server.h"
 
+#include <set>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -66,9 +67,23 @@ void ControlServer::add(std::string name, Command command) {
     commands_.insert_or_assign(std::move(name), std::move(command));
 }
 
+void ControlServer::add_late(std::string name, LateCommand command) {
+    late_commands_.insert_or_assign(std::move(name), std::move(command));
+}
+
 bool ControlServer::answer(SocketClient& client, Instant now) {
     // One request at a time: the next one waits until this answer has left.
     while (client.ready()) {
+        if (client.waits()) {
+            const auto late = client.take_answer();
+            if (!late) {
+                return true;
+            }
+            if (!client.send(*late + "\n", now)) {
+                return false;
+            }
+            continue;
+        }
         const auto line = client.take_line();
         if (!line) {
             break;
@@ -94,16 +109,31 @@ std::string ControlServer::answer_line(SocketClient& client, const std::string& 
     if (words.front() == "watch") {
         return watch(client, std::span(words).subspan(1), now);
     }
+    if (const auto late = late_commands_.find(words.front()); late != late_commands_.end()) {
+        client.wait_for(late->second(std::span(words).subspan(1)));
+        return "";
+    }
     const auto command = commands_.find(words.front());
     if (command == commands_.end()) {
-        std::string allowed = "\"watch [PERIOD]\"";
-        for (const auto& [name, ignored] : commands_) {
-            allowed += ", " + in_quotes(name);
-        }
         return error_object(fmt::format("{} is no request; allowed: {}",
-                                        in_quotes(words.front(), kShown), allowed));
+                                        in_quotes(words.front(), kShown), allowed()));
     }
     return command->second(std::span(words).subspan(1));
+}
+
+std::string ControlServer::allowed() const {
+    std::set<std::string> names;
+    for (const auto& [name, ignored] : commands_) {
+        names.insert(name);
+    }
+    for (const auto& [name, ignored] : late_commands_) {
+        names.insert(name);
+    }
+    std::string allowed = "\"watch [PERIOD]\"";
+    for (const std::string& name : names) {
+        allowed += ", " + in_quotes(name);
+    }
+    return allowed;
 }
 
 std::string ControlServer::watch(SocketClient& client, std::span<const std::string> words,

@@ -31,8 +31,14 @@ class ControlServer {
     ControlServer(const ControlServer&) = delete;
     ControlServer& operator=(const ControlServer&) = delete;
 
+    /// The same for what takes a while: its answer is asked for whenever something happens, until
+    /// there is one.
+    using LateAnswer = std::function<std::optional<std::string>()>;
+    using LateCommand = std::function<LateAnswer(std::span<const std::string> words)>;
+
     /// What `name` does. `status` must be among them, for `watch`.
     void add(std::string name, Command command);
+    void add_late(std::string name, LateCommand command);
 
     int descriptor() const { return server_->descriptor(); }
     Instant due() const { return server_->due(); }
@@ -45,11 +51,13 @@ class ControlServer {
     explicit ControlServer(LocalListener listener) : listener_(std::move(listener)) {}
     bool answer(SocketClient& client, Instant now);
     std::string answer_line(SocketClient& client, const std::string& line, Instant now);
+    std::string allowed() const;
     std::string watch(SocketClient& client, std::span<const std::string> words, Instant now);
 
     LocalListener listener_;
     std::optional<SocketServer> server_;
     std::map<std::string, Command, std::less<>> commands_;
+    std::map<std::string, LateCommand, std::less<>> late_commands_;
 };
 
 /// On one line. File names and the like may be of any bytes; what is no UTF-8 is replaced.

@@ -6,10 +6,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "app/load_or_explain.h"
 #include "config/carry_over.h"
-#include "config/load.h"
-#include "config/mistakes.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -64,9 +61,9 @@ void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver
     service_.started(*appliance_, now);
 }
 
-bool Daemon::start_or_log(Configuration configuration, Appliance::MissingDevices missing,
+bool Daemon::start_or_log(std::unique_ptr<Appliance> built, Appliance::MissingDevices missing,
                           std::vector<std::string>& errors) {
-    auto appliance = Appliance::start(std::move(configuration), missing);
+    auto appliance = Appliance::start(std::move(built), missing);
     if (!appliance) {
         errors = std::move(appliance.error());
         log_all(errors);
@@ -82,13 +79,15 @@ bool Daemon::start_or_log(Configuration configuration, Appliance::MissingDevices
 
 void Daemon::start(Configuration configuration) {
     std::vector<std::string> errors;
-    start_or_log(std::move(configuration), Appliance::MissingDevices::refuse, errors);
+    start_or_log(Appliance::build(std::move(configuration)), Appliance::MissingDevices::refuse,
+                 errors);
     watch();
 }
 
 /// For what cannot change while frames flow. A configuration whose devices cannot be opened gives
 /// way to the old one again, whether or not one of its own devices is unplugged just now.
-ReloadOutcome Daemon::take_with_a_stop(Configuration fresh, std::vector<std::string> obstacles) {
+ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
+                                       std::vector<std::string> obstacles) {
     for (const std::string& obstacle : obstacles) {
         spdlog::warn("reload with a stop, outputs go into failsafe: {}", obstacle);
     }
@@ -102,14 +101,16 @@ ReloadOutcome Daemon::take_with_a_stop(Configuration fresh, std::vector<std::str
     } else {
         spdlog::error("reload failed; back to the old configuration");
         std::vector<std::string> ignored;
-        start_or_log(std::move(old), Appliance::MissingDevices::wait_for, ignored);
+        start_or_log(Appliance::build(std::move(old)), Appliance::MissingDevices::wait_for,
+                     ignored);
     }
     watch();
     return outcome;
 }
 
-ReloadOutcome Daemon::take_between_frames(Configuration fresh, const CarryOver& carry_over) {
-    const std::string file = fresh.file;
+ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
+                                          const CarryOver& carry_over) {
+    const std::string file = fresh->configuration().file;
     const std::vector<PortPlan> ports_before = appliance_->ports();
     auto next = Appliance::succeed(appliance_, std::move(fresh), carry_over);
     if (!next) {
@@ -124,42 +125,18 @@ ReloadOutcome Daemon::take_between_frames(Configuration fresh, const CarryOver& 
     return {.taken = true};
 }
 
-ReloadOutcome Daemon::take(Configuration fresh) {
-    const CarryOver carry_over = plan_carry_over(configuration(), fresh);
+ReloadOutcome Daemon::take(std::unique_ptr<Appliance> fresh) {
+    const CarryOver carry_over = plan_carry_over(configuration(), fresh->configuration());
     return carry_over.obstacles.empty() ? take_between_frames(std::move(fresh), carry_over)
                                         : take_with_a_stop(std::move(fresh), carry_over.obstacles);
 }
 
-ReloadOutcome Daemon::reload(std::optional<Duration> trial) {
-    service_.reloading(monotonic_now());
-    auto fresh = load_configuration_file(path_);
-    if (!fresh) {
-        explain_mistakes(fresh.error());
-        spdlog::error("reload refused: {} has mistakes; the old configuration runs on", path_);
-        service_.started(*appliance_, monotonic_now());
-        ReloadOutcome outcome;
-        for (const Mistake& mistake : fresh.error()) {
-            outcome.lines.push_back(format_mistake(mistake));
-        }
-        return outcome;
-    }
-    Configuration before = trial_ ? trial_->before : configuration();
-    ReloadOutcome outcome = take(std::move(*fresh));
-    if (!outcome.taken) {
-        return outcome;
-    }
-    if (trial) {
-        spdlog::info("on trial for {} s: goes back by itself unless confirmed",
-                     std::chrono::ceil<std::chrono::seconds>(*trial).count());
-        set_trial(Trial{std::move(before), later(monotonic_now(), *trial)});
-    } else {
-        set_trial(std::nullopt);
-    }
-    return outcome;
-}
-
 std::optional<Instant> Daemon::trial_end() const {
     return trial_ ? std::optional(trial_->end) : std::nullopt;
+}
+
+std::optional<std::uint64_t> Daemon::trial() const {
+    return trial_ ? std::optional(trial_->number) : std::nullopt;
 }
 
 void Daemon::set_trial(std::optional<Trial> trial) {
@@ -172,24 +149,6 @@ void Daemon::confirm() {
     set_trial(std::nullopt);
 }
 
-ReloadOutcome Daemon::go_back() {
-    service_.reloading(monotonic_now());
-    Configuration before = std::move(trial_->before);
-    set_trial(std::nullopt);
-    spdlog::warn("back to the configuration before; {} still holds the one that was tried", path_);
-    ReloadOutcome outcome = take(before);
-    if (outcome.taken || !appliance_) {
-        return outcome;
-    }
-    // What ran before the trial is to run, whatever has been unplugged since.
-    spdlog::warn("starting it all the same, with a stop: outputs go into failsafe");
-    appliance_.reset();
-    std::vector<std::string> errors;
-    outcome.taken = start_or_log(std::move(before), Appliance::MissingDevices::wait_for, errors);
-    watch();
-    return outcome;
-}
-
 /// As another node of DroneCAN asked for.
 void Daemon::restart() {
     service_.reloading(monotonic_now());
@@ -198,14 +157,14 @@ void Daemon::restart() {
     appliance_->end();
     appliance_.reset();
     std::vector<std::string> errors;
-    start_or_log(std::move(same), Appliance::MissingDevices::wait_for, errors);
+    start_or_log(Appliance::build(std::move(same)), Appliance::MissingDevices::wait_for, errors);
     watch();
 }
 
 void Daemon::look(Instant now) {
     if (trial_ && now >= trial_->end) {
         spdlog::warn("the trial was not confirmed");
-        go_back();
+        begin_going_back();
     }
     if (appliance_ && appliance_->restart_wanted()) {
         restart();

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -38,11 +39,13 @@ std::optional<int> MainWait::until(Instant deadline, std::span<const int> others
     // Rounded up: a wait that ends too early would be followed by one of nothing.
     const auto wait = std::chrono::ceil<std::chrono::milliseconds>(left);
     ::poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
-    signalfd_siginfo came{};
-    if (::read(signals_.get(), &came, sizeof came) != sizeof came) {
-        return std::nullopt;
+    std::array<signalfd_siginfo, 8> came{};
+    const ssize_t size = ::read(signals_.get(), came.data(), sizeof came);
+    std::optional<int> signal;
+    for (std::size_t i = 0; size > 0 && i < static_cast<std::size_t>(size) / sizeof came[0]; ++i) {
+        signal = std::max(signal, std::optional(static_cast<int>(came[i].ssi_signo)));
     }
-    return static_cast<int>(came.ssi_signo);
+    return signal;
 }
 
 }  // namespace tribus

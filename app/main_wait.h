@@ -22,7 +22,8 @@ class MainWait {
     static tl::expected<MainWait, std::string> for_signals(std::initializer_list<int> signals);
 
     /// Waits until `deadline` at most, and no longer than until something can be read from one of
-    /// `others`. The signal that ended it, if one did.
+    /// `others`; -1 is none. The signal that ended it, if one did; of several at once that with the
+    /// highest number: SIGTERM before SIGINT before SIGHUP, however often that one comes.
     std::optional<int> until(Instant deadline, std::span<const int> others = {});
 
   private:

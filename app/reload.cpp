@@ -12,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
 #include "app/complain.h"
@@ -36,10 +37,14 @@ struct ReloadOptions {
 };
 
 /// What the daemon did, said to the person who asked.
-int ask_and_tell(const std::string& socket, const std::string& request, const char* taken) {
+int ask_and_tell(const std::string& socket, const std::string& request, const char* taken,
+                 nlohmann::json* told = nullptr) {
     const auto answer = ask_daemon(socket, request, kPatience);
     if (!answer) {
         return complain(answer.error(), kExitFailed);
+    }
+    if (told != nullptr) {
+        *told = *answer;
     }
     const bool done = monitor::flag(*answer, "taken");
     for (const auto& line : monitor::list(*answer, "lines")) {
@@ -67,7 +72,9 @@ Choice ask_person(MainWait& wait, Instant end) {
     return Choice::too_late;
 }
 
-int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial) {
+/// `number`: ` 7`, of the daemon's trial; empty where it does not number them.
+int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial,
+                const std::string& number) {
     if (::isatty(STDIN_FILENO) == 0) {
         fmt::print(stderr,
                    "tribus: goes back by itself in {}; `tribus reload{}{} --confirm` keeps "
@@ -82,10 +89,10 @@ int watch_trial(const std::string& socket, const ReloadOptions& options, Duratio
     std::fflush(stderr);
     switch (wait ? ask_person(*wait, end) : Choice::back) {
         case Choice::keep:
-            return ask_and_tell(socket, "confirm", "confirmed");
+            return ask_and_tell(socket, "confirm" + number, "confirmed");
         case Choice::back:
             fmt::print(stderr, "\n");
-            return ask_and_tell(socket, "back", "the configuration before is back");
+            return ask_and_tell(socket, "back" + number, "the configuration before is back");
         case Choice::too_late:
             break;
     }
@@ -108,9 +115,12 @@ int reload(const ReloadOptions& options) {
     if (options.back) {
         return ask_and_tell(*socket, "back", "the configuration before is back");
     }
-    const int status =
-        ask_and_tell(*socket, "reload " + options.trial, trial ? "taken, on trial" : "taken");
-    return status == kExitFine && trial ? watch_trial(*socket, options, *trial) : status;
+    nlohmann::json told;
+    const int status = ask_and_tell(*socket, "reload " + options.trial,
+                                    trial ? "taken, on trial" : "taken", &told);
+    const bool numbered = told.is_object() && told.contains("trial") && told["trial"].is_number();
+    const std::string number = numbered ? " " + told["trial"].dump() : "";
+    return status == kExitFine && trial ? watch_trial(*socket, options, *trial, number) : status;
 }
 
 }  // namespace

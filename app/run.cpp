@@ -1,9 +1,11 @@
 #include "app/run.h"
 
 #include <malloc.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,7 +24,9 @@
 #include "app/journal.h"
 #include "app/load_or_explain.h"
 #include "app/main_wait.h"
+#include "app/preparation.h"
 #include "app/service_notify.h"
+#include "config/load.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -36,14 +40,20 @@ constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
 int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
     Instant next_look = later(monotonic_now(), kTendPeriod);
     while (daemon.runs()) {
-        const auto signal = wait.until(std::min(next_look, inside.due()), inside.descriptors());
+        std::vector<int> descriptors = inside.descriptors();
+        descriptors.push_back(daemon.descriptor());
+        const Instant due = std::min({next_look, inside.due(), daemon.due()});
+        const auto signal = wait.until(due, descriptors);
         if (signal && (*signal == SIGTERM || *signal == SIGINT)) {
             daemon.end();
             return kExitFine;
         }
         if (signal == SIGHUP) {
-            daemon.reload();
-        } else if (const Instant now = monotonic_now(); now >= next_look) {
+            daemon.note_hang_up();
+        }
+        const Instant now = monotonic_now();
+        daemon.go_on(now);
+        if (daemon.runs() && now >= next_look) {
             next_look = later(now, kTendPeriod);
             daemon.look(now);
         }
@@ -72,9 +82,12 @@ void keep_long_texts_out_of_the_heap() {
 int run(const RunOptions& options) {
     keep_long_texts_out_of_the_heap();
     ServiceNotify service;
-    std::optional<Configuration> configuration = load_or_explain(options.path);
+    auto configuration = load_configuration_file(options.path);
     if (!configuration) {
-        return kExitWrongUse;
+        explain_mistakes(configuration.error());
+        // A service is started again where that may help, and not where somebody must mend the
+        // file.
+        return may_pass(configuration.error()) ? kExitFailed : kExitWrongUse;
     }
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
     if (!wait) {
@@ -126,6 +139,10 @@ void add_run_command(CLI::App& app, int& status) {
         logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
         spdlog::set_default_logger(std::move(logger));
         status = run(*options);
+        if (Preparation::any_forsaken()) {
+            std::fflush(nullptr);
+            ::_exit(status);
+        }
     });
 }
 

@@ -45,6 +45,14 @@ std::optional<std::string> SocketClient::take_line() {
     return line;
 }
 
+std::optional<std::string> SocketClient::take_answer() {
+    auto answer = answer_();
+    if (answer) {
+        answer_ = nullptr;
+    }
+    return answer;
+}
+
 bool SocketClient::send(std::string text, Instant now) {
     under_way_ = std::move(text);
     sent_ = 0;

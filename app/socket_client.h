@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -40,6 +41,14 @@ class SocketClient {
     /// All answers before have been read by the other side as well. Local sockets only.
     bool has_read_all() const;
     void close_when_sent() { closing_ = true; }
+    /// It gets its answer later: once `answer` gives one. Until then it is asked nothing else.
+    void wait_for(std::function<std::optional<std::string>()> answer) {
+        answer_ = std::move(answer);
+    }
+    bool waits() const { return answer_ != nullptr; }
+    /// The answer that it waits for, once it is there.
+    std::optional<std::string> take_answer();
+
     /// It has had its last answer, or can have none.
     bool done() const { return closing_ && ready(); }
 
@@ -66,6 +75,7 @@ class SocketClient {
     std::size_t sent_ = 0;
     bool ended_ = false;
     bool closing_ = false;
+    std::function<std::optional<std::string>()> answer_;
     Duration period_{};
     Instant next_{};
     Instant quiet_since_;

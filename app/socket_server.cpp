@@ -110,7 +110,8 @@ bool SocketServer::serve_client(SocketClient& client, Instant now) {
     if (client.repeats() && client.has_read_all()) {
         client.passed(now);
     }
-    return !client.done() && !(client.ended() && client.ready() && !client.repeats());
+    const bool has_all = client.ended() && client.ready() && !client.waits();
+    return !client.done() && !(has_all && !client.repeats());
 }
 
 void SocketServer::serve(Instant now) {

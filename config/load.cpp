@@ -9,7 +9,6 @@
 
 #include "config/cross_checks.h"
 #include "config/read_dronecan.h"
-#include "config/read_file.h"
 #include "config/read_line.h"
 #include "config/read_pipeline.h"
 #include "config/read_ports.h"
@@ -162,7 +161,8 @@ Mistakes merge(const Mistakes& syntax, const Mistakes& meaning) {
     Mistakes all = syntax;
     for (const Mistake& mistake : meaning.sorted()) {
         if (!syntax.on_line(mistake.where.line)) {
-            all.add(mistake.where, mistake.text);
+            mistake.out_of_reach ? all.add_out_of_reach(mistake.where, mistake.text)
+                                 : all.add(mistake.where, mistake.text);
         }
     }
     return all;
@@ -187,14 +187,14 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
 }
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
-    const std::filesystem::path& path) {
-    const auto text = read_file(path, kMostConfigurationBytes + 1);
+    const std::filesystem::path& path, FileKinds kinds) {
+    const auto text = read_file(path, kMostConfigurationBytes + 1, kinds);
     if (!text) {
         return tl::unexpected(std::vector<Mistake>{
             {path.string(),
              {},
-             fmt::format("cannot be read: {}; give the path of a configuration file",
-                         text.error())}});
+             fmt::format("cannot be read: {}; give the path of a configuration file", text.error()),
+             true}});
     }
     return load_configuration(*text, path.string());
 }

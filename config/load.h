@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "config/mistakes.h"
+#include "config/read_file.h"
 #include "config/schema.h"
 
 namespace tribus {
@@ -17,8 +18,9 @@ namespace tribus {
 tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string_view text,
                                                                      std::string_view file_name);
 
-/// The same for a file; one that cannot be read is one mistake, without a line.
+/// The same for a file; one that cannot be read is one mistake, without a line. A pipe is read to
+/// its end, where `kinds` allows that.
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
-    const std::filesystem::path& path);
+    const std::filesystem::path& path, FileKinds kinds = FileKinds::any);
 
 }  // namespace tribus

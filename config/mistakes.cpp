@@ -18,6 +18,10 @@ std::string format_mistake(const Mistake& mistake) {
                        mistake.text);
 }
 
+bool may_pass(std::span<const Mistake> mistakes) {
+    return !mistakes.empty() && std::ranges::all_of(mistakes, &Mistake::out_of_reach);
+}
+
 bool Mistakes::on_line(unsigned line) const {
     return std::any_of(mistakes_.begin(), mistakes_.end(),
                        [line](const Mistake& mistake) { return mistake.where.line == line; });

@@ -14,7 +14,13 @@ struct Mistake {
     std::string file;
     Location where;    ///< line 0: the file as a whole
     std::string text;  ///< "what is wrong; what is allowed", one line
+    /// The file, or one that it names, cannot be read: nothing in it need be wrong, and another try
+    /// may go well, once its disk is mounted.
+    bool out_of_reach = false;
 };
+
+/// All of these may be gone at another try, though nobody mends anything.
+bool may_pass(std::span<const Mistake> mistakes);
 
 /// `file:line:column: what is wrong; what is allowed`
 std::string format_mistake(const Mistake& mistake);
@@ -26,6 +32,9 @@ class Mistakes {
 
     void add(Location where, std::string text) {
         mistakes_.push_back({file_, where, std::move(text)});
+    }
+    void add_out_of_reach(Location where, std::string text) {
+        mistakes_.push_back({file_, where, std::move(text), true});
     }
     bool empty() const { return mistakes_.empty(); }
     bool on_line(unsigned line) const;

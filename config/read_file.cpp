@@ -1,30 +1,59 @@
 #include "config/read_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <system_error>
+
+#include "transports/links/unique_fd.h"
 
 namespace tribus {
+namespace {
+
+using Failed = tl::unexpected<std::string>;
+
+tl::expected<std::string, std::string> read_to_end(int file, std::size_t expected,
+                                                   std::size_t most) {
+    constexpr std::size_t kBytesAtOnce = std::size_t{64} * 1024;
+    std::string content;
+    content.reserve(std::min(expected, most));
+    while (content.size() < most) {
+        const std::size_t before = content.size();
+        content.resize(std::min(before + kBytesAtOnce, most));
+        const ssize_t count = ::read(file, content.data() + before, content.size() - before);
+        content.resize(before + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+        if (count == 0) {
+            break;
+        }
+        if (count < 0 && errno != EINTR) {
+            return Failed(std::strerror(errno));
+        }
+    }
+    return content;
+}
+
+}  // namespace
 
 tl::expected<std::string, std::string> read_file(const std::filesystem::path& path,
-                                                 std::size_t most) {
-    std::error_code error;
-    // A folder opens and only fails when it is read.
-    if (std::filesystem::is_directory(path, error)) {
-        return tl::unexpected<std::string>("it is a folder");
+                                                 std::size_t most, FileKinds kinds) {
+    // Opening a pipe would wait for somebody who writes to it.
+    const int patience = kinds == FileKinds::regular ? O_NONBLOCK : 0;
+    const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | patience));
+    struct stat told {};
+    if (!file.valid() || ::fstat(file.get(), &told) != 0) {
+        return Failed(std::strerror(errno));
     }
-    std::ifstream file(path, std::ios::binary);
-    if (!file) {
-        return tl::unexpected<std::string>(std::strerror(errno));
+    if (S_ISDIR(told.st_mode)) {
+        return Failed("it is a folder");
     }
-    std::string content(most, '\0');
-    file.read(content.data(), static_cast<std::streamsize>(content.size()));
-    if (file.bad()) {
-        return tl::unexpected<std::string>(std::strerror(errno));
+    if (kinds == FileKinds::regular && !S_ISREG(told.st_mode)) {
+        return Failed("it is a device or a pipe, not a file");
     }
-    content.resize(static_cast<std::size_t>(file.gcount()));
-    return content;
+    return read_to_end(file.get(), static_cast<std::size_t>(std::max<off_t>(told.st_size, 0)),
+                       most);
 }
 
 }  // namespace tribus

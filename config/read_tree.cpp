@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <string>
-#include <system_error>
 #include <type_traits>
 #include <utility>
 
@@ -77,11 +76,13 @@ std::optional<SettingTree> read_tree(std::string_view key, const Value& value, M
 
 std::optional<SettingFile> read_named_file(std::string_view key, const Value& value,
                                            Mistakes& mistakes) {
+    const auto sentence = [&](std::string_view reason) {
+        return fmt::format(
+            "{} is {}: {}; allowed: the path of a text file, from the folder of this file",
+            in_quotes(key), describe(value), reason);
+    };
     const auto refuse = [&](std::string_view reason) {
-        mistakes.add(value.where,
-                     fmt::format("{} is {}: {}; allowed: the path of a text file, from the folder "
-                                 "of this file",
-                                 in_quotes(key), describe(value), reason));
+        mistakes.add(value.where, sentence(reason));
         return std::nullopt;
     };
     const auto* name = value.as<std::string>();
@@ -89,13 +90,10 @@ std::optional<SettingFile> read_named_file(std::string_view key, const Value& va
         return refuse("not the path of a file");
     }
     const std::filesystem::path path = std::filesystem::path(mistakes.file()).parent_path() / *name;
-    std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) {
-        return refuse(error ? error.message() : "not a file");
-    }
     auto content = read_file(path, kMostFileBytes + 1);
     if (!content) {
-        return refuse(content.error());
+        mistakes.add_out_of_reach(value.where, sentence(content.error()));
+        return std::nullopt;
     }
     if (content->size() > kMostFileBytes) {
         return refuse("larger than 16 MiB");

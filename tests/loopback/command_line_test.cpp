@@ -155,7 +155,7 @@ TEST_P(WrongUse, IsExplainedOnStandardErrorAndEndsWithTwo) {
 INSTANTIATE_TEST_SUITE_P(
     Arguments, WrongUse,
     testing::Values(Words{}, Words{"fly"}, Words{"run"}, Words{"run", "a.toml", "b.toml"},
-                    Words{"run", "/nonexistent/tribus.toml"}, Words{"dbc", "--id", "0x7FF"},
+                    Words{"check", "/nonexistent/tribus.toml"}, Words{"dbc", "--id", "0x7FF"},
                     Words{"dbc", "--sensors", "--id", "0x7F2"}, Words{"dbc", "--id", "first"},
                     Words{"check", "--format", "xml", "a.toml"}, Words{"demo", "--seconds", "soon"},
                     Words{"demo", "--seconds", "0"}, Words{"simulate"}));

@@ -1,15 +1,22 @@
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "app/ask_daemon.h"
 #include "tests/loopback/first_channel.h"
 
 namespace tribus::test {
@@ -19,6 +26,21 @@ namespace {
 constexpr std::string_view kTail =
     "[output.tail]\nprotocol = \"sbus\"\ndevice = \"@tail\"\nperiod = \"7ms\"\n"
     "[pipeline.tail]\nfrom = \"receiver\"\nto = \"tail\"\n";
+
+/// 8 signals each in so many messages.
+void write_large_dbc(const std::filesystem::path& path) {
+    constexpr int kMessages = 25'000;
+    std::ofstream file(path);
+    file << "VERSION \"\"\n\nBU_: A B\n";
+    for (int message = 0; message < kMessages; ++message) {
+        file << "BO_ " << 0x8000'0000U + static_cast<unsigned>(message) << " M" << message
+             << ": 8 A\n";
+        for (int signal = 0; signal < 8; ++signal) {
+            file << " SG_ S" << signal << " : " << 8 * signal
+                 << "|8@1+ (0.1,-40) [0|250] \"unit\" B\n";
+        }
+    }
+}
 
 class Reload : public FirstChannel {
   protected:
@@ -61,6 +83,70 @@ TEST_F(Reload, RefusesAConfigurationFileThatIsGoneAndGoesOn) {
     EXPECT_TRUE(program.says("reload refused"));
     expect_first_channel(1100);
     expect_clean_end(program);
+}
+
+/// Nobody ever writes to it: whoever waited for that would wait for ever.
+TEST_F(Reload, RefusesAPipeInThePlaceOfTheFileAndGoesOn) {
+    const std::string path = write_config(main_job(kPatientInput));
+    Program& program = run(path);
+    expect_first_channel(1100);
+    std::filesystem::remove(path);
+    ASSERT_EQ(::mkfifo(path.c_str(), 0600), 0);
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("it is a device or a pipe, not a file")) << program.errors();
+    expect_first_channel(1100);
+    expect_clean_end(program);
+}
+
+/// As often as a program in a loop can say so.
+TEST_F(Reload, AStormOfSignalsKeepsNothingFromItsTurn) {
+    Program& program = run(write_config(main_job(kPatientInput)));
+    std::atomic<bool> over{false};
+    std::thread storm([&] {
+        while (!over) {
+            program.signal(SIGHUP);
+            const timespec pause{.tv_sec = 0, .tv_nsec = 300'000};
+            ::nanosleep(&pause, nullptr);
+        }
+    });
+    const auto begin = Clock::now();
+    expect_first_channel(1100);
+    EXPECT_TRUE(program.says("reloaded", 2));
+    const auto seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+    EXPECT_LE(static_cast<double>(count_of("reloaded", program.errors())), 2 + 10 * seconds);
+    EXPECT_TRUE(ask_daemon(folder() / "control", "status", std::chrono::seconds(5)));
+    receiver_.pull();
+    EXPECT_TRUE(program.says("is gone"));
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.end(), 0);
+    over = true;
+    storm.join();
+}
+
+/// Reading it takes several seconds: this is 6 times 11 MB.
+TEST_F(Reload, OfLargeFilesKeepsNothingWaiting) {
+    Program& program = run(write_config(main_job(kPatientInput)));
+    expect_first_channel(1100);
+    write_large_dbc(folder() / "large.dbc");
+    std::string text = main_job(kPatientInput);
+    for (int i = 0; i < 6; ++i) {
+        text += "[output.bus" + std::to_string(i) + "]\nprotocol = \"dbc\"\ninterface = \"can" +
+                std::to_string(i) +
+                "\"\ndbc = \"large.dbc\"\nsignals.M0.S0 = { channel = 1 }\n[pipeline.bus" +
+                std::to_string(i) + "]\nfrom = \"receiver\"\nto = \"bus" + std::to_string(i) +
+                "\"\n";
+    }
+    write_config(text);
+    program.signal(SIGHUP);
+    const auto status = ask_daemon(folder() / "control", "status", std::chrono::seconds(15));
+    EXPECT_TRUE(status) << status.error();
+    expect_first_channel(1100);
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.end(), 0) << program.errors();
+    EXPECT_NE(program.errors().find("stopped"), std::string::npos) << program.errors();
+    EXPECT_EQ(program.errors().find("reload refused"), std::string::npos)
+        << "the files had been read before it answered and ended: the test shows nothing\n"
+        << program.errors();
 }
 
 TEST_F(Reload, RefusesAConfigurationWhoseDeviceIsMissingAndGoesOn) {

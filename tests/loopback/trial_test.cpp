@@ -1,3 +1,4 @@
+#include <csignal>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -139,6 +140,37 @@ TEST_F(Trial, ShowsHowMuchTimeIsLeft) {
     expect_seamless_end(program);
 }
 
+/// Whoever sends SIGHUP, such as `systemctl reload`, knows nothing of the trial.
+TEST_F(Trial, IsNotConfirmedBySighup) {
+    Program& program = begin();
+    EXPECT_EQ(reload({"--trial", "3s"}), 0);
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("still on trial"));
+    expect_first_channel(1900);
+    expect_first_channel(1100);
+    EXPECT_TRUE(program.says("the trial was not confirmed"));
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, IsConfirmedByItsOwnNumberOrByNone) {
+    Program& program = begin();
+    const auto ask = [&](const std::string& request) {
+        const auto answer = ask_daemon(socket(), request, std::chrono::seconds(15));
+        return answer ? answer->value("trial", nlohmann::json()).dump() : answer.error();
+    };
+    EXPECT_EQ(ask("reload 1000s"), "1");
+    EXPECT_EQ(ask("reload 1000s"), "2");
+    EXPECT_EQ(ask("confirm 1"), "that trial is over; the one that goes on is number 2");
+    EXPECT_EQ(ask("back 1"), "that trial is over; the one that goes on is number 2");
+    EXPECT_EQ(ask("confirm 2"), "null");
+    EXPECT_EQ(ask("confirm 2"), "no configuration is on trial");
+    EXPECT_EQ(ask("reload 1000s"), "3");
+    EXPECT_EQ(ask("confirm"), "null");
+    EXPECT_EQ(ask("back"), "no configuration is on trial");
+    expect_first_channel(1900);
+    expect_clean_end(program);
+}
+
 TEST_F(Trial, WithoutAPeriodThatMakesSenseIsRefused) {
     Program& program = begin();
     EXPECT_EQ(reload({"--trial", "soon"}), 2);
@@ -168,6 +200,23 @@ class TrialInATerminal : public Trial {
         return asked.end().value_or(-1);
     }
 };
+
+/// Somebody else has begun another one meanwhile.
+TEST_F(TrialInATerminal, EnterKeepsNoOtherTrial) {
+    Program& program = begin();
+    FarEnd& terminal = device("terminal");
+    Program& asked = start({"reload", "--socket", socket(), "--trial", "1000s"},
+                           {.executable = TRIBUS_PROGRAM, .terminal = terminal.path()});
+    EXPECT_TRUE(asked.says("Enter keeps it"));
+    EXPECT_EQ(reload({"--trial", "1000s"}), 0);
+    terminal.send(Bytes{'\n'});
+    EXPECT_EQ(asked.end(), 1);
+    EXPECT_NE(asked.errors().find("that trial is over"), std::string::npos) << asked.errors();
+    const auto status = ask_daemon(socket(), "status", std::chrono::seconds(15));
+    ASSERT_TRUE(status) << status.error();
+    EXPECT_TRUE((*status)["trial_left_us"].is_number()) << "the other trial was ended";
+    expect_clean_end(program);
+}
 
 TEST_F(TrialInATerminal, EnterKeepsIt) {
     Program& program = begin();

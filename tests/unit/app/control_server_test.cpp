@@ -118,6 +118,27 @@ TEST_F(Control, RefusesWhatIsNoRequestAndSaysWhatIs) {
               "\\\"watch [PERIOD]\\\", \\\"status\\\"\"}\n");
 }
 
+/// What takes a while keeps the others from nothing, and the asker's next request waits for it,
+/// also where that is too long.
+TEST_F(Control, AnswersLateWhatTakesAWhile) {
+    bool done = false;
+    control_->add_late("work", [&](auto) -> ControlServer::LateAnswer {
+        return [&] { return done ? std::optional<std::string>("{\"done\":true}") : std::nullopt; };
+    });
+    Guest patient(folder_ / "control");
+    Guest other(folder_ / "control");
+    patient.say("work\nstatus\n" + std::string(300, 'x') + "\n");
+    patient.say_no_more();
+    pass_in_steps(5, kMs);
+    EXPECT_EQ(patient.read(), "");
+    other.say("status\n");
+    pass(kMs);
+    EXPECT_EQ(other.read(), "{\"n\":1,\"fill\":\"\"}\n");
+    done = true;
+    pass_in_steps(5, kMs);
+    EXPECT_EQ(patient.read().find("{\"done\":true}\n{\"n\":2,\"fill\":\"\"}\n"), 0U);
+}
+
 TEST_F(Control, GarbageGetsAnAnswerThatIsText) {
     Guest guest(folder_ / "control");
     guest.say(std::string("\0\xff\xfe\x1b[2J\n", 8));

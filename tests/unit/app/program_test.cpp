@@ -32,6 +32,13 @@ TEST(Program, EncodesEighteenChannelsUnlessToldOtherwise) {
     EXPECT_EQ(run_in_shell(frame + " --channels 14").output.substr(0, 17), "20 40 dc 05 dc 05");
 }
 
+/// By which a service knows whether starting it again may help.
+TEST(Program, RunEndsOtherwiseForAFileThatIsMissingThanForOneWithMistakes) {
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" run /no/such/file.toml").status, 1);
+    EXPECT_EQ(run_in_shell("echo 'x = 1' | \"$TRIBUS\" run /dev/stdin").status, 2);
+    EXPECT_EQ(run_in_shell("\"$TRIBUS\" check /no/such/file.toml").status, 2);
+}
+
 TEST(Program, ReaderThatGoesAwayIsNoFailure) {
     const Ended result =
         run_in_shell("{ for i in $(seq 20000); do echo '" + kHex +

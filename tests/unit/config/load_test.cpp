@@ -198,6 +198,27 @@ TEST(Load, SaysWhatIsWrongWithAFileThatIsNotThere) {
               "the path of a configuration file");
 }
 
+/// The disk may not be mounted yet; a mistake stays one however often the file is read.
+TEST(Load, OfAFileThatCannotBeReadMayGoWellAnotherTime) {
+    const auto missing = load_configuration_file("no-such-folder/no-such-file.toml");
+    ASSERT_FALSE(missing);
+    EXPECT_TRUE(may_pass(missing.error()));
+}
+
+TEST(Load, OfAFileThatNamesOneThatCannotBeReadMayGoWellAnotherTime) {
+    const std::string text =
+        "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
+        "[output.bus]\nprotocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"none.dbc\"\n"
+        "signals.Sticks.First = { channel = 1 }\n"
+        "[pipeline.main]\nfrom = \"receiver\"\nto = \"bus\"\n";
+    const auto missing = load_configuration(text, "t.toml");
+    ASSERT_FALSE(missing);
+    EXPECT_TRUE(may_pass(missing.error())) << format_mistake(missing.error().front());
+    const auto mistaken = load_configuration(text + "colour = \"red\"\n", "t.toml");
+    ASSERT_FALSE(mistaken);
+    EXPECT_FALSE(may_pass(mistaken.error()));
+}
+
 TEST(Load, SaysThatAFolderIsNoFile) {
     const auto configuration = load_configuration_file(TRIBUS_SOURCE_DIR);
     ASSERT_FALSE(configuration);

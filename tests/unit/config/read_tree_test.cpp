@@ -131,13 +131,15 @@ TEST_F(ReadTree, SaysThatAFileIsMissing) {
 TEST_F(ReadTree, SaysThatAFolderIsNoFile) {
     std::filesystem::create_directory(folder_ / "inside");
     EXPECT_FALSE(file("\"inside\""));
-    EXPECT_EQ(mistakes(), Lines{"1:7: \"key\" is \"inside\": not a file; allowed: the path of a "
-                                "text file, from the folder of this file"});
+    EXPECT_EQ(mistakes(),
+              Lines{"1:7: \"key\" is \"inside\": it is a folder; allowed: the path of a "
+                    "text file, from the folder of this file"});
 }
 
 TEST_F(ReadTree, NeverReadsADeviceThatHasNoEnd) {
     EXPECT_FALSE(file("\"/dev/zero\""));
-    EXPECT_EQ(mistakes(), Lines{"1:7: \"key\" is \"/dev/zero\": not a file; allowed: the path of a "
+    EXPECT_EQ(mistakes(), Lines{"1:7: \"key\" is \"/dev/zero\": it is a device or a pipe, not a "
+                                "file; allowed: the path of a "
                                 "text file, from the folder of this file"});
 }
 
