@@ -151,7 +151,7 @@ void Daemon::confirm() {
 
 /// As another node of DroneCAN asked for.
 void Daemon::restart() {
-    service_.reloading(monotonic_now());
+    service_.reloading();
     spdlog::info("restarting, as another DroneCAN node asked for");
     Configuration same = configuration();
     appliance_->end();

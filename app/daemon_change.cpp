@@ -23,7 +23,7 @@ constexpr std::size_t kRememberedOutcomes = 16;
 
 std::uint64_t Daemon::begin(Change change) {
     const Instant now = monotonic_now();
-    service_.reloading(now);
+    service_.reloading();
     change.number = ++changes_;
     change.latest_end = later(now, kLongestReading);
     change_.emplace(std::move(change));

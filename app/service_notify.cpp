@@ -16,6 +16,7 @@
 #include <spdlog/spdlog.h>
 
 #include "config/configured_names.h"
+#include "pipelines/realtime/clock.h"
 
 namespace tribus {
 namespace {
@@ -110,8 +111,8 @@ void ServiceNotify::started(const Appliance& appliance, Instant now) {
     socket_.say("READY=1");
 }
 
-void ServiceNotify::reloading(Instant now) {
-    const auto usec = std::chrono::duration_cast<std::chrono::microseconds>(now.time_since_epoch());
+void ServiceNotify::reloading() {
+    const auto usec = std::chrono::duration_cast<std::chrono::microseconds>(awake_time_now());
     socket_.say(fmt::format("RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration anew",
                             usec.count()));
 }

@@ -40,7 +40,7 @@ class ServiceNotify {
 
     /// The appliance runs: a first one, or a fresh one, or the old one after a refused reload.
     void started(const Appliance& appliance, Instant now);
-    void reloading(Instant now);
+    void reloading();
     void stopping();
 
     /// A few times a second.

@@ -75,7 +75,7 @@ int processor_count() {
 
 void sleep_until(Instant instant) {
     const timespec until = as_timespec(instant.time_since_epoch());
-    ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+    ::clock_nanosleep(kClock, TIMER_ABSTIME, &until, nullptr);
 }
 
 void watch_for_interruption() {

@@ -17,7 +17,11 @@ Duration read_clock(clockid_t clock) {
 }  // namespace
 
 Instant monotonic_now() {
-    return Instant(read_clock(CLOCK_MONOTONIC));
+    return Instant(read_clock(kClock));
+}
+
+Duration awake_time_now() {
+    return read_clock(CLOCK_MONOTONIC);
 }
 
 Duration wall_time_now() {

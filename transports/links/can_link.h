@@ -26,7 +26,7 @@ enum class CanSender : std::uint8_t {
 
 struct ReceivedCanFrame {
     CanFrame frame;
-    Instant at{};  ///< when the kernel took it, or when it was read if that time is not plausible
+    Instant at{};  ///< when the kernel took it; the earliest possible if it does not tell that
     CanSender sender = CanSender::bus;
 };
 

@@ -105,10 +105,11 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
         return ReadStatus::lost;
     }
     buffers_->prepare();
+    stamps_tell_ = !clock_step_.since_last_look(wall_time, now);
     const int taken =
         ::recvmmsg(fd_.get(), buffers_->headers.data(), kCanFramesPerRead, MSG_DONTWAIT, nullptr);
     if (taken < 0) {
-        return read_failed(errno, now);
+        return read_failed(errno, now, wall_time);
     }
     const auto count = static_cast<std::size_t>(taken);
     for (std::size_t index = 0; index < count; ++index) {
@@ -120,6 +121,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
     reception.full = count == kCanFramesPerRead;
     if (!reception.full) {
         emptied_ = now;
+        clock_step_.look(wall_time, now);
     }
     counts_.received += reception.count;
     // A confirmation lets the next frame go without another wake.
@@ -127,9 +129,10 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
     return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
 }
 
-ReadStatus CanSocket::read_failed(int error, Instant now) {
+ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
     if (error == EAGAIN) {
         emptied_ = now;
+        clock_step_.look(wall_time, now);
     } else if (error == ENETDOWN) {
         // Told once; the same socket works again when the interface is up (can.md 3.4).
         went_down();
@@ -167,13 +170,17 @@ std::optional<ReceivedCanFrame> CanSocket::digest(std::size_t index, Instant now
     if (!local && !no_carrier_) {
         transmitter_.alive(now);
     }
-    // What came while nobody read may be as old as the read before.
-    const Duration most_age =
-        std::max(kMostPlausibleAge, emptied_ ? now - *emptied_ : Duration::zero());
-    const Arrival arrival = plausible_arrival(side.stamp, wall_time, now, most_age);
-    counts_.implausible_times += arrival.believed ? 0 : 1;
-    return ReceivedCanFrame{
-        .frame = *frame, .at = arrival.at, .sender = local ? CanSender::local : CanSender::bus};
+    const Arrival arrival =
+        plausible_arrival(side.stamp, wall_time, now, emptied_.value_or(now - kMostPlausibleAge));
+    const bool believed = arrival.believed && stamps_tell_;
+    counts_.implausible_times += believed ? 0 : 1;
+    if (!believed && !emptied_) {
+        // Nobody has read yet: it may be of any age.
+        return std::nullopt;
+    }
+    return ReceivedCanFrame{.frame = *frame,
+                            .at = believed ? arrival.at : *emptied_,
+                            .sender = local ? CanSender::local : CanSender::bus};
 }
 
 void CanSocket::digest_error(const canfd_frame& wire, Instant now) {

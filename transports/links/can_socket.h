@@ -17,6 +17,7 @@
 #include "transports/links/can_interface.h"
 #include "transports/links/can_link.h"
 #include "transports/links/can_transmitter.h"
+#include "transports/links/clock_step.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
@@ -79,7 +80,7 @@ class CanSocket final : public CanLink {
 
     std::optional<ReceivedCanFrame> digest(std::size_t index, Instant now, Duration wall_time);
     void digest_error(const canfd_frame& wire, Instant now);
-    ReadStatus read_failed(int error, Instant now);
+    ReadStatus read_failed(int error, Instant now, Duration wall_time);
     void note_drops(std::uint32_t drops);
     void pump(Instant now);
     void send_failed(int error, Instant now);
@@ -96,6 +97,8 @@ class CanSocket final : public CanLink {
     CanTransmitter transmitter_{counts_};
     std::unique_ptr<Buffers> buffers_;
     std::optional<Instant> emptied_;  ///< when a read last left nothing behind
+    ClockStep clock_step_;            ///< since then
+    bool stamps_tell_ = true;         ///< of the read that goes on
     Instant checked_{};
     std::uint32_t drops_ = 0;
     std::uint32_t drops_when_handed_ = 0;

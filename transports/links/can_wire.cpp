@@ -99,13 +99,13 @@ std::vector<can_filter> kernel_filters(std::span<const CanIdMatch> wanted) {
 }
 
 Arrival plausible_arrival(std::optional<Duration> stamp, Duration wall_time, Instant now,
-                          Duration most_age) {
+                          Instant oldest) {
     if (!stamp) {
-        return {.at = now, .believed = true};
+        return {.at = oldest, .believed = true};
     }
     const Duration age = wall_time - *stamp;
-    if (age < -kMostPlausibleAge || age > most_age) {
-        return {.at = now, .believed = false};
+    if (age < -kMostPlausibleAge || age > std::max(kMostPlausibleAge, now - oldest)) {
+        return {.at = oldest, .believed = false};
     }
     return {.at = age > Duration::zero() ? now - age : now, .believed = true};
 }

@@ -70,10 +70,11 @@ struct Arrival {
 /// A frame with an older stamp has a wrong stamp (can.md 3.2), unless reading was held up.
 inline constexpr Duration kMostPlausibleAge = std::chrono::milliseconds(100);
 
-/// `stamp` is the kernel's time of arrival, since 1970; `wall_time` that of the instant `now`.
-/// Ages from 0 to `most_age` are believed, others become `now`. A stamp up to kMostPlausibleAge
-/// later than `now` is no fault: the frame came while the caller was at work.
+/// `stamp` is the kernel's time of arrival, since 1970; `wall_time` that of the instant `now`. The
+/// frame came after `oldest`, when nothing waited. Ages from 0 to that, or kMostPlausibleAge, are
+/// believed; with another stamp, or none, it may have come at `oldest`. A stamp up to
+/// kMostPlausibleAge later than `now` is no fault: the frame came while the caller was at work.
 Arrival plausible_arrival(std::optional<Duration> stamp, Duration wall_time, Instant now,
-                          Duration most_age = kMostPlausibleAge);
+                          Instant oldest);
 
 }  // namespace tribus

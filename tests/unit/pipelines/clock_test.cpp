@@ -1,6 +1,12 @@
 #include "pipelines/realtime/clock.h"
 
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <chrono>
+#include <fstream>
+#include <optional>
 
 #include <gtest/gtest.h>
 
@@ -17,6 +23,42 @@ TEST(AsTimespec, ANegativeTimeIsNone) {
     const std::timespec time = as_timespec(std::chrono::milliseconds(-1));
     EXPECT_EQ(time.tv_sec, 0);
     EXPECT_EQ(time.tv_nsec, 0);
+}
+
+/// In a name space of its own, a child's machine has been suspended for a day. Returns what `look`
+/// says there; nothing where the kernel has no such name spaces, or the user may not make them.
+template <class Look>
+std::optional<bool> after_a_day_asleep(Look look) {
+    constexpr int kNotPossible = 2;
+    const pid_t maker = ::fork();
+    if (maker == 0) {
+        if (::unshare(CLONE_NEWUSER | CLONE_NEWTIME) != 0 ||
+            !(std::ofstream("/proc/self/timens_offsets") << "boottime 86400 0\n"
+                                                         << std::flush)) {
+            ::_exit(kNotPossible);
+        }
+        const pid_t child = ::fork();
+        if (child == 0) {
+            ::_exit(look() ? 0 : 1);
+        }
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        ::_exit(WEXITSTATUS(status));
+    }
+    int status = 0;
+    ::waitpid(maker, &status, 0);
+    return WEXITSTATUS(status) == kNotPossible ? std::nullopt
+                                               : std::optional(WEXITSTATUS(status) == 0);
+}
+
+TEST(Clock, counts_the_time_in_which_the_machine_was_suspended) {
+    const auto counts = after_a_day_asleep([] {
+        return monotonic_now().time_since_epoch() - awake_time_now() >= std::chrono::hours(24);
+    });
+    if (!counts) {
+        GTEST_SKIP() << "no time name spaces here";
+    }
+    EXPECT_TRUE(*counts);
 }
 
 }  // namespace

@@ -1,0 +1,41 @@
+#include "transports/links/clock_step.h"
+
+#include <chrono>
+
+#include <gtest/gtest.h>
+
+namespace tribus {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kWall = 1'000'000s;
+constexpr Instant kNow = Instant(1h);
+
+TEST(ClockStepTest, IsWhatTheSystemClockDidMoreThanTimePassed) {
+    ClockStep step;
+    step.look(kWall, kNow);
+    EXPECT_FALSE(step.since_last_look(kWall + 20ms, kNow + 20ms));
+    EXPECT_TRUE(step.since_last_look(kWall + 5s, kNow + 20ms));
+    EXPECT_TRUE(step.since_last_look(kWall - 5s, kNow + 20ms));
+}
+
+/// Back by nearly as long as nobody looked: the oldest frames would look the youngest.
+TEST(ClockStepTest, HidesBehindNoStall) {
+    ClockStep step;
+    step.look(kWall, kNow);
+    EXPECT_TRUE(step.since_last_look(kWall + 50ms, kNow + 2s));
+}
+
+TEST(ClockStepTest, IsNoSlewing) {
+    ClockStep step;
+    step.look(kWall, kNow);
+    EXPECT_FALSE(step.since_last_look(kWall + 60s + 30ms, kNow + 60s));
+}
+
+TEST(ClockStepTest, IsUnknownBeforeTheFirstLook) {
+    EXPECT_FALSE(ClockStep().since_last_look(kWall, kNow));
+}
+
+}  // namespace
+}  // namespace tribus
