@@ -42,6 +42,20 @@ std::string_view how_it_shows(const LinkState& state) {
     return "";
 }
 
+std::string_view obstacle_text(SendObstacle obstacle) {
+    switch (obstacle) {
+        case SendObstacle::none:
+            break;
+        case SendObstacle::device:
+            return "its device is not there";
+        case SendObstacle::bus:
+            return "the bus takes nothing";
+        case SendObstacle::busy:
+            return "the port does not get rid of its frames";
+    }
+    return "";
+}
+
 }  // namespace
 
 std::string as_word(std::string_view name) {
@@ -56,6 +70,8 @@ std::string_view stage_word(OutputStage stage, bool speaks) {
             return "control";
         case OutputStage::holding:
             return "hold";
+        case OutputStage::cannot_send:
+            return "cannot_send";
         case OutputStage::failsafe:
             break;
     }
@@ -70,6 +86,8 @@ std::string output_text(const OutputState& state, std::span<const std::string> i
                                           : "in failsafe";
         case OutputStage::holding:
             return "holding the last values, marked frame-lost";
+        case OutputStage::cannot_send:
+            return "cannot send: " + std::string(obstacle_text(state.obstacle));
         case OutputStage::control:
             break;
     }

@@ -15,7 +15,8 @@ std::string cause_text(const LinkState& state);
 
 /// A name as keys are written, for machines: "radio_lost".
 std::string as_word(std::string_view name);
-/// "control", "hold", "failsafe"; an output that says nothing in failsafe: "silent".
+/// "control", "hold", "failsafe", "cannot_send"; an output that says nothing in failsafe:
+/// "silent".
 std::string_view stage_word(OutputStage stage, bool speaks);
 
 /// The same of an output: "under control of backup", "in failsafe until it is released".

@@ -189,6 +189,11 @@ void add_outputs(Text& text, const StatusReport& report) {
         const OutputStage stage = report.outputs[i].status.state.stage;
         text.sample({name(i)}, stage == OutputStage::control ? 1 : 0);
     }
+    text.family("output_cannot_send", "gauge", "1 while nothing of it leaves.");
+    for (std::size_t i = 0; i < report.outputs.size(); ++i) {
+        const OutputStage stage = report.outputs[i].status.state.stage;
+        text.sample({name(i)}, stage == OutputStage::cannot_send ? 1 : 0);
+    }
     add_quantiles(text, "output_lateness_seconds", "From due to taken, of the last minute.", report,
                   &OutputReport::lateness);
     add_quantiles(text, "output_latency_seconds",
@@ -204,7 +209,8 @@ void add_surroundings(Text& text, const StatusReport& report) {
     text.family("can_ready", "gauge", "1 while the interface can send without trouble.");
     for (const PortReport& port : report.ports) {
         if (port.can) {
-            text.sample({{"port", port.name}}, port.can->state == CanBusState::ready ? 1 : 0);
+            const bool ready = port.present && port.can->state == CanBusState::ready;
+            text.sample({{"port", port.name}}, ready ? 1 : 0);
         }
     }
     text.family("can_error_frames_total", "counter", "Error frames of the interface.");

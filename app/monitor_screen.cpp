@@ -92,9 +92,9 @@ std::string output_state(const Json& output) {
     if (state == "control" && !input.empty()) {
         return "control of " + input;
     }
-    return state + (monitor::flag(output, "forced")           ? ", wanted"
-                    : monitor::flag(output, "awaits_release") ? ", waits for release"
-                                                              : "");
+    return words(state) + (monitor::flag(output, "forced")           ? ", wanted"
+                           : monitor::flag(output, "awaits_release") ? ", waits for release"
+                                                                     : "");
 }
 
 std::string output_line(const Json& output, bool selected, bool old, const ScreenStyle& style) {

@@ -134,6 +134,12 @@ Json names_of(std::span<const std::size_t> inputs, const Configuration& configur
     return json;
 }
 
+Json obstacle_word(SendObstacle obstacle) {
+    constexpr std::array<std::string_view, 4> kWords{"", "device", "bus", "busy"};
+    return obstacle == SendObstacle::none ? Json()
+                                          : Json(kWords[static_cast<std::size_t>(obstacle)]);
+}
+
 /// The place in the list of its inputs is a bit.
 Json outvoted(const OutputReport& output, const Configuration& configuration) {
     Json json = Json::array();
@@ -155,6 +161,7 @@ Json output_json(std::size_t index, const OutputReport& output, const StatusRepo
     json["port"] = config.port.device;
     json["inputs"] = names_of(output.inputs, configuration);
     json["state"] = stage_word(status.state.stage, status.speaks);
+    json["obstacle"] = obstacle_word(status.state.obstacle);
     json["forced"] = status.state.forced;
     json["awaits_release"] = status.state.awaits_release;
     json["input"] = status.state.input < configuration.inputs.size()
@@ -164,8 +171,10 @@ Json output_json(std::size_t index, const OutputReport& output, const StatusRepo
     json["rate_hz"] = number_json(std::round(output.rate_hz * 10) / 10);
     json["period_us"] = us(status.period);
     json["channels"] = channels(status.latest);
-    json["frame_lost"] = status.latest.frame_lost;
-    json["failsafe"] = status.latest.failsafe;
+    // Whoever hears nothing of it is without control.
+    const bool cannot_send = status.state.stage == OutputStage::cannot_send;
+    json["frame_lost"] = status.latest.frame_lost || cannot_send;
+    json["failsafe"] = status.latest.failsafe || cannot_send;
     json["cause"] = as_word(name_of(status.latest.cause));
     json["frames"] = status.counts.sent;
     json["overruns"] = status.overruns;
@@ -182,11 +191,11 @@ Json output_json(std::size_t index, const OutputReport& output, const StatusRepo
     return json;
 }
 
-Json can_json(const CanLinkStatus& status) {
+Json can_json(const CanLinkStatus& status, bool present) {
     constexpr std::array<std::string_view, 6> kStates{"ready",   "warning", "passive",
                                                       "stalled", "bus_off", "down"};
     const CanCounts& counts = status.counts;
-    return {{"state", kStates[static_cast<std::size_t>(status.state)]},
+    return {{"state", present ? kStates[static_cast<std::size_t>(status.state)] : "gone"},
             {"received", counts.received},
             {"sent", counts.sent},
             {"confirmed", counts.confirmed},
@@ -205,7 +214,7 @@ Json port_json(const PortReport& port) {
     Json json = {
         {"name", port.name}, {"kind", port.can ? "can" : "serial"}, {"present", port.present}};
     if (port.can) {
-        json["can"] = can_json(*port.can);
+        json["can"] = can_json(*port.can, port.present);
     }
     return json;
 }

@@ -41,6 +41,7 @@ std::string for_how_long(Duration time) {
 
 int urgency(OutputStage stage) {
     switch (stage) {
+        case OutputStage::cannot_send:
         case OutputStage::failsafe:
             return 0;
         case OutputStage::holding:

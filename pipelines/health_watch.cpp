@@ -109,9 +109,11 @@ std::optional<double> HealthWatch::number(const Engine& engine, std::size_t outp
             return watched() == Duration::zero() ? std::nullopt
                                                  : std::optional(rate(outputs_[output]));
         case OutputFact::failsafe:
-            return yes_or_no(stage == OutputStage::failsafe);
+            return yes_or_no(stage == OutputStage::failsafe || stage == OutputStage::cannot_send);
         case OutputFact::holding:
             return yes_or_no(stage == OutputStage::holding);
+        case OutputFact::cannot_send:
+            return yes_or_no(stage == OutputStage::cannot_send);
     }
     return std::nullopt;
 }

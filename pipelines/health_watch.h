@@ -25,8 +25,9 @@ enum class InputFact : std::uint8_t {
 /// And of an output.
 enum class OutputFact : std::uint8_t {
     frame_rate,
-    failsafe,  ///< 1 or 0
+    failsafe,  ///< 1 or 0; 1 also while it cannot send
     holding,   ///< 1 while old values are held, marked frame-lost
+    cannot_send,
 };
 
 struct FactName {
@@ -36,8 +37,8 @@ struct FactName {
 /// In the order of the facts.
 inline constexpr std::array<FactName, 5> kInputFacts{
     {{"frame_rate", "Hz"}, {"loss_ratio", "%"}, {"age", "ms"}, {"good", ""}, {"cause", ""}}};
-inline constexpr std::array<FactName, 3> kOutputFacts{
-    {{"frame_rate", "Hz"}, {"failsafe", ""}, {"holding", ""}}};
+inline constexpr std::array<FactName, 4> kOutputFacts{
+    {{"frame_rate", "Hz"}, {"failsafe", ""}, {"holding", ""}, {"cannot_send", ""}}};
 
 /// The health of inputs and outputs in numbers. Pure; thread-bound; no allocation after
 /// construction.

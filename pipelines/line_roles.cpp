@@ -12,10 +12,16 @@ bool unmarked(const Output& output) {
 }
 
 Shown link_lamp(const Output& output) {
-    if (output.stage() == OutputStage::failsafe) {
-        return Shown::off;
+    switch (output.stage()) {
+        case OutputStage::failsafe:
+        case OutputStage::cannot_send:
+            return Shown::off;
+        case OutputStage::control:
+            return unmarked(output) ? Shown::on : Shown::blinking;
+        case OutputStage::holding:
+            break;
     }
-    return output.stage() == OutputStage::control && unmarked(output) ? Shown::on : Shown::blinking;
+    return Shown::blinking;
 }
 
 /// The darkest of all.
@@ -29,13 +35,15 @@ Shown link_lamp(const LineTask& task, std::span<const Output> outputs) {
 
 bool any_in_failsafe(const LineTask& task, std::span<const Output> outputs) {
     return std::ranges::any_of(task.outputs, [&](std::size_t output) {
-        return outputs[output].stage() == OutputStage::failsafe;
+        const OutputStage stage = outputs[output].stage();
+        return stage == OutputStage::failsafe || stage == OutputStage::cannot_send;
     });
 }
 
 bool switched_on(const LineTask& task, std::span<const Output> outputs) {
     return std::ranges::any_of(task.outputs, [&](std::size_t output) {
-        return outputs[output].speaks() && task.rule.matches(outputs[output].latest());
+        return outputs[output].speaks() && outputs[output].stage() != OutputStage::cannot_send &&
+               task.rule.matches(outputs[output].latest());
     });
 }
 

@@ -11,6 +11,8 @@ constexpr Duration kForeignSenderMemory = std::chrono::seconds(1);
 /// Fewer are no sender: what a program that has just ended left in the controller, or somebody's
 /// experiment. Readers of a protected format see through them.
 constexpr int kForeignSenderFrames = 3;
+/// So many frames in a row are no slow moment of a port that works.
+constexpr int kBusyFrames = 10;
 
 }  // namespace
 
@@ -86,7 +88,8 @@ bool Output::must_yield(Instant now) const {
 
 OutputState Output::state(Instant now) const {
     OutputState state{
-        .stage = stage_,
+        .stage = stage(),
+        .obstacle = obstacle_,
         .awaits_release = awaits_release_,
         .forced = must_yield(now),
         .input = selector_.follows_one() ? controlling_input().value_or(kNoInput) : kNoInput,
@@ -98,7 +101,33 @@ OutputState Output::state(Instant now) const {
 }
 
 std::optional<std::size_t> Output::controlling_input() const {
-    return stage_ == OutputStage::control ? selector_.current() : std::nullopt;
+    return stage() == OutputStage::control ? selector_.current() : std::nullopt;
+}
+
+void Output::dropped_busy() {
+    ++counts_.busy_drops;
+    busy_run_ = std::min(busy_run_ + 1, kBusyFrames);
+    if (busy_run_ == kBusyFrames) {
+        obstacle_ = SendObstacle::busy;
+    }
+}
+
+void Output::dropped_lost() {
+    ++counts_.lost_drops;
+    obstacle_ = SendObstacle::device;
+}
+
+void Output::dropped_unavailable() {
+    ++counts_.unavailable_drops;
+    obstacle_ = SendObstacle::bus;
+}
+
+void Output::set_device_present(bool present) {
+    if (!present) {
+        obstacle_ = SendObstacle::device;
+    } else if (obstacle_ == SendObstacle::device) {
+        obstacle_ = SendObstacle::none;
+    }
 }
 
 std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
@@ -222,6 +251,10 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         }
     }
     spoke_ = frame.has_value();
+    if (!spoke_ && obstacle_ != SendObstacle::device) {
+        // Of one that has nothing to send nobody knows better.
+        obstacle_ = SendObstacle::none;
+    }
     schedule_.done(now, spoke_);
 }
 

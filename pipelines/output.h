@@ -47,14 +47,24 @@ struct OutputSettings {
 inline constexpr std::size_t kNoInput = SIZE_MAX;
 
 enum class OutputStage : std::uint8_t {
-    failsafe,  ///< no input in control: presets, held values with flags, or silence
-    holding,   ///< the input is lost: its last values, marked frame-lost
-    control,   ///< an input is in control
+    failsafe,     ///< no input in control: presets, held values with flags, or silence
+    holding,      ///< the input is lost: its last values, marked frame-lost
+    control,      ///< an input is in control
+    cannot_send,  ///< whatever its inputs say: nothing leaves
+};
+
+/// What keeps an output's frames from leaving.
+enum class SendObstacle : std::uint8_t {
+    none,
+    device,  ///< its device or interface is gone
+    bus,     ///< the bus takes nothing: it is down, off, or nobody acknowledges
+    busy,    ///< frame upon frame finds the one before still waiting
 };
 
 /// What an output is doing and by whom, for those who tell people.
 struct OutputState {
     OutputStage stage = OutputStage::failsafe;
+    SendObstacle obstacle = SendObstacle::none;
     /// In failsafe although an input is healthy: `release_when` is not true yet.
     bool awaits_release = false;
     /// In failsafe because somebody wants it: a switch, another node with its ids, the end.
@@ -127,10 +137,16 @@ class Output {
     /// The encoded frame that waits to be written; empty if none. Taking it makes it empty.
     /// Valid until the next `run`.
     Transmission take();
-    void written() { ++counts_.sent; }
-    void dropped_busy() { ++counts_.busy_drops; }
-    void dropped_lost() { ++counts_.lost_drops; }
-    void dropped_unavailable() { ++counts_.unavailable_drops; }
+    void written() {
+        ++counts_.sent;
+        busy_run_ = 0;
+        obstacle_ = SendObstacle::none;
+    }
+    void dropped_busy();
+    void dropped_lost();
+    void dropped_unavailable();
+    /// Its device is there, or is not: told also where there is nothing to write.
+    void set_device_present(bool present);
 
     /// The ids that it sends; empty where it is not on CAN.
     std::span<const CanIdMatch> sent_ids() const;
@@ -143,7 +159,9 @@ class Output {
     /// Indices of the inputs that may feed it, the preferred first.
     std::span<const std::size_t> inputs() const { return selector_.inputs(); }
     const InputSelector& selector() const { return selector_; }
-    OutputStage stage() const { return stage_; }
+    OutputStage stage() const {
+        return obstacle_ == SendObstacle::none ? stage_ : OutputStage::cannot_send;
+    }
     OutputState state(Instant now) const;
     /// The latest frame that it made; a default one before the first.
     const ChannelFrame& latest() const { return latest_; }
@@ -177,7 +195,10 @@ class Output {
     FailsafeSettings failsafe_;
     Glide glide_;
 
+    /// What its inputs make of it; never `cannot_send`.
     OutputStage stage_ = OutputStage::failsafe;
+    SendObstacle obstacle_ = SendObstacle::none;
+    int busy_run_ = 0;  ///< frames in a row that found the one before still waiting
     bool ending_ = false;
     bool forced_ = false;
     bool awaits_release_ = false;

@@ -17,6 +17,8 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     selector_.continue_from(before.selector_, carried_inputs);
     glide_ = before.glide_;
     stage_ = before.stage_;
+    obstacle_ = before.obstacle_;
+    busy_run_ = before.busy_run_;
     forced_ = before.forced_;
     awaits_release_ = before.awaits_release_;
     foreign_seen_ = before.foreign_seen_;

@@ -272,6 +272,7 @@ void Loop::begin() {
     clock_ = monotonic_now();
     read_until_ = clock_;
     engine_.start(clock_);
+    tell_outputs_of_links();
     if (settings_.values != nullptr) {
         settings_.values->start(clock_);
     }

@@ -217,6 +217,8 @@ class Loop {
     void watch(std::size_t port);
     void set_watched(std::size_t port, bool watched);
     void lose(Port& port);
+    void tell_outputs(const Port& port, bool present);
+    void tell_outputs_of_links();
     void accept_given_links();
     void read_port(std::size_t port, Instant now);
     void read_quiet_ports(Instant now);

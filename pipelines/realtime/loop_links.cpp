@@ -52,6 +52,7 @@ void Loop::lose(Port& port) {
     for (const std::size_t bus : port.wiring.sensor_buses) {
         settings_.values->device_lost(bus);
     }
+    tell_outputs(port, false);
     // Closing may take the kernel long: the main thread does it.
     port.lost.store(port.link.release(), std::memory_order_release);
 }
@@ -78,8 +79,21 @@ void Loop::accept_given_links() {
         Link* given = ports_[port].given.exchange(nullptr, std::memory_order_acquire);
         if (given != nullptr) {
             ports_[port].link.reset(given);
+            tell_outputs(ports_[port], true);
             watch(port);
         }
+    }
+}
+
+void Loop::tell_outputs(const Port& port, bool present) {
+    for (const std::size_t output : port.wiring.outputs) {
+        engine_.output(output).set_device_present(present);
+    }
+}
+
+void Loop::tell_outputs_of_links() {
+    for (const Port& port : ports_) {
+        tell_outputs(port, port.link != nullptr);
     }
 }
 

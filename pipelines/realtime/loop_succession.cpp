@@ -60,6 +60,7 @@ void Loop::take_over(Loop& before, Instant now) {
     take_ports(before, now);
     engine_.start(now);
     engine_.continue_from(before.engine_, carry_.engine, now);
+    tell_outputs_of_links();
     if (settings_.values != nullptr) {
         settings_.values->start(now);
         if (before.settings_.values != nullptr) {

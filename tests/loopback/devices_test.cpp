@@ -1,12 +1,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "app/ask_daemon.h"
+#include "app/monitor_fields.h"
 #include "tests/loopback/loopback.h"
 
 namespace tribus::test {
@@ -76,6 +79,31 @@ TEST_F(Loopback, OutputDeviceThatIsPulledAndPluggedInWorksAgain) {
         feed_until(repeater, servos, sbus_sight_of(sticks));
         EXPECT_EQ(servos.strays(), 0U);
     }
+    expect_clean_end(program);
+}
+
+TEST_F(Loopback, OutputWhoseDeviceIsGoneSaysThatItCannotSendAndNothingOfControl) {
+    FarEnd& receiver = device("receiver");
+    FarEnd& servo_wire = device("servos");
+    Program& program = run(write_config(main_job(kPatientInput)));
+    Repeater repeater(receiver, ibus_bytes(sticks_with_first(1200)));
+    std::optional<ServoBank> servos(servo_wire);
+    feed_until(repeater, *servos, sbus_sight_of(sticks_with_first(1200)));
+    const auto state = [&] {
+        repeater.send_if_due();
+        const auto status = ask_daemon(folder() / "control", "status", kPatience);
+        return status ? monitor::text(monitor::list(*status, "outputs")[0], "state") : "";
+    };
+    EXPECT_TRUE(eventually([&] { return state() == "control"; }));
+
+    servo_wire.pull();
+    EXPECT_TRUE(eventually([&] { return state() == "cannot_send"; }));
+    EXPECT_TRUE(program.says("output servos: cannot send: its device is not there"));
+
+    servo_wire.plug_in();
+    servos.emplace(servo_wire);
+    feed_until(repeater, *servos, sbus_sight_of(sticks_with_first(1200)));
+    EXPECT_TRUE(eventually([&] { return state() == "control"; }));
     expect_clean_end(program);
 }
 

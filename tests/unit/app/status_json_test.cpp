@@ -154,7 +154,26 @@ TEST_F(StatusJson, TellsWhichPortIsGoneAndTheStateOfABus) {
     const json ports = told()["ports"];
     EXPECT_EQ(ports[0].dump(), R"({"kind":"serial","name":"/dev/ttyAMA2","present":true})");
     EXPECT_EQ(ports[1]["present"], false);
-    EXPECT_EQ(ports[1]["can"]["state"], "bus_off");
+    EXPECT_EQ(ports[1]["can"]["state"], "gone") << "whatever it was before";
+    report_.ports[1].present = true;
+    EXPECT_EQ(told()["ports"][1]["can"]["state"], "bus_off");
+}
+
+TEST_F(StatusJson, AnOutputThatCannotSendSaysSoAndWhyAndNothingOfControl) {
+    output().latest.frame_lost = false;
+    output().latest.failsafe = false;
+    output().state.stage = OutputStage::control;
+    EXPECT_TRUE(told()["outputs"][0]["obstacle"].is_null());
+    EXPECT_EQ(told()["outputs"][0]["failsafe"], false);
+    output().state.stage = OutputStage::cannot_send;
+    output().state.obstacle = SendObstacle::bus;
+    output().speaks = true;
+    const json servos = told()["outputs"][0];
+    EXPECT_EQ(servos["state"], "cannot_send");
+    EXPECT_EQ(servos["obstacle"], "bus");
+    EXPECT_EQ(servos["failsafe"], true);
+    EXPECT_EQ(servos["frame_lost"], true);
+    EXPECT_TRUE(servos["input"].is_null());
 }
 
 TEST_F(StatusJson, NamesTheSensorsThatWereFound) {

@@ -37,6 +37,14 @@ TEST_F(StatusLineTest, tells_why_an_output_is_in_failsafe) {
               "servos: in failsafe; receiver: wire silent (no bytes any more)");
 }
 
+TEST_F(StatusLineTest, tells_why_an_output_cannot_send_whatever_its_input_says) {
+    const OutputState gone{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::device};
+    EXPECT_EQ(one(line_, kGood, gone),
+              "servos: cannot send: its device is not there; receiver: good");
+    const OutputState off{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::bus};
+    EXPECT_EQ(one(line_, kGood, off), "servos: cannot send: the bus takes nothing; receiver: good");
+}
+
 TEST_F(StatusLineTest, tells_in_steps_for_how_long) {
     one(line_, kSilent, kFailsafe);
     EXPECT_EQ(one(line_, kSilent, kFailsafe, 900ms),
