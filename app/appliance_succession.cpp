@@ -1,10 +1,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <ctime>
+#include <tuple>
 #include <utility>
 
 #include "app/appliance.h"
 #include "pipelines/realtime/clock.h"
+#include "pipelines/realtime/locked_memory.h"
 
 namespace tribus {
 namespace {
@@ -96,6 +98,10 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
                                          next->loop_settings(running->line_exchange_.get()));
     if (auto prepared = next->loop_->prepare(); !prepared) {
         return tl::unexpected(std::vector{prepared.error()});
+    }
+    // What cannot be locked of it was told at the start.
+    if (next->configuration_.runtime.realtime != Realtime::off) {
+        std::ignore = lock_new_memory();
     }
     next->look_at_machine(monotonic_now());
     running->retire_parts(carry_over.leaving);

@@ -244,6 +244,9 @@ int demo(std::optional<double> seconds) {
         fmt::print(stderr, "{}\n", bench.error());
         return kExitFailed;
     }
+    for (const std::string& lack : bench->appliance->missing_realtime()) {
+        fmt::print(stderr, "no full real time: {}\n", lack);
+    }
     std::optional<Duration> length;
     if (seconds) {
         length = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));

@@ -4,9 +4,11 @@
 #include <malloc.h>
 #include <sys/epoll.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <cinttypes>
 #include <cstdint>
@@ -88,9 +90,26 @@ int lock_c_library() {
         [&](MemoryRange segment) { return segment.holds(inside) ? lock(segment) : 0; });
 }
 
-/// Data and the stacks of threads. Not the heap: what was made there was written to then, and what
-/// is free stays away. Not the main thread's stack either: no frame waits for it.
-int lock_writable_memory() {
+/// Remembers the first thing that went wrong, and lets the others go on.
+class FirstError {
+  public:
+    void note(int result) {
+        if (result != 0 && error_ == 0) {
+            error_ = errno;
+        }
+    }
+    int error() const { return error_; }
+
+  private:
+    int error_ = 0;
+};
+
+/// Of one line of /proc/self/maps that is written to.
+enum class Mapping : std::uint8_t { other, heap, main_stack };
+
+/// Calls `visit` with each range of memory that is written to, and what it is.
+template <class Visit>
+int each_writable_range(Visit visit) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> maps(std::fopen("/proc/self/maps", "re"),
                                                                &std::fclose);
     std::array<char, 512> line{};
@@ -100,30 +119,106 @@ int lock_writable_memory() {
         std::array<char, 5> permissions{};
         std::sscanf(line.data(), "%" SCNxPTR "-%" SCNxPTR " %4s", &range.begin, &range.end,
                     permissions.data());
-        const bool written_to = std::string_view(permissions.data()).starts_with("rw");
-        const bool other = text.ends_with("[heap]\n") || text.ends_with("[stack]\n");
-        if (written_to && !other && lock(range) != 0) {
-            return -1;
+        if (std::string_view(permissions.data()).starts_with("rw")) {
+            visit(range, text.ends_with("[heap]\n")    ? Mapping::heap
+                         : text.ends_with("[stack]\n") ? Mapping::main_stack
+                                                       : Mapping::other);
         }
     }
     return maps ? 0 : -1;
 }
 
+/// Data and the stacks of threads. Not the heap: what was made there was written to then, and what
+/// is free stays away. Not the main thread's stack either: no frame waits for it.
+void lock_writable_memory(FirstError& first) {
+    first.note(each_writable_range([&](MemoryRange range, Mapping mapping) {
+        if (mapping == Mapping::other) {
+            first.note(lock(range));
+        }
+    }));
+}
+
+/// Pages of the heap stay from when they are first used.
+void lock_heap(FirstError& first) {
+    first.note(each_writable_range([&](MemoryRange range, Mapping mapping) {
+        if (mapping == Mapping::heap) {
+            first.note(advise(
+                [](void* begin, std::size_t length) {
+                    return ::mlock2(begin, length, MLOCK_ONFAULT);
+                },
+                range));
+        }
+    }));
+}
+
+void lock_data_path(FirstError& first) {
+    if (kDataPathCodeBegin == nullptr) {
+        first.note(each_clean_segment([&](MemoryRange segment) {
+            first.note(lock(segment));
+            return 0;
+        }));
+        return;
+    }
+    first.note(lock({address_of(kDataPathCodeBegin), address_of(kDataPathCodeEnd)}));
+    first.note(lock({address_of(kDataPathConstantsBegin), address_of(kDataPathConstantsEnd)}));
+    first.note(lock_c_library());
+}
+
+/// Whether what is mapped from now on counts against a limit, once it is locked as it is made. A
+/// capability that counts in a container only does not help, so the kernel is asked by doing it.
+bool limit_binds() {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {
+        return false;
+    }
+    const std::size_t beyond = limit.rlim_cur + static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    void* const probe = ::mmap(nullptr, beyond, PROT_NONE,
+                               MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (probe == MAP_FAILED) {
+        return true;
+    }
+    ::munmap(probe, beyond);
+    return false;
+}
+
+/// What comes is locked by itself from here on. False, and nothing is locked, where a limit binds.
+bool lock_all_that_comes() {
+    const int on_use = kDataPathCodeBegin == nullptr ? 0 : MCL_ONFAULT;
+    if (::mlockall(MCL_FUTURE | on_use) != 0 || limit_binds() ||
+        ::mlockall(MCL_CURRENT | MCL_FUTURE | on_use) != 0) {
+        ::munlockall();
+        return false;
+    }
+    return true;
+}
+
+std::atomic<bool> some_comes_unlocked{false};
+
 }  // namespace
 
 int lock_memory() {
-    if (kDataPathCodeBegin == nullptr) {
-        return ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
-    }
     ::munlockall();
     ::malloc_trim(0);
-    drop_clean_segments();
-    const bool locked =
-        ::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0 &&
-        lock({address_of(kDataPathCodeBegin), address_of(kDataPathCodeEnd)}) == 0 &&
-        lock({address_of(kDataPathConstantsBegin), address_of(kDataPathConstantsEnd)}) == 0 &&
-        lock_c_library() == 0 && lock_writable_memory() == 0;
-    return locked ? 0 : errno;
+    if (kDataPathCodeBegin != nullptr) {
+        drop_clean_segments();
+    }
+    FirstError first;
+    some_comes_unlocked = !lock_all_that_comes();
+    lock_data_path(first);
+    lock_writable_memory(first);
+    if (some_comes_unlocked) {
+        lock_heap(first);
+    }
+    return first.error();
+}
+
+int lock_new_memory() {
+    FirstError first;
+    if (some_comes_unlocked) {
+        lock_writable_memory(first);
+        lock_heap(first);
+    }
+    return first.error();
 }
 
 }  // namespace tribus

@@ -47,7 +47,7 @@ void run_first(int priority, Missing& missing) {
 void keep_in_memory(Missing& missing) {
     const int error = lock_memory();
     if (error != 0) {
-        missing.push_back("memory is not locked (" + reason(error) +
+        missing.push_back("not all memory is locked (" + reason(error) +
                           "); run as root, or give CAP_IPC_LOCK or `ulimit -l unlimited`");
     }
 }

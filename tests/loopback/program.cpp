@@ -1,8 +1,10 @@
 #include "tests/loopback/program.h"
 
 #include <fcntl.h>
+#include <grp.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -53,6 +55,29 @@ void redirect(int stream, const std::string& path, int flags) {
     }
 }
 
+void lower_limit(__rlimit_resource resource, rlim_t most) {
+    rlimit limit{};
+    ::getrlimit(resource, &limit);
+    limit.rlim_max = std::min(limit.rlim_max, most);
+    limit.rlim_cur = limit.rlim_max;
+    if (::setrlimit(resource, &limit) != 0) {
+        ::_exit(kCannotStart);
+    }
+}
+
+void become_ordinary_user() {
+    constexpr rlim_t kDebiansLimit = 8 << 20;
+    lower_limit(RLIMIT_MEMLOCK, kDebiansLimit);
+    lower_limit(RLIMIT_STACK, kDebiansLimit);
+    lower_limit(RLIMIT_RTPRIO, 0);
+    if (::geteuid() == 0 && (::setgroups(0, nullptr) != 0 || ::setgid(kNobody) != 0 ||
+                             ::setuid(kNobody) != 0)) {
+        ::_exit(kCannotStart);
+    }
+    // Another account has lost it.
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+}
+
 }  // namespace
 
 bool heap_trap_works() {
@@ -93,7 +118,9 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
                                     ? std::filesystem::path(output_file_).parent_path().string()
                                     : settings.runtime_directory;
     ::setenv("RUNTIME_DIRECTORY", runtime.c_str(), 1);
-    if (heap_trap_works()) {
+    if (settings.ordinary_user) {
+        become_ordinary_user();
+    } else if (heap_trap_works()) {
         ::setenv("LD_PRELOAD", TRIBUS_HEAP_TRAP, 1);
     }
     std::string name = settings.executable;

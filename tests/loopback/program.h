@@ -30,6 +30,9 @@ bool eventually(Done done) {
     return true;
 }
 
+/// Debian's account `nobody`, and its group.
+inline constexpr uid_t kNobody = 65534;
+
 /// Whether the program runs with the heap trap; not where a sanitizer has the heap.
 bool heap_trap_works();
 
@@ -39,6 +42,9 @@ struct ProgramSettings {
     std::string terminal = {};
     /// As a service manager gives one; empty: the test's folder.
     std::string runtime_directory = {};
+    /// An account without rights, with Debian's limits: 8 MiB of locked memory and of stack, no
+    /// real-time priority. Without the heap trap. Where the tests have no root, their own account.
+    bool ordinary_user = false;
 };
 
 /// A program at work, with the heap trap. Never outlives its object, nor the test.

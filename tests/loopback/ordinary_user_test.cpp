@@ -1,0 +1,117 @@
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/loopback/loopback.h"
+
+namespace tribus::test {
+namespace {
+
+/// Who has just installed it and may do nothing special: Debian's limits let 8 MiB be locked, and a
+/// thread's stack is 8 MiB by default.
+class OrdinaryUser : public Loopback {
+  protected:
+    OrdinaryUser() {
+        namespace fs = std::filesystem;
+        fs::permissions(folder(), fs::perms::owner_all | fs::perms::group_all |
+                                      fs::perms::others_all);
+        // The build folder may be one that nobody else may enter.
+        fs::copy_file(TRIBUS_PROGRAM, program_);
+    }
+    FarEnd& own_device(const std::string& name) {
+        FarEnd& far_end = device(name);
+        if (::geteuid() == 0) {
+            EXPECT_EQ(::chown(far_end.path().c_str(), kNobody, kNobody), 0);
+        }
+        return far_end;
+    }
+    Program& start_as_user(const std::vector<std::string>& arguments) {
+        return start(arguments, {.executable = program_.string(), .ordinary_user = true});
+    }
+
+  private:
+    std::filesystem::path program_ = folder() / "tribus";
+};
+
+TEST_F(OrdinaryUser, RunsTheDemo) {
+    Program& program = start_as_user({"demo", "--seconds", "2"});
+    EXPECT_EQ(program.end(), 0) << program.errors() << program.output();
+    EXPECT_EQ(count_of("lost:     0\n", program.output()), 1U) << program.output();
+    EXPECT_EQ(count_of("the data thread has no real-time priority", program.errors()), 1U)
+        << program.errors();
+}
+
+TEST_F(OrdinaryUser, RunsAConfigurationAndIsToldOnceWhatOfRealTimeThereIsNot) {
+    FarEnd& receiver = own_device("receiver");
+    FarEnd& servo_wire = own_device("servos");
+    ServoBank servos(servo_wire);
+    const std::string config = write_config(main_job(kPatientInput));
+    Program& program = start_as_user({"run", config});
+    ASSERT_TRUE(program.says("started")) << program.errors();
+    const Sticks sticks(14, 1600);
+    const SbusSight wanted = sbus_sight_of(sticks);
+    Repeater repeater(receiver, ibus_bytes(sticks));
+    EXPECT_TRUE(eventually([&] {
+        repeater.send_if_due();
+        const auto seen = servos.listen();
+        return std::any_of(seen.begin(), seen.end(), [&](const SbusSight& sight) {
+            return sight.good() && same_channels(sight, wanted);
+        });
+    })) << program.errors();
+    EXPECT_EQ(count_of("the data thread has no real-time priority", program.errors()), 1U)
+        << program.errors();
+    EXPECT_EQ(count_of("[error]", program.errors()), 0U) << program.errors();
+
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded")) << program.errors();
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.end(), 0) << program.errors();
+}
+
+/// Where memory that comes later were locked too, it could not be had.
+TEST_F(OrdinaryUser, TakesMoreMemoryAtAReloadThanMayBeLocked) {
+    own_device("receiver");
+    own_device("servos");
+    Program& program = start_as_user({"run", write_config(main_job(kPatientInput))});
+    ASSERT_TRUE(program.says("started")) << program.errors();
+    // For each of the two ports 16 MiB.
+    write_config("[recorder]\nmemory = 16384\ndirectory = \"@recordings\"\n" +
+                 main_job(kPatientInput));
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded")) << program.errors();
+    EXPECT_EQ(count_of("cannot be had", program.errors()), 0U) << program.errors();
+    program.signal(SIGTERM);
+    EXPECT_EQ(program.end(), 0) << program.errors();
+}
+
+/// What the data path touches is a few MiB: the limit is enough for it.
+TEST_F(OrdinaryUser, HasWhatTheDataPathTouchesInMemory) {
+    own_device("receiver");
+    own_device("servos");
+    Program& program = start_as_user({"run", write_config(main_job(kPatientInput))});
+    ASSERT_TRUE(program.says("started")) << program.errors();
+    constexpr long kLimitKib = 8 * 1024;
+    EXPECT_GT(program.memory_kib("VmLck"), 2048);
+    EXPECT_LE(program.memory_kib("VmLck"), kLimitKib);
+    EXPECT_EQ(count_of("memory is locked", program.errors()), 0U) << program.errors();
+}
+
+TEST_F(OrdinaryUser, IsRefusedWhereTheConfigurationRequiresRealTime) {
+    own_device("receiver");
+    own_device("servos");
+    Program& program =
+        start_as_user({"run", write_config("[runtime]\nrealtime = \"require\"\n" + main_job())});
+    EXPECT_EQ(program.end(), 1) << program.errors();
+    EXPECT_EQ(count_of("the data thread has no real-time priority", program.errors()), 1U)
+        << program.errors();
+}
+
+}  // namespace
+}  // namespace tribus::test
