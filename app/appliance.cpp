@@ -62,13 +62,8 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
     // Lines first: an inverter is selected before the port behind it wakes up.
     auto lines = open_lines(missing, errors);
     for (std::size_t port = 0; port < plans_.size(); ++port) {
-        auto link = open_port(configuration_, *engine_, values_.get(), plans_[port]);
-        missing_[port] = !link;
-        if (!link && missing == MissingDevices::refuse) {
-            errors.push_back(link.error());
-        }
+        links.push_back(open_or_wait(port, missing, errors));
         wiring.push_back(plans_[port].wiring);
-        links.push_back(link ? std::move(*link) : nullptr);
     }
     if (errors.empty()) {
         errors = make_threads(std::move(wiring), std::move(links), std::move(lines));
@@ -76,12 +71,27 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
     return errors;
 }
 
+std::unique_ptr<Link> Appliance::open_or_wait(std::size_t port, MissingDevices missing,
+                                              std::vector<std::string>& errors) {
+    auto link = open_port(configuration_, *engine_, values_.get(), plans_[port]);
+    missing_[port] = !link;
+    if (link) {
+        return std::move(*link);
+    }
+    if (missing == MissingDevices::wait_for_absent && is_missing(plans_[port].config)) {
+        waits_for_.push_back(link.error());
+    } else if (missing != MissingDevices::wait_for) {
+        errors.push_back(link.error());
+    }
+    return nullptr;
+}
+
 std::vector<std::unique_ptr<HeldLine>> Appliance::open_lines(MissingDevices missing,
                                                              std::vector<std::string>& errors) {
     std::vector<std::unique_ptr<HeldLine>> lines;
     for (const LineConfig& config : configuration_.lines) {
         auto line = open_line(configuration_, config);
-        if (!line && missing == MissingDevices::refuse) {
+        if (!line && missing != MissingDevices::wait_for) {
             errors.push_back(line.error());
         }
         missing_lines_.push_back(!line);

@@ -30,9 +30,12 @@ namespace tribus {
 /// main thread.
 class Appliance {
   public:
+    /// What becomes of devices that cannot be opened. `tend` opens what is waited for, as if it had
+    /// vanished later.
     enum class MissingDevices : std::uint8_t {
-        refuse,    ///< each is an error
-        wait_for,  ///< as if they had vanished later; `tend` opens them
+        refuse,           ///< each is an error
+        wait_for_absent,  ///< a port of which there is nothing is waited for; others are errors
+        wait_for,         ///< each is waited for, whatever is wrong with it
     };
     /// All that can be made of a configuration beforehand. Opens no device. Any thread.
     static std::unique_ptr<Appliance> build(Configuration configuration);
@@ -71,6 +74,8 @@ class Appliance {
     const Configuration& configuration() const { return configuration_; }
     /// What real time could not be had, as sentences.
     const std::vector<std::string>& missing_realtime() const { return missing_realtime_; }
+    /// What was not there at the start and is waited for, as sentences. Of `wait_for_absent` only.
+    const std::vector<std::string>& waits_for() const { return waits_for_; }
     /// When the data thread last wrote down its figures.
     Instant figures_at() const { return loop_->published_at(); }
     AbsenceStatus absence() const { return loop_->absence(); }
@@ -120,6 +125,8 @@ class Appliance {
   private:
     explicit Appliance(Configuration configuration);
     std::vector<std::string> open_devices(MissingDevices missing);
+    std::unique_ptr<Link> open_or_wait(std::size_t port, MissingDevices missing,
+                                       std::vector<std::string>& errors);
     std::vector<std::unique_ptr<HeldLine>> open_lines(MissingDevices missing,
                                                       std::vector<std::string>& errors);
     std::vector<std::string> make_threads(std::vector<PortWiring> wiring,
@@ -155,6 +162,7 @@ class Appliance {
     std::unique_ptr<Loop> loop_;
     std::unique_ptr<DataThread> thread_;
     std::vector<std::string> missing_realtime_;
+    std::vector<std::string> waits_for_;
 };
 
 }  // namespace tribus

@@ -73,14 +73,17 @@ bool Daemon::start_or_log(std::unique_ptr<Appliance> built, Appliance::MissingDe
     for (const std::string& lack : appliance_->missing_realtime()) {
         spdlog::warn("no full real time: {}", lack);
     }
+    for (const std::string& absent : appliance_->waits_for()) {
+        spdlog::warn("{}; waiting for it", absent);
+    }
     spdlog::info("started {}", summary(appliance_->configuration()));
     return true;
 }
 
 void Daemon::start(Configuration configuration) {
     std::vector<std::string> errors;
-    start_or_log(Appliance::build(std::move(configuration)), Appliance::MissingDevices::refuse,
-                 errors);
+    start_or_log(Appliance::build(std::move(configuration)),
+                 Appliance::MissingDevices::wait_for_absent, errors);
     watch();
 }
 

@@ -23,7 +23,9 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     }
     outputs_.resize(configuration.outputs.size());
     for (const Appliance::DeviceEvent& device : appliance.devices()) {
-        devices_[device.name].present = device.back;
+        // A start says itself what it waits for.
+        const bool told = !device.back && !appliance.waits_for().empty();
+        devices_[device.name] = {.present = device.back, .ever = !told, .word = LastWord(!told)};
     }
 }
 
@@ -42,6 +44,7 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
     for (auto& [name, memory] : devices_) {
         if (const auto known = before.devices_.find(name); known != before.devices_.end()) {
             memory.word = known->second.word;
+            memory.ever = known->second.ever;
             memory.limit = known->second.limit;
         }
     }
@@ -171,9 +174,13 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
         const bool back = memory.present;
         if (const auto swallowed = memory.word.look(back, memory.limit, now)) {
             const LogFields fields({"TRIBUS_DEVICE", name});
-            spdlog::log(back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}", name,
-                        back ? "is back" : "is gone; waiting for it", swallowed_note(*swallowed));
+            const std::string_view word = !back         ? "is gone; waiting for it"
+                                          : memory.ever ? "is back"
+                                                        : "is there";
+            spdlog::log(back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}", name, word,
+                        swallowed_note(*swallowed));
         }
+        memory.ever = memory.ever || back;
     };
     // One that goes and comes within a look has been gone nevertheless.
     for (const Appliance::DeviceEvent& event : appliance.tend()) {

@@ -58,6 +58,7 @@ class StateLog {
     };
     struct DeviceMemory {
         bool present = true;
+        bool ever = true;
         LastWord<bool> word{true};
         RateLimit limit = log_limit();
     };

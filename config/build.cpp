@@ -167,6 +167,11 @@ CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* v
     return settings;
 }
 
+bool is_missing(const PortConfig& port) {
+    return port.link == LinkKind::can ? CanSocket::is_missing(port.device)
+                                      : SerialPort::is_missing(port.device);
+}
+
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
                                                            const Engine& engine,
                                                            const ValueEngine* values,

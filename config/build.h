@@ -42,6 +42,9 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration);
 CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* values,
                                       const PortPlan& plan);
 
+/// Nothing has the name of that device or interface (yet).
+bool is_missing(const PortConfig& port);
+
 /// Opens one device. With `open_line` the only place in the program that does. The error is for the
 /// person who set it up: `file:line:column: ...`. The ids that a CAN interface is to pass are those
 /// of the engine's inputs and outputs, and of the values.

@@ -25,14 +25,15 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 TEST_F(Loopback, MissingDevicesAreEachNamedWithTheirPlaceInTheFile) {
     const std::string path = write_config(main_job());
-    Program& program = start({"run", path});
-    EXPECT_EQ(program.end(), 1);
+    Program& program = run(path);
     const std::string errors = program.errors();
     const std::string place = path + ":3:10: " + folder().string() + "/receiver: ";
     EXPECT_EQ(count_of(place + "there is no such device", errors), 1U) << errors;
     const std::string second = path + ":7:10: " + folder().string() + "/servos: ";
     EXPECT_EQ(count_of(second + "there is no such device", errors), 1U) << errors;
+    EXPECT_EQ(count_of("waiting for it", errors), 2U) << errors;
     EXPECT_EQ(program.output(), "");
+    expect_clean_end(program);
 }
 
 TEST_F(Loopback, DeviceThatIsNoSerialOneIsRefused) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -235,6 +236,51 @@ TEST_F(Loopback, BackupTakesOverFromAPulledMainAndGivesControlBack) {
     main_wire.plug_in();
     EXPECT_TRUE(program.says("is back"));
     until_good(from_main, true);
+    expect_clean_end(program);
+}
+
+TEST_F(Loopback, ReceiverThatIsMissingAtTheStartIsWaitedForWhileTheOtherControls) {
+    FarEnd& backup_wire = device("backup");
+    ServoBank servos(device("servos"));
+    Program& program = run(write_config(kTwoReceivers));
+    EXPECT_TRUE(program.says("/main: there is no such device"));
+    const SbusSight from_backup = sbus_sight_of(sticks_with_first(1200));
+    Repeater backup(backup_wire, sbus_bytes(from_backup));
+    feed_until(backup, servos, from_backup);
+
+    FarEnd& main_wire = device("main");
+    EXPECT_TRUE(program.says("device " + main_wire.path() + ": is there"));
+    Repeater main_receiver(main_wire, ibus_bytes(sticks_with_first(1800, 14)));
+    const SbusSight from_main = sbus_sight_of(sticks_with_first(1800, 14));
+    EXPECT_TRUE(eventually([&] {
+        backup.send_if_due();
+        main_receiver.send_if_due();
+        const auto seen = servos.listen();
+        return !seen.empty() && seen.back().good() && same_channels(seen.back(), from_main);
+    }));
+    EXPECT_EQ(count_of("waiting for it", program.errors()), 1U) << program.errors();
+    expect_clean_end(program);
+}
+
+TEST_F(Loopback, OutputDeviceThatIsMissingAtTheStartIsWaitedFor) {
+    FarEnd& receiver = device("receiver");
+    Program& program = run(write_config(main_job(kPatientInput)));
+    EXPECT_TRUE(program.says("output servos: cannot send: its device is not there"));
+    FarEnd& servo_wire = device("servos");
+    EXPECT_TRUE(program.says("device " + servo_wire.path() + ": is there"));
+    ServoBank servos(servo_wire);
+    Repeater repeater(receiver, ibus_bytes(sticks_with_first(1200)));
+    feed_until(repeater, servos, sbus_sight_of(sticks_with_first(1200)));
+    EXPECT_EQ(servos.strays(), 0U);
+    expect_clean_end(program);
+}
+
+/// A link under /dev/serial/by-id whose adapter is just going, or one to nowhere.
+TEST_F(Loopback, LinkToADeviceThatIsNotThereIsWaitedFor) {
+    device("servos");
+    std::filesystem::create_symlink(folder() / "nothing", folder() / "receiver");
+    Program& program = run(write_config(main_job()));
+    EXPECT_TRUE(program.says("/receiver: there is no such device"));
     expect_clean_end(program);
 }
 

@@ -98,6 +98,11 @@ CanSocket::CanSocket(UniqueFd fd, CanInterface interface)
 
 CanSocket::~CanSocket() = default;
 
+bool CanSocket::is_missing(const std::string& interface) {
+    return !interface.empty() && interface.size() < IFNAMSIZ &&
+           ::if_nametoindex(interface.c_str()) == 0 && errno == ENODEV;
+}
+
 ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_time) {
     reception.count = 0;
     reception.full = false;

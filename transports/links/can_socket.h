@@ -44,6 +44,9 @@ class CanSocket final : public CanLink {
     static tl::expected<std::unique_ptr<CanSocket>, std::string> open(
         const std::string& interface, const CanSocketSettings& settings);
 
+    /// No network interface has that name, which is a possible one: it may be plugged in later.
+    static bool is_missing(const std::string& interface);
+
     CanSocket(const CanSocket&) = delete;
     CanSocket& operator=(const CanSocket&) = delete;
     ~CanSocket() override;

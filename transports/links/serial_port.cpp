@@ -203,6 +203,11 @@ tl::expected<std::unique_ptr<SerialPort>, std::string> SerialPort::open(
     return port;
 }
 
+bool SerialPort::is_missing(const std::string& device) {
+    struct stat node {};
+    return ::stat(device.c_str(), &node) != 0 && errno == ENOENT;
+}
+
 SerialPort::~SerialPort() {
     int queued = 0;
     for (int waited = 0; waited < kMostDrainMilliseconds; ++waited) {

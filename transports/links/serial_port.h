@@ -26,6 +26,9 @@ class SerialPort : public ByteLink {
     static tl::expected<std::unique_ptr<SerialPort>, std::string> open(
         const std::string& device, const LineSettings& settings);
 
+    /// Nothing has that name: it may be plugged in later.
+    static bool is_missing(const std::string& device);
+
     SerialPort(const SerialPort&) = delete;
     SerialPort& operator=(const SerialPort&) = delete;
     /// Waits for the frame that is on its way, at most `kMostDrainMilliseconds`, and throws away

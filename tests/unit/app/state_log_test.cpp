@@ -200,8 +200,8 @@ TEST_F(StateLogOverAReload, SaysWhoIsInControlWhenTheInputsAreOthers) {
 }
 
 TEST_F(StateLogOverAReload, SaysNothingAgainOfADeviceThatIsGone) {
-    servos_.pull();
     receive_until_control(Instant(1s));
+    servos_.pull();
     EXPECT_EQ(said_soon(device(servos_)), device(servos_) + "is gone; waiting for it\n");
     reload(Instant(2s));
     EXPECT_EQ(said_at(Instant(2s), device(servos_)), "");
