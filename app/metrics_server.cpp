@@ -1,12 +1,17 @@
 #include "app/metrics_server.h"
 
+#include <arpa/inet.h>
 #include <netdb.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
+#include <charconv>
 #include <cstring>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -20,16 +25,23 @@ using Refused = tl::unexpected<std::string>;
 constexpr std::size_t kMostClients = 4;
 constexpr std::size_t kLongestHead = 4096;
 constexpr Duration kPatience = std::chrono::seconds(5);
+constexpr Duration kLongestConnection = std::chrono::seconds(10);
 
 struct AddressDeleter {
     void operator()(addrinfo* address) const { ::freeaddrinfo(address); }
 };
 using Address = std::unique_ptr<addrinfo, AddressDeleter>;
 
+/// An empty one would be any, and of one that is too large getaddrinfo(3) takes the lower 16 bits.
+bool is_port(const std::string& text) {
+    std::uint16_t port = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), port);
+    return !text.empty() && read.ec == std::errc() && read.ptr == text.data() + text.size();
+}
+
 Address resolve(const std::string& text) {
     const std::size_t colon = text.rfind(':');
-    // An empty port would be any.
-    if (colon == std::string::npos || colon + 1 == text.size()) {
+    if (colon == std::string::npos || !is_port(text.substr(colon + 1))) {
         return nullptr;
     }
     std::string host = text.substr(0, colon);
@@ -94,9 +106,49 @@ bool head_is_complete(std::string_view received) {
            received.find("\n\n") != std::string_view::npos;
 }
 
+std::string_view trimmed(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t");
+    return begin == std::string_view::npos
+               ? std::string_view()
+               : text.substr(begin, text.find_last_not_of(" \t\r") - begin + 1);
+}
+
+bool same_but_for_case(std::string_view a, std::string_view b) {
+    return std::ranges::equal(
+        a, b, {}, [](unsigned char c) { return std::tolower(c); },
+        [](unsigned char c) { return std::tolower(c); });
+}
+
+/// An address of either kind, or localhost, with a port or without.
+bool is_own_host(std::string_view host) {
+    const std::size_t bracket = host.find(']');
+    const bool v6 = host.starts_with('[') && bracket != std::string_view::npos;
+    const std::string name(v6 ? host.substr(1, bracket - 1) : host.substr(0, host.find(':')));
+    in6_addr address{};
+    return v6 ? ::inet_pton(AF_INET6, name.c_str(), &address) == 1
+              : same_but_for_case(name, "localhost") ||
+                    ::inet_pton(AF_INET, name.c_str(), &address) == 1;
+}
+
+/// No browser leaves the line out.
+bool asks_this_machine(std::string_view head) {
+    constexpr std::string_view kHost = "host:";
+    while (!head.empty()) {
+        const std::size_t end = head.find('\n');
+        const std::string_view line = head.substr(0, end);
+        if (same_but_for_case(line.substr(0, kHost.size()), kHost) &&
+            !is_own_host(trimmed(line.substr(kHost.size())))) {
+            return false;
+        }
+        head.remove_prefix(end == std::string_view::npos ? head.size() : end + 1);
+    }
+    return true;
+}
+
 }  // namespace
 
-std::string http_response(std::string_view head, const std::function<std::string()>& metrics) {
+std::string http_response(std::string_view head, HostNames allowed,
+                          const std::function<std::string()>& metrics) {
     const std::string_view line = head.substr(0, head.find_first_of("\r\n"));
     const std::size_t target = line.find(' ');
     const std::size_t version = line.rfind(' ');
@@ -106,6 +158,10 @@ std::string http_response(std::string_view head, const std::function<std::string
     }
     if (line.substr(0, target) != "GET") {
         return response("405 Method Not Allowed", "only GET\n");
+    }
+    if (allowed == HostNames::own && !asks_this_machine(head)) {
+        return response("421 Misdirected Request",
+                        "ask for an address or localhost, not another name\n");
     }
     std::string_view path = line.substr(target + 1, version - target - 1);
     path = path.substr(0, path.find('?'));
@@ -117,6 +173,8 @@ tl::expected<std::unique_ptr<MetricsServer>, std::string> MetricsServer::open(
     const std::string& address, MetricsReach reach, std::function<std::string()> metrics) {
     std::unique_ptr<MetricsServer> server(new MetricsServer);
     UniqueFd listening;
+    const bool own_names = reach == MetricsReach::local && !address.starts_with('/');
+    const HostNames allowed = own_names ? HostNames::own : HostNames::any;
     if (address.starts_with('/')) {
         auto listener = LocalListener::open(address);
         if (!listener) {
@@ -131,13 +189,14 @@ tl::expected<std::unique_ptr<MetricsServer>, std::string> MetricsServer::open(
         }
         listening = std::move(*socket);
     }
-    const auto request = [metrics = std::move(metrics)](SocketClient& client, Instant now) {
+    const auto request = [allowed, metrics = std::move(metrics)](SocketClient& client,
+                                                                 Instant now) {
         const bool complete = head_is_complete(client.received());
         if (!complete && !client.request_too_long()) {
             return true;
         }
         client.close_when_sent();
-        return client.send(complete ? http_response(client.received(), metrics)
+        return client.send(complete ? http_response(client.received(), allowed, metrics)
                                     : response("431 Request Header Fields Too Large", ""),
                            now);
     };
@@ -147,6 +206,7 @@ tl::expected<std::unique_ptr<MetricsServer>, std::string> MetricsServer::open(
                                     .request = kLongestHead,
                                     .unread = kPatience,
                                     .idle = kPatience,
+                                    .whole = kLongestConnection,
                                     .refusal = {}},
                                    {.request = request, .repeat = never});
     if (!made) {

@@ -45,7 +45,15 @@ class MetricsServer {
     std::optional<SocketServer> server_;
 };
 
+/// Whom a browser on this machine may think that it talks to. A page from elsewhere whose host name
+/// leads to 127.0.0.1 would read all that is told.
+enum class HostNames : std::uint8_t {
+    own,  ///< an address, or localhost
+    any,
+};
+
 /// The whole response to a request of which the head is complete. Pure.
-std::string http_response(std::string_view head, const std::function<std::string()>& metrics);
+std::string http_response(std::string_view head, HostNames allowed,
+                          const std::function<std::string()>& metrics);
 
 }  // namespace tribus

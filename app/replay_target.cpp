@@ -10,9 +10,8 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
-#include <filesystem>
+#include <optional>
 #include <span>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -32,13 +31,14 @@ using Opened = tl::expected<std::unique_ptr<ReplayTarget>, std::string>;
 /// A new pseudo-terminal, and perhaps a link with a name that stays the same.
 class PtyTarget final : public ReplayTarget {
   public:
-    PtyTarget(Pty pty, std::string link) : pty_(std::move(pty)), link_(std::move(link)) {}
+    PtyTarget(Pty pty, std::string link)
+        : pty_(std::move(pty)), link_(std::move(link)), link_inode_(inode_of(link_)) {}
     PtyTarget(const PtyTarget&) = delete;
     PtyTarget& operator=(const PtyTarget&) = delete;
     ~PtyTarget() override {
-        std::error_code error;
-        if (!link_.empty() && std::filesystem::read_symlink(link_, error) == pty_.path) {
-            std::filesystem::remove(link_, error);
+        // Somebody may have put another thing in its place.
+        if (link_inode_ && inode_of(link_) == link_inode_) {
+            ::unlink(link_.c_str());
         }
     }
 
@@ -97,15 +97,20 @@ class PtyTarget final : public ReplayTarget {
         if (link.empty()) {
             return {};
         }
-        struct stat there {};
-        if (::lstat(link.c_str(), &there) == 0 && !S_ISLNK(there.st_mode)) {
-            return Refused(fmt::format("--link {}: is there already and is no link", link));
-        }
-        ::unlink(link.c_str());
         if (::symlink(path.c_str(), link.c_str()) != 0) {
-            return Refused(fmt::format("--link {}: {}", link, std::strerror(errno)));
+            return Refused(errno == EEXIST
+                               ? fmt::format("--link {}: is there already; remove it, or choose "
+                                             "another name",
+                                             link)
+                               : fmt::format("--link {}: {}", link, std::strerror(errno)));
         }
         return {};
+    }
+    static std::optional<std::pair<dev_t, ino_t>> inode_of(const std::string& link) {
+        struct stat there {};
+        return !link.empty() && ::lstat(link.c_str(), &there) == 0
+                   ? std::optional(std::pair(there.st_dev, there.st_ino))
+                   : std::nullopt;
     }
     bool has_reader() const {
         pollfd master{.fd = pty_.master.get(), .events = 0, .revents = 0};
@@ -114,6 +119,7 @@ class PtyTarget final : public ReplayTarget {
 
     Pty pty_;
     std::string link_;
+    std::optional<std::pair<dev_t, ino_t>> link_inode_;
 };
 
 class SerialTarget final : public ReplayTarget {

@@ -10,8 +10,13 @@
 
 namespace tribus {
 
-SocketClient::SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now)
-    : descriptor_(std::move(descriptor)), most_received_(most_received), quiet_since_(now) {}
+SocketClient::SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now,
+                           std::uint32_t user)
+    : descriptor_(std::move(descriptor)),
+      most_received_(most_received),
+      quiet_since_(now),
+      begin_(now),
+      user_(user) {}
 
 bool SocketClient::receive(Instant now) {
     constexpr std::size_t kBytesAtOnce = 1024;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -17,10 +18,14 @@ namespace tribus {
 /// is not even read before that has left. Thread-bound.
 class SocketClient {
   public:
-    /// `most_received` is the longest request in bytes.
-    SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now);
+    /// `most_received` is the longest request in bytes, `user` whose it is.
+    SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now,
+                 std::uint32_t user = 0);
 
     int descriptor() const { return descriptor_.get(); }
+    std::uint32_t user() const { return user_; }
+    /// When it connected.
+    Instant begin() const { return begin_; }
     /// Reads what is there. False: it is gone, or its connection is broken.
     bool receive(Instant now);
     /// Bytes of requests that were not taken yet.
@@ -79,6 +84,8 @@ class SocketClient {
     Duration period_{};
     Instant next_{};
     Instant quiet_since_;
+    Instant begin_;
+    std::uint32_t user_;
 };
 
 }  // namespace tribus

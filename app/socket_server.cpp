@@ -7,12 +7,22 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <map>
+#include <utility>
 
 namespace tribus {
 namespace {
 
 /// For when this process has no descriptor left: trying on would take a whole processor.
 constexpr Duration kAcceptPause = std::chrono::seconds(1);
+
+/// On a local socket; 0 beyond.
+std::uint32_t user_of(int descriptor) {
+    ucred peer{};
+    socklen_t size = sizeof peer;
+    const bool known = ::getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &peer, &size) == 0;
+    return known ? peer.uid : 0;
+}
 
 bool hung_up(int descriptor) {
     pollfd state{.fd = descriptor, .events = 0, .revents = 0};
@@ -73,17 +83,46 @@ void SocketServer::accept_all(Instant now) {
             }
             return;
         }
-        if (clients_.size() >= limits_.clients) {
+        const std::uint32_t user = user_of(client.get());
+        if (clients_.size() >= limits_.clients && !make_room_for(user)) {
             refuse(std::move(client));
             continue;
         }
-        watch(clients_.emplace_back(std::move(client), limits_.request, now));
+        watch(clients_.emplace_back(std::move(client), limits_.request, now, user));
     }
+}
+
+/// Who watches is quiet only where another user has fewer places.
+bool SocketServer::make_room_for(std::uint32_t user) {
+    std::map<std::uint32_t, std::size_t> places;
+    for (const SocketClient& client : clients_) {
+        ++places[client.user()];
+    }
+    const auto greediest = std::ranges::max_element(
+        places, {}, [](const auto& user_and_places) { return user_and_places.second; });
+    const bool has_more = greediest->second > places[user] + 1;
+    auto victim = clients_.end();
+    for (auto client = clients_.begin(); client != clients_.end(); ++client) {
+        const bool idle = client->ready() && !client->waits() && !client->repeats();
+        const bool may_go = client->user() == greediest->first && (idle || has_more);
+        if (may_go &&
+            (victim == clients_.end() || std::pair(client->repeats(), client->quiet_since()) <
+                                             std::pair(victim->repeats(), victim->quiet_since()))) {
+            victim = client;
+        }
+    }
+    if (victim == clients_.end()) {
+        return false;
+    }
+    clients_.erase(victim);
+    ++dropped_;
+    return true;
 }
 
 Instant SocketServer::patience_end(const SocketClient& client) const {
     const bool waits_for_request = client.ready() && !client.repeats();
-    return later(client.quiet_since(), waits_for_request ? limits_.idle : limits_.unread);
+    return std::min(later(client.quiet_since(), waits_for_request ? limits_.idle : limits_.unread),
+                    later(client.begin(), limits_.whole));
 }
 
 /// A client that has not read the answer before gets none, and later the newest one.

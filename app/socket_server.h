@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <list>
 #include <string>
@@ -24,13 +25,16 @@ struct SocketLimits {
     Duration unread = std::chrono::seconds(10);
     /// One that asks nothing for so long, and is to get nothing, is dropped.
     Duration idle = std::chrono::seconds(60);
+    /// One that is connected for so long is dropped.
+    Duration whole = Duration::max();
     /// What one that is too many is told; may be empty.
     std::string refusal{};
 };
 
 /// Serves a listening socket without ever waiting: for one who connects, at most a request and an
-/// answer are kept. Thread-bound to the main thread, which waits on `descriptor` until `due`, and
-/// calls `serve` then.
+/// answer are kept. Where all places are taken, one who waits for nothing gives way to one who
+/// comes: of the user with the most places that one who has been quiet the longest. Thread-bound to
+/// the main thread, which waits on `descriptor` until `due`, and calls `serve` then.
 class SocketServer {
   public:
     /// What to say to a client. False: drop it.
@@ -62,6 +66,7 @@ class SocketServer {
           answers_(std::move(answers)) {}
     void accept_all(Instant now);
     void refuse(UniqueFd client) const;
+    bool make_room_for(std::uint32_t user);
     bool serve_client(SocketClient& client, Instant now);
     bool repeat(SocketClient& client, Instant now);
     Instant patience_end(const SocketClient& client) const;

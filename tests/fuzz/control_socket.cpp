@@ -87,7 +87,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         begin = end + 1;
     }
     const std::string_view head(reinterpret_cast<const char*>(data), size);
-    const std::string response = http_response(head, [] { return std::string("up 1\n"); });
+    const std::string response =
+        http_response(head, HostNames::own, [] { return std::string("up 1\n"); });
     require(response.starts_with("HTTP/1.1 "), "a response begins as one");
     return 0;
 }

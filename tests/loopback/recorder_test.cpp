@@ -326,6 +326,30 @@ TEST_F(Recorded, AReplayIsRecordedAsItWas) {
     EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
 }
 
+/// A name that was mistyped must not cost somebody's own link.
+TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
+    const fs::path sent = folder() / "sent.txt";
+    std::ofstream(sent) << "# t_us  bytes\n0 20 40 dc 05\n";
+    const fs::path link = folder() / "mine";
+    fs::create_symlink("/elsewhere", link);
+    Program& refused = start({"replay", sent, "--to", "pty", "--link", link});
+    EXPECT_EQ(refused.end(), 1);
+    EXPECT_NE(refused.errors().find("is there already"), std::string::npos) << refused.errors();
+    EXPECT_EQ(fs::read_symlink(link), "/elsewhere");
+    fs::remove(link);
+    Program& replay = start({"replay", sent, "--to", "pty", "--link", link});
+    ASSERT_TRUE(eventually([&] { return fs::is_symlink(fs::symlink_status(link)); }));
+    ASSERT_TRUE(eventually([&] { return !replay.output().empty(); }));
+    // The same target under the same name, but somebody else's.
+    const fs::path target = fs::read_symlink(link);
+    const fs::path other = folder() / "other";
+    fs::create_symlink(target, other);
+    fs::rename(other, link);
+    replay.signal(SIGTERM);
+    replay.end();
+    EXPECT_EQ(fs::read_symlink(link), target);
+}
+
 TEST_F(Recorded, AFileThatIsThereIsNotOverwritten) {
     const std::string file = folder() / "precious.txt";
     std::ofstream(file) << "precious";

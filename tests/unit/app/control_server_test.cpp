@@ -1,6 +1,8 @@
 #include "app/control_server.h"
 
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <array>
 #include <deque>
@@ -248,6 +250,48 @@ TEST_F(Control, ServesSixteenAndTellsTheNextOneThatItIsTooMany) {
     for (Guest& guest : guests) {
         EXPECT_NE(guest.read().find("\"n\""), std::string::npos);
     }
+}
+
+TEST_F(Control, OfSixteenWhoAskNothingTheLongestQuietGivesWay) {
+    std::deque<Guest> guests;
+    for (int i = 0; i < 16; ++i) {
+        guests.emplace_back(folder_ / "control");
+        pass(kMs);
+    }
+    guests.front().say("status\n");
+    pass(kMs);
+    EXPECT_NE(guests.front().read(), "");
+    Guest one_more(folder_ / "control");
+    one_more.say("status\n");
+    pass(kMs);
+    EXPECT_EQ(one_more.read(), "{\"n\":2,\"fill\":\"\"}\n");
+    EXPECT_EQ(guests[0].read(), "");
+    EXPECT_EQ(guests[1].read(), "(closed)");
+    EXPECT_EQ(guests[2].read(), "");
+}
+
+/// Whoever reloads is let in, however many places another user has taken.
+TEST_F(Control, OfSixteenWhoWatchOneGivesWayToAnotherUser) {
+    if (::geteuid() != 0) {
+        GTEST_SKIP() << "only root can be somebody else";
+    }
+    ::chmod(folder_.path().c_str(), 0755);
+    ::chmod((folder_ / "control").c_str(), 0666);
+    std::deque<Guest> guests;
+    constexpr uid_t kNobody = 65534;
+    ASSERT_EQ(::seteuid(kNobody), 0);
+    for (int i = 0; i < 16; ++i) {
+        guests.emplace_back(folder_ / "control").say("watch 1s\n");
+        pass(kMs);
+    }
+    Guest of_the_same(folder_ / "control");
+    ASSERT_EQ(::seteuid(0), 0);
+    pass(kMs);
+    EXPECT_NE(of_the_same.read().find("too many clients"), std::string::npos);
+    Guest of_another(folder_ / "control");
+    of_another.say("status\n");
+    pass(kMs);
+    EXPECT_NE(of_another.read().find("\"n\":17"), std::string::npos);
 }
 
 TEST_F(Control, OneWhoDoesNotReadTakesNothingFromOthers) {

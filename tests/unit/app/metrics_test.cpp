@@ -5,6 +5,8 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -103,18 +105,37 @@ TEST_F(Metrics, KeepToTheGrammar) {
     EXPECT_GT(families.size(), 20U);
 }
 
-std::string answer_to(const std::string& head) {
-    return http_response(head, [] { return std::string("tribus_uptime_seconds 1\n"); });
+std::string answer_to(const std::string& head, HostNames allowed = HostNames::own) {
+    return http_response(head, allowed, [] { return std::string("tribus_uptime_seconds 1\n"); });
 }
 
 TEST(MetricsHttp, AnswersGetMetricsOnly) {
-    EXPECT_EQ(answer_to("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n"),
+    EXPECT_EQ(answer_to("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1:9464\r\n\r\n"),
               "HTTP/1.1 200 OK\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n"
               "Content-Length: 24\r\nConnection: close\r\n\r\ntribus_uptime_seconds 1\n");
     EXPECT_TRUE(answer_to("GET / HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404 "));
     EXPECT_TRUE(answer_to("POST /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 405 "));
     EXPECT_TRUE(answer_to("\r\n\r\n").starts_with("HTTP/1.1 400 "));
     EXPECT_TRUE(answer_to("GET /metrics\r\n\r\n").starts_with("HTTP/1.1 400 "));
+}
+
+/// A page from elsewhere may have a name that leads to this machine, and read what it gets.
+TEST(MetricsHttp, IsAskedByAddressOrAsLocalhost) {
+    const auto asked_as = [](const std::string& host, HostNames allowed = HostNames::own) {
+        return answer_to("GET /metrics HTTP/1.1\r\nAccept: */*\r\nhOST:" + host + "\r\n\r\n",
+                         allowed)
+            .substr(9, 3);
+    };
+    for (const char* host :
+         {" localhost", " LocalHost:9464 ", "127.0.0.1", " [::1]:9464", " 192.168.1.2:9464"}) {
+        EXPECT_EQ(asked_as(host), "200") << host;
+    }
+    for (const char* host : {" evil.example", " evil.example:9464", "", " 127.0.0.1.evil.example",
+                             " localhost.evil.example", " [evil]:1"}) {
+        EXPECT_EQ(asked_as(host), "421") << host;
+    }
+    EXPECT_EQ(asked_as(" board.local:9464", HostNames::any), "200");
+    EXPECT_EQ(answer_to("GET /metrics HTTP/1.0\r\n\r\n").substr(9, 3), "200");
 }
 
 class MetricsSocket : public testing::Test {
@@ -145,6 +166,36 @@ TEST_F(MetricsSocket, DropsOneWhoDoesNotReadAndOneWhoDoesNotEnd) {
     EXPECT_EQ(server->client_count(), 0U);
 }
 
+TEST_F(MetricsSocket, DropsOneWhoSendsAByteNowAndThen) {
+    const auto server = serve();
+    const auto endless = connect_local(folder_ / "metrics");
+    for (int second = 0; second < 10; ++second) {
+        say(*endless, "x");
+        server->serve(now_ + std::chrono::seconds(second));
+        EXPECT_EQ(server->client_count(), 1U);
+    }
+    server->serve(now_ + std::chrono::seconds(10));
+    EXPECT_EQ(server->client_count(), 0U);
+}
+
+TEST_F(MetricsSocket, AnswersBesideThirtyWhoAskSlowly) {
+    const auto server = serve();
+    std::vector<UniqueFd> slow;
+    for (int i = 0; i < 30; ++i) {
+        auto client = connect_local(folder_ / "metrics");
+        ASSERT_TRUE(client);
+        say(*client, "GET /metrics HTTP/1.1\r\nX: ");
+        server->serve(now_);
+        slow.push_back(std::move(*client));
+    }
+    const auto client = connect_local(folder_ / "metrics");
+    say(*client, "GET /metrics HTTP/1.1\r\n\r\n");
+    server->serve(now_);
+    std::array<char, 64> bytes{};
+    ASSERT_GT(::recv(client->get(), bytes.data(), bytes.size() - 1, MSG_DONTWAIT), 0);
+    EXPECT_TRUE(std::string(bytes.data()).starts_with("HTTP/1.1 200 ")) << bytes.data();
+}
+
 TEST_F(MetricsSocket, RefusesAHeadWithoutEnd) {
     const auto server = serve();
     const auto client = connect_local(folder_ / "metrics");
@@ -169,7 +220,9 @@ TEST_F(MetricsSocket, AddressOfTheNetworkNeedsToBeWanted) {
 }
 
 TEST_F(MetricsSocket, AddressThatIsNoneIsRefused) {
-    for (const char* address : {"", "9464", "localhost:1", "::1:9464", "127.0.0.1:", "x/y"}) {
+    for (const char* address :
+         {"", "9464", "localhost:1", "::1:9464", "127.0.0.1:", "x/y", "127.0.0.1:99999",
+          "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:1x"}) {
         EXPECT_FALSE(MetricsServer::open(address, MetricsReach::local, [] {
             return std::string();
         })) << address;
