@@ -5,14 +5,18 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <cctype>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
 #include <spdlog/details/null_mutex.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/base_sink.h>
 
 #include "transports/links/unique_fd.h"
@@ -58,6 +62,20 @@ void append_field(std::string& entry, std::string_view name, std::string_view te
     entry += '\n';
 }
 
+/// `%*` in a pattern: the message.
+class MessageFlag final : public spdlog::custom_flag_formatter {
+  public:
+    void format(const spdlog::details::log_msg& message, const std::tm&,
+                spdlog::memory_buf_t& destination) override {
+        const std::string text = without_control_characters(
+            std::string_view(message.payload.data(), message.payload.size()));
+        destination.append(text.data(), text.data() + text.size());
+    }
+    std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+        return spdlog::details::make_unique<MessageFlag>();
+    }
+};
+
 class JournalSink final : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
   public:
     explicit JournalSink(const std::string& path)
@@ -72,7 +90,8 @@ class JournalSink final : public spdlog::sinks::base_sink<spdlog::details::null_
 
   protected:
     void sink_it_(const spdlog::details::log_msg& message) override {
-        const std::string_view text(message.payload.data(), message.payload.size());
+        const std::string text = without_control_characters(
+            std::string_view(message.payload.data(), message.payload.size()));
         const std::string entry = journal_entry(message.level, text, LogFields::current());
         if (::send(socket_.get(), entry.data(), entry.size(), MSG_NOSIGNAL) < 0) {
             fmt::print(stderr, "<{}>{}\n", priority_of(message.level), text);
@@ -85,6 +104,26 @@ class JournalSink final : public spdlog::sinks::base_sink<spdlog::details::null_
 };
 
 }  // namespace
+
+std::string without_control_characters(std::string_view text) {
+    std::string line;
+    line.reserve(text.size());
+    for (const char c : text) {
+        const auto code = static_cast<unsigned char>(c);
+        if (std::iscntrl(code) != 0) {
+            fmt::format_to(std::back_inserter(line), "\\x{:02x}", code);
+        } else {
+            line += c;
+        }
+    }
+    return line;
+}
+
+std::unique_ptr<spdlog::formatter> terminal_formatter() {
+    auto formatter = std::make_unique<spdlog::pattern_formatter>();
+    formatter->add_flag<MessageFlag>('*').set_pattern("%H:%M:%S.%e %^%l%$ %*");
+    return formatter;
+}
 
 bool stderr_is_journal() {
     const char* const stream = std::getenv("JOURNAL_STREAM");

@@ -6,11 +6,19 @@
 #include <string_view>
 
 #include <spdlog/common.h>
+#include <spdlog/formatter.h>
 
 #include "app/log_fields.h"
 
-/// The systemd journal.
+/// What the log looks like, on a terminal and in the systemd journal.
 namespace tribus {
+
+/// Names come from files, devices and other nodes of a bus: no control character of one begins a
+/// line of the log, or speaks to the terminal. Each is written as `\x1b`. Pure.
+std::string without_control_characters(std::string_view text);
+
+/// `12:00:05.123 info what happened`, for standard error.
+std::unique_ptr<spdlog::formatter> terminal_formatter();
 
 /// Standard error is the journal, as $JOURNAL_STREAM says (systemd.exec(5)).
 bool stderr_is_journal();

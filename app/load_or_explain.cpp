@@ -12,7 +12,8 @@ namespace tribus {
 
 void explain_mistakes(const std::vector<Mistake>& mistakes) {
     for (const Mistake& mistake : mistakes) {
-        fmt::print(stderr, "{}{}\n", stderr_is_journal() ? "<3>" : "", format_mistake(mistake));
+        fmt::print(stderr, "{}{}\n", stderr_is_journal() ? "<3>" : "",
+                   without_control_characters(format_mistake(mistake)));
     }
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "config/load.h"
+#include "config/machine_mistakes.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
@@ -70,6 +71,10 @@ std::unique_ptr<Preparation> Preparation::of_file(const std::string& path) {
         auto configuration = load_configuration_file(path, FileKinds::regular);
         if (!configuration) {
             return tl::unexpected(std::move(configuration.error()));
+        }
+        if (auto mistakes = mistaken_processor(*configuration, configured_processors());
+            !mistakes.empty()) {
+            return tl::unexpected(std::move(mistakes));
         }
         return Appliance::build(std::move(*configuration));
     });

@@ -27,6 +27,7 @@
 #include "app/preparation.h"
 #include "app/service_notify.h"
 #include "config/load.h"
+#include "config/machine_mistakes.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -89,6 +90,11 @@ int run(const RunOptions& options) {
         // file.
         return may_pass(configuration.error()) ? kExitFailed : kExitWrongUse;
     }
+    if (const auto mistakes = mistaken_processor(*configuration, configured_processors());
+        !mistakes.empty()) {
+        explain_mistakes(mistakes);
+        return kExitWrongUse;
+    }
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
     if (!wait) {
         spdlog::error("{}", wait.error());
@@ -136,7 +142,7 @@ void add_run_command(CLI::App& app, int& status) {
         auto logger = stderr_is_journal()
                           ? std::make_shared<spdlog::logger>("tribus", journal_sink())
                           : spdlog::stderr_color_st("tribus");
-        logger->set_pattern("%H:%M:%S.%e %^%l%$ %v");
+        logger->set_formatter(terminal_formatter());
         spdlog::set_default_logger(std::move(logger));
         status = run(*options);
         if (Preparation::any_forsaken()) {

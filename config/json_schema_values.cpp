@@ -15,6 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::string_view kDurationPattern = R"(^[0-9]+(\.[0-9]+)?(us|ms|s)$)";
+constexpr std::string_view kInterfacePattern = R"(^[^/:\s]{1,15}$)";
 constexpr std::string_view kSlewPattern = R"(^[0-9]+(\.[0-9]+)?us/s$)";
 
 Json number_schema(const Setting& setting) {
@@ -75,6 +76,10 @@ Json type_schema(const Setting& setting) {
         case SettingType::tree:
             return {{"type", "object"}};
         case SettingType::text:
+            if (names_interface(setting)) {
+                return {{"type", "string"}, {"pattern", kInterfacePattern}};
+            }
+            break;
         case SettingType::file:
             break;
     }

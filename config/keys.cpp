@@ -35,7 +35,7 @@ constexpr std::array kRuntimeKeys{
     Key{{.key = "cpu",
          .type = integer,
          .least = 0,
-         .most = 1023,
+         .most = 255,
          .help = "Processor that the data thread is pinned to; absent: no pinning"}},
     Key{{.key = "spin",
          .type = duration,

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "config/cross_checks.h"
+#include "config/machine_mistakes.h"
 #include "config/read_dronecan.h"
 #include "config/read_line.h"
 #include "config/read_pipeline.h"
@@ -76,6 +77,7 @@ RuntimeConfig read_runtime(const Entry* entry, Reading reading) {
     runtime.priority = static_cast<int>(values.get_or<std::int64_t>("priority", 80));
     if (const auto* cpu = values.find_as<std::int64_t>("cpu")) {
         runtime.cpu = static_cast<int>(*cpu);
+        runtime.cpu_where = content->where("cpu");
     }
     runtime.spin = values.get_or<Duration>("spin", Duration::zero());
     return runtime;
@@ -196,7 +198,13 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
              fmt::format("cannot be read: {}; give the path of a configuration file", text.error()),
              true}});
     }
-    return load_configuration(*text, path.string());
+    auto configuration = load_configuration(*text, path.string());
+    if (configuration) {
+        if (auto mistakes = mistaken_devices(*configuration); !mistakes.empty()) {
+            return tl::unexpected(std::move(mistakes));
+        }
+    }
+    return configuration;
 }
 
 }  // namespace tribus

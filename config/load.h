@@ -18,8 +18,8 @@ namespace tribus {
 tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string_view text,
                                                                      std::string_view file_name);
 
-/// The same for a file; one that cannot be read is one mistake, without a line. A pipe is read to
-/// its end, where `kinds` allows that.
+/// The same for a file, together with `mistaken_devices`; one that cannot be read is one mistake,
+/// without a line. A pipe is read to its end, where `kinds` allows that.
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
     const std::filesystem::path& path, FileKinds kinds = FileKinds::any);
 

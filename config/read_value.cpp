@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -85,6 +86,17 @@ std::optional<SettingValue> read_range(const Setting& setting, const Value& valu
                                         : std::nullopt;
 }
 
+/// Whoever reads it in a log must not take a part of it for a line of its own.
+bool has_control_characters(std::string_view text) {
+    return std::ranges::any_of(
+        text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; });
+}
+
+bool text_allowed(const Setting& setting, const std::string& text) {
+    return names_interface(setting) ? is_interface_name(text)
+                                    : !text.empty() && !has_control_characters(text);
+}
+
 std::optional<SettingValue> read_text(const Setting& setting, const std::string& text) {
     switch (setting.type) {
         case SettingType::duration: {
@@ -99,7 +111,7 @@ std::optional<SettingValue> read_text(const Setting& setting, const std::string&
                                                   : std::nullopt;
         }
         case SettingType::text:
-            return text.empty() ? std::nullopt : std::optional<SettingValue>(text);
+            return text_allowed(setting, text) ? std::optional<SettingValue>(text) : std::nullopt;
         default:
             return is_choice(setting, text) ? std::optional<SettingValue>(text) : std::nullopt;
     }
@@ -131,7 +143,8 @@ std::string what_to_write(const Setting& setting, const Value& value) {
     if (text != nullptr && choices_are_text) {
         return suggestion(*text, setting.choices);
     }
-    return "allowed: " + allowed_values(setting);
+    return "allowed: " + allowed_values(setting) +
+           (text != nullptr && has_control_characters(*text) ? ", without control characters" : "");
 }
 
 }  // namespace
@@ -146,7 +159,10 @@ std::string allowed_values(const Setting& setting) {
         case SettingType::number:
             return "a number" + limits;
         case SettingType::text:
-            return "text in quotes, not empty";
+            return names_interface(setting)
+                       ? "the name of an interface, 1 to 15 characters without blanks, \"/\" and "
+                         "\":\""
+                       : "text in quotes, not empty";
         case SettingType::choice:
             return one_of(setting);
         case SettingType::duration:

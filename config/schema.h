@@ -38,6 +38,7 @@ struct RuntimeConfig {
     Realtime realtime = Realtime::automatic;
     int priority = 80;
     std::optional<int> cpu;
+    Location cpu_where{};
     /// So long before a deadline the data thread stays awake for it.
     Duration spin{};
 

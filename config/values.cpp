@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <chrono>
 #include <cstdint>
@@ -76,6 +78,15 @@ SettingValue default_of(const Setting& setting) {
             break;
     }
     return std::string(text);
+}
+
+bool is_interface_name(std::string_view text) {
+    constexpr std::size_t kLongest = 15;
+    return !text.empty() && text.size() <= kLongest && text != "." && text != ".." &&
+           std::ranges::none_of(text, [](char c) {
+               const auto code = static_cast<unsigned char>(c);
+               return c == '/' || c == ':' || std::isspace(code) != 0 || std::iscntrl(code) != 0;
+           });
 }
 
 double seconds_of(Duration duration) {

@@ -27,6 +27,13 @@ SettingValue default_of(const Setting& setting);
 /// The text of a default without the quotes around it.
 std::string_view unquoted_fallback(const Setting& setting);
 
+/// Whether a row names a network interface, in whatever table it stands.
+inline bool names_interface(const Setting& setting) {
+    return setting.key == "interface";
+}
+/// As Linux allows them: 1 to 15 characters, none of them a blank, "/" or ":"; not "." or "..".
+bool is_interface_name(std::string_view text);
+
 double seconds_of(Duration duration);
 
 }  // namespace tribus

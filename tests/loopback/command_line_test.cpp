@@ -41,8 +41,8 @@ TEST_F(Loopback, DeviceThatIsNoSerialOneIsRefused) {
     std::string text = main_job();
     text.replace(text.find("@receiver"), 9, "/dev/null");
     Program& program = start({"run", write_config(text)});
-    EXPECT_EQ(program.end(), 1);
-    EXPECT_EQ(count_of("/dev/null: this is not a serial device", program.errors()), 1U)
+    EXPECT_EQ(program.end(), 2);
+    EXPECT_EQ(count_of("\"/dev/null\": this is not a serial device", program.errors()), 1U)
         << program.errors();
 }
 

@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -20,6 +21,18 @@ using namespace std::string_literals;
 
 std::string entry(const std::string& message, const std::vector<LogField>& fields = {}) {
     return journal_entry(spdlog::level::warn, message, fields);
+}
+
+TEST(LogOnATerminal, HasOneLineForEachMessageAndNoControlCharacters) {
+    spdlog::memory_buf_t line;
+    const spdlog::details::log_msg message(
+        "tribus", spdlog::level::info, "device a\n12:00:00.000 info started\x1b[2J\x7f is gone");
+    terminal_formatter()->format(message, line);
+    const std::string text(line.data(), line.size());
+    EXPECT_NE(text.find(" info device a\\x0a12:00:00.000 info started\\x1b[2J\\x7f is gone\n"),
+              std::string::npos)
+        << text;
+    EXPECT_EQ(std::ranges::count(text, '\n'), 1);
 }
 
 TEST(JournalEntry, HasMessagePriorityAndWhoSaysIt) {

@@ -67,9 +67,11 @@ constexpr Spoilt kMistakes[]{
      R"(t.toml:1:1: [input.cockpit] lacks "interface"; required: CAN interface, such as )"
      R"("can0")"},
     {"empty_interface", 3, R"(interface = "")",
-     R"(t.toml:3:13: "interface" is ""; allowed: text in quotes, not empty)"},
+     R"(t.toml:3:13: "interface" is ""; allowed: the name of an interface, )"
+     R"(1 to 15 characters without blanks, "/" and ":")"},
     {"interface_of_a_wrong_type", 3, "interface = 0",
-     R"(t.toml:3:13: "interface" is 0; allowed: text in quotes, not empty)"},
+     R"(t.toml:3:13: "interface" is 0; allowed: the name of an interface, )"
+     R"(1 to 15 characters without blanks, "/" and ":")"},
     {"baud_of_a_bus", 3, R"(interface = "can0"
 baud = 500000)",
      R"(t.toml:4:1: unknown key "baud" in [input.cockpit]; it belongs in [input.NAME] )"
@@ -170,7 +172,8 @@ TEST(CanPorts, ADeviceBesidesTheInterfaceIsOneMistakeAndTheInterfaceIsStillJudge
     EXPECT_EQ(mistakes_in(bus_job_with(3, "device = \"/dev/ttyA\"\ninterface = 0")),
               (Lines{R"(t.toml:3:1: unknown key "device" in [input.cockpit]; protocol "can" has )"
                      R"("interface" instead: CAN interface, such as "can0")",
-                     R"(t.toml:4:13: "interface" is 0; allowed: text in quotes, not empty)"}));
+                     R"(t.toml:4:13: "interface" is 0; allowed: the name of an interface, )"
+                     R"(1 to 15 characters without blanks, "/" and ":")"}));
 }
 
 TEST(CanPorts, WhatIsWrittenAsTheWrongPlaceIsNotJudgedAsTheRightOne) {

@@ -84,7 +84,7 @@ cpu = 3
 
 [input.a]
 protocol = "sbus"
-device = "/dev/\"quoted\" \\ \u007f"
+device = "/dev/\"quoted\" \\"
 timeout = "1500us"
 )";
     const auto wrong = load_configuration(text, "t.toml");
@@ -98,7 +98,7 @@ spin = "60us"
 
 [input.a]
 protocol = "sbus"
-device = "/dev/\"quoted\" \\ \u007f"
+device = "/dev/\"quoted\" \\"
 timeout = "20500us"
 failsafe_flag = false
 frame_lost_flag = false

@@ -14,6 +14,10 @@ TEST_P(MistakeInPorts, IsReportedWithItsPlaceAndWhatIsAllowed) {
 }
 
 constexpr Spoilt kMistakes[]{
+    {"device_that_would_begin_a_line_in_a_log", 3,
+     R"(device = "/dev/ttyA\n12:00:00.000 info started")",
+     R"(t.toml:3:10: "device" is "/dev/ttyA\u000a12:00:00.000 info started"; allowed: text in )"
+     R"(quotes, not empty, without control characters)"},
     {"misspelt_key", 3, R"(devcie = "/dev/ttyA")",
      R"(t.toml:3:1: unknown key "devcie" in [input.receiver]; did you mean "device"? )"
      R"(Allowed: "protocol", "device", "timeout", )"

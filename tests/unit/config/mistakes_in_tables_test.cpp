@@ -68,7 +68,7 @@ priority = 80.5)",
     {"runtime_cpu", 10,
      R"([runtime]
 cpu = -1)",
-     R"(t.toml:11:7: "cpu" is -1; allowed: a whole number from 0 to 1023)"},
+     R"(t.toml:11:7: "cpu" is -1; allowed: a whole number from 0 to 255)"},
     {"runtime_misspelt_key", 10,
      R"([runtime]
 prioritty = 80)",
@@ -77,7 +77,7 @@ prioritty = 80)",
     {"runtime_that_is_a_date", 10,
      R"([runtime]
 cpu = 2024-02-29)",
-     R"(t.toml:11:7: "cpu" is a date or time; allowed: a whole number from 0 to 1023)"},
+     R"(t.toml:11:7: "cpu" is a date or time; allowed: a whole number from 0 to 255)"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInTables, ::testing::ValuesIn(kMistakes),
