@@ -123,6 +123,18 @@ constexpr Row kBetaflight[] = {
     // The distance from home.
     {0x7C, "odometer_1", 2, "distance", "m", 0, 16, kNone},
     {0x7D, "odometer_2", 2, "distance", "m", 0, 16, kNone},
+    // Filled in by the functions that fill in the single types.
+    {0xEF, "acceleration_full", 12, "acceleration_x", "m/s^2", 0, 16, kSigned, kMilliGravity},
+    {0xEF, "acceleration_full", 12, "acceleration_y", "m/s^2", 16, 16, kSigned, kMilliGravity},
+    {0xEF, "acceleration_full", 12, "acceleration_z", "m/s^2", 32, 16, kSigned, kMilliGravity},
+    {0xEF, "acceleration_full", 12, "roll", "deg", 48, 16, kSigned, 0.01},
+    {0xEF, "acceleration_full", 12, "pitch", "deg", 64, 16, kSigned, 0.01},
+    {0xEF, "acceleration_full", 12, "yaw", "deg", 80, 16, kTurn, 0.01},
+    {0xF0, "voltage_full", 10, "external_voltage", "V", 0, 16, kNone, 0.01},
+    {0xF0, "voltage_full", 10, "average_cell_voltage", "V", 16, 16, kNone, 0.01},
+    {0xF0, "voltage_full", 10, "battery_current", "A", 32, 16, kSigned, 0.01},
+    {0xF0, "voltage_full", 10, "fuel", "", 48, 16, kNone},
+    {0xF0, "voltage_full", 10, "throttle_or_capacity", "", 64, 16, kNone},
 };
 
 constexpr Row kInav[] = {

@@ -152,6 +152,35 @@ TEST(SensorTypes, DialectsReadTheDisputedTypesTheirOwnWay) {
     EXPECT_EQ(SensorTypes(SensorDialect::flyplus).find(0x83)->name, "latitude");
 }
 
+// Betaflight's ibus_shared.c fills in both with the same function, setValue.
+TEST(SensorTypes, BetaflightsCombinedTypesReadAsItsSingleOnes) {
+    const SensorTypes types(SensorDialect::betaflight);
+    const std::vector<std::pair<std::uint8_t, Bytes>> combined{
+        {0xEF, {0x0C, 0x0D, 0x0E, 0x0F, 0x10, 0x11}}, {0xF0, {0x03, 0x04, 0x05, 0x06, 0x07}}};
+    for (const auto& [id, singles] : combined) {
+        const SensorType& type = *types.find(id);
+        ASSERT_EQ(type.fields.size(), singles.size()) << type.name;
+        for (std::size_t i = 0; i < singles.size(); ++i) {
+            const SensorType& single = *types.find(singles[i]);
+            SensorField expected = single.fields.at(0);
+            expected.name = single.name;
+            expected.first_bit = static_cast<unsigned>(16 * i);
+            EXPECT_EQ(type.fields[i], expected) << type.name << ": " << single.name;
+        }
+    }
+}
+
+// 1000 is 1 g; -100 is -1 A. With FlySky's own table they were 10 m/s^2 and 654.36 A.
+TEST(SensorTypes, BetaflightsCombinedTypesHaveAccelerationInThousandthsOfGAndASignedCurrent) {
+    const SensorTypes types(SensorDialect::betaflight);
+    const SensorField& acceleration = types.find(0xEF)->fields.at(2);
+    EXPECT_DOUBLE_EQ(*number_of(acceleration, 1000), 9.80665);
+    const SensorField& current = types.find(0xF0)->fields.at(2);
+    const Bytes reply{0xE8, 0x03, 0x90, 0x01, 0x9C, 0xFF, 0x32, 0x00, 0xDC, 0x05};
+    EXPECT_DOUBLE_EQ(*number_of(current, *raw_in(current, reply)), -1);
+    EXPECT_EQ(types.find(0xF0)->fields.at(4).name, "throttle_or_capacity");
+}
+
 TEST(SensorValue, EveryRawValueOfEveryTwoByteTypeRoundTrips) {
     for (const SensorDialect dialect : kDialects) {
         const SensorTypes types(dialect);
