@@ -3,6 +3,7 @@
 #include <array>
 
 #include "config/key_rows_ports.h"
+#include "transports/codecs/dronecan/dronecan.h"
 
 /// Rows of nodes of DroneCAN.
 namespace tribus::key_rows {
@@ -14,9 +15,8 @@ inline constexpr std::array kDroneCanKeys{
     Key{{.key = "node_id",
          .type = integer,
          .least = 1,
-         .most = 127,
-         .help = "1 to 125; 126 and 127 are for tools. An output of the interface may say it "
-                 "instead"}},
+         .most = kMostOwnDroneCanNodeId,
+         .help = "126 and 127 are for tools. An output of the interface may say it instead"}},
     Key{{.key = "dynamic",
          .type = boolean,
          .fallback = "false",

@@ -172,6 +172,22 @@ TEST(DroneCanConfiguration, NamesKeysThatAreForOtherMessages) {
     }
 }
 
+// The specification keeps 126 and 127 for tools.
+TEST(DroneCanConfiguration, RefusesTheIdsOfToolsForItself) {
+    EXPECT_EQ(mistakes_of(with_output("node_id = 125")), "");
+    EXPECT_EQ(mistakes_of(with_output("", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 125\n")),
+              "");
+    for (const char* line : {"node_id = 126", "node_id = 127"}) {
+        for (const std::string& text :
+             {with_output(line),
+              with_output("",
+                          std::string("[dronecan.bus]\ninterface = \"can1\"\n") + line + "\n")}) {
+            const std::string mistakes = mistakes_of(text);
+            EXPECT_NE(mistakes.find("1 to 125"), std::string::npos) << line << mistakes;
+        }
+    }
+}
+
 TEST(DroneCanConfiguration, RefusesMoreMotorsThanAMessageHolds) {
     const std::string mistakes =
         mistakes_of(with_output("node_id = 42\ncarries = \"motors\"\nfirst = 10\nchannels = 11"));

@@ -37,7 +37,7 @@ constexpr std::array kDroneCanSettings{
     Setting{.key = "node_id",
             .type = SettingType::integer,
             .least = 1,
-            .most = kMostNodeId,
+            .most = kMostOwnDroneCanNodeId,
             .scope = SettingScope::output,
             .help = "Of this program on the interface; absent: that of [dronecan.NAME]"},
     Setting{.key = "fd",
