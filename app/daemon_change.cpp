@@ -67,7 +67,10 @@ std::optional<ReloadOutcome> Daemon::outcome_of(std::uint64_t change) const {
 }
 
 Instant Daemon::due() const {
-    return change_ ? change_->latest_end : hung_up_ ? next_hang_up_ : kNever;
+    if (change_) {
+        return change_->kind == ChangeKind::back ? kNever : change_->latest_end;
+    }
+    return hung_up_ ? next_hang_up_ : kNever;
 }
 
 void Daemon::go_on(Instant now) {
