@@ -145,8 +145,9 @@ class CanChannelsEncoder final : public CanEncoder {
 /// Publishes a snapshot only if all of its frames came, in the order in which they are sent, with
 /// one counter, within `kWindow`; and only if `kProof` times in a row the counter had advanced by 1
 /// to `kMostAdvance` since the snapshot before. That proof is due again after whatever makes the
-/// sender doubtful: the start, a silence, a larger step of the counter, and two contents under one
-/// counter.
+/// sender doubtful: the start, a silence, more lost snapshots. After a step of the counter for
+/// which there was no time, and after two contents under one counter, the counter must first go
+/// through its whole range: what `CounterWatch` asks of a ring of old snapshots or a second sender.
 ///
 /// - Order: the ids ascend, so neither a sender's queue nor arbitration can change it, and what an
 ///   interrupted sender left in its controller, the rear of a snapshot, can never be completed by
@@ -157,10 +158,11 @@ class CanChannelsEncoder final : public CanEncoder {
 ///   the first one "initial" and not "ok". It costs two periods.
 /// - Two senders on one id are never mixed, and with equal periods nothing is published, whatever
 ///   their counters and however their frames mingle; the input's timeout then ends in failsafe.
-///   What remains: single whole snapshots of either one pass while their order on the bus changes
-///   or one is much rarer, if both counters are close at that time. And if they are equal, and the
-///   frames already there as well, a frame of one may stand in for a lost one of the other.
-/// - What else no receiver can see: a sender that delays all of its snapshots alike.
+///   What remains: one whole snapshot of a rarer one passes, if its counter fits at that time. And
+///   if both are equal, and the frames already there as well, a frame of one may stand in for a
+///   lost one of the other.
+/// - What else no receiver can see: a sender that delays all of its snapshots alike, and a ring of
+///   as many old snapshots as the counter has values.
 class CanChannelsDecoder final : public CanDecoder {
   public:
     /// From the first frame of a snapshot to its last. Five frames with a foreign one before each

@@ -86,7 +86,7 @@ bool CanChannelsDecoder::take_first(const CanFrame& frame, Instant received) {
             ++rejected_[kStray].count;
         } else if (!same_as_taken(frame, 0)) {
             spoil(kConflict);
-            watch_.doubt();
+            watch_.distrust();
         }
         // Else the bus repeated it: an error in its last bit, which only the sender saw.
         return false;
@@ -121,7 +121,7 @@ bool CanChannelsDecoder::take_further(const CanFrame& frame, std::size_t part) {
     if (part < taken_) {
         if (!same_as_taken(frame, part)) {
             spoil(kConflict);
-            watch_.doubt();
+            watch_.distrust();
         }
         return false;
     }

@@ -17,6 +17,7 @@ TEST(CanChannelsSenders, ThatCutInOnEachOtherNeedProofAgain) {
         can_frames(second, numbered_snapshot(500));
     }
     const CanFrames cut = ours.send(numbered_snapshot(7));
+    ours.now += kCanPeriod / 2;  // late enough for a snapshot to have been lost
     CanFrames theirs = can_frames(second, numbered_snapshot(501));
     theirs.insert(theirs.begin(), {cut[0], cut[1]});
     theirs.push_back(cut[2]);  // where a single sender is done with that snapshot

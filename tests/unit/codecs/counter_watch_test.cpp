@@ -32,6 +32,7 @@ class Watched {
         return verdicts;
     }
     void doubt() { watch_.doubt(); }
+    void distrust() { watch_.distrust(); }
 
   private:
     CounterWatch watch_{{.values = 16, .most_step = 3, .silence = kSilence}};
@@ -52,8 +53,8 @@ TEST(CounterWatch, GoesOnFromTheHighestValueToZero) {
 TEST(CounterWatch, TheMostStepIsAnAdvanceAndOneMoreIsAJump) {
     Watched watched;
     watched.take_all({0, 1, 2});
-    EXPECT_EQ(watched.take(5), Verdict::good);
-    EXPECT_EQ(watched.take(9), Verdict::jump);
+    EXPECT_EQ(watched.take(5, false, 3 * kPeriod), Verdict::good);
+    EXPECT_EQ(watched.take(9, false, 4 * kPeriod), Verdict::jump);
 }
 
 TEST(CounterWatch, GoingBackByOneIsAJump) {
@@ -62,10 +63,109 @@ TEST(CounterWatch, GoingBackByOneIsAJump) {
     EXPECT_EQ(watched.take(1), Verdict::jump);
 }
 
-TEST(CounterWatch, AfterAJumpProofIsDueFromThere) {
+TEST(CounterWatch, AfterAJumpForWhichThereWasTimeProofIsDueFromThere) {
     Watched watched;
-    watched.take_all({0, 1, 2, 9});
+    watched.take_all({0, 1, 2});
+    EXPECT_EQ(watched.take(9, false, 7 * kPeriod), Verdict::jump);
     EXPECT_EQ(watched.take_all({10, 11}), (Verdicts{Verdict::unconfirmed, Verdict::good}));
+}
+
+TEST(CounterWatch, AfterAJumpForWhichThereWasNoTimeAllCountsAreDue) {
+    Watched watched;
+    watched.take_all({0, 1, 2});
+    EXPECT_EQ(watched.take(0), Verdict::jump);
+    for (std::uint64_t count = 1; count < 16; ++count) {
+        EXPECT_EQ(watched.take(count), Verdict::unconfirmed) << count;
+    }
+    EXPECT_EQ(watched.take(0), Verdict::good);
+}
+
+TEST(CounterWatch, WhatCameLateFromAQueueIsNoReasonToThinkThatThereWasNoTime) {
+    Watched watched;
+    watched.take_all({0, 1, 2});
+    EXPECT_EQ(watched.take(3, false, 10 * kPeriod), Verdict::good);
+    EXPECT_EQ(watched.take(13), Verdict::jump);
+    EXPECT_EQ(watched.take_all({14, 15}), (Verdicts{Verdict::unconfirmed, Verdict::good}));
+}
+
+TEST(CounterWatch, WhatWaitedInAQueueOverASilenceCostsNoMoreThanTheProof) {
+    Watched watched;
+    watched.take_all({0, 1, 2});
+    EXPECT_EQ(watched.take(3, false, 2 * kSilence), Verdict::unconfirmed);
+    EXPECT_EQ(watched.take_all({4, 12, 13, 14}),
+              (Verdicts{Verdict::unconfirmed, Verdict::jump, Verdict::unconfirmed, Verdict::good}));
+}
+
+TEST(CounterWatch, AnAdvanceByMoreThanOneNeedsTimeToo) {
+    Watched watched;
+    watched.take_all({0, 1, 2});
+    EXPECT_EQ(watched.take(4), Verdict::jump);
+}
+
+TEST(CounterWatch, WhereNoTimesAreKnownTheCounterAloneDecides) {
+    Watched watched;
+    for (const std::uint64_t count : {0U, 1U}) {
+        EXPECT_EQ(watched.take(count, false, {}), Verdict::unconfirmed);
+    }
+    EXPECT_EQ(watched.take(2, false, {}), Verdict::good);
+    EXPECT_EQ(watched.take(5, false, {}), Verdict::good);
+}
+
+/// What is believed of one frame each `every`, with the counts of `ring` for ever.
+int believed_of_a_ring(CounterWatch& watch, std::uint64_t first, std::uint64_t length,
+                       std::uint64_t values, Instant begin, Duration every) {
+    int believed = 0;
+    for (std::uint64_t frame = 0; frame < 2000; ++frame) {
+        const std::uint64_t count = (first + frame % length) % values;
+        const auto at = begin + every * static_cast<int>(frame);
+        believed += watch.take(count, false, at) == Verdict::good ? 1 : 0;
+    }
+    return believed;
+}
+
+TEST(CounterWatch, OldFramesInARingAfterALiveSenderAreNeverBelievedUnlessTheyAreAllCounts) {
+    for (const std::uint64_t values : {4U, 16U, 256U}) {
+        for (std::uint64_t length = 2; length < values; ++length) {
+            CounterWatch watch{
+                {.values = values, .most_step = values == 4 ? 1U : 3U, .silence = kSilence}};
+            Instant now{milliseconds(5000)};
+            // The frames that come again are the last ones that were sent.
+            for (std::uint64_t count = 0; count < 2 * values; ++count) {
+                watch.take(count % values, false, now += milliseconds(20));
+            }
+            EXPECT_EQ(believed_of_a_ring(watch, 2 * values - length, length, values,
+                                         now + milliseconds(20), milliseconds(20)),
+                      0)
+                << length << " of " << values;
+        }
+    }
+}
+
+TEST(CounterWatch, OfARingThatComesFirstOnlyTheFirstRoundIsBelieved) {
+    for (std::uint64_t length = 3; length < 16; ++length) {
+        CounterWatch watch{{.values = 16, .most_step = 3, .silence = kSilence}};
+        EXPECT_EQ(
+            believed_of_a_ring(watch, 5, length, 16, Instant{milliseconds(5000)}, milliseconds(20)),
+            static_cast<int>(length) - 2)
+            << length;
+    }
+}
+
+TEST(CounterWatch, ASecondSenderThatIsRareIsBelievedOnceAtMost) {
+    for (int offset = 0; offset < 20; ++offset) {
+        CounterWatch watch{{.values = 16, .most_step = 3, .silence = kSilence}};
+        int believed = 0;
+        std::uint64_t other = 0;
+        for (std::uint64_t frame = 0; frame < 900; ++frame) {
+            const Instant now{milliseconds(5000 + 20 * frame)};
+            watch.take(frame % 16, false, now);
+            if (frame >= 100 && frame % 5 == 0) {
+                const Verdict verdict = watch.take(other++ % 16, false, now + milliseconds(offset));
+                believed += verdict == Verdict::good ? 1 : 0;
+            }
+        }
+        EXPECT_LE(believed, 1) << offset;
+    }
 }
 
 TEST(CounterWatch, TheSameContentAgainCostsNoProof) {
@@ -79,7 +179,24 @@ TEST(CounterWatch, AnotherContentUnderTheSameCounterCostsTheProof) {
     Watched watched;
     watched.take_all({0, 1, 2});
     EXPECT_EQ(watched.take(2, false), Verdict::conflict);
-    EXPECT_EQ(watched.take_all({3, 4}), (Verdicts{Verdict::unconfirmed, Verdict::good}));
+    for (std::uint64_t count = 3; count < 18; ++count) {
+        EXPECT_EQ(watched.take(count % 16), Verdict::unconfirmed) << count;
+    }
+    EXPECT_EQ(watched.take(2), Verdict::good);
+}
+
+TEST(CounterWatch, ASecondBreakSoonMakesTheProofLongerThanWhatLayBetween) {
+    Watched watched;
+    watched.take_all({0, 1, 2});
+    watched.distrust();
+    for (std::uint64_t count = 3; count < 103; ++count) {
+        watched.take(count % 16);
+    }
+    watched.distrust();
+    for (std::uint64_t count = 103; count < 203; ++count) {
+        EXPECT_EQ(watched.take(count % 16), Verdict::unconfirmed) << count;
+    }
+    EXPECT_EQ(watched.take(203 % 16), Verdict::good);
 }
 
 TEST(CounterWatch, AValueThatTheCounterNeverHasIsAJumpAndNoReference) {

@@ -36,7 +36,9 @@ extern const Protocol kDbcProtocol;
 /// Refused are frames with a wrong length or checksum; with a J1939 source other than that of the
 /// second before, where the source is open; whose counter stands still or goes on by more than 3;
 /// and, where there is a counter, until it has gone on rightly twice in a row: after the start, a
-/// jump, or silence. So neither a sender that hangs nor two senders in turn are believed.
+/// jump, or silence. After a jump for which there was no time it must go through its whole range
+/// (`CounterWatch`). So neither a sender that hangs, nor two senders, nor old frames in a ring are
+/// believed.
 class DbcDecoder final : public CanDecoder {
   public:
     explicit DbcDecoder(DbcMap map);

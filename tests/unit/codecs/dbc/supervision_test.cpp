@@ -227,21 +227,59 @@ TEST_F(DbcCounterTest, IsBelievedWhenItHasGoneOnTwice) {
 
 TEST_F(DbcCounterTest, TwoLostFramesAreNoJump) {
     get_started(0);
+    time_ += 40;
     EXPECT_TRUE(believes(5U));
     EXPECT_EQ(rejected(decoder_, "counter jump"), 0U);
 }
 
 TEST_F(DbcCounterTest, AJumpIsRefusedUntilItHasGoneOnTwice) {
     get_started(0);
+    time_ += 60;
     EXPECT_FALSE(believes(6U));
     EXPECT_FALSE(believes(7U));
     EXPECT_TRUE(believes(8U));
     EXPECT_EQ(rejected(decoder_, "counter jump"), 1U);
 }
 
-TEST_F(DbcCounterTest, ASenderThatRestartsIsBelievedAfterThreeFrames) {
+TEST_F(DbcCounterTest, ASenderThatRestartsAfterAPauseIsBelievedAfterThreeFrames) {
     get_started(7);
+    time_ += 250;
     get_started(0);
+}
+
+TEST_F(DbcCounterTest, ASenderThatRestartsWithoutAPauseIsBelievedWhenAllCountsHavePassed) {
+    get_started(7);
+    for (unsigned count = 0; count < 16; ++count) {
+        EXPECT_FALSE(believes(count)) << count;
+    }
+    EXPECT_TRUE(believes(16U));
+}
+
+TEST_F(DbcCounterTest, OldFramesInARingAreNeverBelieved) {
+    for (unsigned length = 2; length < 16; ++length) {
+        for (unsigned count = 0; count < 40; ++count) {
+            believes(count);
+        }
+        for (unsigned frame = 0; frame < 500; ++frame) {
+            EXPECT_FALSE(believes(40 - length + frame % length)) << length << ", " << frame;
+        }
+    }
+}
+
+TEST_F(DbcCounterTest, ASecondSenderFiveTimesAsRareIsBelievedOnceAtMost) {
+    for (int offset = 1; offset < 20; ++offset) {
+        DbcDecoder decoder = decoder_of(kCounted, kCountedSignals);
+        int of_the_other = 0;
+        for (unsigned frame = 0; frame < 900; ++frame) {
+            const int now = 20 * static_cast<int>(frame);
+            decoder.next(command(frame, 7), at(now));
+            if (frame >= 100 && frame % 5 == 0) {
+                const auto taken = decoder.next(command(frame / 5, 8), at(now + offset));
+                of_the_other += taken ? 1 : 0;
+            }
+        }
+        EXPECT_LE(of_the_other, 1) << offset;
+    }
 }
 
 TEST_F(DbcCounterTest, ASenderThatHangsIsNeverBelieved) {
@@ -261,8 +299,10 @@ TEST_F(DbcCounterTest, AFrameThatTheBusRepeatsDoesNoHarm) {
 TEST_F(DbcCounterTest, TheSameCountWithOtherDataIsAnotherSender) {
     get_started(0);
     EXPECT_FALSE(believes(command(2, 8)));
-    EXPECT_FALSE(believes(3U));
-    EXPECT_TRUE(believes(4U));
+    for (unsigned count = 3; count < 18; ++count) {
+        EXPECT_FALSE(believes(count)) << count;
+    }
+    EXPECT_TRUE(believes(18U));
 }
 
 TEST_F(DbcCounterTest, TwoSendersInTurnAreNeverBelieved) {
