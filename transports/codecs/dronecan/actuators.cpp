@@ -76,7 +76,7 @@ CommandDecoder::CommandDecoder(CommandInputFormat format)
       source_(format.source),
       receiver_({wanted_command(format.kind), wanted_transfer<SafetyState>(),
                  wanted_transfer<ArmingStatus>()},
-                1),
+                format.source.node ? 1 : kMostCandidates),
       details_{{{"source_node", {&told_[0], 1}}}} {
     commanded_.fill(Instant::min());
 }
@@ -90,8 +90,8 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
     }
     const bool command = head->data_type_id == command_id(format_.kind);
     // Permissions are those of whoever commands.
-    const bool listens =
-        command ? source_.listens_to(head->source, received) : head->source == source_.current();
+    const bool listens = command ? source_.would_listen_to(head->source, received)
+                                 : head->source == source_.current();
     if (!listens) {
         rejected_.count_other_source();
         return std::nullopt;
@@ -106,7 +106,6 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
         return std::nullopt;
     }
     if (!take_command(*taken.transfer)) {
-        rejected_.count_layout();
         return std::nullopt;
     }
     told_ = {head->source};
@@ -114,31 +113,54 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
 }
 
 bool CommandDecoder::take_command(const ReceivedTransfer& transfer) {
+    return format_.kind == CommandKind::servos ? take_servos(transfer) : take_motors(transfer);
+}
+
+bool CommandDecoder::refuse_layout() {
+    rejected_.count_layout();
+    return false;
+}
+
+bool CommandDecoder::believes(const ReceivedTransfer& transfer) {
+    if (!source_.listens_to(transfer.head.source, transfer.first_at)) {
+        rejected_.count_other_source();
+        return false;
+    }
+    if (order_.take(transfer.head.transfer_id, true, transfer.first_at) !=
+        CounterWatch::Verdict::good) {
+        rejected_.count_counter_jump();
+        return false;
+    }
     if (latest_ != Instant::min() && transfer.first_at - latest_ > kNewBeginning) {
         commanded_.fill(Instant::min());
     }
     latest_ = transfer.first_at;
-    return format_.kind == CommandKind::servos ? take_servos(transfer) : take_motors(transfer);
+    return true;
 }
 
 bool CommandDecoder::take_servos(const ReceivedTransfer& transfer) {
     const auto message = read<ArrayCommand>(transfer.payload, transfer.fd);
-    if (!message) {
+    const auto moves = [](const ActuatorCommand& command) { return pulse_of(command).has_value(); };
+    if (!message || std::ranges::none_of(message->commands, moves)) {
+        return refuse_layout();
+    }
+    if (!believes(transfer)) {
         return false;
     }
-    bool any = false;
     for (const ActuatorCommand& command : message->commands) {
         if (const auto pulse = pulse_of(command)) {
             set(command.actuator_id, *pulse, transfer.first_at);
-            any = true;
         }
     }
-    return any;
+    return true;
 }
 
 bool CommandDecoder::take_motors(const ReceivedTransfer& transfer) {
     const auto message = read<EscRawCommand>(transfer.payload, transfer.fd);
-    if (!message) {
+    if (!message || message->cmd.empty()) {
+        return refuse_layout();
+    }
+    if (!believes(transfer)) {
         return false;
     }
     for (std::size_t motor = 0; motor < message->cmd.size(); ++motor) {

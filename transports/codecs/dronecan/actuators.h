@@ -43,7 +43,10 @@ struct CommandInputFormat {
 
 /// Commands in, snapshots out. A vehicle may say its commands in several messages; a snapshot has
 /// the latest of each, and counts as old as the oldest of them: an actuator that is commanded no
-/// longer is a loss, not a value that stands for ever.
+/// longer is a loss, not a value that stands for ever. Once the transfer id of the commands has
+/// gone back, or further on than time allows, they are refused until it has gone through its whole
+/// range
+/// (`CounterWatch`).
 class CommandDecoder final : public CanDecoder {
   public:
     explicit CommandDecoder(CommandInputFormat format);
@@ -60,9 +63,13 @@ class CommandDecoder final : public CanDecoder {
         Instant heard = Instant::min();
     };
 
+    /// Each says whether its commands count, and else counts why not.
     bool take_command(const ReceivedTransfer& transfer);
     bool take_servos(const ReceivedTransfer& transfer);
     bool take_motors(const ReceivedTransfer& transfer);
+    bool refuse_layout();
+    /// Of a message that can be read.
+    bool believes(const ReceivedTransfer& transfer);
     void take_permission(const ReceivedTransfer& transfer);
     void set(std::size_t actuator, Pulse pulse, Instant at);
     bool may_move(const Permission& permission, Instant now) const;
@@ -72,6 +79,7 @@ class CommandDecoder final : public CanDecoder {
     std::array<CanIdMatch, 3> wanted_;
     SourceWatch source_;
     TransferReceiver receiver_;
+    CounterWatch order_{kTransferOrder};
     TransferRejects rejected_;
     std::array<Pulse, kChannelCount> pulses_{};
     /// When each was commanded last; `Instant::min()`: never.

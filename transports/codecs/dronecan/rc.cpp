@@ -55,7 +55,7 @@ RcDecoder::RcDecoder(RcInputFormat format)
     : format_(format),
       wanted_(ids_of(TransferKind::message, RcInput::kId)),
       source_(format.source),
-      receiver_({wanted_transfer<RcInput>()}, 1),
+      receiver_({wanted_transfer<RcInput>()}, format.source.node ? 1 : kMostCandidates),
       details_{{{"source_node", {&told_[0], 1}},
                 {"quality", {&told_[1], 1}},
                 {"quality_type", {&told_[2], 1}}}} {}
@@ -65,7 +65,7 @@ std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant recei
     if (!head) {
         return std::nullopt;
     }
-    if (!source_.listens_to(head->source, received)) {
+    if (!source_.would_listen_to(head->source, received)) {
         rejected_.count_other_source();
         return std::nullopt;
     }
@@ -79,13 +79,31 @@ std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant recei
         rejected_.count_layout();
         return std::nullopt;
     }
-    if (format_.receiver && message->id != *format_.receiver) {
-        rejected_.count_other_source();
+    if (!believes(*message, *taken.transfer)) {
         return std::nullopt;
     }
     told_ = {head->source, message->quality,
              static_cast<std::uint16_t>(message->status & RcInput::kQualityTypeMask)};
     return channels_of(*message, taken.transfer->first_at);
+}
+
+bool RcDecoder::believes(const RcInput& message, const ReceivedTransfer& transfer) {
+    const NodeId source = transfer.head.source;
+    bool of_source = !format_.receiver || message.id == *format_.receiver;
+    // A message without channels is none to hold on to.
+    if (of_source && !message.rcin.empty()) {
+        of_source = source_.listens_to(source, transfer.first_at);
+    }
+    // All receivers of a node count their messages together.
+    const bool in_order = source != source_.current() ||
+                          order_.take(transfer.head.transfer_id, true, transfer.first_at) ==
+                              CounterWatch::Verdict::good;
+    if (!of_source) {
+        rejected_.count_other_source();
+    } else if (!in_order) {
+        rejected_.count_counter_jump();
+    }
+    return of_source && in_order;
 }
 
 ChannelFrame RcDecoder::channels_of(const RcInput& message, Instant at) {

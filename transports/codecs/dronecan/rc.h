@@ -36,7 +36,9 @@ struct RcInputFormat {
 };
 
 /// RCInput messages in, snapshots out. A message that says that its link quality is 0 is marked
-/// frame-lost, for the type has no flag for that.
+/// frame-lost, for the type has no flag for that. Once the transfer id has gone back, or further on
+/// than time allows, messages are refused until it has gone through its whole range: 0.64 s at
+/// 50 Hz (`CounterWatch`).
 class RcDecoder final : public CanDecoder {
   public:
     explicit RcDecoder(RcInputFormat format);
@@ -48,6 +50,7 @@ class RcDecoder final : public CanDecoder {
     std::span<const FrameDetail> details() const override { return details_; }
 
   private:
+    bool believes(const RcInput& message, const ReceivedTransfer& transfer);
     ChannelFrame channels_of(const RcInput& message, Instant at);
     Pulse pulse_of(std::uint16_t raw) const;
     void note_quality(const RcInput& message, Instant at);
@@ -56,6 +59,7 @@ class RcDecoder final : public CanDecoder {
     CanIdMatch wanted_;
     SourceWatch source_;
     TransferReceiver receiver_;
+    CounterWatch order_{kTransferOrder};
     TransferRejects rejected_;
     /// The latest in percent: some senders tell several kinds of quality in turn.
     std::uint8_t link_quality_ = kNoLinkQuality;

@@ -9,6 +9,7 @@
 
 #include "core/time.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/counter_watch.h"
 #include "transports/codecs/dronecan/transfer.h"
 
 namespace tribus::dronecan {
@@ -22,8 +23,20 @@ struct SourceChoice {
     bool operator==(const SourceChoice&) const = default;
 };
 
-/// Holds on to one source: two that send the same must not be mixed. The first one that is heard
-/// stays the one until it has been silent for as long as a node is counted as gone. Pure.
+/// Of each message, while it is open whom to listen to: a node that sends only what cannot be read
+/// must not keep the others out.
+inline constexpr std::size_t kMostCandidates = 8;
+
+/// The transfer ids of a node's messages, for `CounterWatch`: losses are told from old messages by
+/// the time that passed. The specification counts a message at once, and forgets after 2 s.
+inline constexpr CounterWatch::Limits kTransferOrder{.values = kMostTransferId + 1U,
+                                                     .most_step = kMostTransferId,
+                                                     .silence = std::chrono::seconds(2),
+                                                     .proof = 0};
+
+/// Holds on to one source: two that send the same must not be mixed. The first one of which a good
+/// message is heard stays the one until none has come for as long as a node is counted as gone.
+/// Pure.
 class SourceWatch {
   public:
     /// NodeStatus of a node that is there comes at least so often (can.md 1.3).
@@ -35,7 +48,13 @@ class SourceWatch {
     bool may_be(NodeId source) const {
         return source != kNobody && (!choice_.node || source == *choice_.node);
     }
-    /// To a message of that source.
+    /// Whether a message of that source would be listened to. To its frames, for they may be
+    /// broken.
+    bool would_listen_to(NodeId source, Instant at) const {
+        return may_be(source) &&
+               (source == current_ || current_ == kNobody || at - heard_ >= kGone);
+    }
+    /// To a good message of that source.
     bool listens_to(NodeId source, Instant at, std::uint32_t instance = 0) {
         if (!may_be(source) || (choice_.instance && instance != *choice_.instance)) {
             return false;
@@ -69,6 +88,8 @@ class TransferRejects {
     /// Whole, but not as its type describes it.
     void count_layout() { ++counts_[kLayout].count; }
     void count_other_source() { ++counts_[kOtherSource].count; }
+    /// Whole and right, but its transfer id says that it is an old one, or of a second sender.
+    void count_counter_jump() { ++counts_[kCounterJump].count; }
     std::span<const NamedCount> counts() const { return std::span(counts_).first(kUncounted); }
 
   private:
@@ -79,6 +100,7 @@ class TransferRejects {
         kRepeated,
         kLayout,
         kOtherSource,
+        kCounterJump,
         kUncounted,
     };
     static Cause cause_of(FrameFate fate) {
@@ -107,6 +129,7 @@ class TransferRejects {
                                                     {"repeated"},
                                                     {"layout"},
                                                     {"other source"},
+                                                    {"counter jump"},
                                                     {"none"}}};
 };
 
