@@ -38,6 +38,8 @@ std::string_view how_it_shows(const LinkState& state) {
             return "frames that do not change";
         case LinkCause::implausible:
             return "values that no transmitter sends";
+        case LinkCause::channels_missing:
+            return "frames without channels that were there, or without any";
     }
     return "";
 }

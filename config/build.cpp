@@ -97,6 +97,10 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
             output.selection = pipeline.selection;
             output.channels = pipeline.channels;
             output.failsafe = pipeline.failsafe[i];
+            for (const std::size_t input : pipeline.selection.inputs) {
+                Duration& after = inputs[input].supervision.fewer_channels_after;
+                after = std::max(after, output.failsafe.recover);
+            }
         }
     }
     std::vector<dronecan::NodeSettings> settings;

@@ -12,6 +12,7 @@
 #include "config/effective_values.h"
 #include "config/key_rows_pipelines.h"
 #include "config/keys.h"
+#include "config/read_rules.h"
 #include "config/read_supervision.h"
 #include "config/values.h"
 #include "config/write_toml.h"
@@ -153,7 +154,7 @@ Json failsafe_json(const FailsafeSettings& failsafe) {
     if (failsafe.release_when) {
         json["release_when"] = value_rule_json(*failsafe.release_when);
     }
-    if (failsafe.action == FailsafeAction::preset) {
+    if (failsafe.action == FailsafeAction::preset || failsafe.presets != default_presets()) {
         json["preset"] = presets_json(failsafe.presets);
     }
     return json;

@@ -42,7 +42,8 @@ inline constexpr Key kActionKey{{.key = "action",
                                      "frames. The default is preset where the protocol can say "
                                      "failsafe, else silence"}};
 inline constexpr Key kPresetKey{structure("preset",
-                                          "Pulses by channel number for the action \"preset\", "
+                                          "Pulses by channel number for the action \"preset\", and "
+                                          "for channels that the input does not have, "
                                           "microseconds; other: all that are not named (1500)"),
                                 KeyKind::presets};
 inline constexpr Key kFailsafeSlewKey{{.key = "slew",
@@ -62,12 +63,11 @@ inline constexpr Key kRecoverKey{{.key = "recover",
 
 inline constexpr Key kPowerOnKey{{.key = "power_on",
                                   .type = duration,
-                                  .fallback = "\"0s\"",
                                   .least = 0,
                                   .most = 60,
                                   .help =
                                       "An unbroken run of good frames this long before control is "
-                                      "given for the first time"}};
+                                      "given for the first time; absent: as long as `recover`"}};
 inline constexpr Key kReleaseKey{
     structure("release_when",
               "After failsafe, and at the start, control waits for this "

@@ -125,7 +125,7 @@ FailsafeSettings combine(const Given& own, const Given& shared, const OutputConf
     FailsafeSettings settings;
     settings.hold = own.hold ? *own.hold : shared.hold.value_or(settings.hold);
     settings.recover = own.recover ? *own.recover : shared.recover.value_or(settings.recover);
-    settings.power_on = own.power_on ? *own.power_on : shared.power_on.value_or(settings.power_on);
+    settings.power_on = own.power_on ? *own.power_on : shared.power_on.value_or(settings.recover);
     settings.slew_us_per_second =
         own.slew_us_per_second ? own.slew_us_per_second : shared.slew_us_per_second;
     settings.release_when = own.release_when ? own.release_when : shared.release_when;
@@ -150,9 +150,9 @@ void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistak
 void check_presets(const Given& given, bool used, Mistakes& mistakes) {
     if (given.presets && !used) {
         mistakes.add(given.preset_where,
-                     "\"preset\" has no effect: without \"action\", an output whose protocol "
-                     "cannot say failsafe goes silent; add action = \"preset\", or leave "
-                     "\"preset\" out");
+                     "\"preset\" is not sent in failsafe: without \"action\", an output whose "
+                     "protocol cannot say failsafe goes silent; add action = \"preset\", or "
+                     "action = \"silence\" where it is only for channels that the input lacks");
     }
 }
 

@@ -78,6 +78,7 @@ SupervisionSettings read_supervision(const TableContent& content, const Protocol
     const SettingValues& values = content.values();
     SupervisionSettings supervision;
     supervision.timeout = values.get_or("timeout", Duration::zero());
+    supervision.fewer_channels_after = supervision.timeout;
     supervision.failsafe_flag = values.get_or("failsafe_flag", true);
     supervision.frame_lost_flag = values.get_or("frame_lost_flag", true);
     if (const auto* run = values.find_as<Duration>("frame_lost_run")) {

@@ -15,6 +15,9 @@ namespace tribus {
 /// As many channels as the widest wire format has: i.Bus 18, SBUS 16 and two switches.
 inline constexpr std::size_t kChannelCount = 18;
 
+/// A bit for each channel.
+inline constexpr std::uint32_t kAllChannels = (1U << kChannelCount) - 1;
+
 /// The format that values came in on at first, as far as it is known.
 enum class Origin : std::uint8_t { none, ibus, sbus, dronecan, can, dbc, unknown };
 
@@ -45,6 +48,11 @@ class ChannelFrame {
 
     bool good() const { return !frame_lost && !failsafe; }
 
+    /// A bit for each channel that is absent.
+    std::uint32_t absent() const { return absent_; }
+    bool has_any() const { return absent_ != kAllChannels; }
+    /// Whether it has every channel that `other` has.
+    bool has_all_of(const ChannelFrame& other) const { return (absent_ & ~other.absent_) == 0; }
     bool has(std::size_t channel) const { return ((absent_ >> channel) & 1U) == 0; }
     /// Whether none of the first `count` channels is absent.
     bool has_first(std::size_t count) const { return (absent_ & ((1U << count) - 1)) == 0; }
@@ -88,7 +96,7 @@ class ChannelFrame {
 
   private:
     std::array<Pulse, kChannelCount> pulses_{};
-    std::uint32_t absent_ = (1U << kChannelCount) - 1;
+    std::uint32_t absent_ = kAllChannels;
 };
 
 static_assert(std::is_trivially_copyable_v<ChannelFrame>);

@@ -111,7 +111,27 @@ LinkSupervisor::Verdict LinkSupervisor::judge(const ChannelFrame& frame, Instant
     if (frame.frame_lost) {
         return {Kind::frame_lost, RadioLossSign::frame_lost_run};
     }
-    return {plausible(frame, now) ? Kind::good : Kind::implausible, RadioLossSign::none};
+    if (!plausible(frame, now)) {
+        return {Kind::implausible, RadioLossSign::none};
+    }
+    return {channels_missing(frame, now) ? Kind::channels_missing : Kind::good,
+            RadioLossSign::none};
+}
+
+/// A frame without any channel is no good one, whoever sends it and for how long.
+bool LinkSupervisor::channels_missing(const ChannelFrame& frame, Instant now) {
+    if (!frame.has_any()) {
+        fewer_ = {};
+        return true;
+    }
+    if (!ever_good_ || frame.has_all_of(good_)) {
+        return false;
+    }
+    if (latest_kind_ != Kind::channels_missing || frame.absent() != fewer_.absent()) {
+        fewer_ = frame;
+        fewer_since_ = now;
+    }
+    return now < later(fewer_since_, settings_.fewer_channels_after);
 }
 
 /// Flags that change say nothing of the values.
@@ -153,10 +173,11 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
     }
     // A frame-lost mark breaks the run that recovery waits for, though the link was not lost.
     if (was_lost || run_broken_) {
-        run_start_ = now;
+        run_start_ = frame.has_all_of(good_) || !ever_good_ ? now : fewer_since_;
     }
     run_broken_ = false;
     radio_lost_ = false;
+    channels_missing_ = false;
     ever_good_ = true;
     good_ = frame;
     expires_ = not_after_frozen(frame.received + settings_.timeout);
@@ -172,6 +193,11 @@ void LinkSupervisor::refuse(Verdict verdict, Instant now) {
         }
         radio_lost_ = true;
         guarded_ = false;
+    } else if (verdict.kind == Kind::channels_missing) {
+        if (!channels_missing_) {
+            channels_missing_since_ = now;
+        }
+        channels_missing_ = true;
     } else if (verdict.kind == Kind::frame_lost && settings_.frame_lost_run && now < expires_) {
         // The wire is there; what is lost already stays so.
         expires_ = not_after_frozen(
@@ -199,6 +225,9 @@ LinkState LinkSupervisor::state(Instant now) const {
     }
     if (latest_kind_ == Kind::implausible) {
         return {LinkCause::implausible, RadioLossSign::none, kind_since_};
+    }
+    if (latest_kind_ == Kind::channels_missing) {
+        return {LinkCause::channels_missing, RadioLossSign::none, kind_since_};
     }
     if (radio_lost_) {
         return {LinkCause::radio_lost, sign_, radio_lost_since_};

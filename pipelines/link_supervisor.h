@@ -47,11 +47,15 @@ class LinkSupervisor {
     void take(ChannelFrame& frame, Instant now);
 
     /// Whether its frames count at `at`, which may lie a little ahead.
-    bool alive(Instant at) const { return ever_good_ && !radio_lost_ && at < expires_; }
+    bool alive(Instant at) const {
+        return ever_good_ && !radio_lost_ && !channels_missing_ && at < expires_;
+    }
     /// When it was lost, or will be if nothing more comes. Only where it was ever good. A sender
     /// that says failsafe after the timeout tells nothing new.
     Instant lost_at() const {
-        return radio_lost_ ? std::min(radio_lost_since_, expires_) : expires_;
+        const Instant radio = radio_lost_ ? radio_lost_since_ : expires_;
+        const Instant channels = channels_missing_ ? channels_missing_since_ : expires_;
+        return std::min({radio, channels, expires_});
     }
     bool ever_good() const { return ever_good_; }
     /// Start of the unbroken run of good frames.
@@ -65,7 +69,7 @@ class LinkSupervisor {
     LinkState state(Instant now) const;
 
   private:
-    enum class Kind : std::uint8_t { good, frame_lost, radio_lost, implausible };
+    enum class Kind : std::uint8_t { good, frame_lost, radio_lost, implausible, channels_missing };
     struct Verdict {
         Kind kind = Kind::good;
         RadioLossSign sign = RadioLossSign::none;
@@ -74,6 +78,7 @@ class LinkSupervisor {
     void watch_for_change(const ChannelFrame& frame, Instant now);
     Verdict judge(const ChannelFrame& frame, Instant now);
     void accept(const ChannelFrame& frame, Instant now);
+    bool channels_missing(const ChannelFrame& frame, Instant now);
     void refuse(Verdict verdict, Instant now);
     bool rule_says_loss(const ChannelFrame& frame) const;
     bool all_zero(const ChannelFrame& frame) const;
@@ -99,6 +104,10 @@ class LinkSupervisor {
     Instant expires_{};
     Instant run_start_{};
     Instant radio_lost_since_{};
+    Instant channels_missing_since_{};
+    /// The frame whose channels the sender has left since then, and no more than those.
+    ChannelFrame fewer_;
+    Instant fewer_since_{};
     Instant latest_frame_{};
     Instant kind_since_{};
     Instant unchanged_since_{};
@@ -110,6 +119,7 @@ class LinkSupervisor {
     bool ever_good_ = false;
     bool run_broken_ = true;
     bool radio_lost_ = false;
+    bool channels_missing_ = false;
     bool ever_frame_ = false;
     bool ever_bytes_ = false;
     /// The guard against raw zeros was set up for the start or the present loss.

@@ -1,6 +1,7 @@
 #include "pipelines/output.h"
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 
 namespace tribus {
@@ -233,11 +234,30 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
     return failsafe_frame(now);
 }
 
+/// What nobody sent is not made up: an absent channel is the preset, where the format cannot say
+/// that it is absent.
+[[gnu::noinline]] void Output::fill_absent(ChannelFrame& frame, Instant now) {
+    const std::uint32_t needed =
+        can_encoder_ ? can_encoder_->needed_channels(frame) : encoder_->needed_channels();
+    std::uint32_t missing = needed & frame.absent();
+    if (missing == 0) {
+        return;
+    }
+    for (; missing != 0; missing &= missing - 1) {
+        const auto channel = static_cast<std::size_t>(std::countr_zero(missing));
+        frame.set(channel, failsafe_.presets[channel]);
+    }
+    map_.restart_from(frame, now);
+}
+
 void Output::run(Instant now, std::span<const Input> inputs) {
     std::optional<ChannelFrame> frame = make_frame(now, inputs);
     if (frame && !selector_.inputs().empty()) {
         const std::size_t told_of = selector_.current().value_or(selector_.inputs().front());
         frame->cause = inputs[told_of].state().cause;
+    }
+    if (frame && !frame->has_first(kChannelCount) && !selector_.inputs().empty()) {
+        fill_absent(*frame, now);
     }
     if (frame) {
         latest_ = *frame;

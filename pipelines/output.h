@@ -183,6 +183,7 @@ class Output {
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
     void take_up_channels();
+    void fill_absent(ChannelFrame& frame, Instant now);
 
     std::string name_;
     std::unique_ptr<Encoder> encoder_;

@@ -63,6 +63,9 @@ struct SupervisionSettings {
     double frame_lost_ratio = 0.9;
     /// No change of any bit of a channel for so long: lost. Zero: never.
     Duration frozen{};
+    /// A sender that leaves out channels that it had is lost until they are back, or until it has
+    /// sent the same fewer ones for so long without a break: then it means it.
+    Duration fewer_channels_after = std::chrono::milliseconds(100);
     /// A frame with a channel outside of it does not count.
     std::optional<PulseRange> plausible{};
     /// What a channel reads whose value on the wire is zero, where that means "no value".

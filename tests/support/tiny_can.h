@@ -45,6 +45,7 @@ class TinyCanDecoder final : public CanDecoder {
 class TinyCanEncoder final : public CanEncoder {
   public:
     std::span<const CanIdMatch> sent() const override { return std::span(&kTinyId, 1); }
+    std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 1; }
     void continue_from(const CanEncoder& /*before*/) override {}
     std::size_t encode(const ChannelFrame& snapshot, Instant /*now*/,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override {

@@ -130,6 +130,7 @@ class CanChannelsEncoder final : public CanEncoder {
     std::span<const CanIdMatch> sent() const override {
         return std::span(ids_).first(format_.frame_count());
     }
+    std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;

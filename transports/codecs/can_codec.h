@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -50,6 +51,10 @@ class CanEncoder {
     /// the start, before the first `encode`; without it, and for names that the board has not,
     /// there is no number. The board outlives the encoder.
     virtual void use(const ValueBoard& /*board*/) {}
+
+    /// The channels that need a value on the wire, a bit each: of the others the format can say
+    /// that `snapshot` does not have them, or it does not send them.
+    virtual std::uint32_t needed_channels(const ChannelFrame& snapshot) const = 0;
 
     /// In whose name it sends, where the protocol has nodes. For the start, before the first
     /// `encode`; outlives the encoder.

@@ -97,6 +97,9 @@ class Decoder : public DecoderReport {
 class Encoder {
   public:
     virtual ~Encoder() = default;
+    /// The channels that need a value on the wire, a bit each: of the others the format can say
+    /// that they are absent, or it does not have them. Constant.
+    virtual std::uint32_t needed_channels() const { return kAllChannels; }
     /// Writes one frame to the front of `wire` and returns its length.
     virtual std::size_t encode(const ChannelFrame& frame,
                                std::span<std::uint8_t, kLongestSerialFrame> wire) const = 0;

@@ -73,6 +73,10 @@ IbusEncoder::IbusEncoder(std::size_t channel_count) {
     }
 }
 
+std::uint32_t IbusEncoder::needed_channels() const {
+    return (1U << kSlotCount) - 1;
+}
+
 [[gnu::noinline]] std::size_t IbusEncoder::encode_filled(
     const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
     return encode(filled(frame), wire);

@@ -89,6 +89,7 @@ class IbusDecoder final : public Decoder {
 class IbusEncoder final : public Encoder {
   public:
     explicit IbusEncoder(std::size_t channel_count = 14);
+    std::uint32_t needed_channels() const override;
     std::size_t encode(const ChannelFrame& frame,
                        std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
 

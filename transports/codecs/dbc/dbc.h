@@ -120,6 +120,10 @@ class DbcEncoder final : public CanEncoder {
     bool uses_fd() const override;
     std::span<const CanIdMatch> sent() const override { return sent_; }
     void use(const ValueBoard& board) override;
+    /// Those that have a signal without a code for absent ones.
+    std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override {
+        return needed_channels_;
+    }
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
@@ -153,6 +157,7 @@ class DbcEncoder final : public CanEncoder {
     /// Of each value of each part; nothing for a name that the board has not.
     std::vector<std::vector<std::optional<Source>>> sources_;
     Instant encoded_{};  ///< the last snapshot
+    std::uint32_t needed_channels_ = 0;
 };
 
 }  // namespace tribus

@@ -35,6 +35,11 @@ DbcEncoder::DbcEncoder(DbcMap map)
     std::ranges::transform(map_.messages, std::back_inserter(sent_), &DbcMappedMessage::id);
     for (std::size_t part = 0; part < sources_.size(); ++part) {
         sources_[part].resize(map_.parts[part].values.size());
+        for (const DbcChannel& channel : map_.parts[part].channels) {
+            if (!channel.not_available && !channel.error) {
+                needed_channels_ |= 1U << channel.channel;
+            }
+        }
     }
 }
 

@@ -164,6 +164,11 @@ void RcEncoder::continue_from(const CanEncoder& before) {
     }
 }
 
+std::uint32_t RcEncoder::needed_channels(const ChannelFrame& snapshot) const {
+    const std::uint32_t sent = ~snapshot.absent() & ((1U << format_.channels) - 1);
+    return (1U << std::bit_width(sent)) - 1;
+}
+
 std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
                               std::span<CanFrame, kMostSnapshotFrames> frames) {
     if (voice_->id == kNobody) {

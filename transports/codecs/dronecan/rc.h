@@ -99,6 +99,8 @@ class RcEncoder final : public CanEncoder {
     std::span<const CanIdMatch> sent() const override { return {}; }
     void use(const ValueBoard& board) override;
     void speak_as(const Voice& voice) override { voice_ = &voice; }
+    /// Those before the last one that is present: the message has no gaps.
+    std::uint32_t needed_channels(const ChannelFrame& snapshot) const override;
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
