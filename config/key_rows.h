@@ -19,8 +19,14 @@ constexpr Setting pulse_key(std::string_view key, std::string_view help) {
     return {.key = key, .type = pulse, .least = kLeastPulse, .most = kMostPulse, .help = help};
 }
 
-constexpr Setting pulses_key(std::string_view key, std::string_view help) {
-    return {.key = key, .type = pulses, .least = 0, .most = kMostWirePulse, .help = help};
+constexpr Setting pulses_key(std::string_view key, std::string_view help,
+                             std::string_view fallback = {}) {
+    return {.key = key,
+            .type = pulses,
+            .fallback = fallback,
+            .least = 0,
+            .most = kMostWirePulse,
+            .help = help};
 }
 
 constexpr Setting structure(std::string_view key, std::string_view help) {

@@ -103,7 +103,8 @@ inline constexpr std::array kInputKeys{
                  "quite still; 0s: never"}},
     Key{pulses_key("plausible",
                    "A frame with a channel outside of this range does not count, microseconds; "
-                   "absent: any value counts")},
+                   "[0, 4095]: any value counts",
+                   "[800, 2200]")},
     Key{{.key = "zero_guard",
          .type = duration,
          .fallback = "\"1s\"",

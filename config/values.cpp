@@ -65,13 +65,19 @@ SettingValue default_of(const Setting& setting) {
             std::from_chars(text.data(), end, number);
             return number;
         }
+        case SettingType::pulses: {
+            NumberRange range;
+            const auto low =
+                std::from_chars(text.data() + std::string_view("[").size(), end, range.low);
+            std::from_chars(low.ptr + std::string_view(", ").size(), end, range.high);
+            return range;
+        }
         case SettingType::slew:
             return parse_slew(text).value_or(0);
         case SettingType::duration:
             return parse_duration(text).value_or(Duration::zero());
         case SettingType::text:
         case SettingType::choice:
-        case SettingType::pulses:
         case SettingType::scale:
         case SettingType::file:
         case SettingType::tree:
