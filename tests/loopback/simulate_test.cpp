@@ -62,6 +62,8 @@ constexpr std::int64_t kFrameUs = 2778;
 constexpr std::int64_t kRoundingUs = 1;
 constexpr std::int64_t kPeriodUs = 7000;
 constexpr std::int64_t kTimeoutUs = 100'000;
+/// As long as recover.
+constexpr std::int64_t kPowerOnUs = 500'000;
 constexpr std::int64_t kHoldUs = 300'000;
 
 SbusSight sight_of_raw(const Json& frame) {
@@ -131,7 +133,8 @@ class Simulate : public Loopback {
                    inputs[newest + 1].at_us <= frame.at_us + kRoundingUs) {
                 ++newest;
             }
-            const bool before = frame.at_us + kRoundingUs < inputs.front().at_us;
+            const bool before =
+                frame.at_us + kRoundingUs < inputs.front().at_us + kPowerOnUs;
             const std::int64_t age = frame.at_us - last_us;
             SCOPED_TRACE("frame at " + std::to_string(frame.at_us) + " us");
             if (before || age >= kTimeoutUs + kHoldUs) {

@@ -56,7 +56,7 @@ from = "receiver"
 to = "servos"
 [pipeline.main.channels]
 )" + channels +
-           "\n[pipeline.main.failsafe]\n" + failsafe + "\n";
+           "\n[pipeline.main.failsafe]\npower_on = \"0s\"\n" + failsafe + "\n";
 }
 
 std::vector<std::uint8_t> ibus_frame(int first_us, int second_us = 1500) {
@@ -305,6 +305,8 @@ device = "/dev/ttyD"
 [pipeline.extra]
 from = "receiver"
 to = "extra"
+[pipeline.extra.failsafe]
+power_on = "0s"
 )";
     ReloadRun run(sbus_job() + extra);
     ReloadRun without(sbus_job());

@@ -40,7 +40,7 @@ to = "bus"
 /// i.Bus frames, each 7 ms, with the given first channel.
 std::string receiver_frames(int first) {
     std::string lines;
-    for (int frame = 0; frame < 50; ++frame) {
+    for (int frame = 0; frame < 150; ++frame) {
         lines += "{\"t_us\":" + std::to_string(7000 * frame) + ",\"channels\":[" +
                  std::to_string(first) +
                  ",1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,"

@@ -231,7 +231,8 @@ OutputStage stage_after_foreign_frames(const Configuration& configuration) {
     CanChannelsEncoder sender;
     Instant now{std::chrono::seconds(1)};
     engine->start(now);
-    for (int number = 0; number < 10; ++number) {
+    constexpr int kPowerOnFrames = 60;
+    for (int number = 0; number < kPowerOnFrames; ++number) {
         now += milliseconds(10);
         for (const CanFrame& frame :
              test::can_frames(sender, test::numbered_snapshot(number, now), now)) {
@@ -310,6 +311,7 @@ frame_lost_flag = true
 frame_lost_run = "100ms"
 frame_lost_ratio = 0.9
 frozen = "0ms"
+plausible = [800, 2200]
 failsafe_when = []
 id = 768
 extended = false

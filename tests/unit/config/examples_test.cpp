@@ -47,6 +47,7 @@ protocol = "ibus"
 device = "/dev/ttyA"
 timeout = "100ms"
 frozen = "0ms"
+plausible = [800, 2200]
 failsafe_when = []
 baud = 115200
 slots = "nibbles"
@@ -71,7 +72,7 @@ mode = "priority"
 hold = "300ms"
 action = "preset"
 recover = "500ms"
-power_on = "0ms"
+power_on = "500ms"
 preset = { 3 = 988, other = 1500 }
 )");
 }
@@ -125,6 +126,7 @@ frame_lost_flag = true
 frame_lost_run = "100ms"
 frame_lost_ratio = 0.9
 frozen = "0ms"
+plausible = [800, 2200]
 zero_guard = "1s"
 failsafe_when = []
 baud = 100000
@@ -136,6 +138,7 @@ protocol = "ibus"
 device = "/dev/ttyD"
 timeout = "100ms"
 frozen = "0ms"
+plausible = [800, 2200]
 failsafe_when = []
 baud = 115200
 slots = "nibbles"

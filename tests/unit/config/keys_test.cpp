@@ -41,6 +41,12 @@ Value as_written(const Setting& setting) {
         written.content = *whole;
     } else if (const auto* number = std::get_if<double>(&value)) {
         written.content = *number;
+    } else if (const auto* range = std::get_if<NumberRange>(&value)) {
+        List ends;
+        for (const double end : {range->low, range->high}) {
+            ends.items.emplace_back().content = end;
+        }
+        written.content = ends;
     } else {
         written.content = std::string(unquoted_fallback(setting));
     }
@@ -62,7 +68,8 @@ TEST(KeyTable, TextualDefaultsStandInQuotesAsInAFile) {
     for (const Key& key : every_key()) {
         const SettingType type = key.setting.type;
         const bool bare = type == SettingType::boolean || type == SettingType::integer ||
-                          type == SettingType::number || type == SettingType::pulse;
+                          type == SettingType::number || type == SettingType::pulse ||
+                          type == SettingType::pulses;
         if (!key.setting.fallback.empty()) {
             EXPECT_EQ(key.setting.fallback.starts_with('"'), !bare) << key.name();
         }
