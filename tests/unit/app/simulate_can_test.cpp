@@ -127,7 +127,7 @@ TEST_F(SimulateCan, LogOfOneOtherInterfaceWillDo) {
     const Ended result =
         run("\"$TRIBUS\" simulate from_can.toml --in cockpit=can.log --out servos=sbus.txt");
     EXPECT_EQ(result.status, 0) << result.output;
-    EXPECT_NE(result.output.find("input cockpit: 2000 bytes, 48 frames, "), std::string::npos)
+    EXPECT_NE(result.output.find("input cockpit: 6000 bytes, 148 frames, "), std::string::npos)
         << result.output;
 }
 
