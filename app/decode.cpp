@@ -25,7 +25,8 @@ Burst raw_burst(std::string_view bytes) {
 struct Allotment {
     std::size_t best = 0;
     std::uint64_t frames_of_best = 0;
-    std::vector<std::size_t> owners;  ///< of each burst: index of a protocol
+    /// Of each burst that is a frame by itself and none in the stream of the best: its protocol.
+    std::vector<std::optional<std::size_t>> alone;
 };
 
 struct Coverage {
@@ -74,11 +75,11 @@ Allotment allot(const Recording& recording, std::span<const ProtocolUse> uses) {
             touched = std::move(coverage.touched);
         }
     }
-    allotment.owners.assign(recording.bursts.size(), allotment.best);
+    allotment.alone.resize(recording.bursts.size());
     for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
         for (std::size_t index = 0; !touched[burst] && index < uses.size(); ++index) {
             if (is_one_frame_of(recording.bursts[burst], uses[index])) {
-                allotment.owners[burst] = index;
+                allotment.alone[burst] = index;
                 break;
             }
         }
@@ -106,12 +107,12 @@ int decode_allotted(const Recording& recording, std::span<const ProtocolUse> use
     FrameFinder best(uses[allotment.best], collect);
     Tally others;
     for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
-        const std::size_t owner = allotment.owners[burst];
-        if (owner == allotment.best) {
+        const auto owner = allotment.alone[burst];
+        if (!owner) {
             best.feed(burst, recording.bursts[burst]);
             continue;
         }
-        FrameFinder other(uses[owner], collect);
+        FrameFinder other(uses[*owner], collect);
         other.feed(burst, recording.bursts[burst]);
         other.finish();
         add(others, other.tally());

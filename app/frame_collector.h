@@ -10,6 +10,7 @@
 #include "core/can_frame.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/line_pauses.h"
 
 namespace tribus {
 
@@ -20,12 +21,12 @@ class FrameCollector {
 
     template <class DamagedMarks>
     void receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant at) {
+        look_for_pause(bytes.size(), at);
         for (std::size_t i = 0; i < bytes.size(); ++i) {
             if (damaged[i]) {
                 decoder_->damaged_byte();
-            } else {
-                decode(bytes.subspan(i, 1), at);
             }
+            decode(bytes.subspan(i, damaged[i] ? 0 : 1), at);
         }
     }
     void receive(const CanFrame& frame, Instant at);
@@ -33,10 +34,14 @@ class FrameCollector {
     const std::vector<StudiedFrame>& frames() const { return frames_; }
 
   private:
+    void look_for_pause(std::size_t count, Instant at);
     void decode(std::span<const std::uint8_t> bytes, Instant at);
+    void keep(const DecodedFrame& found, Instant at);
 
     std::unique_ptr<Decoder> decoder_;
     std::unique_ptr<CanDecoder> can_decoder_;
+    LinePauses pauses_;
+    Instant latest_read_{};
     std::vector<StudiedFrame> frames_;
 };
 

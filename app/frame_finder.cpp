@@ -9,6 +9,7 @@ FrameFinder::FrameFinder(const ProtocolUse& use, FrameHandler handler)
       line_(use.line),
       handler_(std::move(handler)),
       decoder_(use.protocol->make_decoder(use.settings)),
+      pauses_(use.line.bytes_time(1)),
       judge_(use.supervision) {}
 
 void FrameFinder::report(const DecodedFrame& frame) {
@@ -27,6 +28,7 @@ void FrameFinder::report(const DecodedFrame& frame) {
     }
     found.judged = judge_.judge(frame.channels, found.start);
     ++frames_;
+    pauses_.frame_came(frame.first_byte, frame.length);
     handler_(found);
 }
 
@@ -38,10 +40,26 @@ void FrameFinder::feed_run(std::span<const std::uint8_t> bytes, Instant received
     }
 }
 
+/// A burst has come when its last byte has.
+void FrameFinder::look_for_pause(const Burst& burst) {
+    if (!burst.start) {
+        pauses_.forget();
+        return;
+    }
+    const Instant end(*burst.start + line_.bytes_time(burst.bytes.size()));
+    if (pauses_.before(burst.bytes.size(), end, decoder_->waiting())) {
+        DecodedFrame frame;
+        while (decoder_->silence(frame)) {
+            report(frame);
+        }
+    }
+}
+
 void FrameFinder::feed(std::size_t index, const Burst& burst) {
     if (starts_.empty() || starts_.back().burst != index) {
         starts_.push_back({bytes_, index, burst.start});
     }
+    look_for_pause(burst);
     judge_.bytes_came(burst.start);
     const Instant received(burst.start.value_or(Duration::zero()));
     const std::span<const std::uint8_t> bytes = burst.bytes;

@@ -13,6 +13,7 @@
 #include "app/protocol_use.h"
 #include "core/time.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/line_pauses.h"
 #include "transports/links/recording.h"
 
 namespace tribus {
@@ -45,7 +46,8 @@ struct Tally {
     std::uint64_t skipped_bytes = 0;
 };
 
-/// Runs the decoder of one protocol over bursts and tells where and when each frame starts.
+/// Runs the decoder of one protocol over bursts and tells where and when each frame starts. Where
+/// the bursts have times, pauses between them count as those of a line that is read.
 class FrameFinder {
   public:
     FrameFinder(const ProtocolUse& use, FrameHandler handler);
@@ -63,6 +65,7 @@ class FrameFinder {
         std::size_t burst = 0;
         std::optional<Duration> start;
     };
+    void look_for_pause(const Burst& burst);
     void feed_run(std::span<const std::uint8_t> bytes, Instant received);
     void report(const DecodedFrame& frame);
 
@@ -70,6 +73,7 @@ class FrameFinder {
     LineSettings line_;
     FrameHandler handler_;
     std::unique_ptr<Decoder> decoder_;
+    LinePauses pauses_;
     FrameJudge judge_;
     /// Of the bursts in which the next frame may start.
     std::deque<BurstStart> starts_;

@@ -150,6 +150,9 @@ void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arr
         if (source.kind == SimulatedSource::Kind::sensor_bus) {
             loop.receive_on_bus(source.index, bytes, damaged, arrival.at);
         } else {
+            if (byte->untimed) {
+                loop.forget_read_time(source.index);
+            }
             loop.receive(source.index, bytes, damaged, arrival.at);
         }
     }

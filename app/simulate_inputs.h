@@ -36,6 +36,8 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
 struct ArrivedByte {
     std::uint8_t value = 0;
     bool damaged = false;
+    /// The recording has no times; those here are made up.
+    bool untimed = false;
 };
 /// One of `Arrivals::can_frames`.
 struct ArrivedCanFrame {

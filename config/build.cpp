@@ -22,6 +22,10 @@ std::unique_ptr<Codec> make(std::unique_ptr<Codec> (*maker)(const SettingValues&
     return maker == nullptr ? nullptr : maker(settings);
 }
 
+Duration byte_time_of(const PortConfig& port) {
+    return port.link == LinkKind::serial ? port.line.bytes_time(1) : Duration::zero();
+}
+
 PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
     const auto shared = std::find_if(plans.begin(), plans.end(), [&](const PortPlan& plan) {
         return plan.config.link == port.link && plan.config.device == port.device;
@@ -30,9 +34,7 @@ PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
         return *shared;
     }
     PortPlan& plan = plans.emplace_back(PortPlan{port, {}});
-    if (port.link == LinkKind::serial) {
-        plan.wiring.byte_time = port.line.bytes_time(1);
-    }
+    plan.wiring.byte_time = byte_time_of(port);
     return plan;
 }
 
@@ -74,6 +76,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
         inputs.push_back({.name = input.name,
                           .decoder = make(input.protocol->make_decoder, input.settings),
                           .can_decoder = make(input.protocol->make_can_decoder, input.settings),
+                          .byte_time = byte_time_of(input.port),
                           .supervision = input.supervision,
                           .channels = input.channels});
     }

@@ -59,6 +59,9 @@ class Engine {
     /// Call it when all that waited was received, bytes as if they had been read at `since`. An
     /// input whose timeout is no longer than that is lost and has to prove itself anew.
     void was_away(Instant since, Instant now);
+    /// When the bytes of one input that come next arrived is not known: the time since those before
+    /// says nothing of pauses on the line.
+    void forget_read_time(std::size_t input) { inputs_[input].forget_read_time(); }
     /// Brings the state of an input up to date; those of an output that runs are.
     void look(std::size_t input, Instant now) { inputs_[input].look(now); }
 

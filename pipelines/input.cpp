@@ -10,6 +10,7 @@ Input::Input(InputSettings settings, std::uint8_t index)
     : name_(std::move(settings.name)),
       decoder_(std::move(settings.decoder)),
       can_decoder_(std::move(settings.can_decoder)),
+      pauses_(settings.byte_time),
       index_(index),
       supervisor_(std::move(settings.supervision)) {
     if (!settings.channels.empty()) {
@@ -24,6 +25,7 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
     latest_ = before.latest_;
     latest_.source = index_;
     read_times_ = before.read_times_;
+    pauses_ = before.pauses_;
     arrivals_ = before.arrivals_;
     counts_ = before.counts_;
     mapped_ = before.control();
@@ -39,13 +41,40 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
 bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
     bool any = false;
     while (decoder_->next(bytes, now, decoded_)) {
-        // One that waited for its proof is as old as its bytes, not as what released it.
-        const Instant arrival = read_times_.of(decoded_.first_byte + decoded_.length - 1);
-        decoded_.channels.received = arrival;
-        take(decoded_.channels, arrival, now);
+        take_decoded(now);
         any = true;
     }
     return any;
+}
+
+bool Input::pause(Instant now) {
+    bool any = false;
+    while (decoder_->silence(decoded_)) {
+        take_decoded(now);
+        any = true;
+    }
+    return any;
+}
+
+/// One that waited for its proof is as old as its bytes, not as what released it.
+void Input::take_decoded(Instant now) {
+    pauses_.frame_came(decoded_.first_byte, decoded_.length);
+    const Instant arrival = read_times_.of(decoded_.first_byte + decoded_.length - 1);
+    decoded_.channels.received = arrival;
+    take(decoded_.channels, arrival, now);
+}
+
+void Input::device_lost() {
+    ++counts_.device_losses;
+    start_anew();
+}
+
+/// What the decoder holds does not go on with what comes next.
+void Input::start_anew() {
+    if (decoder_) {
+        decoder_->reset();
+    }
+    forget_read_time();
 }
 
 bool Input::receive(const CanFrame& frame, Instant at) {

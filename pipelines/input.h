@@ -19,6 +19,7 @@
 #include "pipelines/settings.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/line_pauses.h"
 #include "transports/codecs/read_times.h"
 
 namespace tribus {
@@ -28,6 +29,8 @@ struct InputSettings {
     /// One of the two, as the protocol is.
     std::unique_ptr<Decoder> decoder;
     std::unique_ptr<CanDecoder> can_decoder{};
+    /// Of one byte on its wire; zero where the instants of reads say nothing of pauses on it.
+    Duration byte_time{};
     SupervisionSettings supervision{};
     /// How its channels are made from those that the receiver sends.
     std::vector<ChannelRule> channels{};
@@ -56,16 +59,13 @@ class Input {
 
     /// Takes bytes that were read at `now`. Returns whether a frame came out of them.
     bool receive(std::span<const std::uint8_t> bytes, Instant now) {
-        count_bytes(bytes.size(), now);
-        read_times_.add(counts_.bytes, now);
-        return decode(bytes, now);
+        const bool any = arrived(bytes.size(), now);
+        return decode(bytes, now) || any;
     }
     /// The same, with the positions of those that the line damaged.
     template <class DamagedMarks>
     bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
-        count_bytes(bytes.size(), now);
-        read_times_.add(counts_.bytes, now);
-        bool any = false;
+        bool any = arrived(bytes.size(), now);
         std::size_t start = 0;
         for (std::size_t position = 0; position < bytes.size(); ++position) {
             if (damaged[position]) {
@@ -78,16 +78,18 @@ class Input {
     }
     /// Takes one CAN frame that arrived at `at`; false also if it is none that this input wants.
     bool receive(const CanFrame& frame, Instant at);
-    void device_lost() { ++counts_.device_losses; }
+    /// What came before does not belong to what comes when the device is back.
+    void device_lost();
     /// Nobody read from `since` to `now`. What waited meanwhile has been given to `receive`, bytes
     /// as if they had been read at `since`, for so old they may be; or it was thrown away.
-    void was_away(Instant since, Instant now) { supervisor_.was_away(since, now); }
-    /// Bytes behind those that came were thrown away: no frame goes on across them.
-    void bytes_discarded() {
-        if (decoder_) {
-            decoder_->damaged_byte();
-        }
+    void was_away(Instant since, Instant now) {
+        supervisor_.was_away(since, now);
+        forget_read_time();
     }
+    /// Bytes behind those that came were thrown away: no frame goes on across them.
+    void bytes_discarded() { start_anew(); }
+    /// The time since the latest bytes says nothing of pauses on the line.
+    void forget_read_time() { pauses_.forget(); }
 
     /// Whether its frames count, and since when, until when and why.
     const LinkSupervisor& link() const { return supervisor_; }
@@ -115,7 +117,17 @@ class Input {
         counts_.bytes += count;
         supervisor_.bytes_came(now);
     }
+    /// Before the bytes themselves. Returns whether a frame came out of it that they are behind.
+    bool arrived(std::size_t count, Instant now) {
+        count_bytes(count, now);
+        read_times_.add(counts_.bytes, now);
+        return pauses_.before(count, now, decoder_->waiting()) && pause(now);
+    }
+    bool pause(Instant now);
+    void start_anew();
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
+    /// The decoder's frame.
+    void take_decoded(Instant now);
     /// A frame that arrived at `arrival`, no later than `now`.
     void take(ChannelFrame frame, Instant arrival, Instant now);
 
@@ -125,6 +137,7 @@ class Input {
     DecodedFrame decoded_;
     /// By the bytes that are counted, as the decoder places its frames.
     ReadTimes read_times_;
+    LinePauses pauses_;
     std::uint8_t index_;
 
     LinkSupervisor supervisor_;

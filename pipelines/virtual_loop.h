@@ -45,6 +45,9 @@ class VirtualLoop {
         poll(at);
     }
 
+    /// See `Engine::forget_read_time`.
+    void forget_read_time(std::size_t input) { engine_->forget_read_time(input); }
+
     /// A CAN frame arrives at an input.
     void receive(std::size_t input, const CanFrame& frame, Instant at) {
         run_until(at);

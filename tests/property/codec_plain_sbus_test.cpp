@@ -102,6 +102,20 @@ TEST(SbusBesidePlain, AnyLineCutAnywhereGivesTheSame) {
     EXPECT_GT(frames, 10000U);
 }
 
+TEST(SbusBesidePlain, PausesAnywhereGiveTheSame) {
+    std::size_t frames = 0;
+    for (std::uint32_t seed = 1; seed <= 4000; ++seed) {
+        Random random(seed);
+        const auto line = random_line(random, 1500);
+        Both both(betaflight());
+        both.read_with_pauses(line, random_cuts(random, 60), random);
+        both.finish();
+        ASSERT_EQ(both.difference(), "") << "seed " << seed;
+        frames += both.frames();
+    }
+    EXPECT_GT(frames, 10000U);
+}
+
 TEST(SbusBesidePlain, AnyBytesThatTellSomethingGiveTheSame) {
     for (std::uint32_t seed = 1; seed <= 3000; ++seed) {
         Random random(seed);

@@ -124,7 +124,7 @@ TEST(FrameAge, OfSbusIsThatOfItsLastByteWhateverTheLineDoes) {
 
 TEST(FrameAge, OfIbusIsThatOfItsLastByteWhateverTheLineDoes) {
     std::size_t held = 0;
-    for (std::uint32_t seed = 1; seed <= 500 && !HasFatalFailure(); ++seed) {
+    for (std::uint32_t seed = 1; seed <= 2000 && !HasFatalFailure(); ++seed) {
         held += frames_held(Beside::of<IbusDecoder>(), ibus_bytes, seed);
     }
     EXPECT_GT(held, 300U) << "few frames were held: the test shows little";

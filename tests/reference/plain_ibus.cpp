@@ -124,7 +124,7 @@ PlainIbusDecoder::Candidate PlainIbusDecoder::candidate() const {
     const bool servo_length = first >= kShortestFrame && first <= kLongestFrame && first % 2 == 0;
     // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
     // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
-    const bool maybe_ibus2 = !frame_seen_ && may_be_ibus2(first);
+    const bool maybe_ibus2 = usual_length_ == 0 && may_be_ibus2(first);
     if (!servo_length && !maybe_ibus2) {
         return {};
     }
@@ -186,7 +186,8 @@ DecodedFrame PlainIbusDecoder::take_frame(const Candidate& candidate, Instant re
         put_nibble_channels(frame.channels, slots);
     }
     buffer_.drop(candidate.length);
-    frame_seen_ = true;
+    usual_length_ = candidate.length;
+    others_in_a_row_ = 0;
     return frame;
 }
 
@@ -216,15 +217,60 @@ std::optional<DecodedFrame> PlainIbusDecoder::next(std::span<const std::uint8_t>
             buffer_.take(bytes, found.length - buffer_.size());
             continue;
         }
-        if (buffer_.damaged(0, found.length) || !checksum_holds(found)) {
-            judge_bad(found);
-        } else if (found.kind == Kind::ibus2) {
-            ++rejected_[kIbus2].count;
-            skip(found.length);
-        } else {
-            return take_frame(found, received);
+        if (const auto frame = judge_whole(found, received)) {
+            return frame;
         }
     }
+}
+
+/// All of it is there.
+std::optional<DecodedFrame> PlainIbusDecoder::judge_whole(const Candidate& found,
+                                                          Instant received) {
+    if (buffer_.damaged(0, found.length) || !checksum_holds(found)) {
+        judge_bad(found);
+    } else if (found.kind == Kind::ibus2) {
+        ++rejected_[kIbus2].count;
+        skip(found.length);
+    } else if (length_counts(found.length)) {
+        return take_frame(found, received);
+    } else {
+        ++rejected_[kLength].count;
+        skip(found.length);
+    }
+    return std::nullopt;
+}
+
+/// Another length than the usual one counts when it has come three times in a row.
+bool PlainIbusDecoder::length_counts(std::size_t length) {
+    if (usual_length_ == 0 || length == usual_length_) {
+        return true;
+    }
+    if (length != other_length_) {
+        others_in_a_row_ = 0;
+    }
+    other_length_ = length;
+    ++others_in_a_row_;
+    return others_in_a_row_ == 3;
+}
+
+/// Nothing more of what waits comes.
+std::optional<DecodedFrame> PlainIbusDecoder::silence() {
+    while (buffer_.size() > 0) {
+        const Candidate found = candidate();
+        if (found.kind == Kind::noise || buffer_.size() < found.length) {
+            skip(1);
+        } else if (const auto frame = judge_whole(found, Instant{})) {
+            return frame;
+        }
+    }
+    return std::nullopt;
+}
+
+void PlainIbusDecoder::reset() {
+    skip(buffer_.size());
+    usual_length_ = 0;
+    other_length_ = 0;
+    others_in_a_row_ = 0;
 }
 
 std::size_t PlainIbusEncoder::encode(const ChannelFrame& frame,

@@ -21,6 +21,8 @@ class PlainIbusDecoder {
 
     std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes, Instant received);
     void damaged_byte();
+    std::optional<DecodedFrame> silence();
+    void reset();
     std::optional<DecodedFrame> finish() { return std::nullopt; }
     std::span<const NamedCount> rejected() const { return rejected_; }
     std::uint64_t skipped_bytes() const { return skipped_bytes_; }
@@ -31,10 +33,12 @@ class PlainIbusDecoder {
         Kind kind = Kind::noise;
         std::size_t length = 0;  ///< bytes wanted in the buffer to judge it
     };
-    enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2 };
+    enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2, kLength };
 
     Candidate candidate() const;
     bool checksum_holds(const Candidate& candidate) const;
+    std::optional<DecodedFrame> judge_whole(const Candidate& candidate, Instant received);
+    bool length_counts(std::size_t length);
     void judge_bad(const Candidate& candidate);
     void skip(std::size_t count);
     DecodedFrame take_frame(const Candidate& candidate, Instant received);
@@ -42,8 +46,11 @@ class PlainIbusDecoder {
     /// One byte more than the longest candidate, so that a damaged byte always finds room.
     PlainLineBuffer<kLongestSerialFrame> buffer_;
     IbusSlots slots_;
-    bool frame_seen_ = false;
-    std::array<NamedCount, 3> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}}};
+    /// Of the frames that count; 0: none has come.
+    std::size_t usual_length_ = 0;
+    std::size_t other_length_ = 0;
+    int others_in_a_row_ = 0;
+    std::array<NamedCount, 4> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}, {"length"}}};
     std::uint64_t skipped_bytes_ = 0;
 };
 

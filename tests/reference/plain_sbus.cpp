@@ -177,7 +177,11 @@ bool PlainSbusDecoder::step_locked() {
         // Its footer may be illegible: whether slots follow is unknown, so they are let pass.
         slots_left_ = kSlotsPerFrame;
     } else {
-        ++rejected_[kFraming].count;
+        if (may_be_frame) {
+            ++rejected_[kFraming].count;
+        } else {
+            stray_bytes_ = true;
+        }
         state_ = State::recovering;
     }
     return true;
@@ -225,16 +229,26 @@ bool PlainSbusDecoder::step_recovering() {
         lock_onto(*found);
     } else {
         skip(1);
-        state_ = State::unlocked;
+        end_recovering(State::unlocked);
     }
     return true;
+}
+
+void PlainSbusDecoder::end_recovering(State next) {
+    if (stray_bytes_ && state_ == State::recovering) {
+        ++rejected_[kFraming].count;
+    }
+    if (next == State::locked) {
+        stray_bytes_ = false;
+    }
+    state_ = next;
 }
 
 /// A frame with another behind it stands at `start`.
 void PlainSbusDecoder::lock_onto(std::size_t start) {
     skip(start);
     std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
-    state_ = State::locked;
+    end_recovering(State::locked);
     frame_ready_ = true;
 }
 
@@ -294,6 +308,34 @@ std::optional<DecodedFrame> PlainSbusDecoder::next(std::span<const std::uint8_t>
             buffer_.take(bytes, 1);
         }
     }
+}
+
+/// What waits is cut off. But a frame that ends here is proved if it is all that ever came, or if
+/// no frame began where it was expected.
+std::optional<DecodedFrame> PlainSbusDecoder::silence() {
+    const bool first_of_all =
+        buffer_.first_position() == start_position_ && buffer_.size() == kSbusFrameLength;
+    if (state_ != State::locked && (first_of_all || stray_bytes_) &&
+        buffer_.size() >= kSbusFrameLength && well_formed(buffer_.size() - kSbusFrameLength)) {
+        lock_onto(buffer_.size() - kSbusFrameLength);
+        return take_frame(Instant{});
+    }
+    const bool frame_began = buffer_.size() > 0 && (buffer_[0] == kHeader || buffer_.damaged(0));
+    if (state_ == State::locked && frame_began) {
+        ++rejected_[kFraming].count;
+    }
+    skip(buffer_.size());
+    stray_bytes_ = false;
+    state_ = State::locked;
+    return std::nullopt;
+}
+
+void PlainSbusDecoder::reset() {
+    skip(buffer_.size());
+    stray_bytes_ = false;
+    slots_left_ = 0;
+    state_ = State::unlocked;
+    start_position_ = buffer_.first_position();
 }
 
 std::optional<DecodedFrame> PlainSbusDecoder::finish() {

@@ -28,6 +28,8 @@ class PlainSbusDecoder {
 
     std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes, Instant received);
     void damaged_byte();
+    std::optional<DecodedFrame> silence();
+    void reset();
     std::optional<DecodedFrame> finish();
     std::span<const NamedCount> rejected() const { return rejected_; }
     std::uint64_t skipped_bytes() const { return skipped_bytes_; }
@@ -65,12 +67,16 @@ class PlainSbusDecoder {
     bool step_locked();
     bool step_recovering();
     void skip(std::size_t count);
+    void end_recovering(State next);
     void lock_onto(std::size_t start);
     DecodedFrame take_frame(Instant received);
 
     PlainLineBuffer<kCapacity> buffer_;
     State state_ = State::unlocked;
     bool frame_ready_ = false;
+    /// No header stands where a frame should: it counts if a frame is found behind without a pause.
+    bool stray_bytes_ = false;
+    std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;
     std::array<std::uint8_t, kSbusFrameLength> latest_{};
     /// The frame before the latest: beyond doubt, for the latest stood in its place behind it.

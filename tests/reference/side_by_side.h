@@ -80,6 +80,42 @@ class SideBySide {
         read(piece);
     }
 
+    /// The line pauses.
+    void silence() {
+        DecodedFrame frame = left_over();
+        while (quick_.silence(frame)) {
+            frame.channels.received = Instant{};
+            compare(frame, plain_.silence());
+            frame = left_over();
+        }
+        if (plain_.silence()) {
+            differs("a frame is missing before a pause");
+        }
+        compare_counts();
+    }
+
+    /// The line is taken away.
+    void reset() {
+        quick_.reset();
+        plain_.reset();
+        compare_counts();
+    }
+
+    /// The line pauses, or is taken away, behind some of the pieces.
+    void read_with_pauses(std::span<const LineByte> line, std::span<const std::size_t> ends,
+                          test::Random& random) {
+        std::size_t begin = 0;
+        while (begin < line.size()) {
+            const std::size_t length =
+                std::min<std::size_t>(1 + random.below(120), line.size() - begin);
+            const std::size_t whole = random.below(3) == 0 ? 25 : length;
+            const std::size_t taken = std::min(whole, line.size() - begin);
+            read(line.subspan(begin, taken), ends);
+            begin += taken;
+            random.below(12) == 0 ? reset() : silence();
+        }
+    }
+
     void finish() {
         for (int count = 0; count < 10; ++count) {
             const auto frame = quick_.finish();

@@ -75,6 +75,18 @@ class Decoder : public DecoderReport {
     /// until it returns false before this.
     virtual void damaged_byte() = 0;
 
+    /// Nothing stood on the line here for longer than a byte takes: what came before and is no
+    /// whole frame is cut off, and a frame may begin with the next byte. Says whether the pause
+    /// shows that bytes before it are a frame, and fills `frame` with it, but for when it was
+    /// received; call until it returns false, and only between calls of `next`.
+    virtual bool silence(DecodedFrame& frame) = 0;
+    /// So many bytes wait for others that would decide about them: a pause now would cut them off.
+    std::size_t waiting() const { return buffer_.size(); }
+
+    /// The line was taken away, and may be another one when it is back: nothing that came before
+    /// counts for what comes.
+    virtual void reset() = 0;
+
     /// The recording ends here: returns a frame that only lacked what would have followed it.
     virtual std::optional<DecodedFrame> finish() = 0;
 

@@ -23,9 +23,12 @@ enum class IbusSlots : std::uint8_t {
     plain,    ///< 16 bits of one channel: some senders without channels 15 to 18
 };
 
-/// Finds frames by content alone: header, length and checksum, scanning on inside its buffer after
-/// a bad one. Gaps do not matter: a real receiver leaves 0.95 ms between frames (1.4), less than
-/// many readers wait for.
+/// Finds frames by content: header, length and checksum, scanning on inside its buffer after a bad
+/// one. It needs no gaps: a real receiver leaves 0.95 ms between frames (1.4), less than many
+/// readers wait for. Where a pause tells that no more of a frame comes, it does not wait for more.
+///
+/// A sender's length does not change for one frame: the first frame tells it, and another one
+/// counts when it has come three times in a row. Until then such frames are rejected as "length".
 ///
 /// Takes frames of 6 to 32 bytes with command 0x40, 32 bytes with command 0x00 (Betaflight does not
 /// check the command, and its public test frames have 0), and the 31-byte 0x55 variant (1.6).
@@ -35,11 +38,14 @@ class IbusDecoder final : public Decoder {
     explicit IbusDecoder(IbusSlots slots = IbusSlots::nibbles) : slots_(slots) {}
 
     void damaged_byte() override;
+    bool silence(DecodedFrame& frame) override;
+    void reset() override;
     std::optional<DecodedFrame> finish() override { return std::nullopt; }
     std::span<const NamedCount> rejected() const override { return rejected_; }
     std::uint64_t skipped_bytes() const override { return skipped_bytes_; }
 
   private:
+    static constexpr std::uint16_t kLongFrameHeader = 0x4020;
     enum class Kind : std::uint8_t { noise, undecided, servo, ia6, ibus2 };
     struct Candidate {
         Kind kind = Kind::noise;
@@ -54,7 +60,12 @@ class IbusDecoder final : public Decoder {
         std::uint64_t damage = 0;  ///< marks of the first bytes, the first lowest
     };
     enum class Outcome : std::uint8_t { nothing, wait, frame };
-    enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2 };
+    enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2, kLength };
+    /// Of the frames that count.
+    struct Usual {
+        std::uint8_t length = 0;      ///< 0: none has come
+        std::uint8_t others_ago = 0;  ///< so many of another length have come since
+    };
 
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
@@ -72,14 +83,18 @@ class IbusDecoder final : public Decoder {
                   DecodedFrame& frame);
     static Candidate candidate(std::uint8_t begins, std::span<const std::uint8_t> bytes);
     static bool checksum_holds(Kind kind, std::span<const std::uint8_t> frame);
+    bool length_counts(std::size_t length);
     Candidate find_frame(std::span<const std::uint8_t> bytes, std::size_t end, std::uint64_t damage,
                          std::size_t& position);
     void read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at, Instant received,
                     DecodedFrame& frame);
 
     IbusSlots slots_;
-    bool frame_seen_ = false;
-    std::array<NamedCount, 3> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}}};
+    Usual usual_;
+    std::uint8_t other_length_ = 0;
+    /// What a frame of 32 bytes begins with; 0, as none does, while another length is usual.
+    std::uint16_t long_header_ = kLongFrameHeader;
+    std::array<NamedCount, 4> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}, {"length"}}};
     std::uint64_t skipped_bytes_ = 0;
 };
 

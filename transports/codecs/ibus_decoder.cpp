@@ -1,4 +1,5 @@
 #include <array>
+#include <cassert>
 
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/ibus_checks.h"
@@ -46,7 +47,8 @@ void put_nibble_channels(ChannelFrame& channels, const std::uint8_t* slots) {
 }  // namespace
 
 inline bool IbusDecoder::may_begin(std::uint8_t first) const {
-    return first == kIa6Header || is_servo_length(first) || (!frame_seen_ && may_be_ibus2(first));
+    return first == kIa6Header || is_servo_length(first) ||
+           (usual_.length == 0 && may_be_ibus2(first));
 }
 
 /// What stands at the front of what there is, if `begins` may.
@@ -104,7 +106,45 @@ inline void IbusDecoder::read_frame(std::span<const std::uint8_t> wire, std::siz
     } else {
         put_slots(frame.channels, slots, kChannelMask);
     }
-    frame_seen_ = true;
+    usual_ = {.length = static_cast<std::uint8_t>(wire.size()), .others_ago = 0};
+}
+
+/// Of a frame whose checksum holds.
+bool IbusDecoder::length_counts(std::size_t length) {
+    constexpr std::uint8_t kInARow = 3;
+    const auto now = static_cast<std::uint8_t>(length);
+    if (usual_.length != 0 && now != usual_.length) {
+        usual_.others_ago = now == other_length_ ? usual_.others_ago : std::uint8_t{0};
+        other_length_ = now;
+        ++usual_.others_ago;
+        if (usual_.others_ago < kInARow) {
+            ++rejected_[kLength].count;
+            return false;
+        }
+    }
+    long_header_ = now == kLongestFrame ? kLongFrameHeader : std::uint16_t{0};
+    return true;
+}
+
+/// All that waits has come: where a frame stands whose end is not there, it is none.
+bool IbusDecoder::silence(DecodedFrame& frame) {
+    std::span<const std::uint8_t> nothing;
+    for (std::size_t start = 0; buffer_.size() != 0; start = 1) {
+        if (search(nothing, start, Instant{}, frame)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void IbusDecoder::reset() {
+    skipped_bytes_ += buffer_.size();
+    buffer_.open({});
+    buffer_.drop(buffer_.size());
+    buffer_.close();
+    usual_ = {};
+    other_length_ = 0;
+    long_header_ = kLongFrameHeader;
 }
 
 void IbusDecoder::damaged_byte() {
@@ -121,7 +161,8 @@ inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8
                                                       std::size_t& position) {
     // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
     // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
-    const std::uint8_t looked_for = frame_seen_ ? kServo | kIa6 : kServo | kIa6 | kIbus2Channels;
+    const std::uint8_t looked_for =
+        usual_.length != 0 ? kServo | kIa6 : kServo | kIa6 | kIbus2Channels;
     std::size_t at = position;
     Candidate found;
     for (; at < end; ++at) {
@@ -141,10 +182,11 @@ inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8
             continue;
         }
         if (checksum_holds(found.kind, bytes.subspan(at, found.length))) {
-            if (found.kind != Kind::ibus2) {
+            if (found.kind == Kind::ibus2) {
+                ++rejected_[kIbus2].count;
+            } else if (length_counts(found.length)) {
                 break;
             }
-            ++rejected_[kIbus2].count;
             at += found.length - 1;
         } else if (found.kind == Kind::servo) {
             ++rejected_[kChecksum].count;
@@ -160,7 +202,7 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     // What usually comes is a frame in its place, in one read; the rest comes to the same.
     if (buffer_.size() == 0 && bytes.size() >= kLongestFrame) {
         const auto wire = bytes.first<kLongestFrame>();
-        if (word_at(wire, 0) == kLongFrameHeader && long_frame_holds(wire)) {
+        if (word_at(wire, 0) == long_header_ && long_frame_holds(wire)) {
             read_frame(wire, kSlotsAt, received, frame);
             buffer_.pass(kLongestFrame);
             return {kLongestFrame, true};
@@ -193,7 +235,7 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
         buffer_.keep_one(byte, kLongestFrame - kSlotsAt);
         return {1, false};
     }
-    if (buffer_.size() == kLongestFrame - 1 && word_at(wire, 0) == kLongFrameHeader) {
+    if (buffer_.size() == kLongestFrame - 1 && word_at(wire, 0) == long_header_) {
         buffer_.keep_one(byte, 0);
         if (long_frame_holds(wire)) {
             read_frame(wire, kSlotsAt, received, frame);
@@ -227,7 +269,8 @@ inline void IbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
             return {bytes.size(), false};
         }
     }
-    const bool found = !buffer_.any_damaged() && buffer_.peek(0, rest) == kLongestFrame
+    const bool may_be_long = long_header_ != 0 && !buffer_.any_damaged();
+    const bool found = may_be_long && buffer_.peek(0, rest) == kLongestFrame
                            ? decode_long(rest, received, frame)
                            : search(rest, 0, received, frame);
     return {bytes.size() - rest.size(), found};
@@ -281,6 +324,7 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
 bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, std::size_t start, Instant received,
                          DecodedFrame& frame) {
     const std::size_t kept = buffer_.size();
+    assert(kept < DamageMarks::kWordBits);
     if (kept == 0) {
         return judge({bytes, bytes.size(), start}, bytes, received, frame) == Outcome::frame;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -17,6 +18,7 @@ class DamageMarks {
     bool any() const { return (words_[0] | words_[1]) != 0; }
     /// Those of the next 64 bytes, the first lowest.
     std::uint64_t from(std::size_t position) const {
+        assert(position <= 4 * kWordBits);
         const std::uint64_t upper = words_[1];
         if (position == 0) {
             return words_[0];
@@ -27,6 +29,7 @@ class DamageMarks {
         return words_[0] >> position | upper << (kWordBits - position);
     }
     void set(std::size_t position) {
+        assert(position < words_.size() * kWordBits);
         words_[position / kWordBits] |= std::uint64_t{1} << (position % kWordBits);
     }
     void drop(std::size_t count) {
@@ -69,6 +72,7 @@ class LineBuffer {
     /// Between two reads: a byte stood here that cannot be read. It decides something by itself, or
     /// not before the bytes are there that the decoder waits for.
     void append_damaged(bool decides = true) {
+        assert(size_ < kCapacity);
         kept_[size_] = 0;
         damaged_.set(size_);
         ++size_;
@@ -93,6 +97,7 @@ class LineBuffer {
     }
     /// Instead of both: one more byte is kept, and so many more decide something.
     void keep_one(std::uint8_t byte, std::size_t missing) {
+        assert(size_ < kCapacity);
         kept_[size_] = byte;
         ++size_;
         missing_ = missing;
@@ -168,6 +173,7 @@ class LineBuffer {
     /// can be judged so, and stays kept.
     std::span<const std::uint8_t> join(std::span<const std::uint8_t> read, std::size_t most) {
         const std::size_t more = std::min(most, read.size());
+        assert(size_ + more <= kept_.size());
         if (more == 1) {
             kept_[size_] = read.front();
         } else if (more != 0) {
@@ -200,6 +206,7 @@ class LineBuffer {
         return enough;
     }
     void drop(std::size_t count) {
+        assert(count <= size_);
         front_ += count;
         size_ -= count;
         first_position_ += count;
@@ -208,13 +215,18 @@ class LineBuffer {
 
     /// The visible bytes.
     std::size_t size() const { return size_; }
-    std::uint8_t operator[](std::size_t position) const { return front_[position]; }
+    std::uint8_t operator[](std::size_t position) const {
+        assert(position < size_);
+        return front_[position];
+    }
     std::span<const std::uint8_t> view(std::size_t start, std::size_t count) const {
+        assert(start + count <= size_);
         return {front_ + start, count};
     }
     bool damaged(std::size_t position) const { return (damaged_.from(position) & 1U) != 0; }
     /// Whether one of so many is; no more than 63.
     bool damaged(std::size_t start, std::size_t count) const {
+        assert(count < DamageMarks::kWordBits);
         return (damaged_.from(start) & ((std::uint64_t{1} << count) - 1)) != 0;
     }
     const DamageMarks& damage() const { return damaged_; }
@@ -224,6 +236,7 @@ class LineBuffer {
   private:
     /// Not inline: single bytes, which come most often, need no registers for this.
     [[gnu::noinline]] void keep_all(std::span<const std::uint8_t> bytes) {
+        assert(size_ + bytes.size() <= kept_.size());
         std::copy(bytes.begin(), bytes.end(), kept_.data() + size_);
         size_ += bytes.size();
         missing_ -= std::min(missing_, bytes.size());

@@ -37,21 +37,27 @@ SbusFrame parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire);
 /// Writes 25 bytes.
 void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength> wire);
 
-/// Finds frames by content. There is no checksum: a frame has the header, a zero high nibble in its
-/// flags and a footer whose low nibble is 0, 4 or 8. 0x0F is common inside the payload, so while it
-/// is unlocked the decoder wants a second frame behind as proof, with the slot triples of SBUS2
-/// between them or not. Once locked, a frame is taken as soon as its last byte is there.
+/// Finds frames by content and by pauses. There is no checksum: a frame has the header, a zero high
+/// nibble in its flags and a footer whose low nibble is 0, 4 or 8. 0x0F is common inside the
+/// payload, so while it is unlocked the decoder wants a second frame behind as proof, with the slot
+/// triples of SBUS2 between them or not. Once locked, a frame is taken with its last byte.
 ///
-/// When an expected frame is bad, it looks first where the next one stands if one byte was lost,
-/// none, or one added; only then does it scan. A payload that itself looks like a frame boundary,
-/// repeated by sticks that stand still, can thus not pull it out of step. Where SBUS2 slots may be
-/// the bad part, it takes the place where the frame is most like the last one. What remains: flags
-/// 0F on the wire, or a header mistaken for a slot, together with such a payload.
+/// A pause locks it: the next byte is expected to begin a frame. So it does not matter what stands
+/// between a frame and the next pause, and nothing behind a pause completes what stands before it.
+///
+/// Where no pause tells, and an expected frame is bad, it looks first where the next one stands if
+/// one byte was lost, none, or one added; only then does it scan. A payload that itself looks like
+/// a frame boundary, repeated by sticks that stand still, can thus not pull it out of step. Where
+/// SBUS2 slots may be the bad part, it takes the place where the frame is most like the last one.
+/// What remains: flags 0F on the wire, or a header mistaken for a slot, together with such a
+/// payload.
 class SbusDecoder final : public Decoder {
   public:
     explicit SbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
 
     void damaged_byte() override;
+    bool silence(DecodedFrame& frame) override;
+    void reset() override;
     std::optional<DecodedFrame> finish() override;
     std::span<const NamedCount> rejected() const override { return rejected_; }
     std::uint64_t skipped_bytes() const override { return skipped_bytes_; }
@@ -100,6 +106,7 @@ class SbusDecoder final : public Decoder {
                          DecodedFrame& frame);
     bool well_formed(std::size_t start) const;
     bool only_damaged(std::size_t start) const;
+    bool last_frame_at(std::size_t start) const;
     std::size_t after_slots(std::size_t start) const;
     Judgement judge(std::size_t start) const;
     int likeness(std::size_t start) const;
@@ -111,6 +118,8 @@ class SbusDecoder final : public Decoder {
     Step step_recovering_among_slots();
     void give_up_recovering();
     void skip(std::size_t count);
+    void end_recovering(State next);
+    void take_front(Instant received, DecodedFrame& frame);
     void lock_onto(std::size_t start);
     void read_frame(Wire wire, Instant received, DecodedFrame& frame);
     void scale_each(ChannelFrame& channels) const;
@@ -123,6 +132,11 @@ class SbusDecoder final : public Decoder {
     Wire front() const { return buffer_.view(0, kSbusFrameLength).first<kSbusFrameLength>(); }
 
     State state_ = State::unlocked;
+    /// What stood in the place of a frame did not begin like one: it counts as a bad frame only if
+    /// no pause follows, and a frame that ends with that pause is none of its bytes.
+    bool stray_bytes_ = false;
+    /// Of the first byte ever, or of the first behind a reset.
+    std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;
     /// How far the search among slots has come: each end is judged once, in the order of `kEnds`.
     struct Search {

@@ -64,7 +64,7 @@ inline SbusDecoder::Judgement SbusDecoder::judge(std::size_t start) const {
     return {well_formed(behind) ? Verdict::yes : Verdict::no};
 }
 
-inline void SbusDecoder::skip(std::size_t count) {
+void SbusDecoder::skip(std::size_t count) {
     buffer_.drop(count);
     skipped_bytes_ += count;
 }
@@ -105,7 +105,8 @@ inline SbusDecoder::Step SbusDecoder::step_locked() {
         // Its footer may be illegible: whether slots follow is unknown, so they are let pass.
         slots_left_ = kSlotsPerFrame;
     } else {
-        ++rejected_[kFraming].count;
+        stray_bytes_ = !may_be_frame;
+        rejected_[kFraming].count += may_be_frame ? 1U : 0U;
         state_ = State::recovering;
         search_ = {};
     }
@@ -164,16 +165,22 @@ SbusDecoder::Step SbusDecoder::step_recovering_among_slots() {
     return Step::again;
 }
 
+void SbusDecoder::end_recovering(State next) {
+    rejected_[kFraming].count += stray_bytes_ && state_ == State::recovering ? 1U : 0U;
+    stray_bytes_ = stray_bytes_ && next != State::locked;
+    state_ = next;
+}
+
 void SbusDecoder::give_up_recovering() {
     skip(1);
-    state_ = State::unlocked;
+    end_recovering(State::unlocked);
 }
 
 /// A frame with another behind it stands at `start`.
 void SbusDecoder::lock_onto(std::size_t start) {
     skip(start);
     std::ranges::copy(buffer_.view(0, kSbusFrameLength), frames_[latest_].wire.begin());
-    state_ = State::locked;
+    end_recovering(State::locked);
 }
 
 inline void SbusDecoder::read_frame(Wire wire, Instant received, DecodedFrame& frame) {
@@ -355,38 +362,20 @@ bool SbusDecoder::decode_in_steps(std::span<const std::uint8_t>& bytes, Instant 
         stepped = step();
     }
     if (stepped == Step::frame) {
-        read_frame(front(), received, frame);
-        buffer_.drop(kSbusFrameLength);
+        take_front(received, frame);
     }
     bytes = buffer_.close();
     return stepped == Step::frame;
 }
 
-std::optional<DecodedFrame> SbusDecoder::finish() {
-    buffer_.open({});
-    const auto last_frame_at = [this](std::size_t start) {
-        return start + kSbusFrameLength <= buffer_.size() &&
-               judge(start).verdict == Verdict::undecided;
-    };
-    std::size_t start = 0;
-    if (state_ == State::recovering) {
-        const auto* found = std::ranges::find_if(
-            kEnds, [&](std::size_t end) { return last_frame_at(after_slots(end)); });
-        start = found == kEnds.end() ? 0 : after_slots(*found);
-    }
-    while (start < buffer_.size() && !last_frame_at(start)) {
-        ++start;
-    }
-    if (start == buffer_.size()) {
-        buffer_.close();
-        return std::nullopt;
-    }
-    skip(start);
-    DecodedFrame frame;
-    read_frame(front(), Instant{}, frame);
+void SbusDecoder::take_front(Instant received, DecodedFrame& frame) {
+    read_frame(front(), received, frame);
     buffer_.drop(kSbusFrameLength);
-    buffer_.close();
-    return frame;
+}
+
+/// A frame stands there, and only lacks what would follow it.
+bool SbusDecoder::last_frame_at(std::size_t start) const {
+    return start + kSbusFrameLength <= buffer_.size() && judge(start).verdict == Verdict::undecided;
 }
 
 }  // namespace tribus

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "app/exit_status.h"
@@ -56,7 +57,7 @@ TEST(Decode, JsonEndsWithASummary) {
               "1500,1500,1500,1500,1500,null,null,null,null],\"frame_lost\":false,\"failsafe\":"
               "false}\n"
               "{\"summary\":{\"bytes\":32,\"frames\":1,\"rejected\":{\"checksum\":0,\"damaged\":0,"
-              "\"ibus2\":0},\"skipped_bytes\":0,\"input\":\"hex\"}}\n");
+              "\"ibus2\":0,\"length\":0},\"skipped_bytes\":0,\"input\":\"hex\"}}\n");
 }
 
 TEST(Decode, CsvHasEmptyCellsAndKeepsTheSummaryOut) {
@@ -106,9 +107,36 @@ TEST(Decode, DamagedByteCostsItsFrameOnly) {
     FramePrinter printer(DecodeFormat::json, recording->kind, results, results);
     decode_recording(*recording, *uses, printer, results);
     EXPECT_NE(results.str().find("\"bytes\":64,\"frames\":1,\"rejected\":{\"checksum\":0,"
-                                 "\"damaged\":1,\"ibus2\":0},\"skipped_bytes\":32"),
+                                 "\"damaged\":1,\"ibus2\":0,\"length\":0},\"skipped_bytes\":32"),
               std::string::npos)
         << results.str();
+}
+
+// Behind each frame of a Futaba R7003SB, 2 ms later; bolderflight/sbus, issue 79.
+std::string r7003sb_recording() {
+    std::string text = "# t_us bytes\n";
+    for (int i = 0; i < 100; ++i) {
+        text += fmt::format("{} {}\n{} 00 03 c0 33 00\n", 14'000 * i, kSbus, 14'000 * i + 5000);
+    }
+    return text;
+}
+
+TEST(Decode, PausesOfATimedRecordingCountAsOnALine) {
+    const Outcome outcome = decoded(r7003sb_recording(), "sbus", DecodeFormat::json);
+    ASSERT_EQ(outcome.lines().size(), 101U);
+    EXPECT_NE(outcome.lines().back().find("\"frames\":100,\"rejected\":{\"framing\":0,"),
+              std::string::npos)
+        << outcome.lines().back();
+}
+
+TEST(Decode, AFrameIsNotPutTogetherOverAPauseOfATimedRecording) {
+    const std::string torn(kSbus.substr(0, 3 * 23 - 1));
+    const Outcome outcome =
+        decoded(fmt::format("# t_us bytes\n0 {0}\n14000 {0}\n28000 {1}\n42000 {0}\n56000 {0}\n",
+                            kSbus, torn),
+                "sbus", DecodeFormat::json);
+    ASSERT_EQ(outcome.lines().size(), 5U);
+    EXPECT_EQ(outcome.results.find("\"failsafe\":true"), std::string::npos);
 }
 
 TEST(Decode, AutoFindsTheProtocol) {

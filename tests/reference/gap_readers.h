@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/time.h"
+
+/// How flight controllers find SBUS frames: by gaps alone (ibus-sbus.md 3.5, from their sources).
+namespace tribus::reference {
+
+/// Fills frames of 25 bytes from a header on.
+class GapSbusReader {
+  public:
+    using Frame = std::array<std::uint8_t, 25>;
+
+  protected:
+    const Frame* fill(std::uint8_t byte) {
+        constexpr std::uint8_t kHeader = 0x0F;
+        if (count_ == 0 && byte != kHeader) {
+            return nullptr;
+        }
+        frame_[count_] = byte;
+        ++count_;
+        return count_ == frame_.size() ? &frame_ : nullptr;
+    }
+    Duration gap_before(Duration at) {
+        const Duration gap = at - latest_;
+        latest_ = at;
+        return gap;
+    }
+
+    Frame frame_{};
+    std::size_t count_ = 0;
+    /// Long before the first byte.
+    Duration latest_ = std::chrono::seconds(-1);
+};
+
+/// betaflight src/main/rx/sbus.c: more than 600 us without a byte begin a frame; what follows a
+/// whole one is passed over until then. Judges neither flags nor footer.
+class BetaflightSbusReader : public GapSbusReader {
+  public:
+    const Frame* take(std::uint8_t byte, Duration at) {
+        if (gap_before(at) > std::chrono::microseconds(600)) {
+            count_ = 0;
+        }
+        return count_ < frame_.size() ? fill(byte) : nullptr;
+    }
+};
+
+/// ArduPilot libraries/AP_RCProtocol/AP_RCProtocol_SBUS.cpp: a frame begins with a header behind
+/// 4000 us without a byte. Judges neither flags nor footer.
+class ArduPilotSbusReader : public GapSbusReader {
+  public:
+    const Frame* take(std::uint8_t byte, Duration at) {
+        const bool gap = gap_before(at) >= std::chrono::microseconds(4000);
+        if (gap) {
+            count_ = 0;
+        }
+        if (count_ == 0 && !gap) {
+            return nullptr;
+        }
+        const Frame* const whole = fill(byte);
+        if (whole != nullptr) {
+            count_ = 0;
+        }
+        return whole;
+    }
+};
+
+}  // namespace tribus::reference
