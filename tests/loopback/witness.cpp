@@ -56,11 +56,10 @@ std::optional<std::uint32_t> Witness::number_of(std::span<const std::uint16_t> r
         return std::nullopt;
     }
     const auto number = static_cast<std::uint32_t>(low + digit * high);
+    const std::uint32_t behind = (next_ + kNumbers - number) % kNumbers;
+    const bool known = behind > 0 && behind <= kRemembered && sent_[number % kRemembered];
     const bool same = std::ranges::equal(raw, sticks(number), {}, {}, sbus_raw);
-    const bool known = number < next_ && next_ - number < kRemembered;
-    // One that is not remembered any more was sent, and is too old in any case.
-    return same && number < next_ && (!known || sent_[number % kRemembered]) ? std::optional(number)
-                                                                             : std::nullopt;
+    return known && same ? std::optional(number) : std::nullopt;
 }
 
 void Witness::sent() {
@@ -103,10 +102,7 @@ void Witness::judge(const DecodedFrame& frame) {
         return;
     }
     testimony_.overtaken += *number < oldest_wanted_ ? 1U : 0U;
-    const bool remembered = next_ - *number < kRemembered;
-    const Clock::duration age = remembered
-                                    ? arrivals_.front().not_before - *sent_[*number % kRemembered]
-                                    : Clock::duration::max();
+    const Clock::duration age = arrivals_.front().not_before - *sent_[*number % kRemembered];
     testimony_.oldest = std::max(testimony_.oldest, age);
     testimony_.too_old += age > most_age_ ? 1U : 0U;
 }

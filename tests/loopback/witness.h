@@ -52,7 +52,7 @@ class Witness {
     bool in_control() const { return in_control_; }
 
   private:
-    /// Frames; an older one is too old in any case.
+    /// Frames, of half a minute; an older one counts as never sent.
     static constexpr std::size_t kRemembered = 4096;
     struct Arrival {
         std::uint64_t end = 0;

@@ -1,8 +1,6 @@
 #include "tests/soak/line.h"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,24 +10,16 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kPeriod = 7700us;
-/// Far beyond the timeout of 300 ms and anything that a busy machine adds; a receiver that is
-/// silent is so for longer.
-constexpr auto kOld = 1500ms;
-constexpr std::uint32_t kDigit = 1000;
-constexpr std::uint32_t kNumbers = kDigit * kDigit;
-
-int whole_us(int raw) {
-    return static_cast<int>(std::lround(880 + raw * 5 / 8.0));
-}
+/// The timeout, and one period of the output.
+constexpr auto kMostAge = 307ms;
 
 }  // namespace
 
 SoakLine::SoakLine(const std::filesystem::path& folder, std::size_t number)
     : line_(number),
       receiver_(folder / fmt::format("receiver{}", number)),
-      servos_(folder / fmt::format("servos{}", number)) {
-    bank_.emplace(servos_);
-}
+      servos_(folder / fmt::format("servos{}", number)),
+      witness_(static_cast<unsigned>(number), kMostAge) {}
 
 std::string SoakLine::configuration() const {
     return fmt::format(R"([input.receiver{0}]
@@ -45,29 +35,6 @@ from = "receiver{0}"
 to = "servos{0}"
 )",
                        line_, receiver_.path(), servos_.path());
-}
-
-Sticks SoakLine::sticks(std::uint32_t number) const {
-    const std::uint32_t low = number % kDigit;
-    const std::uint32_t high = number / kDigit % kDigit;
-    Sticks sticks(18, 1500);
-    sticks[0] = static_cast<int>(1000 + line_);
-    sticks[1] = static_cast<int>(1000 + low);
-    sticks[2] = static_cast<int>(1000 + high);
-    sticks[3] = static_cast<int>(1000 + (7 * low + 3 * high + line_) % kDigit);
-    return sticks;
-}
-
-std::optional<std::uint32_t> SoakLine::number_of(const SbusSight& sight) const {
-    const int low = whole_us(sight.raw[1]) - 1000;
-    const int high = whole_us(sight.raw[2]) - 1000;
-    const auto digit = static_cast<int>(kDigit);
-    if (low < 0 || low >= digit || high < 0 || high >= digit) {
-        return std::nullopt;
-    }
-    const auto number = static_cast<std::uint32_t>(low + digit * high);
-    return same_channels(sight, sbus_sight_of(sticks(number))) ? std::optional(number)
-                                                               : std::nullopt;
 }
 
 void SoakLine::babble(Clock::time_point until) {
@@ -94,30 +61,12 @@ void SoakLine::send(Clock::time_point now) {
     }
     due_ = std::max(due_ + kPeriod, now);
     if (now >= silent_until_ && receiver_plugged_) {
-        sent_[next_ % kRemembered] = now;
-        receiver_.send(ibus_bytes(sticks(next_)));
-        next_ = (next_ + 1) % kNumbers;
+        receiver_.send(ibus_bytes(witness_.next())) ? witness_.sent() : witness_.spoiled();
     }
 }
 
 void SoakLine::listen() {
-    // What is there now came behind the listening before, and nothing more is known of it.
-    const Clock::time_point came = std::exchange(listened_, Clock::now());
-    for (const SbusSight& sight : bank_->listen()) {
-        if (!sight.good()) {
-            ++counts_.marked;
-            continue;
-        }
-        ++counts_.good;
-        if (const auto number = number_of(sight)) {
-            const std::uint32_t behind = (next_ + kNumbers - *number) % kNumbers;
-            const bool old = behind > kRemembered || came - sent_[*number % kRemembered] > kOld;
-            counts_.old += old ? 1 : 0;
-        } else {
-            ++counts_.foreign;
-        }
-    }
-    counts_.strays = strays_before_ + bank_->strays();
+    witness_.listen(servos_);
 }
 
 void SoakLine::pull_receiver() {
@@ -138,9 +87,7 @@ void SoakLine::plug_in() {
     if (!servos_plugged_) {
         servos_.plug_in();
         servos_plugged_ = true;
-        // What was pulled in the middle of a frame does not go on.
-        strays_before_ += bank_->strays();
-        bank_.emplace(servos_);
+        witness_.begin_anew();
     }
 }
 

@@ -1,29 +1,19 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <random>
 #include <string>
 
 #include "tests/loopback/wire.h"
+#include "tests/loopback/witness.h"
 #include "tests/support/far_end.h"
 
 namespace tribus::test {
 
-/// What one line's servos have got so far.
-struct LineCounts {
-    std::uint64_t good = 0;
-    std::uint64_t marked = 0;   ///< frame-lost or failsafe
-    std::uint64_t foreign = 0;  ///< good, with values that its receiver never sent
-    std::uint64_t old = 0;      ///< good, with values of long ago
-    std::uint64_t strays = 0;   ///< bytes of no frame
-};
-
-/// A receiver of i.Bus and a bank of SBUS servos, with the daemon between them. Every frame has the
-/// line's number and its own in it.
+/// A receiver of i.Bus and a bank of SBUS servos, with the daemon between them and a witness beside
+/// it.
 class SoakLine {
   public:
     /// Links in `folder`, "receiver3" and "servos3" for number 3.
@@ -44,32 +34,22 @@ class SoakLine {
     /// Plugs in what was pulled.
     void plug_in();
 
-    const LineCounts& counts() const { return counts_; }
+    const Testimony& testimony() const { return witness_.testimony(); }
 
   private:
-    static constexpr std::size_t kRemembered = 4096;
-
     void send_noise(Clock::time_point now);
-    Sticks sticks(std::uint32_t number) const;
-    /// The number of the frame whose values these are.
-    std::optional<std::uint32_t> number_of(const SbusSight& sight) const;
 
     std::size_t line_;
     FarEnd receiver_;
     FarEnd servos_;
     bool receiver_plugged_ = true;
     bool servos_plugged_ = true;
-    std::optional<ServoBank> bank_;
-    std::uint64_t strays_before_ = 0;
+    Witness witness_;
     Clock::time_point due_{};
-    Clock::time_point listened_{};
     Clock::time_point silent_until_{};
     Clock::time_point babbles_until_{};
     Clock::time_point noise_from_{};
     std::minstd_rand noise_{1};
-    std::uint32_t next_ = 0;
-    std::array<Clock::time_point, kRemembered> sent_{};
-    LineCounts counts_;
 };
 
 }  // namespace tribus::test

@@ -22,8 +22,9 @@
 #include "tests/soak/line.h"
 
 /// Many pipelines for a long time: one daemon between receivers and servos of ours at ptys, with
-/// receivers that fall silent and devices that are pulled. What must be flat is held against the
-/// first part of the run, and deadlines besides against a bare thread of the same time.
+/// receivers that fall silent, devices that are pulled, and stops of the daemon. What must be flat
+/// is held against the first part of the run, and deadlines besides against a bare thread of the
+/// same time.
 namespace tribus::test {
 namespace {
 
@@ -105,6 +106,10 @@ class Soak {
                 troubled ? void(hurt = hurt_one(now + kTrouble)) : hurt->plug_in();
                 change = now + kTrouble;
             }
+            if (stopped_until_ && now >= *stopped_until_) {
+                daemon_->signal(SIGCONT);
+                stopped_until_.reset();
+            }
             for (SoakLine& line : lines_) {
                 line.send(now);
                 line.listen();
@@ -114,8 +119,13 @@ class Soak {
         }
     }
 
+    /// And stops the daemon for a while, now and then.
     SoakLine* hurt_one(Clock::time_point until) {
         SoakLine& line = lines_[random_() % lines_.size()];
+        if (random_() % 4 == 0) {
+            daemon_->signal(SIGSTOP);
+            stopped_until_ = until - 2900ms + std::chrono::milliseconds(random_() % 2400);
+        }
         switch (random_() % 4) {
             case 0:
                 line.silence(until);
@@ -136,11 +146,11 @@ class Soak {
         Part part;
         good_before_.resize(lines_.size());
         for (std::size_t i = 0; i < lines_.size(); ++i) {
-            const LineCounts& counts = lines_[i].counts();
-            part.good += counts.good;
-            part.marked += counts.marked;
-            part.deaf_lines += counts.good == good_before_[i] ? 1U : 0U;
-            good_before_[i] = counts.good;
+            const Testimony& heard = lines_[i].testimony();
+            part.good += heard.unmarked;
+            part.marked += heard.marked;
+            part.deaf_lines += heard.unmarked == good_before_[i] ? 1U : 0U;
+            good_before_[i] = heard.unmarked;
         }
         // Before the question: the answer is a text of a hundred KiB, which is there for a moment.
         part.resident_kib = daemon_->memory_kib("VmRSS");
@@ -177,18 +187,18 @@ class Soak {
     }
 
     int judge() {
-        LineCounts all;
+        Testimony all;
         for (const SoakLine& line : lines_) {
-            all.foreign += line.counts().foreign;
-            all.old += line.counts().old;
-            all.strays += line.counts().strays;
+            all.never_sent += line.testimony().never_sent;
+            all.too_old += line.testimony().too_old;
+            all.strays += line.testimony().strays;
         }
         const Part& warm = parts_.front();
         const Part& end = parts_.back();
         demand(daemon_->runs() && parts_.size() == kParts, "the daemon runs until the end");
-        demand(all.foreign == 0,
-               fmt::format("no good frame has values that were not sent: {}", all.foreign));
-        demand(all.old == 0, fmt::format("no good frame has old values: {}", all.old));
+        demand(all.never_sent == 0,
+               fmt::format("no good frame has values that were not sent: {}", all.never_sent));
+        demand(all.too_old == 0, fmt::format("no good frame has old values: {}", all.too_old));
         demand(all.strays == 0,
                fmt::format("every byte belongs to a frame: {} do not", all.strays));
         demand(std::ranges::all_of(parts_, [](const Part& part) { return part.deaf_lines == 0; }),
@@ -239,6 +249,7 @@ class Soak {
     std::optional<Program> daemon_;
     BareTimer bare_;
     std::mt19937 random_{1};
+    std::optional<Clock::time_point> stopped_until_;
     std::vector<std::uint64_t> good_before_;
     std::vector<Part> parts_;
     bool kept_ = true;
