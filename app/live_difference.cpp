@@ -38,6 +38,28 @@ struct Undamaged {
     bool operator[](std::size_t /*position*/) const { return false; }
 };
 
+/// Of a sender to `input`: where an output says how many channels it has and an input does not, as
+/// many as came.
+SettingValues sender_settings(const InputConfig& input, const ChannelFrame& came) {
+    SettingValues settings = input.settings;
+    std::size_t count = kChannelCount;
+    while (count > 1 && !came.has(count - 1)) {
+        --count;
+    }
+    for (const Setting& setting : input.protocol->settings) {
+        if (setting.key != "channels" || setting.scope != SettingScope::output) {
+            continue;
+        }
+        for (; count <= kChannelCount; ++count) {
+            if (const auto value = setting_from_text(setting, std::to_string(count))) {
+                settings.set(setting.key, *value);
+                break;
+            }
+        }
+    }
+    return settings;
+}
+
 /// Says one frame again and again, as the sender of an input does.
 class Sender {
   public:
@@ -45,12 +67,13 @@ class Sender {
     Sender(const InputConfig& as, const LiveInput& live, std::size_t to)
         : frame_(live.frame), interval_(live.interval), to_(to) {
         const Protocol& protocol = *as.protocol;
+        const SettingValues settings = sender_settings(as, live.frame);
         const bool means_something =
-            protocol.check == nullptr || protocol.check(as.settings, SettingScope::output).empty();
+            protocol.check == nullptr || protocol.check(settings, SettingScope::output).empty();
         if (means_something && protocol.make_encoder != nullptr) {
-            encoder_ = protocol.make_encoder(as.settings);
+            encoder_ = protocol.make_encoder(settings);
         } else if (means_something && protocol.make_can_encoder != nullptr) {
-            can_encoder_ = protocol.make_can_encoder(as.settings);
+            can_encoder_ = protocol.make_can_encoder(settings);
         }
         if (interval_ <= Duration::zero()) {
             interval_ = usual_period({as.protocol, as.settings, as.port.line});

@@ -252,5 +252,27 @@ TEST_F(Trial, DiffShowsWhatTheSticksWouldDo) {
     expect_clean_end(program);
 }
 
+/// What it says comes true, with a receiver that has more channels than its protocol's default.
+TEST_F(Trial, DiffShowsWhatTheReloadThenDoesWithEighteenChannels) {
+    Sticks sticks(18, 1500);
+    sticks[0] = 1100;
+    sticks[17] = 1900;
+    repeater_.change(ibus_bytes(sticks));
+    Program& program = run(write_config(main_job(kPatientInput)));
+    expect_first_channel(1100);
+    write_config(main_job(kPatientInput, "", "[pipeline.main.channels]\n1 = 18"));
+    Program& asked = start({"diff", folder() / "tribus.toml", "--socket", socket()});
+    EXPECT_TRUE(eventually([&] {
+        repeater_.send_if_due();
+        servos_.listen();
+        return !asked.runs();
+    }));
+    EXPECT_EQ(count_of("  channel 1: 1100 us now, then 1900 us\n", asked.output()), 1U)
+        << asked.output() << asked.errors();
+    EXPECT_EQ(reload({}), 0);
+    expect_first_channel(1900);
+    expect_seamless_end(program);
+}
+
 }  // namespace
 }  // namespace tribus::test

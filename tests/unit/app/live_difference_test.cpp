@@ -59,6 +59,19 @@ TEST(LiveDifference, WaitsUntilSlowChannelsHaveArrived) {
         "  channel 1: 1100 us now, then 1500 us\n");
 }
 
+/// i.Bus of 14 channels and of 18 are told apart by what came.
+TEST(LiveDifference, RepeatsAllEighteenChannelsOfAReceiverThatHasThem) {
+    const nlohmann::json eighteen = status_with(
+        "good",
+        "1500,1500,988,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1650,"
+        "1500,1700");
+    EXPECT_EQ(difference(kJob, kJob + "[pipeline.main.channels]\n1 = 16\n2 = 18\n", eighteen),
+              "with the inputs as they are now (receiver good):\n"
+              "output servos:\n"
+              "  channel 1: 1500 us now, then 1650 us\n"
+              "  channel 2: 1500 us now, then 1700 us\n");
+}
+
 /// What the receiver sends stays the same bytes.
 TEST(LiveDifference, ReadsTheSameBytesInTheNewScaleOfAnInput) {
     const std::string sbus = "[input.receiver]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n";
