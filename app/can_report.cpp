@@ -7,6 +7,7 @@
 
 #include "app/log_fields.h"
 #include "app/log_limit.h"
+#include "core/counted.h"
 #include "transports/links/can_interface.h"
 
 namespace tribus {
@@ -98,8 +99,8 @@ void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& 
         return;
     }
     if (const auto swallowed = memory.overflow_limit.pass(now)) {
-        spdlog::warn("interface {}: {} frames lost because they came faster than they were read{}",
-                     name, lost, swallowed_note(*swallowed));
+        spdlog::warn("interface {}: {} lost because they came faster than they were read{}", name,
+                     counted(lost, "frame"), swallowed_note(*swallowed));
     }
     memory.receive_overflows = status.counts.receive_overflows;
 }

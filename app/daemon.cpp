@@ -7,6 +7,7 @@
 #include <spdlog/spdlog.h>
 
 #include "config/carry_over.h"
+#include "core/counted.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -14,10 +15,11 @@ namespace {
 
 std::string summary(const Configuration& configuration) {
     const std::size_t buses = configuration.sensor_buses.size();
-    return fmt::format("{}: {} inputs, {} outputs, {} pipelines{}", configuration.file,
-                       configuration.inputs.size(), configuration.outputs.size(),
-                       configuration.pipelines.size(),
-                       buses == 0 ? "" : fmt::format(", {} sensor buses", buses));
+    return fmt::format("{}: {}, {}, {}{}", configuration.file,
+                       counted(configuration.inputs.size(), "input"),
+                       counted(configuration.outputs.size(), "output"),
+                       counted(configuration.pipelines.size(), "pipeline"),
+                       buses == 0 ? "" : ", " + counted(buses, "sensor bus", "sensor buses"));
 }
 
 void log_all(const std::vector<std::string>& errors) {

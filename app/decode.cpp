@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "app/exit_status.h"
+#include "app/fitting_protocols.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
@@ -146,12 +148,21 @@ int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses
     for (const ProtocolUse& use : uses) {
         names.push_back(use.protocol->name);
     }
-    talk << fmt::format("tribus: no frame of {} in {} bytes\n", fmt::join(names, " or "),
-                        tally.bytes);
+    talk << fmt::format("tribus: no frame of {} in {}\n", fmt::join(names, " or "),
+                        counted(tally.bytes, "byte"));
     return kExitFailed;
 }
 
-int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinter& printer) {
+/// `recording` holds the bytes in which no frame was found.
+void explain_no_frame(const Recording& recording, const ProtocolUse& use, const Tally& tally,
+                      std::ostream& talk) {
+    if (tally.frames == 0 && tally.bytes > 0) {
+        talk << no_frame_text(recording, use.protocol->name);
+    }
+}
+
+int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinter& printer,
+                 std::ostream& talk) {
     printer.heading();
     FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
     for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
@@ -159,6 +170,7 @@ int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinte
     }
     finder.finish();
     printer.summary(finder.tally());
+    explain_no_frame(recording, use, finder.tally(), talk);
     return kExitFine;
 }
 
@@ -168,7 +180,7 @@ int decode_recording(const Recording& recording, std::span<const ProtocolUse> us
                      FramePrinter& printer, std::ostream& talk) {
     const std::vector<ProtocolUse> serial = of_link(uses, LinkKind::serial);
     if (serial.size() == 1) {
-        return decode_known(recording, serial.front(), printer);
+        return decode_known(recording, serial.front(), printer, talk);
     }
     const Allotment allotment = allot(recording, serial);
     if (allotment.frames_of_best == 0) {
@@ -178,9 +190,12 @@ int decode_recording(const Recording& recording, std::span<const ProtocolUse> us
 }
 
 int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
-                  FramePrinter& printer, std::ostream& results) {
+                  FramePrinter& printer, std::ostream& results, std::ostream& talk) {
     printer.heading();
     FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
+    /// For want of a frame; more than enough to tell what would find one.
+    constexpr std::size_t kMostKept = std::size_t{64} * 1024;
+    std::string kept;
     while (results.good()) {
         const std::string bytes = read();
         if (bytes.empty()) {
@@ -188,9 +203,15 @@ int decode_stream(const std::function<std::string()>& read, const ProtocolUse& u
         }
         finder.feed(0, raw_burst(bytes));
         results.flush();
+        if (finder.tally().frames == 0 && kept.size() < kMostKept) {
+            kept += bytes;
+        }
     }
     finder.finish();
     printer.summary(finder.tally());
+    Recording without_frame;
+    without_frame.bursts.push_back(raw_burst(kept));
+    explain_no_frame(without_frame, use, finder.tally(), talk);
     return kExitFine;
 }
 

@@ -10,6 +10,7 @@
 
 #include "app/can_frame_finder.h"
 #include "app/exit_status.h"
+#include "app/fitting_protocols.h"
 
 namespace tribus {
 namespace {
@@ -56,6 +57,9 @@ int decode_can_recording(const Recording& recording, std::span<const ProtocolUse
     const bool unknown = uses.size() > 1 && frames_of_best == 0 && tally.can_frames > 0;
     if (!unknown) {
         printer.can_summary(tally);
+        if (tally.frames == 0 && tally.can_frames > 0) {
+            talk << no_frame_text(recording, uses[best].protocol->name);
+        }
         return kExitFine;
     }
     // What one of them would have rejected says nothing.

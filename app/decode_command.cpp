@@ -21,6 +21,7 @@
 #include "app/decode_dronecan.h"
 #include "app/decode_sensor.h"
 #include "app/exit_status.h"
+#include "app/help_formatter.h"
 #include "app/sensor_frame_finder.h"
 #include "app/streams.h"
 #include "core/quotes.h"
@@ -153,7 +154,7 @@ int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse
         status = decode_can_stream(source, use, printer, std::cout, std::cerr);
     } else {
         FramePrinter printer(arguments.decode_format(), RecordingKind::raw, std::cout, std::cerr);
-        status = decode_stream(read, use, printer, std::cout);
+        status = decode_stream(read, use, printer, std::cout, std::cerr);
     }
     return failed.empty() ? status : fail(failed, kExitFailed);
 }
@@ -363,9 +364,9 @@ void add_decode_command(CLI::App& app, int& status) {
                         "candump -L, are decoded as they come");
     command
         ->add_option("--protocol", arguments->protocol,
-                     protocol_list() + ", " + kSensorProtocol +
-                         "; auto: the one that finds the most frames, and lines that are one "
-                         "frame of another")
+                     "auto: the one that finds the most frames, and lines that are one frame of "
+                     "another")
+        ->type_name(choices_type("auto," + protocol_list() + "," + kSensorProtocol))
         ->capture_default_str();
     command->add_option("--as", arguments->as, kAsHelp)->type_name("FILE:NAME");
     command
@@ -387,7 +388,9 @@ void add_decode_command(CLI::App& app, int& status) {
         const auto keep = [arguments, key = option.key](const std::string& text) {
             arguments->given.insert_or_assign(key, text);
         };
-        command->add_option_function<std::string>("--" + option.key, keep, option.help);
+        CLI::Option* const added =
+            command->add_option_function<std::string>("--" + option.key, keep, option.help);
+        added->type_name(option.choices.empty() ? "TEXT" : choices_type(option.choices));
     }
     command->callback(
         [arguments, &status] { status = finish_standard_output(run_decode(*arguments)); });

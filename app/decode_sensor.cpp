@@ -1,10 +1,9 @@
 #include "app/decode_sensor.h"
 
-#include <fmt/format.h>
-
 #include <ostream>
 
 #include "app/exit_status.h"
+#include "app/fitting_protocols.h"
 #include "app/sensor_conversation.h"
 #include "app/sensor_frame_finder.h"
 
@@ -25,8 +24,7 @@ int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
     if (tally.frames.frames > 0 || tally.frames.bytes == 0) {
         return kExitFine;
     }
-    talk << fmt::format("tribus: no frame of {} in {} bytes\n", kSensorProtocol,
-                        tally.frames.bytes);
+    talk << no_frame_text(recording, kSensorProtocol);
     return kExitFailed;
 }
 

@@ -264,8 +264,8 @@ void add_demo_command(CLI::App& app, int& status) {
     command->add_option("--seconds", *seconds, "End after so long, with a summary")
         ->check(CLI::Range(0.1, kLongestSeconds));
     command->footer(
-        "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the real\n"
-        "engine, a servo bank on another. The radio link drops every few seconds.");
+        "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the\n"
+        "real engine, a servo bank on another. The radio link drops every few seconds.");
     command->callback([seconds, &status] { status = demo(*seconds); });
 }
 

@@ -309,9 +309,9 @@ void add_diff_command(CLI::App& app, int& status) {
     command->add_option("--socket", options->socket, "Its control socket, where that is elsewhere")
         ->excludes(fresh);
     command->footer(
-        "Line by line: what is set otherwise, channel by channel, and what a reload does with it.\n"
-        "Prints nothing where nothing changes. Beside a running daemon: what each output would "
-        "say\nwith the sticks as they are now.");
+        "Line by line: what is set otherwise, channel by channel, and what a reload does\n"
+        "with it. Prints nothing where nothing changes. Beside a running daemon: what each\n"
+        "output would say with the sticks as they are now.");
     command->callback([options, &status] {
         status = options->fresh.empty() ? compare_with_daemon(*options) : compare_files(*options);
     });

@@ -18,6 +18,7 @@
 #include "app/configured_use.h"
 #include "app/exit_status.h"
 #include "app/frame_json.h"
+#include "app/help_formatter.h"
 #include "app/streams.h"
 
 namespace tribus {
@@ -37,8 +38,8 @@ const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::bina
 /// Names of interfaces have at most 15 characters in Linux.
 constexpr std::size_t kLongestInterface = 15;
 
-/// What decode has read is written back whole; the configuration's default of 14 is for readers
-/// that know no more.
+/// What decode has read is written back whole, where the protocol has room for it; the
+/// configuration's default of 14 is for readers that know no more.
 const GivenSettings kEncodeDefaults{{"channels", "18"}};
 
 /// The next line, cut at the longest that is allowed; `too_long` says so.
@@ -135,7 +136,9 @@ tl::expected<ProtocolUse, std::string> asked_for(const EncodeArguments& argument
         return tl::unexpected(std::string("--protocol: encode needs one protocol, not auto"));
     }
     const Protocol& protocol = *plain->front().protocol;
-    return use_protocol(protocol, SettingScope::output, with_defaults(protocol, arguments.given));
+    auto whole =
+        use_protocol(protocol, SettingScope::output, with_defaults(protocol, arguments.given));
+    return whole ? std::move(whole) : plain->front();
 }
 
 int run_encode(const EncodeArguments& arguments) {
@@ -210,7 +213,8 @@ void add_encode_command(CLI::App& app, int& status) {
         "encode", "Frames, as decode --format json prints them, to bytes or CAN frames");
     const auto arguments = std::make_shared<EncodeArguments>();
     command->add_option("file", arguments->file, "JSON lines; absent or -: standard input");
-    command->add_option("--protocol", arguments->protocol, protocol_list());
+    command->add_option("--protocol", arguments->protocol, "What to write")
+        ->type_name(choices_type(protocol_list()));
     command->add_option("--as", arguments->as, kAsHelp)->type_name("FILE:NAME");
     command
         ->add_option("--format", arguments->format,
@@ -224,7 +228,9 @@ void add_encode_command(CLI::App& app, int& status) {
         const auto keep = [arguments, key = option.key](const std::string& text) {
             arguments->given.insert_or_assign(key, text);
         };
-        command->add_option_function<std::string>("--" + option.key, keep, option.help);
+        CLI::Option* const added =
+            command->add_option_function<std::string>("--" + option.key, keep, option.help);
+        added->type_name(option.choices.empty() ? "TEXT" : choices_type(option.choices));
     }
     command->callback(
         [arguments, &status] { status = finish_standard_output(run_encode(*arguments)); });

@@ -10,6 +10,7 @@
 
 #include "app/cause_text.h"
 #include "app/frame_json.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
@@ -81,17 +82,18 @@ void append_frame_text(std::string& text, const FoundFrame& found) {
 }
 
 void append_summary_text(std::string& text, const Tally& tally) {
-    fmt::format_to(std::back_inserter(text), "{} frames in {} bytes, {} bytes skipped",
-                   tally.frames, tally.bytes, tally.skipped_bytes);
+    fmt::format_to(std::back_inserter(text), "{} in {}, {} skipped", counted(tally.frames, "frame"),
+                   counted(tally.bytes, "byte"), counted(tally.skipped_bytes, "byte"));
     append_rejected_text(text, tally.rejected);
     text += '\n';
 }
 
 void append_can_summary_text(std::string& text, const CanTally& tally) {
     auto out = std::back_inserter(text);
-    fmt::format_to(
-        out, "{} frames in {} CAN frames of {} bytes, {} other CAN frames, {} error frames",
-        tally.frames, tally.can_frames, tally.bytes, tally.other_can_frames, tally.error_frames);
+    fmt::format_to(out, "{} in {} of {}, {}, {}", counted(tally.frames, "frame"),
+                   counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
+                   counted(tally.other_can_frames, "other CAN frame"),
+                   counted(tally.error_frames, "error frame"));
     append_rejected_text(text, tally.rejected);
     const std::int64_t start = whole_microseconds(tally.log_start);
     fmt::format_to(out, "; 0 is {}.{:06} of the log\n", start / 1'000'000, start % 1'000'000);

@@ -11,6 +11,7 @@
 
 #include "app/waveform.h"
 #include "core/can_frame.h"
+#include "core/counted.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 #include "transports/links/recording_writer.h"
@@ -19,9 +20,9 @@ namespace tribus {
 namespace {
 
 /// When each frame starts.
-class FrameTimes {
+class StartTimes {
   public:
-    explicit FrameTimes(Duration period) : period_(period) {}
+    explicit StartTimes(Duration period) : period_(period) {}
 
     tl::expected<Duration, std::string> next(const WrittenFrame& written) {
         const Duration start =
@@ -72,8 +73,8 @@ class SerialWriter final : public FrameWriter {
         results_ << text;
         if (waveform_.delayed() > 0) {
             talk << fmt::format(
-                "tribus: {} frames were moved back, because the one ahead was still on the wire\n",
-                waveform_.delayed());
+                "tribus: {} moved back, because the one ahead was still on the wire\n",
+                counted(waveform_.delayed(), "frame"));
         }
     }
 
@@ -111,7 +112,7 @@ class SerialWriter final : public FrameWriter {
     EncodeFormat format_;
     std::ostream& results_;
     Waveform waveform_;
-    FrameTimes times_;
+    StartTimes times_;
     bool heading_written_ = false;
 };
 
@@ -151,7 +152,7 @@ class CanLogWriter final : public FrameWriter {
     std::unique_ptr<CanEncoder> encoder_;
     std::string interface_;
     std::ostream& results_;
-    FrameTimes times_;
+    StartTimes times_;
     std::array<CanFrame, kMostSnapshotFrames> frames_{};
 };
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "core/counted.h"
 #include "core/rate_limit.h"
 
 /// How much the log may say of one thing that keeps changing.
@@ -18,8 +19,9 @@ inline RateLimit log_limit() {
 
 /// For the end of the first line after a pause.
 inline std::string swallowed_note(std::uint64_t swallowed) {
-    return swallowed == 0 ? ""
-                          : fmt::format(" ({} changes before this were not logged)", swallowed);
+    return swallowed == 0
+               ? ""
+               : fmt::format(" ({} before this not logged)", counted(swallowed, "change"));
 }
 
 }  // namespace tribus

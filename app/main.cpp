@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,7 @@
 #include "app/encode.h"
 #include "app/exit_status.h"
 #include "app/graph.h"
+#include "app/help_formatter.h"
 #include "app/learn.h"
 #include "app/monitor.h"
 #include "app/record.h"
@@ -48,6 +50,7 @@ bool explain_unknown_command(CLI::App& app, std::string_view word) {
 
 int run_command_line(int argc, char** argv) {
     CLI::App app{"tribus translates RC signals between i.Bus, SBUS and CAN", "tribus"};
+    app.formatter(std::make_shared<tribus::HelpFormatter>());
     app.require_subcommand(1);
     app.set_version_flag("--version", TRIBUS_VERSION);
     int status = tribus::kExitFine;
@@ -68,7 +71,11 @@ int run_command_line(int argc, char** argv) {
     tribus::add_dbc_command(app, status);
     tribus::add_bench_command(app, status);
     tribus::add_schema_command(app);
-    if (argc > 1 && explain_unknown_command(app, argv[1])) {
+    if (argc <= 1) {
+        fmt::print(stderr, "{}", app.help());
+        return tribus::kExitWrongUse;
+    }
+    if (explain_unknown_command(app, argv[1])) {
         return tribus::kExitWrongUse;
     }
     try {

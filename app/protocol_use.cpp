@@ -95,6 +95,22 @@ std::string mistake_between(const Protocol& protocol, SettingScope direction,
     return fmt::format("--{}: {}", fmt::join(first.path, "."), first.text);
 }
 
+std::string choices_of(const Setting& setting) {
+    if (setting.type == SettingType::boolean) {
+        return "true,false";
+    }
+    return fmt::format("{}", fmt::join(setting.choices, ","));
+}
+
+/// Adds those of another protocol.
+void add_choices(std::string& choices, const std::string& more) {
+    if (choices.empty() || more.empty()) {
+        choices.clear();
+    } else if (choices != more) {
+        choices += "," + more;
+    }
+}
+
 }  // namespace
 
 tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
@@ -149,9 +165,10 @@ std::vector<SettingOption> setting_options(SettingScope direction) {
             };
             const auto option = std::find_if(options.begin(), options.end(), same);
             if (option == options.end()) {
-                options.push_back({std::string(setting.key), help});
+                options.push_back({std::string(setting.key), help, choices_of(setting)});
             } else {
                 option->help += "; " + help;
+                add_choices(option->choices, choices_of(setting));
             }
         }
     }

@@ -52,6 +52,8 @@ std::string protocol_list(LinkKind link);
 struct SettingOption {
     std::string key;
     std::string help;
+    /// Words that are allowed, `a,b`; empty where a protocol wants something else.
+    std::string choices;
 };
 std::vector<SettingOption> setting_options(SettingScope direction);
 

@@ -12,8 +12,10 @@
 #include "app/ask_daemon.h"
 #include "app/complain.h"
 #include "app/exit_status.h"
+#include "app/help_formatter.h"
 #include "app/line_use.h"
 #include "app/monitor_fields.h"
+#include "app/protocol_use.h"
 #include "app/record_port.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
@@ -105,8 +107,10 @@ void add_record_command(CLI::App& app, int& status) {
     command->add_option("--socket", options->socket,
                         "The daemon's control socket, where that is elsewhere");
     command->add_option("--out", options->out, "File for what arrives at that port");
-    command->add_option("--protocol", options->protocol,
-                        "What a serial line speaks: its rate, parity and stop bits");
+    command
+        ->add_option("--protocol", options->protocol,
+                     "What a serial line speaks: its rate, parity and stop bits")
+        ->type_name(choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor"));
     command->add_option("--baud", options->baud, "Another rate than the protocol's own");
     command->add_option("--for", options->time, "How long, such as 10s; default: until Ctrl-C");
     command->add_option("--limit", options->limit_mib, "MiB that the file may have")

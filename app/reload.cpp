@@ -140,8 +140,8 @@ void add_reload_command(CLI::App& app, int& status) {
     confirm->excludes(trial)->excludes(back);
     back->excludes(trial);
     command->footer(
-        "The daemon takes the file between two frames, or refuses it, says why and goes on.\n"
-        "In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.");
+        "The daemon takes the file between two frames, or refuses it, says why and goes\n"
+        "on. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.");
     command->callback([options, &status] { status = reload(*options); });
 }
 

@@ -16,8 +16,10 @@
 
 #include "app/complain.h"
 #include "app/exit_status.h"
+#include "app/help_formatter.h"
 #include "app/line_use.h"
 #include "app/main_wait.h"
+#include "app/protocol_use.h"
 #include "app/replay_target.h"
 #include "app/streams.h"
 #include "core/quantity.h"
@@ -256,8 +258,10 @@ void add_replay_command(CLI::App& app, int& status) {
         ->check(CLI::Range(0.001, 1000.0))
         ->capture_default_str();
     command->add_flag("--loop", options->loop, "From the beginning again, until Ctrl-C");
-    command->add_option("--protocol", options->place.protocol,
-                        "What a serial line speaks: its rate, parity and stop bits");
+    command
+        ->add_option("--protocol", options->place.protocol,
+                     "What a serial line speaks: its rate, parity and stop bits")
+        ->type_name(choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor"));
     command->add_option("--baud", options->place.baud, "Another rate than the protocol's own");
     command->add_option("--period", options->period,
                         "From line to line of a recording without times");

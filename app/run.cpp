@@ -127,7 +127,7 @@ void add_run_command(CLI::App& app, int& status) {
     auto options = std::make_shared<RunOptions>();
     command->add_option("CONFIG", options->path, "Configuration file")->required();
     command->add_option("--socket", options->socket,
-                        "Control socket, for `tribus monitor`; default: `control` in\n"
+                        "Control socket, for `tribus monitor`; default: `control` in "
                         "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR");
     command->add_option("--metrics", options->metrics,
                         "Tell Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket");
@@ -135,9 +135,8 @@ void add_run_command(CLI::App& app, int& status) {
                       "Allow an address for --metrics that the network can reach");
     command->footer(
         "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
-        "SIGHUP: reads the configuration again and takes it between two frames; one with "
-        "mistakes,\n"
-        "or whose devices cannot be opened, is refused and the old one runs on.");
+        "SIGHUP: reads the configuration again and takes it between two frames; one with\n"
+        "mistakes, or whose devices cannot be opened, is refused and the old one runs on.");
     command->callback([options, &status] {
         auto logger = stderr_is_journal()
                           ? std::make_shared<spdlog::logger>("tribus", journal_sink())

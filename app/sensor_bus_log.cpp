@@ -27,6 +27,11 @@ void say(RateLimit& limit, Instant now, spdlog::level::level_enum level,
     }
 }
 
+std::string places_text(std::size_t first, std::size_t count) {
+    return count == 1 ? fmt::format("a sensor at address {}", first)
+                      : fmt::format("sensors at addresses {} to {}", first, first + count - 1);
+}
+
 }  // namespace
 
 SensorBusLog::SensorBusLog(const Appliance& appliance, Instant start) {
@@ -65,9 +70,8 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
             spdlog::info("sensor bus {}: a receiver asks; waiting for an address{}", memory.name,
                          note);
         } else if (asked) {
-            spdlog::info("sensor bus {}: a receiver asks; sensors at addresses {} to {}{}",
-                         memory.name, state.first_address, state.first_address + memory.sensors - 1,
-                         note);
+            spdlog::info("sensor bus {}: a receiver asks; {}{}", memory.name,
+                         places_text(state.first_address, memory.sensors), note);
         } else {
             spdlog::warn("sensor bus {}: the receiver does not ask any more{}", memory.name, note);
         }

@@ -24,6 +24,7 @@
 #include "config/build.h"
 #include "config/mistakes.h"
 #include "config/values.h"
+#include "core/counted.h"
 #include "core/quotes.h"
 #include "pipelines/virtual_loop.h"
 #include "transports/links/recording_writer.h"
@@ -205,13 +206,15 @@ void print_summary(const Engine& engine) {
         for (const NamedCount& cause : input.decoder().rejected()) {
             rejected += cause.count;
         }
-        fmt::print(stderr, "input {}: {} bytes, {} frames, {} rejected\n", input.name(),
-                   input.counts().bytes, input.counts().frames, rejected);
+        fmt::print(stderr, "input {}: {}, {}, {} rejected\n", input.name(),
+                   counted(input.counts().bytes, "byte"), counted(input.counts().frames, "frame"),
+                   rejected);
     }
     for (const Output& output : engine.outputs()) {
-        fmt::print(stderr, "output {}: {} frames, {} times into failsafe, {} recoveries\n",
-                   output.name(), output.counts().sent, output.counts().failsafe_entries,
-                   output.counts().recoveries);
+        fmt::print(stderr, "output {}: {}, {} into failsafe, {}\n", output.name(),
+                   counted(output.counts().sent, "frame"),
+                   counted(output.counts().failsafe_entries, "time"),
+                   counted(output.counts().recoveries, "recovery", "recoveries"));
     }
 }
 

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "app/log_fields.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
@@ -84,17 +85,17 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
             name);
     } else if (status.counts.frames == 0 && memory.on_can) {
         spdlog::warn(
-            "input {}: {} frames with its ids were refused; sender and receiver must agree on "
+            "input {}: {} with its ids refused; sender and receiver must agree on "
             "format, id, fd and checksum (tribus decode tells why)",
-            name, status.rejected);
+            name, counted(status.rejected, "frame"));
     } else if (status.counts.bytes == 0) {
         spdlog::warn("input {}: not one byte yet; check wire, ground and power of the receiver",
                      name);
     } else if (status.counts.frames == 0) {
         spdlog::warn(
-            "input {}: {} bytes but no frame yet; another protocol or rate, or a line "
+            "input {}: {} but no frame yet; another protocol or rate, or a line "
             "that needs an inverter (SBUS) or must not have one (i.Bus)",
-            name, status.counts.bytes);
+            name, counted(status.counts.bytes, "byte"));
     } else {
         spdlog::warn("input {}: frames arrive, but {}; is the transmitter on?", name,
                      cause_text(status.state));
@@ -137,19 +138,19 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
                              OutputMemory& memory, Instant now) {
     if (status.counts.foreign_frames != memory.foreign_frames) {
         const std::uint64_t foreign = status.counts.foreign_frames - memory.foreign_frames;
-        if (const auto swallowed = memory.limit.pass(now)) {
+        if (memory.foreign_limit.pass(now)) {
             spdlog::warn(
-                "output {}: another node sends frames with its ids ({} since the last look); give "
-                "one of the two other ids{}",
-                name, foreign, swallowed_note(*swallowed));
+                "output {}: another node sends frames with its ids ({} since the last line); give "
+                "one of the two other ids",
+                name, foreign);
             memory.foreign_frames = status.counts.foreign_frames;
         }
     }
     if (status.counts.busy_drops != memory.busy_drops) {
         const std::uint64_t dropped = status.counts.busy_drops - memory.busy_drops;
-        if (const auto swallowed = memory.limit.pass(now)) {
-            spdlog::warn("output {}: {} frames dropped because the port still had the one before{}",
-                         name, dropped, swallowed_note(*swallowed));
+        if (memory.drops_limit.pass(now)) {
+            spdlog::warn("output {}: {} dropped because the port still had the one before", name,
+                         counted(dropped, "frame"));
             memory.busy_drops = status.counts.busy_drops;
         }
     }

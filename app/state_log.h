@@ -55,6 +55,9 @@ class StateLog {
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
         RateLimit limit = log_limit();
+        /// What goes on all the time leaves the lines of changes alone.
+        RateLimit drops_limit = log_limit();
+        RateLimit foreign_limit = log_limit();
     };
     struct DeviceMemory {
         bool present = true;

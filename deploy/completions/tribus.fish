@@ -9,5 +9,13 @@ function __tribus_options
     tribus $words[2] --help 2>/dev/null | string match -rg '^ +(?:-[a-zA-Z],)?(--[a-z0-9_-]+)'
 end
 
+# An option's choices stand in its line: --format TEXT:{toml,json}
+function __tribus_choices
+    set -l words (commandline -opc)
+    tribus $words[2] --help 2>/dev/null |
+        string match -rg -- "^ +(?:-[a-zA-Z],)?$words[-1] [^{]*\{([^}]*)\}" | string split ,
+end
+
 complete -c tribus -n 'test (count (commandline -opc)) -eq 1' -f -a '(__tribus_commands)'
-complete -c tribus -n 'test (count (commandline -opc)) -gt 1' -a '(__tribus_options)'
+complete -c tribus -n 'test (count (commandline -opc)) -gt 1; and test -z "$(__tribus_choices)"' -a '(__tribus_options)'
+complete -c tribus -n 'test -n "$(__tribus_choices)"' -f -a '(__tribus_choices)'

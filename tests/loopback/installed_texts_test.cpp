@@ -70,6 +70,19 @@ TEST(BashCompletion, offers_the_choices_of_an_option) {
     EXPECT_EQ(offered("check --format \"\""), (Words{"toml", "json"}));
 }
 
+TEST(BashCompletion, offers_the_protocols) {
+    const Words all = offered("decode --protocol \"\"");
+    for (const char* protocol : {"auto", "ibus", "sbus", "can", "dronecan", "ibus-sensor"}) {
+        EXPECT_TRUE(has(all, protocol)) << protocol;
+    }
+    EXPECT_EQ(offered("encode --protocol i"), Words{"ibus"});
+}
+
+TEST(BashCompletion, offers_the_choices_of_a_setting) {
+    EXPECT_EQ(offered("decode --slots \"\""), (Words{"nibbles", "plain"}));
+    EXPECT_EQ(offered("encode --reversible t"), Words{"true"});
+}
+
 TEST(BashCompletion, offers_files) {
     EXPECT_EQ(offered("check " TRIBUS_SOURCE_DIR "/config/examples/main-j"),
               Words{TRIBUS_SOURCE_DIR "/config/examples/main-job.toml"});

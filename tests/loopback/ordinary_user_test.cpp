@@ -20,8 +20,8 @@ class OrdinaryUser : public Loopback {
   protected:
     OrdinaryUser() {
         namespace fs = std::filesystem;
-        fs::permissions(folder(), fs::perms::owner_all | fs::perms::group_all |
-                                      fs::perms::others_all);
+        fs::permissions(folder(),
+                        fs::perms::owner_all | fs::perms::group_all | fs::perms::others_all);
         // The build folder may be one that nobody else may enter.
         fs::copy_file(TRIBUS_PROGRAM, program_);
     }

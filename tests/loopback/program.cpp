@@ -70,8 +70,8 @@ void become_ordinary_user() {
     lower_limit(RLIMIT_MEMLOCK, kDebiansLimit);
     lower_limit(RLIMIT_STACK, kDebiansLimit);
     lower_limit(RLIMIT_RTPRIO, 0);
-    if (::geteuid() == 0 && (::setgroups(0, nullptr) != 0 || ::setgid(kNobody) != 0 ||
-                             ::setuid(kNobody) != 0)) {
+    if (::geteuid() == 0 &&
+        (::setgroups(0, nullptr) != 0 || ::setgid(kNobody) != 0 || ::setuid(kNobody) != 0)) {
         ::_exit(kCannotStart);
     }
     // Another account has lost it.

@@ -66,7 +66,7 @@ TEST(Decode, CsvHasEmptyCellsAndKeepsTheSummaryOut) {
               "t_us,ch1,ch2,ch3,ch4,ch5,ch6,ch7,ch8,ch9,ch10,ch11,ch12,ch13,ch14,ch15,ch16,ch17,"
               "ch18,frame_lost,failsafe\n"
               ",1499,1500,1364,1500,1000,2000,1490,1000,1500,1500,1500,1500,1500,1500,,,,,0,0\n");
-    EXPECT_EQ(outcome.talk, "1 frames in 32 bytes, 0 bytes skipped, rejected: none\n");
+    EXPECT_EQ(outcome.talk, "1 frame in 32 bytes, 0 bytes skipped, rejected: none\n");
 }
 
 TEST(Decode, TextShowsFlagsAndFooter) {
@@ -166,6 +166,46 @@ TEST(Decode, AutoSaysSoWhenNoProtocolFits) {
               "\"input\":\"hex\"}}\n");
 }
 
+TEST(Decode, NamesTheProtocolThatFindsFramesWhereTheAskedOneFindsNone) {
+    const Outcome outcome = decoded(lines_of({kIbus14, kIbus14}), "sbus", DecodeFormat::json);
+    EXPECT_EQ(outcome.talk,
+              "tribus: no frame of sbus in 64 bytes; what finds frames there: ibus (2 frames)\n");
+}
+
+TEST(Decode, SaysThatNoProtocolFindsAFrame) {
+    const Outcome outcome = decoded("12 34 56\n", "sbus", DecodeFormat::json);
+    EXPECT_EQ(outcome.talk, "tribus: no frame of sbus in 3 bytes; no other protocol finds one\n");
+}
+
+TEST(Decode, NamesTheSensorBusWhereItsFramesAreAskedAsChannels) {
+    // Discover and its answer at address 1 (ibus-sbus.md 2.2).
+    const Outcome outcome = decoded("04 81 7a ff\n04 81 7a ff\n", "sbus", DecodeFormat::json);
+    EXPECT_EQ(outcome.talk,
+              "tribus: no frame of sbus in 8 bytes; what finds frames there: ibus-sensor (2 "
+              "frames)\n");
+}
+
+TEST(Decode, StreamWithoutAFrameNamesTheProtocolThatFindsSome) {
+    const auto recording = parse_recording(lines_of({kIbus14, kIbus14}), "bytes.txt");
+    ASSERT_TRUE(recording);
+    const auto uses = choose_protocols("sbus", SettingScope::input, {});
+    std::vector<Burst> bursts = recording->bursts;
+    const auto read = [&] {
+        if (bursts.empty()) {
+            return std::string();
+        }
+        const Burst burst = bursts.back();
+        bursts.pop_back();
+        return std::string(burst.bytes.begin(), burst.bytes.end());
+    };
+    std::ostringstream results;
+    std::ostringstream talk;
+    FramePrinter printer(DecodeFormat::json, RecordingKind::raw, results, talk);
+    decode_stream(read, uses->front(), printer, results, talk);
+    EXPECT_EQ(talk.str(),
+              "tribus: no frame of sbus in 64 bytes; what finds frames there: ibus (2 frames)\n");
+}
+
 TEST(Decode, EmptyInputIsFine) {
     EXPECT_EQ(decoded("", "auto", DecodeFormat::json).status, kExitFine);
 }
@@ -184,7 +224,7 @@ TEST(Decode, StreamPrintsAFrameBeforeTheNextBytesAreRead) {
         printed.push_back(results.str().size());
         return chunks[next++];
     };
-    EXPECT_EQ(decode_stream(read, uses->front(), printer, results), kExitFine);
+    EXPECT_EQ(decode_stream(read, uses->front(), printer, results, results), kExitFine);
     ASSERT_EQ(printed.size(), 3U);
     EXPECT_EQ(printed[1], printed[0]);
     EXPECT_GT(printed[2], printed[1]);

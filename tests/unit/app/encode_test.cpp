@@ -78,7 +78,7 @@ TEST(Encode, VcdSaysWhenFramesDoNotFitOnTheWire) {
         encoded("{\"t_us\":0,\"channels\":[]}\n{\"t_us\":1000,\"channels\":[]}\n", "sbus",
                 EncodeFormat::vcd);
     EXPECT_EQ(outcome.talk,
-              "tribus: 1 frames were moved back, because the one ahead was still on the wire\n");
+              "tribus: 1 frame moved back, because the one ahead was still on the wire\n");
 }
 
 TEST(Encode, ReportsEveryLineThatCannotBeUsedAndEncodesTheRest) {

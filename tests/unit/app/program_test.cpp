@@ -32,6 +32,22 @@ TEST(Program, EncodesEighteenChannelsUnlessToldOtherwise) {
     EXPECT_EQ(run_in_shell(frame + " --channels 14").output.substr(0, 17), "20 40 dc 05 dc 05");
 }
 
+/// ArrayCommand has room for 15 servos: what was not asked for is no reason to refuse.
+TEST(Program, EncodesNoMoreChannelsThanTheProtocolHas) {
+    const Ended result = run_in_shell(
+        "echo '{\"channels\":[1500,1500,1500]}' | \"$TRIBUS\" encode --protocol dronecan "
+        "--carries servos --node_id 5");
+    EXPECT_EQ(result.status, 0) << result.output;
+    EXPECT_EQ(result.output.find("channels"), std::string::npos) << result.output;
+}
+
+TEST(Program, AloneShowsItsHelpAsWrongUse) {
+    const Ended help = run_in_shell("\"$TRIBUS\" --help");
+    const Ended result = run_in_shell("\"$TRIBUS\" 2>&1 >/dev/null");
+    EXPECT_EQ(result.status, 2);
+    EXPECT_EQ(result.output, help.output);
+}
+
 /// By which a service knows whether starting it again may help.
 TEST(Program, RunEndsOtherwiseForAFileThatIsMissingThanForOneWithMistakes) {
     EXPECT_EQ(run_in_shell("\"$TRIBUS\" run /no/such/file.toml").status, 1);

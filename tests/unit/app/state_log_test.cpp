@@ -1,6 +1,10 @@
 #include "app/state_log.h"
 
+#include <unistd.h>
+
+#include <array>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -64,6 +68,29 @@ class StateLogAtPtys : public testing::Test {
         until([&] {
             receiver_.send(kGood);
             return appliance_->output_status(0).state.stage == OutputStage::control;
+        });
+        log_->look(*appliance_, now);
+    }
+    /// The servos read so slowly that frames are dropped, with control in between; the log looks
+    /// when both can be seen.
+    void drop_frames_under_control(Instant now) {
+        const std::uint64_t before = appliance_->output_status(0).counts.busy_drops;
+        until([&] {
+            receiver_.send(kGood);
+            const OutputStatus status = appliance_->output_status(0);
+            if (status.state.stage == OutputStage::cannot_send) {
+                std::array<char, 1024> some{};
+                EXPECT_GT(::read(servos_.descriptor(), some.data(), some.size()), 0);
+            }
+            return status.state.stage == OutputStage::control && status.counts.busy_drops > before;
+        });
+        log_->look(*appliance_, now);
+    }
+    void receive_until_failsafe(Instant now) {
+        until([&] {
+            receiver_.send(radio_lost());
+            servos_.receive();
+            return appliance_->output_status(0).state.stage == OutputStage::failsafe;
         });
         log_->look(*appliance_, now);
     }
@@ -199,6 +226,19 @@ TEST_F(StateLogOverAReload, SaysWhoIsInControlWhenTheInputsAreOthers) {
     EXPECT_EQ(said_at(Instant(2s), kServos), "output servos: under control of radio\n");
 }
 
+/// Frames that are dropped are said again and again, the state of the output once.
+TEST_F(StateLogAtPtys, SaysAStateAfterManyLinesOfDroppedFrames) {
+    receive_until_control(Instant(1s));
+    EXPECT_NE(said(kServos), "");
+    auto second = 2s;
+    for (int lines = 0; lines < 7; ++lines, second += 1s) {
+        drop_frames_under_control(Instant(second));
+    }
+    EXPECT_NE(said(kServos).find("dropped"), std::string::npos);
+    receive_until_failsafe(Instant(second));
+    EXPECT_NE(said(kServos).find("in failsafe"), std::string::npos);
+}
+
 TEST_F(StateLogOverAReload, SaysNothingAgainOfADeviceThatIsGone) {
     receive_until_control(Instant(1s));
     servos_.pull();
@@ -222,8 +262,7 @@ TEST_F(StateLogOverAReload, SaysThatADeviceWithOtherSettingsIsNotThere) {
 
 TEST_F(StateLogOverAReload, SaysNothingAgainOfASensorBus) {
     ask_sensors(Instant(1s));
-    EXPECT_EQ(said(kTelemetry),
-              "sensor bus telemetry: a receiver asks; sensors at addresses 1 to 1\n");
+    EXPECT_EQ(said(kTelemetry), "sensor bus telemetry: a receiver asks; a sensor at address 1\n");
     reload(Instant(2s));
     EXPECT_EQ(said_at(Instant(2s), kTelemetry), "");
 }
