@@ -39,7 +39,7 @@ void Daemon::watch() {
     const Instant now = monotonic_now();
     log_ = std::make_unique<StateLog>(*appliance_, now);
     log_->say_interfaces(*appliance_);
-    inside_.show(*appliance_, now);
+    inside_.show(*appliance_);
     service_.started(*appliance_, now);
 }
 
@@ -59,7 +59,7 @@ void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver
     }
     // Devices with other line settings are opened here.
     log_->look(*appliance_, now);
-    inside_.show(*appliance_, now);
+    inside_.show(*appliance_);
     service_.started(*appliance_, now);
 }
 

@@ -13,7 +13,7 @@ namespace tribus {
 
 tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
     const std::string& config, const std::optional<std::string>& socket) {
-    std::unique_ptr<InsideView> view(new InsideView);
+    std::unique_ptr<InsideView> view(new InsideView(monotonic_now()));
     const auto path = socket ? socket : default_socket(SocketHomes::of_this_process(), config);
     if (!path) {
         spdlog::info(
@@ -35,9 +35,9 @@ tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
     return view;
 }
 
-void InsideView::show(const Appliance& appliance, Instant now) {
+void InsideView::show(const Appliance& appliance) {
     appliance_ = &appliance;
-    keeper_.emplace(appliance, now);
+    keeper_.emplace(appliance, started_);
 }
 
 void InsideView::look() {

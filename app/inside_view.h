@@ -32,7 +32,7 @@ class InsideView {
     tl::expected<void, std::string> tell_metrics(const std::string& address, MetricsReach reach);
 
     /// From now on it shows this one, which must outlive it or the next call.
-    void show(const Appliance& appliance, Instant now);
+    void show(const Appliance& appliance);
     /// Nothing runs any more.
     void hide() { keeper_.reset(); }
     /// Until when the configuration is on trial; nothing where it is not.
@@ -49,11 +49,12 @@ class InsideView {
     ControlServer* control() { return control_.get(); }
 
   private:
-    InsideView() = default;
+    explicit InsideView(Instant started) : started_(started) {}
     std::string status() const;
     StatusReport report() const;
     std::string record(std::span<const std::string> words) const;
 
+    Instant started_;
     const Appliance* appliance_ = nullptr;
     std::optional<StatusKeeper> keeper_;
     std::optional<Instant> trial_end_;

@@ -234,7 +234,7 @@ void add_surroundings(Text& text, const StatusReport& report) {
 
 std::string metrics_text(const StatusReport& report) {
     Text text;
-    text.family("uptime_seconds", "gauge", "Since the start or the latest reload.");
+    text.family("uptime_seconds", "gauge", "Since the program started.");
     text.sample({}, seconds(report.now - report.started));
     text.family("figures_age_seconds", "gauge",
                 "Since the data thread wrote down the figures below; where it grows, all are old.");

@@ -144,9 +144,13 @@ class Monitor {
                 quit_ = true;
             } else if (key == MonitorKey::pause) {
                 view_.paused = !view_.paused;
+            } else if (key == MonitorKey::page_down || key == MonitorKey::page_up) {
+                const int pages = key == MonitorKey::page_down ? 1 : -1;
+                view_.top = top_after_pages(view_, screen_style(), pages);
             } else if (items > 0) {
                 const std::size_t step = key == MonitorKey::next ? 1 : items - 1;
-                view_.selected = (view_.selected + step) % items;
+                view_.selected = (selected_item(view_) + step) % items;
+                view_.top = top_that_shows_selected(view_, screen_style());
             }
         }
     }
@@ -204,8 +208,9 @@ void add_monitor_command(CLI::App& app, int& status) {
         ->capture_default_str();
     command->add_flag("--once", options->once, "End after the first object or line");
     command->footer(
-        "In a terminal: up and down (or Tab) select, p pauses, q quits. Without one it prints a\n"
-        "line a second. It waits for a daemon that restarts.");
+        "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll,\n"
+        "p pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
+        "restarts.");
     command->callback([options, &status] { status = monitor_daemon(*options); });
 }
 

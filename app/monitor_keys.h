@@ -6,7 +6,7 @@
 
 namespace tribus {
 
-enum class MonitorKey : std::uint8_t { next, previous, pause, quit };
+enum class MonitorKey : std::uint8_t { next, previous, page_down, page_up, pause, quit };
 
 /// What was pressed, from the bytes that a terminal sends; what is no key of ours is passed over.
 /// Pure.

@@ -8,22 +8,18 @@
 
 #include "app/demo_screen.h"
 #include "app/monitor_fields.h"
+#include "app/monitor_lines.h"
 #include "core/channel_frame.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
 
 using namespace screen;
-using monitor::Json;
+using namespace monitor;
 
 /// A daemon tells at least once in that time; figures that are older are no figures of now.
 constexpr Duration kFresh = std::chrono::seconds(1);
-constexpr std::size_t kNameWidth = 12;
-
-Duration us_of(const Json& object, const char* key) {
-    const double number = monitor::number(object, key).value_or(0);
-    return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::micro>(number));
-}
 
 /// As old as the slowest part of the way here.
 Duration figures_age(const MonitorView& view) {
@@ -32,137 +28,6 @@ Duration figures_age(const MonitorView& view) {
 
 bool stale(const MonitorView& view) {
     return figures_age(view) > kFresh || !view.connected;
-}
-
-std::string words(std::string text) {
-    std::ranges::replace(text, '_', ' ');
-    return text;
-}
-
-std::string_view colour_of(const std::string& state) {
-    return state == "good" || state == "control"      ? kGreen
-           : state == "frame_lost" || state == "hold" ? kYellow
-                                                      : kRed;
-}
-
-std::string padded(std::string_view text, std::size_t width) {
-    return fmt::format("{:{}} ", text, width);
-}
-
-std::string rate(const Json& item) {
-    return fmt::format("{:6.1f}/s", monitor::number(item, "rate_hz").value_or(0));
-}
-
-std::string input_state(const Json& input) {
-    const std::string state = monitor::text(input, "state");
-    if (state != "failsafe") {
-        return words(state);
-    }
-    const auto since = monitor::number(input, "state_age_us");
-    return words(monitor::text(input, "cause")) +
-           (since ? fmt::format(" {}", short_duration(us_of(input, "state_age_us"))) : "");
-}
-
-std::uint64_t sum(const Json& counts) {
-    std::uint64_t total = 0;
-    for (const Json& value : counts) {
-        total += value.is_number_unsigned() ? value.get<std::uint64_t>() : 0;
-    }
-    return total;
-}
-
-std::string input_line(const Json& input, bool selected, bool old, const ScreenStyle& style) {
-    Line line(style);
-    const std::string state = monitor::text(input, "state");
-    line.add(selected ? "> " : "  ", kBold);
-    line.add(padded(monitor::text(input, "name"), kNameWidth), selected ? kBold : "");
-    line.add(padded(monitor::text(input, "protocol"), 8), kDim);
-    line.add(padded(input_state(input), 22), old ? kDim : colour_of(state));
-    line.add(rate(input));
-    const auto age = monitor::number(input, "age_us");
-    line.add("  age " + (age ? short_duration(us_of(input, "age_us")) : std::string("-")));
-    line.add(fmt::format("  rejected {}", sum(monitor::field(input, "rejected"))));
-    line.add("  " + monitor::text(input, "port"), kDim);
-    return line.take();
-}
-
-std::string output_state(const Json& output) {
-    const std::string state = monitor::text(output, "state");
-    const std::string input = monitor::text(output, "input");
-    if (state == "control" && !input.empty()) {
-        return "control of " + input;
-    }
-    return words(state) + (monitor::flag(output, "forced")           ? ", wanted"
-                           : monitor::flag(output, "awaits_release") ? ", waits for release"
-                                                                     : "");
-}
-
-std::string output_line(const Json& output, bool selected, bool old, const ScreenStyle& style) {
-    Line line(style);
-    line.add(selected ? "> " : "  ", kBold);
-    line.add(padded(monitor::text(output, "name"), kNameWidth), selected ? kBold : "");
-    line.add(padded(monitor::text(output, "protocol"), 8), kDim);
-    line.add(padded(output_state(output), 22),
-             old ? kDim : colour_of(monitor::text(output, "state")));
-    line.add(rate(output));
-    const Json& lateness = monitor::field(output, "lateness");
-    line.add(fmt::format("  late {} p99 {}", short_duration(us_of(lateness, "p50_us")),
-                         short_duration(us_of(lateness, "p99_us"))));
-    const std::uint64_t missed = monitor::count(output, "deadline_misses");
-    const std::uint64_t dropped = sum(monitor::field(output, "dropped"));
-    line.add(fmt::format("  missed {}", missed), missed == 0 ? "" : kYellow);
-    line.add(fmt::format("  dropped {}", dropped), dropped == 0 ? "" : kYellow);
-    for (const Json& name : monitor::list(output, "outvoted")) {
-        line.add("  outvoted: " + (name.is_string() ? monitor::shown(name.get<std::string>()) : ""),
-                 kYellow);
-    }
-    return line.take();
-}
-
-std::string port_line(const Json& port, const ScreenStyle& style) {
-    Line line(style);
-    const Json& can = monitor::field(port, "can");
-    const std::string state = !monitor::flag(port, "present") ? "GONE"
-                              : can.is_object()               ? words(monitor::text(can, "state"))
-                                                              : "there";
-    const bool fine = state == "there" || state == "ready";
-    line.add("  " + padded(monitor::text(port, "name"), 20));
-    line.add(padded(state, 9), fine ? kGreen : kRed);
-    if (can.is_object()) {
-        line.add(fmt::format("received {}  sent {}  errors {}  bus-offs {}",
-                             monitor::count(can, "received"), monitor::count(can, "sent"),
-                             monitor::count(can, "error_frames"), monitor::count(can, "bus_offs")));
-    }
-    return line.take();
-}
-
-std::string bus_line(const Json& bus, const ScreenStyle& style) {
-    Line line(style);
-    line.add("  " + padded(monitor::text(bus, "name"), kNameWidth));
-    line.add(padded(monitor::text(bus, "role"), 8), kDim);
-    const Json& counts = monitor::field(bus, "counts");
-    if (monitor::text(bus, "role") == "receiver") {
-        line.add(fmt::format("{} sensors  replies {}  misses {}",
-                             monitor::list(bus, "found").size(), monitor::count(counts, "replies"),
-                             monitor::count(counts, "misses")));
-    } else {
-        line.add(fmt::format("asked {}  answered {}  late {}  stale {}",
-                             monitor::count(counts, "requests"), monitor::count(counts, "answered"),
-                             monitor::count(counts, "late"), monitor::count(counts, "stale")));
-    }
-    return line.take();
-}
-
-std::string value_line(const Json& value, const ScreenStyle& style) {
-    Line line(style);
-    const auto number = monitor::number(value, "number");
-    const bool old = monitor::flag(value, "stale");
-    line.add("  " + padded(monitor::text(value, "name"), 28));
-    line.add(number ? fmt::format("{:>10.6g} {}", *number, monitor::text(value, "unit"))
-                    : std::string("         -"),
-             old ? kDim : "");
-    line.add(!number ? "  never" : old ? "  stale" : "", kYellow);
-    return line.take();
 }
 
 using Lines = std::vector<std::string>;
@@ -184,35 +49,51 @@ void add_part(Lines& lines, std::string_view name, const Json& items, const Scre
     }
 }
 
-/// Above all: whether what stands below can be believed.
-std::string trust_line(const MonitorView& view, const ScreenStyle& style) {
-    Line line(style);
-    if (view.status.is_null()) {
-        line.add(view.notice.empty() ? "waiting for the daemon" : view.notice, kYellow);
-    } else if (view.paused) {
-        line.add(fmt::format("PAUSED; this is what was {} ago", short_duration(figures_age(view))),
-                 kYellow);
-    } else if (!view.connected) {
-        line.add(fmt::format("{}; this is what was {} ago", view.notice,
-                             short_duration(figures_age(view))),
-                 kRed);
-    } else if (view.age > kFresh) {
-        line.add(fmt::format("THE DAEMON DOES NOT ANSWER; this is what was {} ago",
-                             short_duration(figures_age(view))),
-                 kRed);
-    } else if (stale(view)) {
-        line.add(fmt::format("THE DATA THREAD STANDS STILL; this is what was {} ago",
-                             short_duration(figures_age(view))),
-                 kRed);
-    } else {
-        line.add(fmt::format("live, {} old", short_duration(figures_age(view))), kGreen);
-        const Json& missing = monitor::list(view.status, "missing_realtime");
-        line.add(missing.empty() ? ""
-                                 : fmt::format("  {} things missing for real time; see the log",
-                                               missing.size()),
-                 kYellow);
+/// Broken at blanks, so that none of it is lost on a narrow screen.
+Lines wrapped(std::string_view text, std::string_view colour, const ScreenStyle& style) {
+    const std::size_t columns = std::max<std::size_t>(style.columns, 1);
+    Lines lines;
+    while (!text.empty()) {
+        std::size_t end = text.size();
+        if (end > columns) {
+            const std::size_t blank = text.rfind(' ', columns);
+            end = blank == std::string_view::npos || blank == 0 ? columns : blank;
+        }
+        Line line(style);
+        line.add(text.substr(0, end), colour);
+        lines.push_back(line.take());
+        text.remove_prefix(std::min(text.find_first_not_of(' ', end), text.size()));
     }
-    return line.take();
+    return lines;
+}
+
+/// Above all: whether what stands below can be believed.
+Lines trust_lines(const MonitorView& view, const ScreenStyle& style) {
+    const std::string then = "; this is what was " + short_duration(figures_age(view)) + " ago";
+    if (view.status.is_null()) {
+        return wrapped(view.notice.empty() ? "waiting for the daemon" : view.notice, kYellow,
+                       style);
+    }
+    if (view.paused) {
+        return wrapped("PAUSED" + then, kYellow, style);
+    }
+    if (!view.connected) {
+        return wrapped(view.notice + then, kRed, style);
+    }
+    if (view.age > kFresh) {
+        return wrapped("THE DAEMON DOES NOT ANSWER" + then, kRed, style);
+    }
+    if (stale(view)) {
+        return wrapped("THE DATA THREAD STANDS STILL" + then, kRed, style);
+    }
+    Line line(style);
+    line.add(fmt::format("live, {} old", short_duration(figures_age(view))), kGreen);
+    const std::size_t missing = list(view.status, "missing_realtime").size();
+    line.add(missing == 0 ? ""
+                          : fmt::format("  {} missing for real time; see the log",
+                                        counted(missing, "thing")),
+             kYellow);
+    return {line.take()};
 }
 
 std::string heading(const MonitorView& view, const ScreenStyle& style) {
@@ -237,10 +118,11 @@ struct Compared {
 Compared compared(const MonitorView& view) {
     const Json& inputs = monitor::list(view.status, "inputs");
     const Json& outputs = monitor::list(view.status, "outputs");
-    if (view.selected < inputs.size()) {
-        return {&inputs[view.selected], nullptr};
+    const std::size_t selected = selected_item(view);
+    if (selected < inputs.size()) {
+        return {&inputs[selected], nullptr};
     }
-    const std::size_t index = view.selected - inputs.size();
+    const std::size_t index = selected - inputs.size();
     if (index >= outputs.size()) {
         return {};
     }
@@ -289,6 +171,13 @@ void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& styl
         both ? fmt::format("CHANNELS {:{}}{}", item_title(before), width + kGap, item_title(after))
              : "CHANNELS " + item_title(single),
         style));
+    Line ends(style);
+    ends.add(std::string(kLabelWidth, ' '));
+    for (int bars = 0; bars < (both ? 2 : 1); ++bars) {
+        ends.add(std::string(kPulseNumberWidth, ' ') + bar_scale(width) + std::string(kGap, ' '),
+                 kDim);
+    }
+    lines.push_back(ends.take());
     std::size_t count = 0;
     for (const Json* item : {before, after}) {
         count = std::max(count, item == nullptr ? 0 : monitor::list(*item, "channels").size());
@@ -310,13 +199,12 @@ void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& styl
 Lines items(const MonitorView& view, const ScreenStyle& style) {
     Lines lines;
     std::size_t index = 0;
+    const std::size_t selected = selected_item(view);
     const bool old = stale(view);
-    add_part(lines, "INPUTS", monitor::list(view.status, "inputs"), style, [&](const Json& item) {
-        return input_line(item, index++ == view.selected, old, style);
-    });
-    add_part(lines, "OUTPUTS", monitor::list(view.status, "outputs"), style, [&](const Json& item) {
-        return output_line(item, index++ == view.selected, old, style);
-    });
+    add_part(lines, "INPUTS", monitor::list(view.status, "inputs"), style,
+             [&](const Json& item) { return input_line(item, index++ == selected, old, style); });
+    add_part(lines, "OUTPUTS", monitor::list(view.status, "outputs"), style,
+             [&](const Json& item) { return output_line(item, index++ == selected, old, style); });
     return lines;
 }
 
@@ -331,34 +219,80 @@ Lines surroundings(const MonitorView& view, const ScreenStyle& style) {
     return lines;
 }
 
+/// The rows of the screen: what always stands, and what moves below it.
+struct Layout {
+    Lines head;
+    Lines body;
+    std::size_t room = 0;  ///< lines of the body that fit
+
+    std::size_t last_top() const { return body.size() - std::min(room, body.size()); }
+};
+
+Layout layout_of(const MonitorView& view, const ScreenStyle& style) {
+    // The last row has the keys.
+    const std::size_t rows = std::max<std::size_t>(style.rows, 3) - 1;
+    Layout layout{.head = {heading(view, style)}, .body = items(view, style)};
+    const Lines trust = trust_lines(view, style);
+    layout.head.insert(layout.head.end(), trust.begin(), trust.end());
+    layout.head.resize(std::min(layout.head.size(), rows));
+    layout.room = rows - layout.head.size();
+    add_channels(layout.body, view, style);
+    const Lines below = surroundings(view, style);
+    layout.body.insert(layout.body.end(), below.begin(), below.end());
+    return layout;
+}
+
+std::string keys_line(const Layout& layout, std::size_t top, const ScreenStyle& style) {
+    Line keys(style);
+    keys.add("up/down selects  PgUp/PgDn scrolls  p pauses  q quits", kDim);
+    if (layout.last_top() > 0) {
+        keys.add(fmt::format("  {}-{} of {}", std::min(top + 1, top + layout.room),
+                             top + layout.room, layout.body.size()),
+                 kDim);
+    }
+    return keys.take();
+}
+
 }  // namespace
 
 std::size_t selectable(const Json& status) {
-    return monitor::list(status, "inputs").size() + monitor::list(status, "outputs").size();
+    return list(status, "inputs").size() + list(status, "outputs").size();
+}
+
+std::size_t selected_item(const MonitorView& view) {
+    const bool outputs = !list(view.status, "outputs").empty();
+    return view.selected.value_or(outputs ? list(view.status, "inputs").size() : 0);
+}
+
+std::size_t top_after_pages(const MonitorView& view, const ScreenStyle& style, int pages) {
+    const Layout layout = layout_of(view, style);
+    const std::size_t page = std::max<std::size_t>(layout.room, 1);
+    const std::size_t top = std::min(view.top, layout.last_top());
+    return pages < 0 ? top - std::min(page, top) : std::min(top + page, layout.last_top());
+}
+
+std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& style) {
+    const Layout layout = layout_of(view, style);
+    const std::size_t item = selected_item(view);
+    const std::size_t titles = item < list(view.status, "inputs").size() ? 1 : 2;
+    const std::size_t line = item + titles;
+    return line < layout.room ? 0 : std::min(line, layout.last_top());
 }
 
 std::string draw_monitor(const MonitorView& view, const ScreenStyle& style) {
-    Lines lines{heading(view, style), trust_line(view, style)};
-    for (Lines part : {items(view, style),
-                       [&] {
-                           Lines channels;
-                           add_channels(channels, view, style);
-                           return channels;
-                       }(),
-                       surroundings(view, style)}) {
-        lines.insert(lines.end(), part.begin(), part.end());
-    }
-    // The last row has the keys, and none is written behind it: a line end there would scroll.
-    const std::size_t rows = std::max<std::size_t>(style.rows, 3);
-    lines.resize(std::min(lines.size(), rows - 1));
+    const Layout layout = layout_of(view, style);
+    const std::size_t top = std::min(view.top, layout.last_top());
     std::string screen = "\x1b[H";
-    for (const std::string& line : lines) {
+    for (const std::string& line : layout.head) {
         screen += line;
         screen += kEraseRest;
     }
-    Line keys(style);
-    keys.add("up/down selects  p pauses  q quits", kDim);
-    return screen + keys.take() + "\x1b[K\x1b[J";
+    for (std::size_t i = top; i < std::min(top + layout.room, layout.body.size()); ++i) {
+        screen += layout.body[i];
+        screen += kEraseRest;
+    }
+    // No line end behind the last row: it would scroll.
+    return screen + keys_line(layout, top, style) + "\x1b[K\x1b[J";
 }
 
 std::string monitor_line(const MonitorView& view) {

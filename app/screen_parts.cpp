@@ -60,6 +60,22 @@ std::string bar(std::optional<double> pulse_us, std::size_t width, bool unicode)
     return text;
 }
 
+std::string bar_scale(std::size_t width) {
+    const auto number = [](double us) { return fmt::format("{:.0f}", us); };
+    const std::string least = number(kBarLeastUs);
+    const std::string centre = number((kBarLeastUs + kBarMostUs) / 2);
+    const std::string most = number(kBarMostUs);
+    std::string text(width, ' ');
+    if (width > least.size() + most.size()) {
+        text.replace(0, least.size(), least);
+        text.replace(width - most.size(), most.size(), most);
+    }
+    if (width > 2 * (least.size() + most.size()) + centre.size()) {
+        text.replace(width / 2 - centre.size() / 2, centre.size(), centre);
+    }
+    return text;
+}
+
 std::string pulse_number(std::optional<double> pulse_us) {
     return pulse_us ? fmt::format("{:4} ", std::lround(*pulse_us)) : "   - ";
 }

@@ -51,6 +51,9 @@ class Line {
 /// A scale from 900 to 2100 us, filled from its centre to the value; `width` at least 3.
 std::string bar(std::optional<double> pulse_us, std::size_t width, bool unicode);
 
+/// Its ends and centre in us, to stand above or below it; blank where there is no room.
+std::string bar_scale(std::size_t width);
+
 /// "1500 ", or a dash.
 std::string pulse_number(std::optional<double> pulse_us);
 inline constexpr std::size_t kPulseNumberWidth = 5;

@@ -57,13 +57,6 @@ Json age(Instant at, Instant now) {
     return at == Instant{} ? Json() : Json(std::max<std::int64_t>(us(now - at), 0));
 }
 
-/// To what an age refers: when the data thread wrote it down, for what is fresh is not told any
-/// fresher; now, once it should have written again.
-Instant reference(Instant written, Instant now) {
-    constexpr Duration kWritesAgainWithin = std::chrono::milliseconds(300);
-    return now - written > kWritesAgainWithin ? now : written;
-}
-
 std::string_view input_state(const InputStatus& status) {
     return status.state.cause != LinkCause::good ? "failsafe"
            : status.latest.frame_lost            ? "frame_lost"
@@ -109,8 +102,7 @@ Json input_json(const InputConfig& config, const InputReport& input, Instant now
         status.state.cause == LinkCause::never_seen ? Json() : age(status.state.since, now);
     json["rate_hz"] = number_json(std::round(input.rate_hz * 10) / 10);
     json["interval_us"] = us(status.interval);
-    json["age_us"] =
-        counts.frames == 0 ? Json() : age(status.latest.received, reference(status.at, now));
+    json["age_us"] = counts.frames == 0 ? Json() : age(status.newest_at, now);
     json["channels"] = channels(status.latest);
     json["frame_lost"] = status.latest.frame_lost;
     json["failsafe"] = status.latest.failsafe;

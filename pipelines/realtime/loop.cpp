@@ -43,6 +43,7 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
     : engine_(engine),
       settings_(settings),
       routes_(engine.outputs().size()),
+      newest_at_ns_(engine.inputs().size()),
       input_status_(engine.inputs().size()),
       output_status_(engine.outputs().size()),
       bus_states_(settings.values == nullptr ? 0 : settings.values->bus_count()),

@@ -82,6 +82,8 @@ struct InputStatus {
     /// As of when the data thread wrote this down.
     Instant at{};
     ChannelFrame latest;
+    /// When the newest frame of all came, which may be behind `at`.
+    Instant newest_at{};
     InputCounts counts;
     std::uint64_t rejected = 0;
     /// By cause, in the order in which its decoder names them.
@@ -168,7 +170,7 @@ class Loop {
     void give(std::size_t port, std::unique_ptr<Link> link);
 
     /// Thread-safe.
-    InputStatus input_status(std::size_t input) const { return input_status_[input].read(); }
+    InputStatus input_status(std::size_t input) const;
     OutputStatus output_status(std::size_t output) const { return output_status_[output].read(); }
     const InputTiming& input_timing(std::size_t input) const { return *input_timing_[input]; }
     const OutputTiming& output_timing(std::size_t output) const { return *output_timing_[output]; }
@@ -242,6 +244,7 @@ class Loop {
     Instant advance(Instant now);
     void look_at_lines(Instant now);
     void publish(Instant now);
+    void publish_arrivals();
     void publish_input(std::size_t index, Instant now);
     void publish_output(std::size_t index, Instant now);
     void publish_values();
@@ -292,6 +295,7 @@ class Loop {
     CanReception can_reception_;
     Instant next_publish_{};
     std::atomic<std::int64_t> published_at_ns_{0};
+    std::deque<std::atomic<std::int64_t>> newest_at_ns_;
     /// The latest ones that the engine knows.
     LineLevels levels_ = kNoLineActive;
     std::deque<Snapshot<InputStatus>> input_status_;

@@ -61,7 +61,23 @@ void Loop::publish_values() {
     }
 }
 
+/// As they come: an age by figures of a tenth of a second ago would tell how old those are.
+void Loop::publish_arrivals() {
+    for (std::size_t i = 0; i < newest_at_ns_.size(); ++i) {
+        newest_at_ns_[i].store(engine_.inputs()[i].latest().received.time_since_epoch().count(),
+                               std::memory_order_relaxed);
+    }
+}
+
+InputStatus Loop::input_status(std::size_t input) const {
+    InputStatus status = input_status_[input].read();
+    const Instant newest{Duration(newest_at_ns_[input].load(std::memory_order_relaxed))};
+    status.newest_at = std::max(newest, status.latest.received);
+    return status;
+}
+
 void Loop::publish(Instant now) {
+    publish_arrivals();
     if (now < next_publish_) {
         return;
     }

@@ -42,7 +42,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                             .unicode = input.byte() % 2 == 0,
                             .colour = false};
     MonitorView view;
-    view.selected = input.byte();
+    const std::size_t selected = input.byte();
+    view.top = size % 64;
     view.paused = input.byte() % 2 == 0;
     const std::string_view text = input.rest_as_text();
     keys_in(text);
@@ -52,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     view.status = std::move(status);
     const std::size_t items = selectable(view.status);
-    view.selected = items == 0 ? 0 : view.selected % items;
+    view.selected = items == 0 ? 0 : selected % items;
     const std::string screen = draw_monitor(view, style);
     require(static_cast<std::size_t>(std::count(screen.begin(), screen.end(), '\n')) <= style.rows,
             "a screen has no more lines than the terminal");

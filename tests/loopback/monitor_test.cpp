@@ -1,8 +1,11 @@
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -53,6 +56,43 @@ TEST_F(Monitored, TellsWhatComesInAndWhatGoesOut) {
                status["outputs"][0]["lateness"]["count"] > 0;
     })) << watching.output()
         << watching.errors();
+    expect_clean_end(program);
+}
+
+/// Figures are written down ten times a second, mostly in the moment in which a frame comes; the
+/// objects are told at any time between two frames.
+TEST_F(Monitored, TellsHowOldTheNewestFrameIs) {
+    Program& program = run(config_);
+    Program& watching = monitor({"--format", "json", "--period", "50ms"});
+    std::map<std::int64_t, std::int64_t> ages_us;
+    EXPECT_TRUE(eventually([&] {
+        repeater_.send_if_due();
+        servos_.listen();
+        const auto status = latest(watching);
+        if (status.is_object() && status["inputs"][0]["age_us"].is_number()) {
+            ages_us[status["t_us"].get<std::int64_t>()] =
+                status["inputs"][0]["age_us"].get<std::int64_t>();
+        }
+        return ages_us.size() == 40;
+    }));
+    const auto none = std::ranges::count_if(ages_us, [](auto age) { return age.second == 0; });
+    EXPECT_LE(none, 4) << "of 40 newest frames had no age";
+    expect_clean_end(program);
+}
+
+TEST_F(Monitored, TellsSinceWhenTheProgramRunsAlsoBehindAReload) {
+    Program& program = run(config_);
+    Program& watching = monitor({"--format", "json", "--period", "50ms"});
+    const auto uptime = [&] {
+        const auto status = latest(watching);
+        return status.is_object() ? status["uptime_us"].get<double>() : 0.0;
+    };
+    EXPECT_TRUE(eventually([&] { return uptime() > 1'000'000; }));
+    program.signal(SIGHUP);
+    EXPECT_TRUE(program.says("reloaded"));
+    const std::size_t lines = count_of("\n", watching.output());
+    EXPECT_TRUE(eventually([&] { return count_of("\n", watching.output()) > lines + 1; }));
+    EXPECT_GT(uptime(), 1'000'000);
     expect_clean_end(program);
 }
 

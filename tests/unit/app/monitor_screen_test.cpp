@@ -1,5 +1,6 @@
 #include "app/monitor_screen.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -110,6 +111,77 @@ TEST_F(MonitorScreen, ShowsChannelsOfAnOutputBesideThoseOfItsInput) {
     EXPECT_TRUE(found) << plain();
 }
 
+TEST_F(MonitorScreen, ShowsAnOutputBesideItsInputFirst) {
+    EXPECT_TRUE(shows("> servos")) << plain();
+    EXPECT_TRUE(shows("CHANNELS main")) << plain();
+}
+
+TEST_F(MonitorScreen, HasAScaleAboveTheBarsWithItsEnds) {
+    style_.columns = 80;
+    const std::string scale = "900           1500          2100";
+    EXPECT_TRUE(shows("         " + scale + "       " + scale)) << plain();
+    view_.selected = 0;
+    EXPECT_TRUE(shows("         900 ")) << plain();
+}
+
+/// 4 inputs, 4 outputs and 18 channels, 6 ports: three screens.
+TEST_F(MonitorScreen, ReachesEveryChannelAndPortOn80x24) {
+    style_.columns = 80;
+    style_.rows = 24;
+    json input = view_.status["inputs"][0];
+    for (int channel = 4; channel <= 18; ++channel) {
+        input["channels"].push_back(1500 + channel);
+    }
+    view_.status["inputs"] = json::array({input, input, input, input});
+    const json output = view_.status["outputs"][0];
+    view_.status["outputs"] = json::array({output, output, output, output});
+    const json port = view_.status["ports"][0];
+    view_.status["ports"] = json::array({port, port, port, port, port});
+    json last = port;
+    last["name"] = "/dev/last";
+    view_.status["ports"].push_back(last);
+    std::string all = plain();
+    EXPECT_FALSE(shows("1518")) << "no need to scroll";
+    EXPECT_FALSE(shows("/dev/last")) << "no need to scroll";
+    EXPECT_TRUE(shows("  1-21 of ")) << plain();
+    for (int page = 0; page < 3; ++page) {
+        view_.top = top_after_pages(view_, style_, 1);
+        all += plain();
+    }
+    for (int channel = 4; channel <= 18; ++channel) {
+        EXPECT_NE(all.find(std::to_string(1500 + channel)), std::string::npos) << channel;
+    }
+    EXPECT_NE(all.find("/dev/last"), std::string::npos) << all;
+    EXPECT_EQ(top_after_pages(view_, style_, 1), view_.top) << "behind the end";
+    for (int page = 0; page < 3; ++page) {
+        view_.top = top_after_pages(view_, style_, -1);
+    }
+    EXPECT_EQ(view_.top, 0U);
+}
+
+TEST_F(MonitorScreen, ScrollsToWhatIsSelected) {
+    style_.rows = 5;
+    view_.selected = 2;
+    view_.top = top_that_shows_selected(view_, style_);
+    EXPECT_TRUE(shows("> servos")) << plain();
+    view_.selected = 0;
+    view_.top = top_that_shows_selected(view_, style_);
+    EXPECT_TRUE(shows("> main")) << plain();
+}
+
+TEST_F(MonitorScreen, SaysAllOfALongSentenceAboutADaemonThatIsGone) {
+    style_.columns = 40;
+    view_.connected = false;
+    view_.notice = "no daemon answers at /run/tribus/a-name-that-is-long.sock: Connection refused";
+    view_.age = std::chrono::seconds(3);
+    std::string text = plain();
+    std::ranges::replace(text, '\n', ' ');
+    EXPECT_NE(text.find("no daemon answers at /run/tribus/a-name-that-is-long.sock: Connection"),
+              std::string::npos)
+        << plain();
+    EXPECT_NE(text.find("this is what was 3.04 s ago"), std::string::npos) << plain();
+}
+
 TEST_F(MonitorScreen, SaysLiveOnlyWhileFiguresAreFresh) {
     EXPECT_TRUE(shows("live, 40 ms old"));
     view_.age = std::chrono::milliseconds(1200);
@@ -184,6 +256,7 @@ TEST_F(MonitorScreen, InOneLineSaysTheSame) {
 TEST(MonitorKeys, AreThoseOfTheCursorAndOfTheHand) {
     using enum MonitorKey;
     EXPECT_EQ(keys_in("\x1b[B\x1b[A\t"), (std::vector{next, previous, next}));
+    EXPECT_EQ(keys_in("\x1b[6~\x1b[5~du"), (std::vector{page_down, page_up, page_down, page_up}));
     EXPECT_EQ(keys_in("\x1bOBp jkq"), (std::vector{next, pause, pause, next, previous, quit}));
 }
 

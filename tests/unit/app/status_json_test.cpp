@@ -114,13 +114,14 @@ TEST_F(StatusJson, ChannelsAreMicrosecondsAndNullWhereAbsent) {
     EXPECT_EQ(told()["inputs"][0]["channels"].dump(), "[1500,null,988.125]");
 }
 
-TEST_F(StatusJson, AgeOfAFrameIsThatWhenItWasLookedAtUntilNobodyLooksAnyMore) {
+TEST_F(StatusJson, AgeOfAFrameCountsFromTheNewestOne) {
     input().counts.frames = 1;
     input().at = kNow - std::chrono::milliseconds(90);
-    input().latest.received = input().at - std::chrono::milliseconds(7);
+    input().latest.received = input().at;
+    input().newest_at = kNow - std::chrono::milliseconds(7);
     EXPECT_EQ(told()["inputs"][0]["age_us"], 7000);
     report_.now = kNow + std::chrono::seconds(5);
-    EXPECT_EQ(told()["inputs"][0]["age_us"], 5'097'000);
+    EXPECT_EQ(told()["inputs"][0]["age_us"], 5'007'000);
 }
 
 TEST_F(StatusJson, CountsRejectsAndLossesByCause) {
