@@ -67,6 +67,9 @@ struct DbcSignal {
     std::optional<std::size_t> selector;
     /// The raw values of that selector with which this signal is present.
     std::vector<DbcSelectorRange> selected_by;
+    /// The file says that a selector decides, but not which one or by which values. Such a signal
+    /// has no selector, and is never present.
+    bool page_unknown = false;
     std::vector<DbcValueText> value_texts;
     /// Of the file, from 1.
     unsigned line = 0;
@@ -104,7 +107,7 @@ struct DbcMessage {
 };
 
 struct DbcFile {
-    /// At least one; no two with the same name, or with the same id and kind of id.
+    /// No two with the same name, or with the same id and kind of id.
     std::vector<DbcMessage> messages;
 
     /// The message of that name, or nullptr.
@@ -120,8 +123,9 @@ struct DbcMistake {
 
 /// Reads a whole DBC text. Tolerant of what does no harm: line ends, tabs, a byte order mark,
 /// texts in cp1252 (they come out as UTF-8), sections in any order, unknown sections, references
-/// to signals that do not exist. Long names replace short ones. A mistake for whatever would make
-/// values lie, which includes a text that was cut off within a section that is used.
+/// to signals that do not exist, a last statement without ';', no message at all. Long names
+/// replace short ones. A mistake for whatever would make values lie, which includes a text that was
+/// cut off within a value.
 tl::expected<DbcFile, DbcMistake> parse_dbc(std::string_view text);
 
 }  // namespace tribus

@@ -120,9 +120,7 @@ void read_messages(const DbcFile& file, const SettingTree::Table& messages, Sett
         const DbcMessage* message = file.find(entry.key);
         const auto* roles = entry.value.as<SettingTree::Table>();
         if (message == nullptr) {
-            mistakes.push_back({{"signals", entry.key},
-                                "the DBC file has no message " + in_quotes(entry.key) +
-                                    "; allowed: " + dbc_names(file.messages)});
+            mistakes.push_back({{"signals", entry.key}, no_dbc_message(file, entry.key)});
         } else if (message->multi_packet) {
             mistakes.push_back({{"signals", entry.key},
                                 "the message is longer than a frame; allowed: messages of one "

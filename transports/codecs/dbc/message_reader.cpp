@@ -69,7 +69,7 @@ bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal&
     return true;
 }
 
-/// M, m<number> or m<number>M before the colon, or nothing.
+/// M, m<number>, m<number>M or m before the colon, or nothing.
 bool read_multiplexing(DbcTokens& tokens, DbcSignal& signal) {
     if (tokens.token().kind != DbcTokenKind::word) {
         return tokens.take_mark(':', "behind the name of the signal");
@@ -78,7 +78,10 @@ bool read_multiplexing(DbcTokens& tokens, DbcSignal& signal) {
     signal.is_selector = text.ends_with('M');
     text.remove_suffix(signal.is_selector ? 1 : 0);
     bool understood = signal.is_selector && text.empty();
-    if (text.starts_with('m')) {
+    if (text == "m" && !signal.is_selector) {
+        understood = true;
+        signal.page_unknown = true;
+    } else if (text.starts_with('m')) {
         std::uint64_t page = 0;
         const char* const end = text.data() + text.size();
         const auto [stop, error] = std::from_chars(text.data() + 1, end, page);

@@ -1,5 +1,6 @@
 #include "transports/codecs/dbc/resolve.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <iterator>
 #include <string>
@@ -36,8 +37,7 @@ class Resolver {
     Result index_signals(std::size_t at);
     Result apply_kinds();
     Result apply_selectors();
-    Result default_selectors();
-    Result default_selector_of(const DbcMessageStatement& statement, DbcMessage& message);
+    void default_selectors();
     Result check_selectors() const;
     void apply_value_texts();
     Result apply_attributes();
@@ -53,14 +53,13 @@ class Resolver {
 };
 
 tl::expected<DbcFile, DbcMistake> Resolver::resolve() {
-    if (statements_.messages.empty()) {
-        return mistake({}, "there is no message in it: a DBC file describes messages in BO_ lines");
-    }
     const Result result = index()
                               .and_then([this] { return apply_kinds(); })
                               .and_then([this] { return apply_selectors(); })
-                              .and_then([this] { return default_selectors(); })
-                              .and_then([this] { return check_selectors(); })
+                              .and_then([this]() -> Result {
+                                  default_selectors();
+                                  return check_selectors();
+                              })
                               .and_then([this] { return apply_attributes(); });
     if (!result) {
         return tl::unexpected(result.error());
@@ -170,6 +169,7 @@ Result Resolver::apply_selectors() {
             signal->selected_by.clear();
         }
         signal->selector = selector->second;
+        signal->page_unknown = false;
         signal->selected_by.insert(signal->selected_by.end(), statement.ranges.begin(),
                                    statement.ranges.end());
         message_of(statement.of)->signals[selector->second].is_selector = true;
@@ -177,43 +177,25 @@ Result Resolver::apply_selectors() {
     return {};
 }
 
-Result Resolver::default_selectors() {
+/// Without SG_MUL_VAL_, mN depends on the one selector that there is; with several, or none, nobody
+/// knows on which.
+void Resolver::default_selectors() {
     for (DbcMessageStatement& statement : statements_.messages) {
-        if (Result result = default_selector_of(statement, statement.message); !result) {
-            return result;
+        std::vector<DbcSignal>& signals = statement.message.signals;
+        const auto first = std::ranges::find_if(signals, &DbcSignal::is_selector);
+        const bool one = std::ranges::count_if(signals, &DbcSignal::is_selector) == 1;
+        for (DbcSignal& signal : signals) {
+            if (signal.selected_by.empty() || signal.selector) {
+                continue;
+            }
+            if (one && &signal != &*first) {
+                signal.selector = static_cast<std::size_t>(first - signals.begin());
+            } else {
+                signal.selected_by.clear();
+                signal.page_unknown = true;
+            }
         }
     }
-    return {};
-}
-
-/// Without SG_MUL_VAL_, mN depends on the one selector that there is.
-Result Resolver::default_selector_of(const DbcMessageStatement& statement, DbcMessage& message) {
-    std::vector<std::size_t> selectors;
-    for (std::size_t at = 0; at < message.signals.size(); ++at) {
-        if (message.signals[at].is_selector) {
-            selectors.push_back(at);
-        }
-    }
-    for (std::size_t at = 0; at < message.signals.size(); ++at) {
-        DbcSignal& signal = message.signals[at];
-        if (signal.selected_by.empty() || signal.selector) {
-            continue;
-        }
-        const bool own = selectors.size() == 1 && selectors.front() == at;
-        if (selectors.empty() || own) {
-            return mistake(statement.signal_places[at],
-                           "signal " + signal.name + " is multiplexed, but message " +
-                               message.name + " has no selector (a signal marked M)");
-        }
-        if (selectors.size() > 1) {
-            return mistake(statement.signal_places[at],
-                           "signal " + signal.name + " is multiplexed, but message " +
-                               message.name + " has several selectors; say by SG_MUL_VAL_ on " +
-                               "which of them it depends");
-        }
-        signal.selector = selectors.front();
-    }
-    return {};
 }
 
 Result Resolver::check_selectors() const {

@@ -172,7 +172,7 @@ bool present(const DbcMessage& message, const DbcSignal& signal,
         }
         selected = &selector;
     }
-    return true;
+    return !selected->page_unknown;
 }
 
 }  // namespace tribus

@@ -32,6 +32,14 @@ DbcConditions conditions_of(const DbcMessage& message, const DbcSignal& signal) 
     return conditions;
 }
 
+/// The file says what the presence of this signal, and of those that it depends on, depends on.
+bool pages_known(const DbcSignal& signal, const DbcConditions& conditions) {
+    return !signal.page_unknown &&
+           std::ranges::none_of(conditions, [](const DbcCondition& condition) {
+               return condition.selector->page_unknown;
+           });
+}
+
 std::string shown(double number) {
     std::string text = std::to_string(number);
     text.erase(text.find_last_not_of('0') + 1);
@@ -51,6 +59,13 @@ class SignalMapper {
           mistakes_(mistakes) {}
 
     std::optional<DbcMappedSignal> map(const DbcRole& role) {
+        if (!pages_known(signal_, conditions_)) {
+            complain(
+                "the DBC file says that it is multiplexed, but not by which signal or with "
+                "which values of it; allowed: a signal marked m0, m1, ... in a message with "
+                "one signal marked M, or one with a range in SG_MUL_VAL_");
+            return std::nullopt;
+        }
         const std::size_t before = mistakes_.size();
         auto use = std::visit(
             [&](const auto& known) -> std::optional<DbcUse> { return use_of(known); }, role);
@@ -250,7 +265,7 @@ class SignalMapper {
             return std::nullopt;
         }
         const auto needed = conditions_of(message_, *other);
-        const bool with_it = needed.size() <= conditions_.size() &&
+        const bool with_it = pages_known(*other, needed) && needed.size() <= conditions_.size() &&
                              std::equal(needed.begin(), needed.end(), conditions_.begin());
         if (other->bit_length > kMostStatusBits || !with_it || other == &signal_) {
             complain_at(key, in_quotes(name) + " cannot tell the direction of " +
@@ -271,6 +286,12 @@ class SignalMapper {
 };
 
 }  // namespace
+
+std::string no_dbc_message(const DbcFile& file, std::string_view name) {
+    return "the DBC file has no message " + in_quotes(name) +
+           (file.messages.empty() ? "; it has none at all, which stand in lines that begin with BO_"
+                                  : "; allowed: " + dbc_names(file.messages));
+}
 
 std::optional<DbcMappedSignal> map_dbc_signal(const DbcMessage& message, const SettingEntry& entry,
                                               const std::vector<std::string>& path,

@@ -26,6 +26,9 @@ std::string dbc_names(const Rows& rows) {
     return rows.size() > kMostNames ? text + ", ..." : text;
 }
 
+/// What a person reads who names a message that the file does not have.
+std::string no_dbc_message(const DbcFile& file, std::string_view name);
+
 /// A selector and those of its values with which a signal is present.
 struct DbcCondition {
     const DbcSignal* selector = nullptr;

@@ -44,7 +44,10 @@ class DbcReader {
     bool skip_statement();
     bool skip_new_symbols();
     bool skip_nodes();
-    bool end_statement() { return tokens_.take_mark(';', "at the end of the statement"); }
+    /// Files of others leave it out behind their last statement.
+    bool end_statement() {
+        return tokens_.at_end() || tokens_.take_mark(';', "at the end of the statement");
+    }
 
     bool message() { return read_dbc_message(tokens_, statements_.messages); }
     bool reference(DbcReference& reference);
@@ -192,7 +195,7 @@ bool DbcReader::value_texts() {
     if (tokens_.token().kind == DbcTokenKind::word) {
         return skip_statement();
     }
-    while (!tokens_.skip_mark(';')) {
+    while (!tokens_.at_end() && !tokens_.skip_mark(';')) {
         DbcValueText text;
         if (!tokens_.take_raw(text.raw, "a raw value or ';'") ||
             !tokens_.take_string(text.text, "the meaning of the value in quotes")) {

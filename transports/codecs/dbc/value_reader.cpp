@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/quotes.h"
 #include "transports/codecs/dbc/message_map.h"
 #include "transports/codecs/dbc/signal_map.h"
 
@@ -66,8 +65,7 @@ tl::expected<DbcValueReader, std::string> make_dbc_value_reader(const DbcFile& f
                                                                 std::string_view message) {
     const DbcMessage* found = file.find(message);
     if (found == nullptr) {
-        return tl::unexpected("the DBC file has no message " + in_quotes(message) +
-                              "; allowed: " + dbc_names(file.messages));
+        return tl::unexpected(no_dbc_message(file, message));
     }
     if (found->multi_packet) {
         return tl::unexpected(

@@ -349,6 +349,58 @@ TEST(DbcFile, MultiplexesByNestedSelectorsAndRanges) {
     EXPECT_EQ(signals.at(2).selected_by, (std::vector<DbcSelectorRange>{{5, 5}, {16, 20}}));
 }
 
+// As files stand in public collections.
+TEST(DbcFile, ReadsALastStatementWithoutItsSemicolon) {
+    EXPECT_EQ(message_with("BA_ \"GenMsgCycleTime\" BO_ 1 10").cycle_time, milliseconds(10));
+    EXPECT_EQ(message_with("VAL_ 1 S 1 \"on\"").signals.at(0).value_texts,
+              (std::vector<DbcValueText>{{1, "on"}}));
+    EXPECT_EQ(message_with("SIG_VALTYPE_ 1 S : 0").signals.at(0).kind, DbcValueKind::integer);
+    EXPECT_TRUE(message_with("BA_DEF_DEF_ \"VFrameFormat\" \"StandardCAN_FD\"").fd);
+    EXPECT_EQ(message_with("CM_ SG_ 1 S \"text\"").signals.size(), 1U);
+    const DbcFile file = parsed(
+        "BO_ 1 M: 8 A\n SG_ Page M : 0|8@1+ (1,0) [0|0] \"\" B\n"
+        " SG_ S m0 : 8|8@1+ (1,0) [0|0] \"\" B\nSG_MUL_VAL_ 1 S Page 2-3");
+    EXPECT_EQ(file.messages.at(0).signals.at(1).selected_by,
+              (std::vector<DbcSelectorRange>{{2, 3}}));
+}
+
+TEST(DbcFile, ReadsATextWithoutAnyMessageAsAnEmptyFile) {
+    EXPECT_TRUE(parsed("").messages.empty());
+    EXPECT_TRUE(
+        parsed("VERSION \"\"\nNS_ :\nBS_:\nBU_: A B\nVAL_TABLE_ T 0 \"a\" ;\n").messages.empty());
+}
+
+TEST(DbcFile, ABareMarkForMultiplexedTakesItsPagesFromTheirStatement) {
+    const DbcFile file = parsed(
+        "BO_ 1 M: 8 A\n SG_ Page M : 0|8@1+ (1,0) [0|0] \"\" B\n"
+        " SG_ S m : 8|8@1+ (1,0) [0|0] \"\" B\nSG_MUL_VAL_ 1 S Page 2-3;\n");
+    const DbcSignal& signal = file.messages.at(0).signals.at(1);
+    EXPECT_FALSE(signal.page_unknown);
+    EXPECT_EQ(signal.selector, 0U);
+    EXPECT_EQ(signal.selected_by, (std::vector<DbcSelectorRange>{{2, 3}}));
+}
+
+/// Whether the last signal of a message has a page that nobody knows.
+bool page_unknown(std::string_view signals) {
+    const DbcFile file = parsed("BO_ 1 M: 8 A\n" + std::string(signals));
+    return !file.messages.empty() && file.messages[0].signals.back().page_unknown;
+}
+
+TEST(DbcFile, ReadsMultiplexedSignalsWhosePageItDoesNotSay) {
+    const std::string page = " SG_ P M : 0|8@1+ (1,0) [0|0] \"\" B\n";
+    const std::string other = " SG_ Q M : 8|8@1+ (1,0) [0|0] \"\" B\n";
+    const std::string bare = " SG_ S m : 16|8@1+ (1,0) [0|0] \"\" B\n";
+    const std::string first = " SG_ S m1 : 16|8@1+ (1,0) [0|0] \"\" B\n";
+    const std::string own = " SG_ S m1M : 16|8@1+ (1,0) [0|0] \"\" B\n";
+    EXPECT_TRUE(page_unknown(bare));
+    EXPECT_TRUE(page_unknown(page + bare));
+    EXPECT_TRUE(page_unknown(first));
+    EXPECT_TRUE(page_unknown(own));
+    EXPECT_TRUE(page_unknown(page + other + first));
+    EXPECT_FALSE(page_unknown(page + first));
+    EXPECT_FALSE(page_unknown(page));
+}
+
 TEST(DbcFile, AcceptsOverlappingSignals) {
     EXPECT_EQ(parsed("BO_ 1 M: 8 A\n SG_ A : 0|8@1+ (1,0) [0|0] \"\" B\n"
                      " SG_ B : 4|8@1+ (1,0) [0|0] \"\" B\n")

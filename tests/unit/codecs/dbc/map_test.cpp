@@ -311,5 +311,52 @@ TEST(DbcMap, AnOutputSendsAtMost16Frames) {
               Lines{"signals: they lie in 17 frames; allowed: at most 16"});
 }
 
+constexpr std::string_view kUnknownPage =
+    "the DBC file says that it is multiplexed, but not by which signal or with which values of it; "
+    "allowed: a signal marked m0, m1, ... in a message with one signal marked M, or one with a "
+    "range in SG_MUL_VAL_";
+
+constexpr std::string_view kHalfMultiplexed = R"(
+BO_ 1 M: 8 A
+ SG_ Page M : 0|8@1+ (1,0) [0|0] "" B
+ SG_ Bare m : 8|8@1+ (1,0) [0|100] "" B
+ SG_ Known m1 : 8|8@1+ (1,0) [0|100] "" B
+ SG_ Sign m : 16|1@1+ (1,0) [0|0] "" B
+ SG_ Always : 24|8@1+ (1,0) [0|100] "" B
+BO_ 2 N: 8 A
+ SG_ Alone m1M : 0|8@1+ (1,0) [0|100] "" B
+ SG_ Below : 8|8@1+ (1,0) [0|100] "" B
+SG_MUL_VAL_ 2 Below Alone 3-3;
+)";
+
+TEST(DbcMap, RefusesASignalWhosePageTheFileDoesNotSay) {
+    for (const SettingScope scope : {SettingScope::input, SettingScope::output}) {
+        EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Bare": 1}})", scope),
+                  Lines{"signals.M.Bare: " + std::string(kUnknownPage)});
+        EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"N": {"Below": 1}})", scope),
+                  Lines{"signals.N.Below: " + std::string(kUnknownPage)});
+    }
+}
+
+TEST(DbcMap, TakesTheOtherSignalsOfTheSameMessage) {
+    EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Known": 1}})"), Lines{});
+    EXPECT_EQ(mistakes_in(kHalfMultiplexed, R"({"M": {"Always": 1}})"), Lines{});
+}
+
+TEST(DbcMap, RefusesADirectionWhosePageTheFileDoesNotSay) {
+    EXPECT_EQ(
+        mistakes_in(kHalfMultiplexed, R"({"M": {"Always": {"channel": 1, "negative": "Sign"}}})"),
+        Lines{
+            "signals.M.Always.negative: \"Sign\" cannot tell the direction of \"Always\"; allowed: "
+            "another signal of 1 or 2 bits that each frame with it has"});
+}
+
+TEST(DbcMap, SaysThatAFileHasNoMessageAtAll) {
+    EXPECT_EQ(
+        mistakes_in("VERSION \"\"\n", R"({"M": {"S": 1}})"),
+        Lines{"signals.M: the DBC file has no message \"M\"; it has none at all, which stand in "
+              "lines that begin with BO_"});
+}
+
 }  // namespace
 }  // namespace tribus

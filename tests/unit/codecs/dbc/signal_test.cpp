@@ -224,5 +224,25 @@ TEST(DbcPresent, NotIfTheFrameIsTooShortForItsSelector) {
     EXPECT_FALSE(present(message, message.signals[2], std::array<std::uint8_t, 2>{5, 5}));
 }
 
+TEST(DbcPresence, ASignalOfAnUnknownPageIsNeverThereNorIsWhatItSelects) {
+    DbcMessage message;
+    message.length = 2;
+    DbcSignal selector;
+    selector.bit_length = 8;
+    selector.is_selector = true;
+    selector.page_unknown = true;
+    DbcSignal selected;
+    selected.start_bit = 8;
+    selected.bit_length = 8;
+    selected.selector = 0;
+    selected.selected_by = {{3, 3}};
+    message.signals = {selector, selected};
+    const std::array<std::uint8_t, 2> data{3, 0};
+    EXPECT_FALSE(present(message, message.signals[0], data));
+    EXPECT_FALSE(present(message, message.signals[1], data));
+    message.signals[0].page_unknown = false;
+    EXPECT_TRUE(present(message, message.signals[1], data));
+}
+
 }  // namespace
 }  // namespace tribus
