@@ -54,6 +54,12 @@ class VirtualLoop {
         engine_->receive(input, frame, at);
         poll(at);
     }
+    /// The device of an input is gone.
+    void device_lost(std::size_t input, Instant at) {
+        run_until(at);
+        engine_->device_lost(input);
+        poll(at);
+    }
     /// Bytes arrive on a sensor bus.
     template <class DamagedMarks>
     void receive_on_bus(std::size_t bus, std::span<const std::uint8_t> bytes,

@@ -37,6 +37,9 @@ class RandomWorld {
     Duration longest_interval() const { return longest_interval_; }
     /// Its failsafe is silence; else it speaks from its first frame on.
     bool falls_silent(std::size_t output) const { return falls_silent_[output]; }
+    /// So many frames of values that nobody sent may pass for good ones: of wires without a
+    /// checksum.
+    std::size_t most_invented() const { return most_invented_; }
     /// What it writes may be made of the values of several frames.
     bool blends() const { return blends_; }
 
@@ -70,6 +73,7 @@ class RandomWorld {
     Duration hold_{};
     Duration longest_unnoticed_{};
     Duration longest_interval_{};
+    std::size_t most_invented_ = 0;
     bool blends_ = false;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "config/load.h"
 #include "config/mistakes.h"
 #include "tests/support/heap_trap.h"
+#include "tests/support/ibus_checksum.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::test {
@@ -22,6 +24,20 @@ constexpr std::uint32_t kDigit = 1000;
 constexpr std::size_t kMostFrames = 200'000;
 constexpr std::size_t kMostSnapshots = 10'000;
 constexpr Instant kDropped = kNever;
+
+/// Only the channels that are there, as the frame of a sender with so many. Returns its length.
+std::size_t shorten_ibus(std::span<std::uint8_t> bytes, const ChannelFrame& frame) {
+    std::size_t count = 0;
+    while (frame.has(count)) {
+        ++count;
+    }
+    const std::size_t body = 2 + 2 * count;
+    bytes[0] = static_cast<std::uint8_t>(body + 2);
+    const std::uint16_t checksum = ibus_checksum(bytes.first(body));
+    bytes[body] = static_cast<std::uint8_t>(checksum);
+    bytes[body + 1] = static_cast<std::uint8_t>(checksum >> 8U);
+    return body + 2;
+}
 
 }  // namespace
 
@@ -121,30 +137,68 @@ std::optional<Simulation::NextFrame> Simulation::next_frame(Wire& wire, Instant 
     const auto spell = std::ranges::find_if(wire.sender.spells, [at](const Spell& candidate) {
         return candidate.from <= at && at < candidate.until;
     });
-    if (spell == wire.sender.spells.end()) {
+    const auto fresh = [&] {
         wire.latest_number = wire.sender.first_number + wire.next_number;
-        return NextFrame{numbered_frame(wire.latest_number)};
+        return numbered_frame(wire.latest_number);
+    };
+    if (spell == wire.sender.spells.end()) {
+        return NextFrame{fresh()};
     }
-    if (spell->kind == SpellKind::silence) {
-        return std::nullopt;
+    switch (spell->kind) {
+        case SpellKind::silence:
+            return std::nullopt;
+        case SpellKind::unplugged:
+            return NextFrame{fresh(), spell->kind};
+        case SpellKind::fewer_channels: {
+            if (wire.sender.protocol == "sbus") {
+                return std::nullopt;
+            }
+            NextFrame next{fresh(), spell->kind};
+            for (std::size_t channel = spell->channels; channel < kChannelCount; ++channel) {
+                next.frame.remove(channel);
+            }
+            return next;
+        }
+        default:
+            break;
     }
-    NextFrame next{numbered_frame(wire.latest_number), spell->kind == SpellKind::garbage};
+    NextFrame next{numbered_frame(wire.latest_number), spell->kind};
     next.frame.frame_lost = spell->kind == SpellKind::frame_lost;
     next.frame.failsafe = spell->kind == SpellKind::failsafe;
     return next;
 }
 
 /// Returns the time that it takes.
-Duration Simulation::put_on_line(Wire& wire, const std::optional<NextFrame>& next) {
+Duration Simulation::put_on_line(Wire& wire, const std::optional<NextFrame>& next, Instant at) {
     std::array<std::uint8_t, kLongestSerialFrame> bytes{};
-    const std::size_t length = next ? wire.encoder->encode(next->frame, bytes) : 0;
-    if (next && next->garbage) {
+    std::size_t length = next ? wire.encoder->encode(next->frame, bytes) : 0;
+    const Duration wire_time = wire.line.bytes_time(length);
+    if (next && next->spell == SpellKind::garbage) {
         std::ranges::fill(bytes, std::uint8_t{0xA5});
     }
+    if (next && next->spell == SpellKind::fewer_channels) {
+        length = shorten_ibus(bytes, next->frame);
+    }
+    const std::size_t torn_at = length == 0 ? 0 : 1 + wire.latest_number % (length - 1);
+    const bool unplugged = next && next->spell == SpellKind::unplugged;
+    std::size_t begin = 0;
+    if (unplugged) {
+        wire.pulled = !wire.unplugged;
+        length = wire.unplugged ? 0 : torn_at;
+    } else if (wire.unplugged && length > 0) {
+        begin = torn_at;
+    }
+    wire.unplugged = unplugged || (wire.unplugged && length == 0);
     wire.reception = Reception{};
-    wire.faults.apply(std::span(bytes).first(length), wire.reception);
-    wire.dropped = wire.faults.drop_frame() || length == 0;
-    return wire.line.bytes_time(length);
+    const auto sent = std::span(bytes).first(length).subspan(begin);
+    if (at < wire.sender.faults_end) {
+        wire.faults.apply(sent, wire.reception);
+        wire.dropped = wire.faults.drop_frame() || length == 0;
+    } else {
+        FaultInjector({}, 0).apply(sent, wire.reception);
+        wire.dropped = length == 0;
+    }
+    return wire_time;
 }
 
 Duration Simulation::put_on_bus(Wire& wire, const std::optional<NextFrame>& next, Instant at) {
@@ -156,12 +210,18 @@ Duration Simulation::put_on_bus(Wire& wire, const std::optional<NextFrame>& next
         frame.received = at;
         count = wire.can_encoder->encode(frame, at, parts);
     }
+    const bool unplugged = next && next->spell == SpellKind::unplugged;
+    if (unplugged) {
+        wire.pulled = !wire.unplugged;
+        count = wire.unplugged ? 0 : 1 + wire.latest_number % count;
+    }
+    wire.unplugged = unplugged;
     wire.can_count = 0;
     for (CanFrame& part : std::span(parts).first(count)) {
-        if (next->garbage) {
+        if (next->spell == SpellKind::garbage) {
             std::ranges::fill(part.data, std::uint8_t{0xA5});
         }
-        if (!wire.faults.drop_frame()) {
+        if (at >= wire.sender.faults_end || !wire.faults.drop_frame()) {
             wire.can_frames[wire.can_count++] = part;
         }
     }
@@ -178,8 +238,35 @@ void Simulation::plan(Wire& wire) {
     }
     const auto next = next_frame(wire, at);
     const Duration wire_time =
-        wire.can_encoder ? put_on_bus(wire, next, at) : put_on_line(wire, next);
-    wire.next_arrival = std::max(at + wire.faults.next_delay(), wire.latest_arrival) + wire_time;
+        wire.can_encoder ? put_on_bus(wire, next, at) : put_on_line(wire, next, at);
+    wire.frame_begins = std::max(at + wire.faults.next_delay(), wire.latest_arrival);
+    wire.frame_ends = wire.frame_begins + wire_time;
+    wire.handed_over = 0;
+    plan_piece(wire);
+}
+
+/// How many bytes the port hands over next.
+std::size_t Simulation::next_piece(const Wire& wire) {
+    constexpr std::size_t kLump = 8;
+    const std::size_t left = wire.reception.count - wire.handed_over;
+    switch (wire.sender.delivery) {
+        case Delivery::frames:
+            break;
+        case Delivery::bytes:
+            return std::min<std::size_t>(left, 1);
+        case Delivery::lumps:
+            return std::min(left, kLump);
+    }
+    return left;
+}
+
+void Simulation::plan_piece(Wire& wire) {
+    const bool whole = wire.can_encoder || wire.dropped || wire.sender.delivery == Delivery::frames;
+    const Instant now = wire.latest_arrival;
+    wire.next_arrival =
+        whole ? wire.frame_ends
+              : wire.frame_begins + wire.line.bytes_time(wire.handed_over + next_piece(wire));
+    wire.next_arrival = std::max(wire.next_arrival, now);
 }
 
 void Simulation::witness(Wire& wire, const CanFrame& frame) {
@@ -198,13 +285,32 @@ void Simulation::deliver(Wire& wire) {
             witness(wire, frame);
             loop_->receive(wire.sender.input, frame, wire.next_arrival);
         }
-        return;
+    } else if (!wire.dropped) {
+        deliver_piece(wire);
+        if (wire.handed_over < wire.reception.count) {
+            wire.latest_arrival = wire.next_arrival;
+            plan_piece(wire);
+            return;
+        }
     }
-    if (!wire.dropped) {
-        loop_->receive(wire.sender.input, wire.reception.view(), wire.reception.damaged,
-                       wire.next_arrival);
+    if (!wire.can_encoder) {
+        wire.arrivals.push_back(wire.dropped ? kDropped : wire.next_arrival);
     }
-    wire.arrivals.push_back(wire.dropped ? kDropped : wire.next_arrival);
+    if (std::exchange(wire.pulled, false)) {
+        loop_->device_lost(wire.sender.input, wire.next_arrival);
+    }
+    wire.latest_arrival = std::max(wire.next_arrival, wire.frame_ends);
+    ++wire.next_number;
+    plan(wire);
+}
+
+void Simulation::deliver_piece(Wire& wire) {
+    const std::size_t begin = wire.handed_over;
+    const std::size_t count = next_piece(wire);
+    std::bitset<kBytesPerWake> damaged = wire.reception.damaged >> begin;
+    loop_->receive(wire.sender.input, wire.reception.view().subspan(begin, count), damaged,
+                   wire.next_arrival);
+    wire.handed_over += count;
 }
 
 Simulation::Wire* Simulation::next_wire() {
@@ -219,9 +325,6 @@ void Simulation::run_until(Instant until) {
     for (Wire* wire = next_wire(); wire != nullptr && wire->next_arrival < until;
          wire = next_wire()) {
         deliver(*wire);
-        wire->latest_arrival = wire->next_arrival;
-        ++wire->next_number;
-        plan(*wire);
     }
     loop_->run_until(until);
     allocations_ += trap.allocations();

@@ -32,15 +32,24 @@ std::string main_job(const std::string& output_lines = "period = \"7ms\"");
 /// What a sender does for a while instead of sending fresh frames.
 enum class SpellKind : std::uint8_t {
     silence,
-    frozen,      ///< the frame before, again and again
-    frame_lost,  ///< the same, marked frame-lost; where the wire has no flag: frozen
-    failsafe,    ///< the same, marked failsafe
-    garbage,     ///< bytes that are no frame
+    frozen,          ///< the frame before, again and again
+    frame_lost,      ///< the same, marked frame-lost; where the wire has no flag: frozen
+    failsafe,        ///< the same, marked failsafe
+    garbage,         ///< bytes that are no frame
+    fewer_channels,  ///< fresh frames of the first few; where the wire has no such frames: silence
+    unplugged,       ///< nothing from within a frame on; the device is lost and comes back
+};
+/// How a serial port hands over what its line brings.
+enum class Delivery : std::uint8_t {
+    frames,  ///< all bytes of a frame behind its last one
+    bytes,   ///< each byte when it has come
+    lumps,   ///< eight bytes at a time, the rest behind a frame's last byte: the FIFO of a UART
 };
 struct Spell {
     Instant from;
     Instant until;
     SpellKind kind = SpellKind::silence;
+    std::size_t channels = 3;  ///< of `fewer_channels`
 };
 
 /// A transmitter and receiver that send numbered frames of i.Bus or SBUS over a faulty wire, or of
@@ -48,9 +57,11 @@ struct Spell {
 struct Sender {
     std::size_t input = 0;
     std::string protocol = "ibus";
+    Delivery delivery = Delivery::frames;
     Duration period = std::chrono::microseconds(7700);
     Instant first{};
     Instant last{};  ///< no frame from here on
+    Instant faults_end = kNever;
     FaultSettings faults{};
     std::vector<Spell> spells{};  ///< in order
     std::uint32_t first_number = 0;
@@ -113,9 +124,16 @@ class Simulation final : public OutputObserver {
         FaultInjector faults;
         std::uint32_t next_number = 0;
         std::uint32_t latest_number = 0;
+        /// When the next piece of the frame on the wire is handed over, and its last one.
         Instant next_arrival = kNever;
+        Instant frame_begins{};
+        Instant frame_ends{};
         Instant latest_arrival{};
         Reception reception{};
+        std::size_t handed_over = 0;
+        /// The device was pulled within the frame on the wire, and is not back yet.
+        bool pulled = false;
+        bool unplugged = false;
         std::array<CanFrame, kMostSnapshotFrames> can_frames{};
         std::size_t can_count = 0;
         bool dropped = false;
@@ -123,13 +141,16 @@ class Simulation final : public OutputObserver {
     };
     struct NextFrame {
         ChannelFrame frame;
-        bool garbage = false;
+        std::optional<SpellKind> spell{};
     };
     void plan(Wire& wire);
     static std::optional<NextFrame> next_frame(Wire& wire, Instant at);
-    static Duration put_on_line(Wire& wire, const std::optional<NextFrame>& next);
+    static Duration put_on_line(Wire& wire, const std::optional<NextFrame>& next, Instant at);
     static Duration put_on_bus(Wire& wire, const std::optional<NextFrame>& next, Instant at);
+    static std::size_t next_piece(const Wire& wire);
+    static void plan_piece(Wire& wire);
     void deliver(Wire& wire);
+    void deliver_piece(Wire& wire);
     static void witness(Wire& wire, const CanFrame& frame);
     Wire* next_wire();
     std::optional<ChannelFrame> heard(std::size_t output, Instant at, const Transmission& sent);

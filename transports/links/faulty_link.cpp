@@ -45,22 +45,48 @@ Duration FaultDice::delay(Duration most) {
 }
 
 void FaultInjector::apply(std::span<const std::uint8_t> in, Reception& out) {
-    for (const std::uint8_t byte : in) {
-        apply_byte(byte, false, out);
+    const Part part = cut(in.size());
+    for (std::size_t i = part.begin; i < part.end; ++i) {
+        apply_byte(in[i], false, out);
     }
 }
 
 void FaultInjector::apply(const Reception& in, Reception& out) {
-    for (std::size_t i = 0; i < in.count; ++i) {
+    const Part part = cut(in.count);
+    for (std::size_t i = part.begin; i < part.end; ++i) {
         apply_byte(in.bytes[i], in.damaged.test(i), out);
     }
 }
 
+/// A fault that is turned off takes no dice: those of the others stay as they are.
+FaultInjector::Part FaultInjector::cut(std::size_t count) {
+    still_to_lose_ = 0;
+    if (settings_.cut_frame == 0 || !dice_.happens(settings_.cut_frame) || count == 0) {
+        return {0, count};
+    }
+    const bool head = dice_.next() % 2 == 0;
+    const auto at = static_cast<std::size_t>(dice_.next() % count);
+    return head ? Part{at, count} : Part{0, at};
+}
+
+unsigned FaultInjector::in_a_row() {
+    return settings_.most_in_a_row <= 1
+               ? 1
+               : 1 + static_cast<unsigned>(dice_.next() % settings_.most_in_a_row);
+}
+
 void FaultInjector::apply_byte(std::uint8_t byte, bool damaged, Reception& out) {
     if (dice_.happens(settings_.add_byte)) {
-        append(static_cast<std::uint8_t>(dice_.next()), false, out);
+        for (unsigned left = in_a_row(); left > 0; --left) {
+            append(static_cast<std::uint8_t>(dice_.next()), false, out);
+        }
+    }
+    if (still_to_lose_ > 0) {
+        --still_to_lose_;
+        return;
     }
     if (dice_.happens(settings_.lose_byte)) {
+        still_to_lose_ = in_a_row() - 1;
         return;
     }
     std::uint8_t wire = byte;

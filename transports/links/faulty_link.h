@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -16,7 +17,10 @@ struct FaultSettings {
     double add_byte = 0;     ///< a byte of noise before a byte
     double damage_byte = 0;  ///< one bit reads wrong and the receiver sees a parity error
     double drop_frame = 0;   ///< a whole burst, one read or one write, is gone
+    double cut_frame = 0;    ///< a burst lacks some bytes at its beginning or at its end
     Duration most_delay{};   ///< bursts come late by nothing up to this
+    /// Where a byte is lost or added, one up to so many in a row are.
+    unsigned most_in_a_row = 1;
 };
 
 /// Chances from a seed: the same on every machine. Pure. Thread-bound.
@@ -51,10 +55,18 @@ class FaultInjector {
     bool drop_frame() { return dice_.happens(settings_.drop_frame); }
 
   private:
+    /// What a cut leaves of a burst of `count` bytes.
+    struct Part {
+        std::size_t begin = 0;
+        std::size_t end = 0;
+    };
+    Part cut(std::size_t count);
     void apply_byte(std::uint8_t byte, bool damaged, Reception& out);
+    unsigned in_a_row();
 
     FaultSettings settings_;
     FaultDice dice_;
+    unsigned still_to_lose_ = 0;
 };
 
 /// What goes wrong on a bad bus, or in the gateways and drivers on the way. Probabilities from 0 to

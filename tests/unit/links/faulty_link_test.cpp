@@ -97,6 +97,39 @@ TEST(FaultInjectorTest, LosesWhatDoesNotFit) {
     EXPECT_EQ(out.count, kBytesPerRead);
 }
 
+TEST(FaultInjectorTest, CutsTheHeadOrTheTailOffEveryBurstIfAsked) {
+    int heads = 0;
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        const Bytes left = bytes_of(injected({.cut_frame = 1}, seed).view());
+        const bool head_lost = std::ranges::equal(left, std::span(some_burst).last(left.size()));
+        ASSERT_TRUE(head_lost ||
+                    std::ranges::equal(left, std::span(some_burst).first(left.size())));
+        heads += head_lost && !left.empty() ? 1 : 0;
+    }
+    EXPECT_NEAR(heads, 500, 80);
+}
+
+TEST(FaultInjectorTest, LosesUpToSoManyBytesInARow) {
+    std::vector<int> seen(some_burst.size() + 1, 0);
+    for (std::uint64_t seed = 0; seed < 10000; ++seed) {
+        const Reception out = injected({.lose_byte = 0.002, .most_in_a_row = 3}, seed);
+        ++seen[some_burst.size() - out.count];
+    }
+    // Each of the 8 bytes begins a loss with 0.2 %: 160 losses, a third of each length, but for
+    // those that the end of the burst shortens.
+    EXPECT_NEAR(seen[1], 60, 30);
+    EXPECT_NEAR(seen[2], 53, 30);
+    EXPECT_NEAR(seen[3], 40, 30);
+}
+
+TEST(FaultInjectorTest, AddsUpToSoManyBytesInARow) {
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        const std::size_t count = injected({.add_byte = 1, .most_in_a_row = 4}, seed).count;
+        ASSERT_GE(count, 2 * some_burst.size());
+        ASSERT_LE(count, 5 * some_burst.size());
+    }
+}
+
 // 5 % of 10000 is 500 with a standard deviation of 22.
 TEST(FaultInjectorTest, FaultsAreAsFrequentAsAsked) {
     const Bytes one{0x20};
