@@ -126,7 +126,7 @@ class Storm : public Loopback {
     std::uint64_t marked() const {
         std::uint64_t sum = 0;
         for (const SoakLine& line : lines_) {
-            sum += line.counts().marked;
+            sum += line.testimony().marked;
         }
         return sum;
     }
@@ -134,16 +134,16 @@ class Storm : public Loopback {
     void expect_control() {
         std::vector<std::uint64_t> before;
         for (const SoakLine& line : lines_) {
-            before.push_back(line.counts().good);
+            before.push_back(line.testimony().unmarked);
         }
         const std::size_t heard = adapter_.heard().size();
         translate(1s);
         for (std::size_t i = 0; i < kLines; ++i) {
-            const LineCounts& counts = lines_[i].counts();
-            EXPECT_GT(counts.good, before[i]) << "line " << i << "\n" << daemon_->errors();
-            EXPECT_EQ(counts.foreign, 0U) << "line " << i;
-            EXPECT_EQ(counts.old, 0U) << "line " << i;
-            EXPECT_EQ(counts.strays, 0U) << "line " << i;
+            const Testimony& testimony = lines_[i].testimony();
+            EXPECT_GT(testimony.unmarked, before[i]) << "line " << i << "\n" << daemon_->errors();
+            EXPECT_EQ(testimony.never_sent, 0U) << "line " << i;
+            EXPECT_EQ(testimony.too_old, 0U) << "line " << i;
+            EXPECT_EQ(testimony.strays, 0U) << "line " << i;
         }
         EXPECT_GT(adapter_.heard().size(), heard) << daemon_->errors();
     }
@@ -210,11 +210,11 @@ TEST_F(Storm, OfStepsOfTheWallClockCostsNoLineItsControl) {
 }
 
 TEST_F(Storm, OfNoiseAtLineRateCostsOnlyTheLineThatHasIt) {
-    const LineCounts before = lines_[3].counts();
+    const std::uint64_t before = lines_[3].testimony().marked;
     lines_[2].babble(Clock::now() + 3s);
     translate(3s);
-    EXPECT_EQ(lines_[3].counts().marked, before.marked);
-    EXPECT_GT(lines_[2].counts().marked, 0U) << "noise passed for control";
+    EXPECT_EQ(lines_[3].testimony().marked, before);
+    EXPECT_GT(lines_[2].testimony().marked, 0U) << "noise passed for control";
     calm_down();
     expect_control();
     expect_clean_end(*daemon_);

@@ -307,7 +307,7 @@ void Simulation::deliver(Wire& wire) {
 void Simulation::deliver_piece(Wire& wire) {
     const std::size_t begin = wire.handed_over;
     const std::size_t count = next_piece(wire);
-    std::bitset<kBytesPerWake> damaged = wire.reception.damaged >> begin;
+    std::bitset<kBytesPerRead> damaged = wire.reception.damaged >> begin;
     loop_->receive(wire.sender.input, wire.reception.view().subspan(begin, count), damaged,
                    wire.next_arrival);
     wire.handed_over += count;
