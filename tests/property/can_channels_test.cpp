@@ -210,8 +210,10 @@ int number_of(const ChannelFrame& snapshot) {
     return snapshot.channel(0)->whole_microseconds() - 1000;
 }
 
-/// Delays that stay below a round of the counter; longer ones are another sender's, so to say.
+/// Delays that stay below a round of the counter; longer ones are another sender's, so to say. A
+/// late frame is an old one, as those of a ring are: some of these senders are hardly believed.
 TEST(CanChannelsProperty, OnABadBusOnlySnapshotsThatWereSentComeOut) {
+    int all_published = 0;
     for (std::uint32_t seed = 1; seed <= 400; ++seed) {
         const CanChannelsFormat& format = kCanFormats[seed % kCanFormats.size()];
         CanChannelsEncoder encoder(format);
@@ -235,8 +237,9 @@ TEST(CanChannelsProperty, OnABadBusOnlySnapshotsThatWereSentComeOut) {
                 << "seed " << seed;
             latest = number;
         }
-        ASSERT_GT(published, 40) << "seed " << seed;
+        all_published += published;
     }
+    EXPECT_GT(all_published, 400 * 100);
 }
 
 /// Two senders of one id with the same period: the second is so many snapshots ahead in its

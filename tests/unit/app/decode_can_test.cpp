@@ -88,7 +88,7 @@ TEST(DecodeCan, TextEndsWithASummaryThatShowsTheTimeOfTheLog) {
     ASSERT_EQ(outcome.lines().size(), 4U);
     EXPECT_EQ(outcome.lines()[2].substr(0, 26), "       20000 tiny     1000");
     EXPECT_EQ(outcome.lines()[3],
-              "2 frames in 4 CAN frames of 10 bytes, 1 other CAN frames, 1 error frames, rejected: "
+              "2 frames in 4 CAN frames of 10 bytes, 1 other CAN frame, 1 error frame, rejected: "
               "1 length; 0 is 1436509052.249713 of the log");
 }
 
@@ -112,7 +112,7 @@ TEST(DecodeCan, LogOfNoneOfSeveralProtocolsIsAFailure) {
     const Outcome outcome = decoded("(1.0) can0 456#05DC\n",
                                     {use_of(kTinyCan), use_of(kOtherTinyCan)}, DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk, "tribus: no snapshot of tiny or other in 1 CAN frames\n");
+    EXPECT_EQ(outcome.talk, "tribus: no snapshot of tiny or other in 1 CAN frame\n");
     ASSERT_EQ(outcome.lines().size(), 1U);
     EXPECT_EQ(outcome.lines()[0].substr(0, 12), "{\"summary\":{");
 }
