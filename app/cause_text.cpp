@@ -1,6 +1,8 @@
 #include "app/cause_text.h"
 
 #include <algorithm>
+#include <bit>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -87,7 +89,9 @@ std::string output_text(const OutputState& state, std::span<const std::string> i
                    : state.awaits_release ? "in failsafe until release_when is true"
                                           : "in failsafe";
         case OutputStage::holding:
-            return "holding the last values, marked frame-lost";
+            return state.marks_frame_lost
+                       ? "holding the last values, marked frame-lost"
+                       : "holding the last values, unmarked: its frames cannot say frame lost";
         case OutputStage::cannot_send:
             return "cannot send: " + std::string(obstacle_text(state.obstacle));
         case OutputStage::control:
@@ -95,6 +99,18 @@ std::string output_text(const OutputState& state, std::span<const std::string> i
     }
     return state.input == kNoInput ? "under control"
                                    : fmt::format("under control of {}", inputs[state.input]);
+}
+
+std::string by_preset_text(std::uint32_t channels) {
+    const bool one = std::popcount(channels) == 1;
+    std::vector<int> numbers;
+    for (; channels != 0; channels &= channels - 1) {
+        numbers.push_back(std::countr_zero(channels) + 1);
+    }
+    return fmt::format(
+        "channel{} {} {}", one ? "" : "s", fmt::join(numbers, ", "),
+        one ? "says its preset: the channel that the map makes it of is absent"
+            : "say their presets: the channels that the map makes them of are absent");
 }
 
 std::string cause_text(const LinkState& state) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,5 +23,13 @@ std::string_view stage_word(OutputStage stage, bool speaks);
 /// The same of an output: "under control of backup", "in failsafe until it is released".
 /// `inputs` are the names of all inputs, by index.
 std::string output_text(const OutputState& state, std::span<const std::string> inputs);
+
+/// "channels 3, 4 say their presets: the channels that the map makes them of are absent", for the
+/// bits of `OutputState::by_preset`.
+std::string by_preset_text(std::uint32_t channels);
+/// Of an input of which `DecoderReport::two_senders` is true.
+inline constexpr std::string_view kTwoSendersText =
+    "its frames come in two rhythms, as from two senders; without a counter they cannot be told "
+    "apart, and their values mix";
 
 }  // namespace tribus

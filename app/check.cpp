@@ -9,6 +9,7 @@
 
 #include "app/exit_status.h"
 #include "app/load_or_explain.h"
+#include "config/absent_channels.h"
 #include "config/effective.h"
 #include "config/json_schema.h"
 
@@ -31,6 +32,10 @@ void add_check_command(CLI::App& app, int& status) {
         if (!configuration) {
             status = kExitWrongUse;
             return;
+        }
+        for (const Mistake& remark : maps_of_absent_channels(*configuration)) {
+            fmt::print(stderr, "{}:{}:{}: warning: {}\n", remark.file, remark.where.line,
+                       remark.where.column, remark.text);
         }
         fmt::print("{}", options->format == "json" ? effective_json(*configuration)
                                                    : effective_toml(*configuration));

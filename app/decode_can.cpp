@@ -11,6 +11,7 @@
 #include "app/can_frame_finder.h"
 #include "app/exit_status.h"
 #include "app/fitting_protocols.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
@@ -70,8 +71,8 @@ int decode_can_recording(const Recording& recording, std::span<const ProtocolUse
     for (const ProtocolUse& use : uses) {
         names.push_back(use.protocol->name);
     }
-    talk << fmt::format("tribus: no snapshot of {} in {} CAN frames\n", fmt::join(names, " or "),
-                        tally.can_frames);
+    talk << fmt::format("tribus: no snapshot of {} in {}\n", fmt::join(names, " or "),
+                        counted(tally.can_frames, "CAN frame"));
     return kExitFailed;
 }
 

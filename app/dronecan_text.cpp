@@ -9,6 +9,7 @@
 
 #include "app/dronecan_fields.h"
 #include "app/frame_json.h"
+#include "core/counted.h"
 
 namespace tribus {
 namespace {
@@ -164,20 +165,22 @@ void append_transfer_summary_text(std::string& text, const TransferTally& tally)
     auto out = std::back_inserter(text);
     const std::string rejected = rejected_text(tally.counts);
     const std::int64_t start = whole_microseconds(tally.log_start);
-    fmt::format_to(out,
-                   "{} transfers in {} CAN frames of {} bytes, {} other CAN frames, {} error "
-                   "frames, {} repeated frames, rejected:{}; 0 is {}.{:06} of the log\n",
-                   tally.counts.front(), tally.can_frames, tally.bytes, tally.other_can_frames,
-                   tally.error_frames, tally.repeated_frames, rejected.empty() ? " none" : rejected,
-                   start / 1'000'000, start % 1'000'000);
+    fmt::format_to(out, "{} in {} of {}, {}, {}, {}, rejected:{}; 0 is {}.{:06} of the log\n",
+                   counted(tally.counts.front(), "transfer"),
+                   counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
+                   counted(tally.other_can_frames, "other CAN frame"),
+                   counted(tally.error_frames, "error frame"),
+                   counted(tally.repeated_frames, "repeated frame"),
+                   rejected.empty() ? " none" : rejected, start / 1'000'000, start % 1'000'000);
     if (tally.requests + tally.responses > 0) {
-        fmt::format_to(out, "{} requests, {} responses, {} requests without one\n", tally.requests,
-                       tally.responses, tally.requests - tally.answered);
+        fmt::format_to(out, "{}, {}, {} without one\n", counted(tally.requests, "request"),
+                       counted(tally.responses, "response"),
+                       counted(tally.requests - tally.answered, "request"));
     }
     for (const auto& [stream, counts] : tally.streams) {
         const std::string broken = rejected_text(counts);
-        fmt::format_to(out, "{}: {}, {} transfers{}{}\n", sender_text(stream.source),
-                       named(stream.kind, stream.data_type_id), counts.front(),
+        fmt::format_to(out, "{}: {}, {}{}{}\n", sender_text(stream.source),
+                       named(stream.kind, stream.data_type_id), counted(counts.front(), "transfer"),
                        broken.empty() ? "" : ", rejected:", broken);
     }
 }

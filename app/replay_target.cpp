@@ -10,8 +10,10 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <optional>
 #include <span>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -36,8 +38,8 @@ class PtyTarget final : public ReplayTarget {
     PtyTarget(const PtyTarget&) = delete;
     PtyTarget& operator=(const PtyTarget&) = delete;
     ~PtyTarget() override {
-        // Somebody may have put another thing in its place.
-        if (link_inode_ && inode_of(link_) == link_inode_) {
+        // Somebody may have put another thing in its place, which may have got its inode.
+        if (link_inode_ && inode_of(link_) == link_inode_ && leads_to(link_, pty_.path)) {
             ::unlink(link_.c_str());
         }
     }
@@ -111,6 +113,10 @@ class PtyTarget final : public ReplayTarget {
         return !link.empty() && ::lstat(link.c_str(), &there) == 0
                    ? std::optional(std::pair(there.st_dev, there.st_ino))
                    : std::nullopt;
+    }
+    static bool leads_to(const std::string& link, const std::string& path) {
+        std::error_code error;
+        return std::filesystem::read_symlink(link, error) == path;
     }
     bool has_reader() const {
         pollfd master{.fd = pty_.master.get(), .events = 0, .revents = 0};

@@ -191,11 +191,14 @@ void print_buses(const Configuration& configuration, const ValueEngine& values) 
         const SensorBusState state = values.bus_state(bus);
         const std::string& name = configuration.sensor_buses[bus].name;
         if (state.is_receiver) {
-            fmt::print(stderr, "sensor bus {}: {} requests, {} replies, {} sensors found\n", name,
-                       state.receiver.requests, state.receiver.replies, state.found_count);
+            fmt::print(stderr, "sensor bus {}: {}, {}, {} found\n", name,
+                       counted(state.receiver.requests, "request"),
+                       counted(state.receiver.replies, "reply", "replies"),
+                       counted(state.found_count, "sensor"));
         } else {
-            fmt::print(stderr, "sensor bus {}: {} requests, {} answered, {} without a value\n",
-                       name, state.sensor.requests, state.sensor.answered, state.sensor.stale);
+            fmt::print(stderr, "sensor bus {}: {}, {} answered, {} without a value\n", name,
+                       counted(state.sensor.requests, "request"), state.sensor.answered,
+                       state.sensor.stale);
         }
     }
 }

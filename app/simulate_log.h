@@ -1,12 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
 #include "core/time.h"
 #include "pipelines/engine.h"
 #include "pipelines/link_supervisor.h"
-#include "pipelines/output.h"
 
 namespace tribus {
 
@@ -21,7 +21,9 @@ class SimulateLog {
     const Engine& engine_;
     std::vector<std::string> input_names_;
     std::vector<LinkCause> causes_;
-    std::vector<OutputState> outputs_;
+    std::vector<bool> two_senders_said_;
+    std::vector<std::string> outputs_;
+    std::vector<std::uint32_t> presets_said_;
 };
 
 }  // namespace tribus

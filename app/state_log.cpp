@@ -58,6 +58,10 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
 
 void StateLog::look_at_input(const std::string& name, const InputStatus& status,
                              InputMemory& memory, Instant now) {
+    if (status.two_senders && !std::exchange(memory.two_senders_said, true)) {
+        const LogFields fields({"TRIBUS_INPUT", name});
+        spdlog::warn("input {}: {}", name, kTwoSendersText);
+    }
     const auto swallowed = memory.cause.look(status.state.cause, memory.limit, now);
     if (!swallowed) {
         return;
@@ -130,6 +134,10 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                                       : "; outvoted by the others: " + word.outvoted;
         spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}{}", name,
                     word.state, votes, swallowed_note(*swallowed));
+    }
+    if ((status.state.by_preset & ~memory.presets_said) != 0) {
+        spdlog::warn("output {}: {}", name, by_preset_text(status.state.by_preset));
+        memory.presets_said |= status.state.by_preset;
     }
     look_at_drops(name, status, memory, now);
 }

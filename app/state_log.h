@@ -42,6 +42,7 @@ class StateLog {
         Instant start;
         LastWord<LinkCause> cause{LinkCause::never_seen};
         bool silence_said = false;
+        bool two_senders_said = false;
         RateLimit limit = log_limit();
     };
     /// By names: another configuration may count inputs otherwise.
@@ -52,6 +53,8 @@ class StateLog {
     };
     struct OutputMemory {
         LastWord<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
+        /// Of `OutputState::by_preset`, those that were told.
+        std::uint32_t presets_said = 0;
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
         RateLimit limit = log_limit();

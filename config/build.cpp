@@ -61,6 +61,23 @@ tl::expected<std::unique_ptr<Link>, std::string> open_serial(const PortPlan& pla
     return std::unique_ptr<Link>(std::move(*port));
 }
 
+std::uint32_t outputs_of(const std::vector<ChannelRule>& rules) {
+    std::uint32_t channels = 0;
+    for (const ChannelRule& rule : rules) {
+        channels |= 1U << rule.output;
+    }
+    return channels;
+}
+
+/// Those of its outputs that it makes itself, and those that pass as a map of an input made them.
+std::uint32_t mapped_channels(const Configuration& configuration, const PipelineConfig& pipeline) {
+    std::uint32_t channels = outputs_of(pipeline.channels);
+    for (const std::size_t input : pipeline.selection.inputs) {
+        channels |= outputs_of(configuration.inputs[input].channels);
+    }
+    return channels;
+}
+
 tl::unexpected<std::string> at_place(const Configuration& configuration, Location where,
                                      const std::string& error) {
     return tl::unexpected(
@@ -92,6 +109,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
                            .schedule = output.schedule,
                            .selection = {},
                            .channels = {},
+                           .mapped_channels = 0,
                            .failsafe = {}});
     }
     for (const PipelineConfig& pipeline : configuration.pipelines) {
@@ -99,6 +117,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
             OutputSettings& output = outputs[pipeline.outputs[i]];
             output.selection = pipeline.selection;
             output.channels = pipeline.channels;
+            output.mapped_channels = mapped_channels(configuration, pipeline);
             output.failsafe = pipeline.failsafe[i];
             for (const std::size_t input : pipeline.selection.inputs) {
                 Duration& after = inputs[input].supervision.fewer_channels_after;

@@ -187,9 +187,9 @@ std::optional<ChannelRule> read_channel(const Entry& entry, Draft* draft, Readin
 
 }  // namespace
 
-std::vector<ChannelRule> read_channels(const Value& value, const std::string& title, Draft* draft,
-                                       Reading reading) {
-    std::vector<ChannelRule> rules;
+PlacedRules read_channels(const Value& value, const std::string& title, Draft* draft,
+                          Reading reading) {
+    std::vector<std::pair<ChannelRule, Location>> rules;
     const auto* table = value.as<Table>();
     const auto lose_one = [draft] {
         if (draft != nullptr) {
@@ -201,19 +201,22 @@ std::vector<ChannelRule> read_channels(const Value& value, const std::string& ti
         reading.mistakes.add(
             value.where,
             fmt::format("{} is {}; allowed: a table, such as {{ 1 = 2 }}", title, describe(value)));
-        return rules;
+        return {};
     }
     for (const Entry& entry : table->entries) {
         if (auto rule = read_channel(entry, draft, reading)) {
-            rules.push_back(std::move(*rule));
+            rules.emplace_back(std::move(*rule), entry.value.where);
         } else {
             lose_one();
         }
     }
-    std::sort(rules.begin(), rules.end(),
-              [](const ChannelRule& a, const ChannelRule& b) { return a.output < b.output; });
-    rules.shrink_to_fit();
-    return rules;
+    std::ranges::sort(rules, {}, [](const auto& placed) { return placed.first.output; });
+    PlacedRules sorted;
+    for (auto& [rule, where] : rules) {
+        sorted.rules.push_back(std::move(rule));
+        sorted.where.push_back(where);
+    }
+    return sorted;
 }
 
 }  // namespace tribus

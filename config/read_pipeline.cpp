@@ -132,8 +132,10 @@ PipelineConfig read_pipeline(const Entry& entry, const Table& table, Draft& draf
     read_to(content, pipeline, draft, reading);
     read_selection(content, title, pipeline.selection, draft, reading);
     if (const Entry* channels = content.find("channels")) {
-        pipeline.channels = read_channels(
+        PlacedRules placed = read_channels(
             channels->value, fmt::format("[pipeline.{}.channels]", entry.key), &draft, reading);
+        pipeline.channels = std::move(placed.rules);
+        pipeline.channels_where = std::move(placed.where);
     }
     pipeline.failsafe = read_failsafe(content.find("failsafe"), pipeline, draft, reading);
     return pipeline;

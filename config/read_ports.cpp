@@ -244,8 +244,10 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
     draft.config.supervision = read_supervision(content, port.protocol, draft.config.settings,
                                                 draft.settings_sound, reading);
     if (const Entry* map = content.find("map")) {
-        draft.config.channels =
+        PlacedRules placed =
             read_channels(map->value, fmt::format("[input.{}.map]", entry.key), nullptr, reading);
+        draft.config.channels = std::move(placed.rules);
+        draft.config.channels_where = std::move(placed.where);
     }
     return draft;
 }

@@ -35,8 +35,12 @@ bool has_value_limit(const TableContent& content);
 
 /// [pipeline.NAME.channels] or [input.NAME.map]. Channels of a pipeline may be made from the lines
 /// of its draft; an input has none.
-std::vector<ChannelRule> read_channels(const Value& value, const std::string& title, Draft* draft,
-                                       Reading reading);
+struct PlacedRules {
+    std::vector<ChannelRule> rules;
+    std::vector<Location> where;  ///< of what each is made from
+};
+PlacedRules read_channels(const Value& value, const std::string& title, Draft* draft,
+                          Reading reading);
 
 /// `preset`: complete for all channels; nothing if it is not a table.
 using Presets = std::array<Pulse, kChannelCount>;

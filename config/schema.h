@@ -61,7 +61,8 @@ struct InputConfig {
     SettingValues settings;  ///< the protocol's own keys
     PortConfig port;
     SupervisionSettings supervision;
-    std::vector<ChannelRule> channels;  ///< of the input itself, before any pipeline
+    std::vector<ChannelRule> channels;       ///< of the input itself, before any pipeline
+    std::vector<Location> channels_where{};  ///< what each is made from
 
     bool operator==(const InputConfig&) const = default;
 };
@@ -83,6 +84,7 @@ struct PipelineConfig {
     SelectionSettings selection;
     std::vector<std::size_t> outputs;  ///< indices
     std::vector<ChannelRule> channels;
+    std::vector<Location> channels_where{};  ///< what each is made from
     std::vector<FailsafeSettings> failsafe;  ///< one for each of `outputs`
 
     bool operator==(const PipelineConfig&) const = default;

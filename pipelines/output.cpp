@@ -26,6 +26,7 @@ Output::Output(OutputSettings settings)
       selector_(settings.selection, settings.failsafe.recover, settings.failsafe.power_on),
       changeover_us_per_second_(settings.selection.changeover_us_per_second),
       map_(settings.channels),
+      mapped_channels_(settings.mapped_channels),
       failsafe_(settings.failsafe),
       can_frames_(can_encoder_ ? kMostSnapshotFrames : 0) {}
 
@@ -94,7 +95,10 @@ OutputState Output::state(Instant now) const {
         .awaits_release = awaits_release_,
         .forced = must_yield(now),
         .input = selector_.follows_one() ? controlling_input().value_or(kNoInput) : kNoInput,
-        .outvoted = 0};
+        .outvoted = 0,
+        .marks_frame_lost =
+            can_encoder_ ? can_encoder_->marks_frame_lost() : encoder_->marks_frame_lost(),
+        .by_preset = by_preset_};
     for (std::size_t place = 0; place < inputs().size(); ++place) {
         state.outvoted |= selector_.outvoted(place) ? 1U << place : 0U;
     }
@@ -243,6 +247,7 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
     if (missing == 0) {
         return;
     }
+    by_preset_ = missing & mapped_channels_;
     for (; missing != 0; missing &= missing - 1) {
         const auto channel = static_cast<std::size_t>(std::countr_zero(missing));
         frame.set(channel, failsafe_.presets[channel]);
@@ -256,6 +261,7 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         const std::size_t told_of = selector_.current().value_or(selector_.inputs().front());
         frame->cause = inputs[told_of].state().cause;
     }
+    by_preset_ = 0;
     if (frame && !frame->has_first(kChannelCount) && !selector_.inputs().empty()) {
         fill_absent(*frame, now);
     }

@@ -40,6 +40,8 @@ struct OutputSettings {
     /// What its pipeline feeds it from.
     SelectionSettings selection;
     std::vector<ChannelRule> channels;
+    /// A bit for each channel that a map makes, here or at one of its inputs.
+    std::uint32_t mapped_channels = 0;
     FailsafeSettings failsafe;
 };
 
@@ -74,6 +76,11 @@ struct OutputState {
     std::size_t input = kNoInput;
     /// A bit for each place in the list of inputs: the others have outvoted it.
     std::uint32_t outvoted = 0;
+    /// While it holds, its frames say so. Constant.
+    bool marks_frame_lost = true;
+    /// Channels, a bit each, for which the configuration names what does not come: they say their
+    /// presets although an input is in control.
+    std::uint32_t by_preset = 0;
 
     bool operator==(const OutputState&) const = default;
 };
@@ -193,6 +200,8 @@ class Output {
     InputSelector selector_;
     std::optional<double> changeover_us_per_second_;
     ChannelMap map_;
+    std::uint32_t mapped_channels_;
+    std::uint32_t by_preset_ = 0;
     FailsafeSettings failsafe_;
     Glide glide_;
 

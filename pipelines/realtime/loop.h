@@ -92,6 +92,7 @@ struct InputStatus {
     Duration interval{};
     LinkState state;
     bool ever_good = false;
+    bool two_senders = false;  ///< of its ids, mixed in what it reads
 };
 
 /// What the main thread may know of an output.

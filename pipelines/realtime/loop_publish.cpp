@@ -28,6 +28,7 @@ void Loop::publish_input(std::size_t index, Instant now) {
     status.interval = input.arrivals().interval();
     status.state = input.state();
     status.ever_good = input.link().ever_good();
+    status.two_senders = input.decoder().two_senders();
     input_status_[index].publish(status);
 }
 

@@ -171,7 +171,7 @@ TEST_F(DroneCanDecodeVectors, EveryTransferIsOneLineOfTextWithItsTypeAndTheNames
         for (const std::string& value : named) {
             EXPECT_NE(line.find(value), std::string::npos) << value << " in " << line;
         }
-        EXPECT_EQ(outcome.lines()[2].substr(0, 15), "1 transfers in ");
+        EXPECT_EQ(outcome.lines()[2].substr(0, 14), "1 transfer in ");
     }
 }
 

@@ -73,6 +73,17 @@ TEST_F(Loopback, OneDeviceUnderTwoNamesIsRefused) {
         << program.errors();
 }
 
+TEST_F(Loopback, CheckWarnsOfAMapThatReadsAChannelWhichTheInputMayNotHave) {
+    Program& check =
+        start({"check", write_config(main_job("", "", "[pipeline.main.channels]\n3 = 17"))});
+    EXPECT_EQ(check.end(), 0) << check.errors();
+    EXPECT_NE(check.errors().find(": warning: channel 3 is made of channel 17, which input "
+                                  "\"receiver\" (ibus) may not have; "),
+              std::string::npos)
+        << check.errors();
+    EXPECT_NE(check.output().find("[pipeline.main.channels]"), std::string::npos);
+}
+
 class TenMistakes : public Loopback, public testing::WithParamInterface<Words> {};
 
 TEST_P(TenMistakes, GiveTenLinesAndStatusTwo) {

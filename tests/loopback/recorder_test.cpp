@@ -350,6 +350,20 @@ TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
     EXPECT_EQ(fs::read_symlink(link), target);
 }
 
+/// A new file may get the inode of the link that was removed.
+TEST_F(Recorded, AReplayLeavesAloneAFileThatTookThePlaceOfItsLink) {
+    const fs::path sent = folder() / "sent.txt";
+    std::ofstream(sent) << "# t_us  bytes\n0 20 40 dc 05\n";
+    const fs::path link = folder() / "mine";
+    Program& replay = start({"replay", sent, "--to", "pty", "--link", link});
+    ASSERT_TRUE(eventually([&] { return !replay.output().empty(); }));
+    fs::remove(link);
+    std::ofstream(link) << "precious";
+    replay.signal(SIGTERM);
+    replay.end();
+    EXPECT_EQ(content(link), "precious");
+}
+
 TEST_F(Recorded, AFileThatIsThereIsNotOverwritten) {
     const std::string file = folder() / "precious.txt";
     std::ofstream(file) << "precious";

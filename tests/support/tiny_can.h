@@ -44,6 +44,7 @@ class TinyCanDecoder final : public CanDecoder {
 
 class TinyCanEncoder final : public CanEncoder {
   public:
+    bool marks_frame_lost() const override { return false; }
     std::span<const CanIdMatch> sent() const override { return std::span(&kTinyId, 1); }
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 1; }
     void continue_from(const CanEncoder& /*before*/) override {}

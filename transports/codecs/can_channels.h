@@ -131,6 +131,7 @@ class CanChannelsEncoder final : public CanEncoder {
         return std::span(ids_).first(format_.frame_count());
     }
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
+    bool marks_frame_lost() const override { return true; }
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;

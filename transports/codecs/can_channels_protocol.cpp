@@ -69,6 +69,10 @@ std::vector<SettingMistake> check(const SettingValues& settings, SettingScope /*
     return mistakes;
 }
 
+std::optional<std::uint32_t> sure_channels(const SettingValues& settings) {
+    return first_channels(CanChannelsFormat::from_settings(settings).channels);
+}
+
 std::unique_ptr<CanDecoder> make_decoder(const SettingValues& settings) {
     return std::make_unique<CanChannelsDecoder>(CanChannelsFormat::from_settings(settings));
 }
@@ -106,6 +110,7 @@ const Protocol kCanProtocol{
     .default_period = std::chrono::milliseconds(can_channels::kDefaultPeriodMilliseconds),
     .least_period = kLeastPeriod,
     .says_failsafe = always_says_failsafe,
+    .sure_channels = sure_channels,
     .check = check,
     .make_can_decoder = make_decoder,
     .make_can_encoder = make_encoder,

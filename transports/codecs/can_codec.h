@@ -55,6 +55,8 @@ class CanEncoder {
     /// The channels that need a value on the wire, a bit each: of the others the format can say
     /// that `snapshot` does not have them, or it does not send them.
     virtual std::uint32_t needed_channels(const ChannelFrame& snapshot) const = 0;
+    /// What it sends can say that a snapshot is marked frame-lost. Constant.
+    virtual bool marks_frame_lost() const = 0;
 
     /// In whose name it sends, where the protocol has nodes. For the start, before the first
     /// `encode`; outlives the encoder.

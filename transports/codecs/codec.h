@@ -50,6 +50,9 @@ class DecoderReport {
     virtual std::uint64_t skipped_bytes() const { return 0; }
     /// What the protocol knows of the frame that was returned last. Valid until the next call.
     virtual std::span<const FrameDetail> details() const { return {}; }
+    /// Arrivals showed that two senders share an id where the content cannot tell them apart: what
+    /// is read mixes them.
+    virtual bool two_senders() const { return false; }
 };
 
 /// Bytes in, frames out. Pure: no descriptor, clock, log or heap; works in the bytes that it is
@@ -112,6 +115,8 @@ class Encoder {
     /// The channels that need a value on the wire, a bit each: of the others the format can say
     /// that they are absent, or it does not have them. Constant.
     virtual std::uint32_t needed_channels() const { return kAllChannels; }
+    /// The format can say that a frame is marked frame-lost. Constant.
+    virtual bool marks_frame_lost() const = 0;
     /// Writes one frame to the front of `wire` and returns its length.
     virtual std::size_t encode(const ChannelFrame& frame,
                                std::span<std::uint8_t, kLongestSerialFrame> wire) const = 0;

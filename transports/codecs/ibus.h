@@ -105,6 +105,7 @@ class IbusEncoder final : public Encoder {
   public:
     explicit IbusEncoder(std::size_t channel_count = 14);
     std::uint32_t needed_channels() const override;
+    bool marks_frame_lost() const override { return false; }
     std::size_t encode(const ChannelFrame& frame,
                        std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
 

@@ -53,6 +53,9 @@ struct Protocol {
     /// What a channel reads whose value on the wire is zero, where receivers send that for "no
     /// value"; null: none does.
     Pulse (*raw_zero)(const SettingValues&) = nullptr;
+    /// The channels that every good frame of an input with these settings has, a bit each; others
+    /// it may have or not. Null, or nothing: that is up to the sender.
+    std::optional<std::uint32_t> (*sure_channels)(const SettingValues&) = nullptr;
     /// What is wrong with settings that are each sound alone; null: nothing can be.
     std::vector<SettingMistake> (*check)(const SettingValues&, SettingScope) = nullptr;
     /// The named values that an output with these settings sends; null: never any.
@@ -81,6 +84,15 @@ inline bool always_says_failsafe(const SettingValues&) {
 }
 inline bool never_says_failsafe(const SettingValues&) {
     return false;
+}
+
+/// The first so many channels, as bits.
+constexpr std::uint32_t first_channels(std::size_t count) {
+    return (1U << count) - 1;
+}
+template <std::size_t count>
+std::optional<std::uint32_t> always_has_first(const SettingValues&) {
+    return first_channels(count);
 }
 
 }  // namespace tribus

@@ -126,6 +126,7 @@ const Protocol kSbusProtocol{
     .least_period = std::chrono::milliseconds(7),
     .says_failsafe = always_says_failsafe,
     .raw_zero = raw_zero,
+    .sure_channels = always_has_first<kChannelCount>,
     .make_decoder = make_sbus_decoder,
     .make_encoder = make_sbus_encoder,
 };

@@ -167,6 +167,7 @@ class SbusDecoder final : public Decoder {
 class SbusEncoder final : public Encoder {
   public:
     explicit SbusEncoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
+    bool marks_frame_lost() const override { return true; }
     std::size_t encode(const ChannelFrame& frame,
                        std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
 

@@ -59,6 +59,7 @@ class SensorCanEncoder final : public CanEncoder {
     std::span<const CanIdMatch> sent() const override { return sent_; }
     void use(const ValueBoard& board) override;
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
+    bool marks_frame_lost() const override { return false; }
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;

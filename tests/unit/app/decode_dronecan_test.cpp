@@ -101,13 +101,13 @@ TEST(DecodeDroneCan, TheWorkedExamplesAsText) {
             "1772 1872] us",
             "8 transfers in 18 CAN frames of 164 bytes, 0 other CAN frames, 0 error frames, 0 "
             "repeated frames, rejected: none; 0 is 1.000000 of the log",
-            "1 requests, 0 responses, 1 requests without one",
-            "anonymous: uavcan.protocol.dynamic_node_id.Allocation, 1 transfers",
-            "node 10: uavcan.equipment.actuator.ArrayCommand, 1 transfers",
-            "node 10: uavcan.equipment.esc.RawCommand, 1 transfers",
-            "node 42: uavcan.protocol.NodeStatus, 1 transfers",
+            "1 request, 0 responses, 1 request without one",
+            "anonymous: uavcan.protocol.dynamic_node_id.Allocation, 1 transfer",
+            "node 10: uavcan.equipment.actuator.ArrayCommand, 1 transfer",
+            "node 10: uavcan.equipment.esc.RawCommand, 1 transfer",
+            "node 42: uavcan.protocol.NodeStatus, 1 transfer",
             "node 42: dronecan.sensors.rc.RCInput, 3 transfers",
-            "node 127: uavcan.protocol.GetNodeInfo request, 1 transfers",
+            "node 127: uavcan.protocol.GetNodeInfo request, 1 transfer",
         }));
 }
 

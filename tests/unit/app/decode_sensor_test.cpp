@@ -145,7 +145,8 @@ TEST(DecodeSensor, ANumberThatASensorDoesNotHaveIsNotAvailable) {
 TEST(DecodeSensor, BytesWithoutAFrameAreAFailure) {
     const Outcome outcome = decoded("01 02 03\n", DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk, "tribus: no frame of ibus-sensor in 3 bytes; no other protocol finds one\n");
+    EXPECT_EQ(outcome.talk,
+              "tribus: no frame of ibus-sensor in 3 bytes; no other protocol finds one\n");
 }
 
 TEST(DecodeSensor, AnEmptyFileIsFine) {

@@ -80,7 +80,7 @@ TEST_F(ProgramDroneCan, SeveralInterfacesNeedAName) {
     EXPECT_NE(unnamed.output.find("--interface NAME"), std::string::npos) << unnamed.output;
     const Ended named = run("\"$TRIBUS\" decode --protocol dronecan --interface can1 two.log");
     EXPECT_EQ(named.status, 0);
-    EXPECT_NE(named.output.find("\n1 transfers in 1 CAN frames"), std::string::npos);
+    EXPECT_NE(named.output.find("\n1 transfer in 1 CAN frame"), std::string::npos);
 }
 
 }  // namespace

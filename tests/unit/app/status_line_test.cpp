@@ -72,6 +72,14 @@ TEST(StatusLine, has_the_worst_first) {
         "lamp: under control of main; main: good");
 }
 
+TEST(StatusLine, of_a_wire_that_cannot_mark_held_values_says_that_they_are_unmarked) {
+    StatusLine line({}, {"servos"});
+    OutputState holding = kHolding;
+    holding.marks_frame_lost = false;
+    EXPECT_EQ(line.text({}, std::vector{holding}, kStart),
+              "servos: holding the last values, unmarked: its frames cannot say frame lost");
+}
+
 TEST(StatusLine, leaves_out_what_does_not_fit_and_says_how_much) {
     const std::vector<std::string> names(64, "output");
     StatusLine line({}, names);

@@ -80,5 +80,17 @@ TEST(AbsentChannels, are_the_preset_of_the_channel_that_a_map_makes_from_them) {
     EXPECT_EQ(bench.said(at(1s)).raw[2], wire_value(988));
 }
 
+TEST(AbsentChannels, that_a_map_names_are_told_of_and_others_not) {
+    OutputSettings output = sbus_output({0});
+    output.channels = {{.output = 2, .source = FromChannel{16}},
+                       {.output = 3, .source = FromChannel{0}}};
+    output.mapped_channels = 0b1100;
+    Bench bench(list(ibus_input()), list(std::move(output)));
+    EXPECT_EQ(bench.engine().outputs()[0].state(at(0ms)).by_preset, 0U);
+    fourteen(bench, at(0ms), at(1s));
+    bench.said(at(1s));
+    EXPECT_EQ(bench.engine().outputs()[0].state(at(1s)).by_preset, 0b0100U);
+}
+
 }  // namespace
 }  // namespace tribus::test::serial

@@ -16,6 +16,7 @@
 #include "transports/codecs/counter_watch.h"
 #include "transports/codecs/dbc/map.h"
 #include "transports/codecs/protocol.h"
+#include "transports/codecs/rhythm_watch.h"
 
 /// RC channels in the messages of the user's own DBC file, both ways (can.md 2.4).
 namespace tribus {
@@ -38,7 +39,8 @@ extern const Protocol kDbcProtocol;
 /// and, where there is a counter, until it has gone on rightly twice in a row: after the start, a
 /// jump, or silence. After a jump for which there was no time it must go through its whole range
 /// (`CounterWatch`). So neither a sender that hangs, nor two senders, nor old frames in a ring are
-/// believed.
+/// believed. Two senders of a message without a counter cannot be kept apart: `two_senders` tells
+/// of them.
 class DbcDecoder final : public CanDecoder {
   public:
     explicit DbcDecoder(DbcMap map);
@@ -47,6 +49,7 @@ class DbcDecoder final : public CanDecoder {
     std::span<const CanIdMatch> wanted() const override { return wanted_; }
     std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
     std::span<const NamedCount> rejected() const override { return rejected_; }
+    bool two_senders() const override;
 
   private:
     enum RejectCause : std::size_t {
@@ -64,6 +67,7 @@ class DbcDecoder final : public CanDecoder {
         std::optional<Instant> received;
         std::uint32_t id = 0;
         std::optional<CounterWatch> watch;              ///< of a message with a counter
+        std::optional<RhythmWatch> rhythm;              ///< of one without, and without pages
         std::array<std::uint8_t, kMostFdBytes> data{};  ///< of its last frame
     };
     struct PartState {
@@ -77,6 +81,7 @@ class DbcDecoder final : public CanDecoder {
     };
 
     void watch_counters();
+    void watch_rhythms();
     void describe_parts();
     bool sound(std::size_t message, const CanFrame& frame, Instant received);
     bool same_sender(std::size_t message, const CanFrame& frame, Instant received);
@@ -124,6 +129,7 @@ class DbcEncoder final : public CanEncoder {
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override {
         return needed_channels_;
     }
+    bool marks_frame_lost() const override;
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;

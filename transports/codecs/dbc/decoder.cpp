@@ -39,6 +39,7 @@ DbcDecoder::DbcDecoder(DbcMap map)
     : map_(std::move(map)), messages_(map_.messages.size()), parts_(map_.parts.size()) {
     std::ranges::transform(map_.messages, std::back_inserter(wanted_), &DbcMappedMessage::id);
     watch_counters();
+    watch_rhythms();
     describe_parts();
 }
 
@@ -54,6 +55,26 @@ void DbcDecoder::watch_counters() {
                                      .silence = std::max(kSilence, cycle * kMostMissedCycles)});
         }
     }
+}
+
+void DbcDecoder::watch_rhythms() {
+    for (MessageState& message : messages_) {
+        if (!message.watch) {
+            message.rhythm.emplace();
+        }
+    }
+    for (const DbcPart& part : map_.parts) {
+        if (!part.selectors.empty()) {
+            // Pages may come in any rhythm.
+            messages_[part.message].rhythm.reset();
+        }
+    }
+}
+
+bool DbcDecoder::two_senders() const {
+    return std::ranges::any_of(messages_, [](const MessageState& message) {
+        return message.rhythm && message.rhythm->two_senders();
+    });
 }
 
 void DbcDecoder::describe_parts() {
@@ -111,6 +132,9 @@ bool DbcDecoder::same_sender(std::size_t message, const CanFrame& frame, Instant
 bool DbcDecoder::counter_holds(std::size_t message, std::span<const std::uint8_t> data,
                                Instant received) {
     MessageState& state = messages_[message];
+    if (state.rhythm) {
+        state.rhythm->arrived(received);
+    }
     if (!state.watch) {
         return true;
     }

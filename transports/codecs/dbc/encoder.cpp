@@ -60,6 +60,14 @@ bool DbcEncoder::uses_fd() const {
     return std::ranges::any_of(map_.messages, &DbcMappedMessage::fd);
 }
 
+bool DbcEncoder::marks_frame_lost() const {
+    return std::ranges::any_of(map_.parts, [](const DbcPart& part) {
+        return std::ranges::any_of(part.flags, [](const DbcFlag& flag) {
+            return flag.meaning != DbcFlagMeaning::failsafe;
+        });
+    });
+}
+
 bool DbcEncoder::due(std::size_t index, const ChannelFrame& snapshot, Instant now) const {
     const DbcPart& part = map_.parts[index];
     const SentPart& sent = sent_parts_[index];

@@ -81,6 +81,20 @@ bool needs_pipeline(const SettingValues& settings) {
     return !map || map->needs_channels();
 }
 
+std::optional<std::uint32_t> sure_channels(const SettingValues& settings) {
+    const auto map = build_dbc_map(settings, SettingScope::input);
+    if (!map) {
+        return std::nullopt;
+    }
+    std::uint32_t channels = 0;
+    for (const DbcPart& part : map->parts) {
+        for (const DbcChannel& channel : part.channels) {
+            channels |= channel.optional ? 0U : 1U << channel.channel;
+        }
+    }
+    return channels;
+}
+
 std::unique_ptr<CanDecoder> make_dbc_decoder(const SettingValues& settings) {
     auto map = build_dbc_map(settings, SettingScope::input);
     return std::make_unique<DbcDecoder>(map ? std::move(*map) : DbcMap{});
@@ -105,6 +119,7 @@ const Protocol kDbcProtocol{
     .own_period = own_period,
     .least_period = kLeastPeriod,
     .says_failsafe = says_failsafe,
+    .sure_channels = sure_channels,
     .check = check,
     .value_names = value_names,
     .needs_pipeline = needs_pipeline,

@@ -120,6 +120,7 @@ class CommandEncoder final : public CanEncoder {
     void speak_as(const Voice& voice) override { voice_ = &voice; }
     /// An actuator without a command is left out; a motor is told 0, which stops it.
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
+    bool marks_frame_lost() const override { return false; }
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;

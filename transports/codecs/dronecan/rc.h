@@ -101,6 +101,8 @@ class RcEncoder final : public CanEncoder {
     void speak_as(const Voice& voice) override { voice_ = &voice; }
     /// Those before the last one that is present: the message has no gaps.
     std::uint32_t needed_channels(const ChannelFrame& snapshot) const override;
+    /// As a link quality of 0.
+    bool marks_frame_lost() const override { return true; }
     void continue_from(const CanEncoder& before) override;
     std::size_t encode(const ChannelFrame& snapshot, Instant now,
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;

@@ -1,0 +1,135 @@
+#include <sstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/shell.h"
+
+/// What `tribus simulate` says beside its summary.
+namespace tribus {
+namespace {
+
+using test::run_in_shell;
+using test::TemporaryFolder;
+
+/// i.Bus frames of 14 channels, each 7 ms, for 1.05 s.
+std::string receiver_frames() {
+    std::string lines;
+    for (int frame = 0; frame < 150; ++frame) {
+        lines += fmt::format(
+            "{{\"t_us\":{},\"channels\":[1500,1500,1100,1500,1500,1500,1500,1500,1500,1500,1500,"
+            "1500,1500,1500]}}\n",
+            7000 * frame);
+    }
+    return lines;
+}
+
+/// The lines that hold `part`.
+std::string lines_with(const std::string& part, const std::string& text) {
+    std::istringstream all(text);
+    std::string found;
+    for (std::string line; std::getline(all, line);) {
+        found += line.find(part) != std::string::npos ? line + "\n" : "";
+    }
+    return found;
+}
+
+class SimulateLogTest : public testing::Test {
+  protected:
+    /// Of i.Bus to the output protocol, with these lines behind the configuration.
+    std::string log_of_ibus_to(const std::string& protocol, const std::string& more) const {
+        folder_.write("c.toml",
+                      "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
+                      "[output.servos]\nprotocol = \"" +
+                          protocol +
+                          "\"\ndevice = \"/dev/ttyB\"\n"
+                          "[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n" +
+                          more);
+        folder_.write("frames.json", receiver_frames());
+        return run(
+            "\"$TRIBUS\" encode --protocol ibus --format timed frames.json > in.txt && "
+            "\"$TRIBUS\" simulate c.toml --in receiver=in.txt --out servos=out.txt "
+            "--tail 1s");
+    }
+    std::string run(const std::string& command) const {
+        const test::Ended ended = run_in_shell("cd '" + folder_ / "" + "'; " + command);
+        EXPECT_EQ(ended.status, 0) << ended.output;
+        return ended.output;
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(SimulateLogTest, SaysOfHeldValuesThatTheyAreMarkedWhereTheWireCan) {
+    EXPECT_NE(log_of_ibus_to("sbus", "")
+                  .find("output servos: holding the last values, marked frame-lost\n"),
+              std::string::npos);
+}
+
+TEST_F(SimulateLogTest, SaysOfHeldValuesThatTheyAreUnmarkedWhereTheWireCannot) {
+    EXPECT_NE(log_of_ibus_to("ibus", "")
+                  .find("output servos: holding the last values, unmarked: "
+                        "its frames cannot say frame lost\n"),
+              std::string::npos);
+}
+
+TEST_F(SimulateLogTest, SaysOnceThatAMapReadsChannelsThatDoNotCome) {
+    const std::string log =
+        log_of_ibus_to("sbus", "[pipeline.main.channels]\n3 = 17\n4 = { from = 15 }\n5 = 1\n");
+    const std::string lines = lines_with("preset", log);
+    EXPECT_TRUE(
+        lines.ends_with("output servos: channels 3, 4 say their presets: the channels that the map "
+                        "makes them of are absent\n"))
+        << log;
+    EXPECT_EQ(lines.find('\n'), lines.size() - 1) << lines;
+}
+
+TEST_F(SimulateLogTest, SaysNothingOfChannelsThatNoMapNames) {
+    EXPECT_EQ(lines_with("preset", log_of_ibus_to("sbus", "")), "");
+}
+
+class TwoSendersOfAMessage : public SimulateLogTest {
+  protected:
+    /// One each 20 ms; with `second`, another one each 100 ms, 16 ms behind it.
+    std::string log_of(bool second, const std::string& more_signals) const {
+        folder_.write("x.dbc",
+                      "VERSION \"\"\nBU_: A B\nBO_ 1 Command: 2 A\n"
+                      " SG_ S1 : 0|8@1+ (4,1000) [1000|2000] \"\" B\n"
+                      " SG_ Count : 8|4@1+ (1,0) [0|15] \"\" B\n");
+        folder_.write("c.toml",
+                      "[input.joystick]\nprotocol = \"dbc\"\ninterface = \"can0\"\n"
+                      "dbc = \"x.dbc\"\n[input.joystick.signals.Command]\nS1 = { channel = 1 }\n" +
+                          more_signals +
+                          "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+                          "[pipeline.main]\nfrom = \"joystick\"\nto = \"servos\"\n");
+        std::string log;
+        for (int i = 0; i < 150; ++i) {
+            log += fmt::format("({:.6f}) can0 001#40{:02X}\n", 1 + 0.02 * i, i % 16);
+            if (second && i % 5 == 0) {
+                log += fmt::format("({:.6f}) can0 001#80{:02X}\n", 1.016 + 0.02 * i, 7);
+            }
+        }
+        folder_.write("can.log", log);
+        return run("\"$TRIBUS\" simulate c.toml --in joystick=can.log --out servos=out.txt");
+    }
+};
+
+constexpr std::string_view kSaid =
+    "input joystick: its frames come in two rhythms, as from two senders";
+
+TEST_F(TwoSendersOfAMessage, WithoutACounterAreSaidOnce) {
+    const std::string lines = lines_with("rhythm", log_of(true, ""));
+    EXPECT_NE(lines.find(kSaid), std::string::npos) << lines;
+    EXPECT_EQ(lines.find('\n'), lines.size() - 1) << lines;
+}
+
+TEST_F(TwoSendersOfAMessage, WithACounterAreKeptApartAndNotSaid) {
+    EXPECT_EQ(lines_with("rhythm", log_of(true, "Count = { counter = true }\n")), "");
+}
+
+TEST_F(TwoSendersOfAMessage, AreNotSaidOfOne) {
+    EXPECT_EQ(lines_with("rhythm", log_of(false, "")), "");
+}
+
+}  // namespace
+}  // namespace tribus
