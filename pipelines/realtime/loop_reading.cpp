@@ -171,8 +171,7 @@ void Loop::catch_up(Instant since, Instant now) {
         ++absence_.count;
         absence_.latest = late_by_;
     }
-    for (std::size_t index = 0; index < ports_.size(); ++index) {
-        Port& port = ports_[index];
+    for (Port& port : ports_) {
         if (!port.link) {
             continue;
         }

@@ -17,18 +17,33 @@ namespace tribus::test {
 namespace {
 
 constexpr std::uint64_t kSeeds = 600;
-constexpr int kReloads = 10;
 
-/// With `reloads`, spread over the time of the troubles.
-std::optional<std::string> broken_in(std::uint64_t seed, WorldKind kind, int reloads = 0) {
+/// What happens to the program itself, spread over the time of the troubles.
+struct OwnTroubles {
+    int reloads = 0;
+    int stalls = 0;
+};
+constexpr OwnTroubles kReloads{.reloads = 10};
+constexpr OwnTroubles kStalls{.stalls = 15};
+
+std::optional<std::string> broken_in(std::uint64_t seed, WorldKind kind, OwnTroubles own = {}) {
     using namespace std::chrono_literals;
     const RandomWorld world(seed, kind);
     const Configuration configuration = configuration_of(world.text());
     Simulation simulation(configuration, world.senders(), seed);
     std::mt19937_64 random(seed);
-    for (int reload = 0; reload < reloads; ++reload) {
-        const auto early = std::chrono::microseconds(random() % 1'000'000);
-        simulation.reload(configuration, Instant(20s * (reload + 1) / reloads - early));
+    const auto up_to = [&](Duration most) {
+        return std::chrono::microseconds(random() % static_cast<std::uint64_t>(most / 1us));
+    };
+    for (int reload = 0; reload < own.reloads; ++reload) {
+        simulation.reload(configuration, Instant(20s * (reload + 1) / own.reloads - up_to(1s)));
+    }
+    for (int stall = 0; stall < own.stalls; ++stall) {
+        // Some shorter than any timeout, some longer.
+        const Instant since = Instant(20s * (stall + 1) / own.stalls - up_to(500ms));
+        simulation.stall(since, since + up_to(stall % 3 == 0   ? 30ms
+                                              : stall % 3 == 1 ? 200ms
+                                                               : 800ms));
     }
     simulation.run_until(RandomWorld::kEnd);
     const auto broken = broken_promise(world, simulation);
@@ -55,6 +70,13 @@ TEST(NeverStale, no_reload_in_a_random_world_breaks_a_promise) {
     });
 }
 
+TEST(NeverStale, no_reader_that_stalls_in_a_random_world_breaks_a_promise) {
+    constexpr std::uint64_t kStalledSeeds = 300;
+    for_each_seed(kStalledSeeds, [](std::uint64_t seed) {
+        EXPECT_EQ(broken_in(seed, WorldKind::with_can, kStalls), std::nullopt);
+    });
+}
+
 /// Seeds that tests/sim/run.sh found, before what they found was mended.
 TEST(NeverStale, no_world_that_broke_one_once_does_again) {
     std::ifstream file(std::string(TRIBUS_SOURCE_DIR) + "/tests/sim/regression_seeds.txt");
@@ -62,14 +84,15 @@ TEST(NeverStale, no_world_that_broke_one_once_does_again) {
     for (std::string line; std::getline(file, line);) {
         std::istringstream words(line);
         std::string kind;
-        if (line.starts_with("can ") || line.starts_with("reload ")) {
+        if (line.starts_with("can ") || line.starts_with("reload ") || line.starts_with("stall ")) {
             words >> kind;
         }
         std::uint64_t seed = 0;
         if (words >> seed) {
-            const bool reloads = kind == "reload";
-            EXPECT_EQ(broken_in(seed, kind.empty() ? WorldKind::serial : WorldKind::with_can,
-                                reloads ? kReloads : 0),
+            const OwnTroubles own = kind == "reload"  ? kReloads
+                                    : kind == "stall" ? kStalls
+                                                      : OwnTroubles{};
+            EXPECT_EQ(broken_in(seed, kind.empty() ? WorldKind::serial : WorldKind::with_can, own),
                       std::nullopt)
                 << line;
         }

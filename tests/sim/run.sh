@@ -15,11 +15,11 @@ build ON sim_tests
 seconds=34
 # Worlds that a process goes through.
 share=500
-# Of each kind: serial only, with CAN, and with CAN and reloads.
-worlds=$((hours * 3600 / seconds / 3))
+# Of each kind: serial only, with CAN, with CAN and reloads, and with CAN and stalls.
+worlds=$((hours * 3600 / seconds / 4))
 found=$(mktemp)
 trap 'rm -f "$found"' EXIT
-echo "Simulating three times $worlds worlds, $hours hours" >&2
+echo "Simulating four times $worlds worlds, $hours hours" >&2
 seq "$first" "$share" $((first + worlds - 1)) |
     TRIBUS_LAST=$((first + worlds - 1)) TRIBUS_SHARE=$share xargs -P "$(nproc)" -I '{}' sh -c '
         last=$(({} + TRIBUS_SHARE - 1))
@@ -30,10 +30,11 @@ seq "$first" "$share" $((first + worlds - 1)) |
 
 seeds=$(sed -n -e 's/.*replay: TRIBUS_SEED=\([0-9]*\) .*no_random_world_breaks.*/\1/p' \
     -e 's/.*replay: TRIBUS_SEED=\([0-9]*\) .*_with_can_.*/can \1/p' \
-    -e 's/.*replay: TRIBUS_SEED=\([0-9]*\) .*no_reload_.*/reload \1/p' "$found" | sort -u)
+    -e 's/.*replay: TRIBUS_SEED=\([0-9]*\) .*no_reload_.*/reload \1/p' \
+    -e 's/.*replay: TRIBUS_SEED=\([0-9]*\) .*no_reader_.*/stall \1/p' "$found" | sort -u)
 if [ -n "$seeds" ]; then
     echo "$seeds" >>tests/sim/regression_seeds.txt
     echo "Promises were broken in worlds $(echo "$seeds" | tr '\n' ' ')" >&2
     exit 1
 fi
-echo "Three times $worlds worlds, $hours hours: every promise was kept"
+echo "Four times $worlds worlds, $hours hours: every promise was kept"

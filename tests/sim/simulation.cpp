@@ -280,11 +280,7 @@ void Simulation::witness(Wire& wire, const CanFrame& frame) {
 
 void Simulation::deliver(Wire& wire) {
     if (wire.can_encoder) {
-        wire.arrivals.push_back(kDropped);
-        for (const CanFrame& frame : std::span(wire.can_frames).first(wire.can_count)) {
-            witness(wire, frame);
-            loop_->receive(wire.sender.input, frame, wire.next_arrival);
-        }
+        deliver_frames(wire);
     } else if (!wire.dropped) {
         deliver_piece(wire);
         if (wire.handed_over < wire.reception.count) {
@@ -297,20 +293,48 @@ void Simulation::deliver(Wire& wire) {
         wire.arrivals.push_back(wire.dropped ? kDropped : wire.next_arrival);
     }
     if (std::exchange(wire.pulled, false)) {
-        loop_->device_lost(wire.sender.input, wire.next_arrival);
+        lose_device(wire);
     }
     wire.latest_arrival = std::max(wire.next_arrival, wire.frame_ends);
     ++wire.next_number;
     plan(wire);
 }
 
+void Simulation::deliver_frames(Wire& wire) {
+    wire.arrivals.push_back(kDropped);
+    for (const CanFrame& frame : std::span(wire.can_frames).first(wire.can_count)) {
+        witness(wire, frame);
+        if (away_since_) {
+            // The kernel has stamped it.
+            engine_->receive(wire.sender.input, frame, wire.next_arrival);
+        } else {
+            loop_->receive(wire.sender.input, frame, wire.next_arrival);
+        }
+    }
+}
+
 void Simulation::deliver_piece(Wire& wire) {
     const std::size_t begin = wire.handed_over;
     const std::size_t count = next_piece(wire);
-    std::bitset<kBytesPerRead> damaged = wire.reception.damaged >> begin;
-    loop_->receive(wire.sender.input, wire.reception.view().subspan(begin, count), damaged,
-                   wire.next_arrival);
+    const std::size_t input = wire.sender.input;
+    const std::bitset<kBytesPerRead> damaged = wire.reception.damaged >> begin;
+    const auto bytes = wire.reception.view().subspan(begin, count);
+    if (!away_since_) {
+        loop_->receive(input, bytes, damaged, wire.next_arrival);
+    } else if (away_for_ < engine_->inputs()[input].link().timeout()) {
+        engine_->receive(input, bytes, damaged, *away_since_);
+    } else {
+        engine_->bytes_discarded(input);
+    }
     wire.handed_over += count;
+}
+
+void Simulation::lose_device(Wire& wire) {
+    if (away_since_) {
+        engine_->device_lost(wire.sender.input);
+    } else {
+        loop_->device_lost(wire.sender.input, wire.next_arrival);
+    }
 }
 
 Simulation::Wire* Simulation::next_wire() {
@@ -320,14 +344,36 @@ Simulation::Wire* Simulation::next_wire() {
     return next == wires_.end() ? nullptr : &*next;
 }
 
-void Simulation::run_until(Instant until) {
-    HeapTrap trap;
+void Simulation::deliver_until(Instant until) {
     for (Wire* wire = next_wire(); wire != nullptr && wire->next_arrival < until;
          wire = next_wire()) {
         deliver(*wire);
     }
+}
+
+void Simulation::run_until(Instant until) {
+    HeapTrap trap;
+    deliver_until(until);
     loop_->run_until(until);
     allocations_ += trap.allocations();
+}
+
+void Simulation::stall(Instant since, Instant until) {
+    run_until(since);
+    absences_.push_back({since, until});
+    HeapTrap trap;
+    away_since_ = since;
+    away_for_ = until - since;
+    deliver_until(until);
+    away_since_.reset();
+    loop_->come_back(since, until);
+    allocations_ += trap.allocations();
+}
+
+bool Simulation::stalled_between(Instant from, Instant until) const {
+    return std::ranges::any_of(absences_, [&](const Absence& absence) {
+        return absence.since < until && from < absence.until;
+    });
 }
 
 void Simulation::reload(const Configuration& unchanged, Instant at) {

@@ -96,9 +96,14 @@ class Simulation final : public OutputObserver {
     void run_until(Instant until);
     /// The configuration that runs is read again: another engine goes on from this one.
     void reload(const Configuration& unchanged, Instant at);
+    /// The thread does not run from `since` to `until`. What arrives meanwhile waits, and is read
+    /// as the loop reads it.
+    void stall(Instant since, Instant until);
     /// A CAN frame arrives at an input, after all that comes before `at`.
     void receive(std::size_t input, const CanFrame& frame, Instant at);
 
+    /// The thread did not run at some time between these.
+    bool stalled_between(Instant from, Instant until) const;
     const Engine& engine() const { return *engine_; }
     const std::vector<Written>& written(std::size_t output = 0) const { return written_[output]; }
     const std::vector<WrittenToCan>& written_to_can(std::size_t output = 0) const {
@@ -150,7 +155,10 @@ class Simulation final : public OutputObserver {
     static std::size_t next_piece(const Wire& wire);
     static void plan_piece(Wire& wire);
     void deliver(Wire& wire);
+    void deliver_frames(Wire& wire);
     void deliver_piece(Wire& wire);
+    void deliver_until(Instant until);
+    void lose_device(Wire& wire);
     static void witness(Wire& wire, const CanFrame& frame);
     Wire* next_wire();
     std::optional<ChannelFrame> heard(std::size_t output, Instant at, const Transmission& sent);
@@ -163,6 +171,14 @@ class Simulation final : public OutputObserver {
     std::vector<Wire> wires_;
     std::uint64_t allocations_ = 0;
     std::optional<VirtualLoop> loop_;
+    /// While the thread does not run: since when, and for how long.
+    std::optional<Instant> away_since_;
+    Duration away_for_{};
+    struct Absence {
+        Instant since;
+        Instant until;
+    };
+    std::vector<Absence> absences_;
 };
 
 /// One command that runs the present test again with that seed.
