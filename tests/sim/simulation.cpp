@@ -290,7 +290,7 @@ void Simulation::deliver(Wire& wire) {
         }
     }
     if (!wire.can_encoder) {
-        wire.arrivals.push_back(wire.dropped ? kDropped : wire.next_arrival);
+        wire.arrivals.push_back(wire.dropped || discards(wire) ? kDropped : wire.next_arrival);
     }
     if (std::exchange(wire.pulled, false)) {
         lose_device(wire);
@@ -321,12 +321,17 @@ void Simulation::deliver_piece(Wire& wire) {
     const auto bytes = wire.reception.view().subspan(begin, count);
     if (!away_since_) {
         loop_->receive(input, bytes, damaged, wire.next_arrival);
-    } else if (away_for_ < engine_->inputs()[input].link().timeout()) {
-        engine_->receive(input, bytes, damaged, *away_since_);
-    } else {
+    } else if (discards(wire)) {
         engine_->bytes_discarded(input);
+    } else {
+        engine_->receive(input, bytes, damaged, *away_since_);
     }
     wire.handed_over += count;
+}
+
+/// What waits for longer than the timeout is thrown away.
+bool Simulation::discards(const Wire& wire) const {
+    return away_since_ && away_for_ >= engine_->inputs()[wire.sender.input].link().timeout();
 }
 
 void Simulation::lose_device(Wire& wire) {

@@ -158,6 +158,7 @@ class Simulation final : public OutputObserver {
     void deliver_frames(Wire& wire);
     void deliver_piece(Wire& wire);
     void deliver_until(Instant until);
+    bool discards(const Wire& wire) const;
     void lose_device(Wire& wire);
     static void witness(Wire& wire, const CanFrame& frame);
     Wire* next_wire();
