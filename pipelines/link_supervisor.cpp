@@ -170,6 +170,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
     const bool was_lost = !alive(now);
     if (was_lost) {
         ++runs_;
+        lost_before_run_ = ever_good_ ? lost_at() : now;
     }
     // A frame-lost mark breaks the run that recovery waits for, though the link was not lost.
     if (was_lost || run_broken_) {
@@ -256,6 +257,9 @@ void LinkSupervisor::was_away(Instant since, Instant now) {
     }
     ++absences_;
     expires_ = std::min(expires_, since + settings_.timeout);
+    if (run_start_ > since) {
+        expires_ = std::min(expires_, lost_before_run_);
+    }
     latest_frame_ = std::min(latest_frame_, since);
     latest_bytes_ = std::min(latest_bytes_, since);
 }

@@ -103,6 +103,7 @@ class LinkSupervisor {
     /// When the good frame becomes too old, if nothing else comes.
     Instant expires_{};
     Instant run_start_{};
+    Instant lost_before_run_{};
     Instant radio_lost_since_{};
     Instant channels_missing_since_{};
     /// The frame whose channels the sender has left since then, and no more than those.

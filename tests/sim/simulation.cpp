@@ -127,6 +127,7 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
                  .faults = FaultInjector(sender.faults, ++seed),
                  .latest_number = sender.first_number});
         wire.arrivals.reserve(kMostFrames);
+        wire.whole_arrivals.assign(kMostFrames, kDropped);
         plan(wire);
     }
     loop_.emplace(*engine_, *this, Instant{});
@@ -198,6 +199,7 @@ Duration Simulation::put_on_line(Wire& wire, const std::optional<NextFrame>& nex
         FaultInjector({}, 0).apply(sent, wire.reception);
         wire.dropped = length == 0;
     }
+    wire.hurt = wire.reception.damaged.any() || !std::ranges::equal(wire.reception.view(), sent);
     return wire_time;
 }
 
@@ -290,7 +292,12 @@ void Simulation::deliver(Wire& wire) {
         }
     }
     if (!wire.can_encoder) {
-        wire.arrivals.push_back(wire.dropped || discards(wire) ? kDropped : wire.next_arrival);
+        const bool came = !wire.dropped && !discards(wire);
+        wire.arrivals.push_back(came ? wire.next_arrival : kDropped);
+        Instant& whole = wire.whole_arrivals[wire.latest_number - wire.sender.first_number];
+        if (came && !wire.hurt && whole == kDropped) {
+            whole = wire.next_arrival;
+        }
     }
     if (std::exchange(wire.pulled, false)) {
         lose_device(wire);
@@ -403,10 +410,15 @@ void Simulation::receive(std::size_t input, const CanFrame& frame, Instant at) {
 
 std::optional<Instant> Simulation::arrived_at(std::size_t sender, std::uint32_t number) const {
     const std::vector<Instant>& arrivals = wires_[sender].arrivals;
-    if (number >= arrivals.size() || arrivals[number] == kDropped) {
-        return std::nullopt;
-    }
-    return arrivals[number];
+    const Instant at = number < arrivals.size() ? arrivals[number] : kDropped;
+    return at == kDropped ? std::nullopt : std::optional(at);
+}
+
+std::optional<Instant> Simulation::arrived_whole_at(std::size_t sender,
+                                                    std::uint32_t number) const {
+    const std::vector<Instant>& arrivals = wires_[sender].whole_arrivals;
+    const Instant at = number < arrivals.size() ? arrivals[number] : kDropped;
+    return at == kDropped ? std::nullopt : std::optional(at);
 }
 
 /// A frame that a reader of the output finds in what it sent.

@@ -113,6 +113,9 @@ class Simulation final : public OutputObserver {
     /// On CAN, where a reader that doubts the sender passes over whole snapshots, when one without
     /// doubt first had its values.
     std::optional<Instant> arrived_at(std::size_t sender, std::uint32_t number) const;
+    /// When the first frame with its values arrived that nothing had hurt: a sender that froze says
+    /// them again. Nothing where none did.
+    std::optional<Instant> arrived_whole_at(std::size_t sender, std::uint32_t number) const;
     std::uint32_t frames_sent(std::size_t sender) const { return wires_[sender].next_number; }
     /// Allocations inside the engine since it started.
     std::uint64_t allocations() const { return allocations_; }
@@ -142,7 +145,9 @@ class Simulation final : public OutputObserver {
         std::array<CanFrame, kMostSnapshotFrames> can_frames{};
         std::size_t can_count = 0;
         bool dropped = false;
+        bool hurt = false;
         std::vector<Instant> arrivals{};
+        std::vector<Instant> whole_arrivals{};
     };
     struct NextFrame {
         ChannelFrame frame;

@@ -282,5 +282,17 @@ TEST(ZeroGuard, of_nothing_is_off) {
     EXPECT_EQ(link.cause(70ms), LinkCause::good);
 }
 
+/// As a CAN socket stamps them: the first one came when the link had been lost for 100 ms.
+TEST(LinkAbsence, in_which_frames_came_after_a_loss_is_a_loss_since_that) {
+    LinkSupervisor link({.timeout = 200ms});
+    for (const Duration when : {0ms, 7ms, 14ms, 314ms, 321ms}) {
+        ChannelFrame frame = sticks();
+        frame.received = at(when);
+        link.take(frame, at(when));
+    }
+    link.was_away(at(100ms), at(330ms));
+    EXPECT_EQ(link.lost_at(), at(214ms));
+}
+
 }  // namespace
 }  // namespace tribus::test::link
