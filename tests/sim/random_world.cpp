@@ -137,8 +137,8 @@ Verdict loses_its_period(std::size_t output, const RandomWorld& world,
     const Duration most = 2 * (locked ? period + std::min(interval, 2 * period) : period);
     for (std::size_t i = 1; i < written.size(); ++i) {
         const Duration gap = written[i].at - written[i - 1].at;
-        // A turn of a grid that comes late does not move the next one.
-        if (simulation.stalled_between(written[i - 1].at - period, written[i].at)) {
+        // A turn of a grid that comes late does not move the next one; a lock is found anew.
+        if (simulation.stalled_between(written[i - 1].at - 2 * period, written[i].at)) {
             continue;
         }
         if (gap < least || (gap > most && !world.falls_silent(output))) {
