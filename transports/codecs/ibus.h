@@ -46,6 +46,7 @@ class IbusDecoder final : public Decoder {
 
   private:
     static constexpr std::uint16_t kLongFrameHeader = 0x4020;
+    static constexpr std::uint16_t kOneOther = 0x100;
     enum class Kind : std::uint8_t { noise, undecided, servo, ia6, ibus2 };
     struct Candidate {
         Kind kind = Kind::noise;
@@ -61,11 +62,6 @@ class IbusDecoder final : public Decoder {
     };
     enum class Outcome : std::uint8_t { nothing, wait, frame };
     enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2, kLength };
-    /// Of the frames that count.
-    struct Usual {
-        std::uint8_t length = 0;      ///< 0: none has come
-        std::uint8_t others_ago = 0;  ///< so many of another length have come since
-    };
 
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
@@ -90,7 +86,9 @@ class IbusDecoder final : public Decoder {
                     DecodedFrame& frame);
 
     IbusSlots slots_;
-    Usual usual_;
+    /// Of the frames that count; 0: none has come. And times `kOneOther`, in the same word because
+    /// each frame sets both, how many of another length have come since.
+    std::uint16_t usual_length_ = 0;
     std::uint8_t other_length_ = 0;
     /// What a frame of 32 bytes begins with; 0, as none does, while another length is usual.
     std::uint16_t long_header_ = kLongFrameHeader;

@@ -48,7 +48,7 @@ void put_nibble_channels(ChannelFrame& channels, const std::uint8_t* slots) {
 
 inline bool IbusDecoder::may_begin(std::uint8_t first) const {
     return first == kIa6Header || is_servo_length(first) ||
-           (usual_.length == 0 && may_be_ibus2(first));
+           (usual_length_ == 0 && may_be_ibus2(first));
 }
 
 /// What stands at the front of what there is, if `begins` may.
@@ -106,18 +106,19 @@ inline void IbusDecoder::read_frame(std::span<const std::uint8_t> wire, std::siz
     } else {
         put_slots(frame.channels, slots, kChannelMask);
     }
-    usual_ = {.length = static_cast<std::uint8_t>(wire.size()), .others_ago = 0};
+    usual_length_ = static_cast<std::uint16_t>(wire.size());
 }
 
 /// Of a frame whose checksum holds.
 bool IbusDecoder::length_counts(std::size_t length) {
     constexpr std::uint8_t kInARow = 3;
     const auto now = static_cast<std::uint8_t>(length);
-    if (usual_.length != 0 && now != usual_.length) {
-        usual_.others_ago = now == other_length_ ? usual_.others_ago : std::uint8_t{0};
+    const auto usual = static_cast<std::uint8_t>(usual_length_);
+    if (usual != 0 && now != usual) {
+        usual_length_ = now == other_length_ ? usual_length_ : usual;
         other_length_ = now;
-        ++usual_.others_ago;
-        if (usual_.others_ago < kInARow) {
+        usual_length_ += kOneOther;
+        if (usual_length_ < kInARow * kOneOther) {
             ++rejected_[kLength].count;
             return false;
         }
@@ -142,7 +143,7 @@ void IbusDecoder::reset() {
     buffer_.open({});
     buffer_.drop(buffer_.size());
     buffer_.close();
-    usual_ = {};
+    usual_length_ = 0;
     other_length_ = 0;
     long_header_ = kLongFrameHeader;
 }
@@ -162,7 +163,7 @@ inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8
     // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
     // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
     const std::uint8_t looked_for =
-        usual_.length != 0 ? kServo | kIa6 : kServo | kIa6 | kIbus2Channels;
+        usual_length_ != 0 ? kServo | kIa6 : kServo | kIa6 | kIbus2Channels;
     std::size_t at = position;
     Candidate found;
     for (; at < end; ++at) {
