@@ -11,6 +11,7 @@
 #include "pipelines/virtual_loop.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/heap_trap.h"
+#include "transports/codecs/line_pauses.h"
 
 namespace tribus::fuzz {
 namespace {
@@ -86,6 +87,9 @@ class Witness final : public OutputObserver {
     explicit Witness(const Configuration& configuration) : configuration_(configuration) {
         for (const InputConfig& input : configuration.inputs) {
             ears_.push_back(make_ear(*input.protocol, input.settings));
+            if (ears_.back().serial) {
+                ears_.back().pauses.emplace(input.port.line.bytes_time(1));
+            }
         }
         for (const OutputConfig& output : configuration.outputs) {
             readers_.push_back(make_ear(*output.protocol, {}));
@@ -94,15 +98,27 @@ class Witness final : public OutputObserver {
 
     void heard(std::size_t input, std::span<const std::uint8_t> bytes, Instant at) {
         Ear& ear = ears_[input];
+        if (ear.pauses->before(bytes.size(), at, ear.serial->waiting())) {
+            listen_to_pause(ear);
+        }
         ear.read_at.insert(ear.read_at.end(), bytes.size(), at);
         listen(ear, bytes, at);
     }
     /// A frame that waited for what follows it may come out behind the damage.
     void damaged(std::size_t input, Instant at) {
         Ear& ear = ears_[input];
+        if (ear.pauses->before(1, at, ear.serial->waiting())) {
+            listen_to_pause(ear);
+        }
         ear.read_at.push_back(at);
         ear.serial->damaged_byte();
         listen(ear, {}, at);
+    }
+    void lost(std::size_t input) {
+        if (ears_[input].serial) {
+            ears_[input].serial->reset();
+            ears_[input].pauses->forget();
+        }
     }
     void heard(std::size_t input, const CanFrame& frame, Instant at) {
         const auto snapshot = ears_[input].can->next(frame, at);
@@ -138,6 +154,7 @@ class Witness final : public OutputObserver {
     struct Ear {
         std::unique_ptr<Decoder> serial;
         std::unique_ptr<CanDecoder> can;
+        std::optional<LinePauses> pauses;  ///< of an input's line
         std::size_t frames = 0;
         std::vector<Instant> read_at;  ///< each byte
     };
@@ -155,9 +172,21 @@ class Witness final : public OutputObserver {
     void listen(Ear& ear, std::span<const std::uint8_t> bytes, Instant at) {
         DecodedFrame frame;
         while (ear.serial->next(bytes, at, frame)) {
-            if (frame.channels.good()) {
-                note_good(ear.read_at[frame.first_byte + frame.length - 1]);
-            }
+            note(ear, frame);
+        }
+    }
+    void listen_to_pause(Ear& ear) {
+        DecodedFrame frame;
+        while (ear.serial->silence(frame)) {
+            note(ear, frame);
+        }
+    }
+    void note(Ear& ear, const DecodedFrame& frame) {
+        if (ear.pauses) {
+            ear.pauses->frame_came(frame.first_byte, frame.length);
+        }
+        if (frame.channels.good()) {
+            note_good(ear.read_at[frame.first_byte + frame.length - 1]);
         }
     }
     static std::optional<ChannelFrame> latest_of(Ear& ear, std::span<const std::uint8_t> bytes,
@@ -216,6 +245,7 @@ class Play {
             } else if (operation < 220) {
                 damage(input);
             } else if (operation < 230) {
+                witness_.lost(input);
                 engine_->device_lost(input);
             } else if (operation < 240) {
                 be_silent();

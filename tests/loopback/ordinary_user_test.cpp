@@ -28,7 +28,7 @@ class OrdinaryUser : public Loopback {
     FarEnd& own_device(const std::string& name) {
         FarEnd& far_end = device(name);
         if (::geteuid() == 0) {
-            EXPECT_EQ(::chown(far_end.path().c_str(), kNobody, kNobody), 0);
+            EXPECT_EQ(::chown(far_end.path().c_str(), kOrdinaryUser, kOrdinaryUser), 0);
         }
         return far_end;
     }

@@ -71,7 +71,7 @@ void become_ordinary_user() {
     lower_limit(RLIMIT_STACK, kDebiansLimit);
     lower_limit(RLIMIT_RTPRIO, 0);
     if (::geteuid() == 0 &&
-        (::setgroups(0, nullptr) != 0 || ::setgid(kNobody) != 0 || ::setuid(kNobody) != 0)) {
+        (::setgroups(0, nullptr) != 0 || ::setgid(kOrdinaryUser) != 0 || ::setuid(kOrdinaryUser) != 0)) {
         ::_exit(kCannotStart);
     }
     // Another account has lost it.

@@ -31,7 +31,7 @@ bool eventually(Done done) {
 }
 
 /// Debian's account `nobody`, and its group.
-inline constexpr uid_t kNobody = 65534;
+inline constexpr uid_t kOrdinaryUser = 65534;
 
 /// Whether the program runs with the heap trap; not where a sanitizer has the heap.
 bool heap_trap_works();
