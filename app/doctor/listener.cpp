@@ -125,7 +125,10 @@ Visit visit_port(const std::string& device, Duration time,
             return visit;
         }
     }
-    lines.push_back(kSbusWithoutParity);
+    if (std::ranges::any_of(
+            lines, [](const LineSettings& line) { return line.baud == kSbusWithoutParity.baud; })) {
+        lines.push_back(kSbusWithoutParity);
+    }
     const Duration each = left / static_cast<std::int64_t>(lines.size());
     for (const LineSettings& line : lines) {
         says(fmt::format("listening at {} baud once more ...", line.baud));

@@ -65,6 +65,13 @@ TEST_F(LabDoctor, HearsIbusAtA16550ThatCannotDoSbus) {
     EXPECT_EQ(sender.receive(), Bytes{}) << "it wrote";
 }
 
+TEST_F(LabDoctor, HearsNothingAtA16550ThatCannotDoSbusWhereNobodySends) {
+    Uart sender(uart_16550(2), kIbus);
+    const std::string said = said_of(uart_16550(1), sender, {}, 1);
+    EXPECT_TRUE(has(said, "hears    nothing")) << said;
+    EXPECT_FALSE(has(said, "port.cannot_open")) << said;
+}
+
 TEST_F(LabDoctor, ListsTheAdaptersAndWhatTheyCanDo) {
     const std::string usb = ftdi_adapter(1);
     const std::string uart = uart_16550(1);

@@ -79,10 +79,10 @@ void Witness::listen(FarEnd& servos) {
     bytes_ += fresh.size();
     arrivals_.push_back({bytes_, not_before});
     std::span<const std::uint8_t> rest(fresh);
-    while (const auto frame = decoder_.next(rest, Instant{})) {
+    while (const auto frame = decoder_->next(rest, Instant{})) {
         judge(*frame);
     }
-    testimony_.strays = strays_before_ + decoder_.skipped_bytes();
+    testimony_.strays = strays_before_ + decoder_->skipped_bytes();
 }
 
 void Witness::judge(const DecodedFrame& frame) {
@@ -96,7 +96,7 @@ void Witness::judge(const DecodedFrame& frame) {
         return;
     }
     ++testimony_.unmarked;
-    const auto number = number_of(decoder_.details().front().values);
+    const auto number = number_of(decoder_->details().front().values);
     if (!number) {
         ++testimony_.never_sent;
         return;
@@ -109,7 +109,7 @@ void Witness::judge(const DecodedFrame& frame) {
 
 void Witness::begin_anew() {
     strays_before_ = testimony_.strays;
-    decoder_ = reference::PlainSbusDecoder();
+    decoder_.emplace();
     arrivals_.clear();
     bytes_ = 0;
 }

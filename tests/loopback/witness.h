@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 
 #include "tests/loopback/wire.h"
 #include "tests/reference/plain_sbus.h"
@@ -68,7 +69,7 @@ class Witness {
     std::uint32_t next_ = 0;
     /// When the latest frames had been sent; nothing for a spoiled one.
     std::array<std::optional<Clock::time_point>, kRemembered> sent_{};
-    reference::PlainSbusDecoder decoder_;
+    std::optional<reference::PlainSbusDecoder> decoder_{std::in_place};
     /// Of bytes whose frame is not judged yet.
     std::deque<Arrival> arrivals_;
     std::uint64_t bytes_ = 0;

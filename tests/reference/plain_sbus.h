@@ -25,6 +25,10 @@ void plain_emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameL
 class PlainSbusDecoder {
   public:
     explicit PlainSbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
+    /// `details` are views of its own members.
+    PlainSbusDecoder(const PlainSbusDecoder&) = delete;
+    PlainSbusDecoder& operator=(const PlainSbusDecoder&) = delete;
+    ~PlainSbusDecoder() = default;
 
     std::optional<DecodedFrame> next(std::span<const std::uint8_t>& bytes, Instant received);
     void damaged_byte();
