@@ -32,8 +32,11 @@ class OrdinaryUser : public Loopback {
         }
         return far_end;
     }
-    Program& start_as_user(const std::vector<std::string>& arguments) {
-        return start(arguments, {.executable = program_.string(), .ordinary_user = true});
+    Program& start_as_user(const std::vector<std::string>& arguments,
+                           std::size_t most_locked_bytes = 8 << 20) {
+        return start(arguments, {.executable = program_.string(),
+                                 .ordinary_user = true,
+                                 .most_locked_bytes = most_locked_bytes});
     }
 
   private:
@@ -46,6 +49,17 @@ TEST_F(OrdinaryUser, RunsTheDemo) {
     EXPECT_EQ(count_of("lost:     0\n", program.output()), 1U) << program.output();
     EXPECT_EQ(count_of("the data thread has no real-time priority", program.errors()), 1U)
         << program.errors();
+}
+
+/// As containers and older systems have it.
+TEST_F(OrdinaryUser, RunsTheDemoWhereNearlyNothingMayBeLockedAndIsToldSo) {
+    for (const std::size_t most : {std::size_t{64} << 10U, std::size_t{0}}) {
+        Program& program = start_as_user({"demo", "--seconds", "1"}, most);
+        EXPECT_EQ(program.end(), 0) << program.errors() << program.output();
+        EXPECT_EQ(count_of("lost:     0\n", program.output()), 1U) << program.output();
+        EXPECT_EQ(count_of("not all memory is locked", program.errors()), 1U) << most << "\n"
+                                                                              << program.errors();
+    }
 }
 
 TEST_F(OrdinaryUser, RunsAConfigurationAndIsToldOnceWhatOfRealTimeThereIsNot) {

@@ -65,13 +65,14 @@ void lower_limit(__rlimit_resource resource, rlim_t most) {
     }
 }
 
-void become_ordinary_user() {
-    constexpr rlim_t kDebiansLimit = 8 << 20;
-    lower_limit(RLIMIT_MEMLOCK, kDebiansLimit);
-    lower_limit(RLIMIT_STACK, kDebiansLimit);
+void become_ordinary_user(rlim_t most_locked_bytes) {
+    constexpr rlim_t kDebiansStack = 8 << 20;
+    constexpr uid_t kUser = kOrdinaryUser;
+    lower_limit(RLIMIT_MEMLOCK, most_locked_bytes);
+    lower_limit(RLIMIT_STACK, kDebiansStack);
     lower_limit(RLIMIT_RTPRIO, 0);
     if (::geteuid() == 0 &&
-        (::setgroups(0, nullptr) != 0 || ::setgid(kOrdinaryUser) != 0 || ::setuid(kOrdinaryUser) != 0)) {
+        (::setgroups(0, nullptr) != 0 || ::setgid(kUser) != 0 || ::setuid(kUser) != 0)) {
         ::_exit(kCannotStart);
     }
     // Another account has lost it.
@@ -119,7 +120,7 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
                                     : settings.runtime_directory;
     ::setenv("RUNTIME_DIRECTORY", runtime.c_str(), 1);
     if (settings.ordinary_user) {
-        become_ordinary_user();
+        become_ordinary_user(settings.most_locked_bytes);
     } else if (heap_trap_works()) {
         ::setenv("LD_PRELOAD", TRIBUS_HEAP_TRAP, 1);
     }

@@ -45,6 +45,7 @@ struct ProgramSettings {
     /// An account without rights, with Debian's limits: 8 MiB of locked memory and of stack, no
     /// real-time priority. Without the heap trap. Where the tests have no root, their own account.
     bool ordinary_user = false;
+    std::size_t most_locked_bytes = 8 << 20;  ///< of an ordinary user
 };
 
 /// A program at work, with the heap trap. Never outlives its object, nor the test.

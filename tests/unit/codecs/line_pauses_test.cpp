@@ -110,5 +110,18 @@ TEST(LinePauses, FramesThatAreCutOffShowNothingOfThePort) {
     }
 }
 
+TEST(LinePauses, FramesTornForLongerThanAnyPortHoldsBytesBackShowNothingOfThePort) {
+    LinePauses pauses(kByteTime);
+    Duration now{};
+    pauses.before(25, at(now), 0);
+    pauses.frame_came(0, 25);
+    for (int i = 0; i < 4; ++i) {
+        pauses.before(10, at(now + 14ms), 0);
+        pauses.before(15, at(now + 214ms), 10);
+        now += 214ms;
+    }
+    EXPECT_TRUE(pauses.before(25, at(now + 14ms), 0));
+}
+
 }  // namespace
 }  // namespace tribus

@@ -146,5 +146,13 @@ TEST(SbusPauses, BehindAResetNothingOfBeforeCompletesAFrame) {
     }
 }
 
+TEST(SbusPauses, BehindAResetAFrameNeedsItsProofAnew) {
+    SbusDecoder decoder;
+    ASSERT_EQ(with_pauses(decoder, {{}, hundreds()}).size(), 1U);
+    decoder.reset();
+    EXPECT_TRUE(feed(decoder, hundreds()).empty());
+    EXPECT_FALSE(feed(decoder, hundreds()).empty()) << "the second one proves the first";
+}
+
 }  // namespace
 }  // namespace tribus

@@ -294,5 +294,48 @@ TEST(LinkAbsence, in_which_frames_came_after_a_loss_is_a_loss_since_that) {
     EXPECT_EQ(link.lost_at(), at(214ms));
 }
 
+/// As a CAN socket stamps them, while nobody read: they show no control that anybody had.
+TEST(LinkAbsence, in_which_frames_went_on_is_a_loss_all_the_same) {
+    LinkSupervisor link({.timeout = 200ms});
+    for (Duration when{}; when < 330ms; when += 7ms) {
+        ChannelFrame frame = sticks();
+        frame.received = at(when);
+        link.take(frame, at(when));
+    }
+    link.was_away(at(100ms), at(330ms));
+    EXPECT_EQ(link.lost_at(), at(300ms));
+}
+
+ChannelFrame without(std::size_t channel) {
+    ChannelFrame frame = sticks();
+    frame.remove(channel);
+    return frame;
+}
+
+TEST(ChannelsMissing, is_the_cause_where_frames_have_none_at_all_however_long_they_come) {
+    ChannelFrame none = sticks();
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        none.remove(channel);
+    }
+    const Link link = Link().same(5s, none);
+    EXPECT_EQ(link.cause(5s), LinkCause::channels_missing);
+    EXPECT_FALSE(link.supervisor().ever_good());
+}
+
+TEST(ChannelsMissing, is_the_cause_since_a_channel_vanished_until_it_was_away_on_purpose) {
+    Link link({.fewer_channels_after = 500ms});
+    link.moving(70ms).same(560ms, without(4));
+    EXPECT_EQ(link.cause(560ms), LinkCause::channels_missing);
+    EXPECT_EQ(link.state(560ms).since, at(70ms));
+    link.same(700ms, without(4));
+    EXPECT_EQ(link.cause(700ms), LinkCause::good);
+}
+
+TEST(ChannelsMissing, counts_anew_where_another_channel_is_away_than_before) {
+    Link link({.fewer_channels_after = 500ms});
+    link.moving(70ms).same(420ms, without(4)).same(840ms, without(5));
+    EXPECT_EQ(link.cause(840ms), LinkCause::channels_missing);
+}
+
 }  // namespace
 }  // namespace tribus::test::link
