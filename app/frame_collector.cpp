@@ -2,8 +2,7 @@
 
 namespace tribus {
 
-FrameCollector::FrameCollector(const InputConfig& input)
-    : pauses_(input.port.line.bytes_time(1)) {
+FrameCollector::FrameCollector(const InputConfig& input) : pauses_(input.port.line.bytes_time(1)) {
     if (input.protocol->make_decoder != nullptr) {
         decoder_ = input.protocol->make_decoder(input.settings);
     } else {

@@ -71,10 +71,9 @@ void add_bytes(Arrivals& arrivals, const Recording& recording, std::size_t index
     for (const Burst& burst : recording.bursts) {
         const Duration start = burst.start.value_or(untimed);
         for (std::size_t i = 0; i < burst.bytes.size(); ++i) {
-            arrivals.in_order.push_back({Instant(start + source.port->line.bytes_time(i + 1)),
-                                         index,
-                                         ArrivedByte{burst.bytes[i], burst.damaged[i],
-                                                     !burst.start.has_value()}});
+            arrivals.in_order.push_back(
+                {Instant(start + source.port->line.bytes_time(i + 1)), index,
+                 ArrivedByte{burst.bytes[i], burst.damaged[i], !burst.start.has_value()}});
         }
         untimed +=
             std::max(source.usual_period, source.port->line.bytes_time(burst.bytes.size() + 1));

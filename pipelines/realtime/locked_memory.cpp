@@ -142,11 +142,10 @@ void lock_writable_memory(FirstError& first) {
 void lock_heap(FirstError& first) {
     first.note(each_writable_range([&](MemoryRange range, Mapping mapping) {
         if (mapping == Mapping::heap) {
-            first.note(advise(
-                [](void* begin, std::size_t length) {
-                    return ::mlock2(begin, length, MLOCK_ONFAULT);
-                },
-                range));
+            first.note(
+                advise([](void* begin,
+                          std::size_t length) { return ::mlock2(begin, length, MLOCK_ONFAULT); },
+                       range));
         }
     }));
 }
@@ -172,8 +171,8 @@ bool limit_binds() {
         return false;
     }
     const std::size_t beyond = limit.rlim_cur + static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-    void* const probe = ::mmap(nullptr, beyond, PROT_NONE,
-                               MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    void* const probe =
+        ::mmap(nullptr, beyond, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (probe == MAP_FAILED) {
         return true;
     }

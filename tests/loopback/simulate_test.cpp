@@ -133,8 +133,7 @@ class Simulate : public Loopback {
                    inputs[newest + 1].at_us <= frame.at_us + kRoundingUs) {
                 ++newest;
             }
-            const bool before =
-                frame.at_us + kRoundingUs < inputs.front().at_us + kPowerOnUs;
+            const bool before = frame.at_us + kRoundingUs < inputs.front().at_us + kPowerOnUs;
             const std::int64_t age = frame.at_us - last_us;
             SCOPED_TRACE("frame at " + std::to_string(frame.at_us) + " us");
             if (before || age >= kTimeoutUs + kHoldUs) {

@@ -35,8 +35,8 @@ SbusPayload moving_sticks(std::uint32_t frame, Random& random) {
     SbusFrame sticks;
     for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
         const double phase = 0.01 * (1.0 + 0.3 * static_cast<double>(channel)) * frame;
-        sticks.raw[channel] = static_cast<std::uint16_t>(kCentre + kHalfWay * std::sin(phase) +
-                                                         random.below(8));
+        sticks.raw[channel] =
+            static_cast<std::uint16_t>(kCentre + kHalfWay * std::sin(phase) + random.below(8));
     }
     std::array<std::uint8_t, kSbusFrameLength> wire{};
     emit_sbus(sticks, wire);
@@ -92,8 +92,7 @@ struct Score {
 
 Score ours(const World& world, const Port& port) {
     Score score;
-    for (const ChannelFrame& frame :
-         frames_of(std::make_unique<SbusDecoder>(), world.line, port)) {
+    for (const ChannelFrame& frame : frames_of(std::make_unique<SbusDecoder>(), world.line, port)) {
         score.count(world, content_of(frame));
     }
     return score;
@@ -165,11 +164,10 @@ struct Bound {
     LineFault fault;
     std::size_t most_wrong;
 };
-constexpr std::array kBounds{Bound{"byte lost", LineFault::byte_lost, 2},
-                             Bound{"byte added", LineFault::byte_added, 5},
-                             Bound{"tail cut", LineFault::tail_cut, 2},
-                             Bound{"head cut", LineFault::head_cut, 4},
-                             Bound{"noise in the gap", LineFault::noise, 0}};
+constexpr std::array kBounds{
+    Bound{"byte lost", LineFault::byte_lost, 2}, Bound{"byte added", LineFault::byte_added, 5},
+    Bound{"tail cut", LineFault::tail_cut, 2}, Bound{"head cut", LineFault::head_cut, 4},
+    Bound{"noise in the gap", LineFault::noise, 0}};
 
 void print(std::string_view fault, std::string_view who, const Score& score) {
     std::printf("[ BOUND    ] %-20.*s %-14.*s %5zu right %4zu wrong\n",
@@ -231,8 +229,7 @@ TEST(SbusBound, SlotsWithAByteTooManyOrTooFewCostNone) {
         const Duration end = put(world.line, world.frame(moving_sticks, i, footer), i * 15ms);
         const std::uint32_t broken = world.random.below(16);
         for (std::uint32_t slot = 0; slot < 8; ++slot) {
-            Bytes triple =
-                slot_triple(i % 4 * 8 + slot, world.random.byte(), world.random.byte());
+            Bytes triple = slot_triple(i % 4 * 8 + slot, world.random.byte(), world.random.byte());
             if (slot == broken) {
                 triple.resize(world.random.below(2) == 0 ? 2 : 4, world.random.byte());
             }

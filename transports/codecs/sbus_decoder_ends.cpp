@@ -15,16 +15,15 @@ using namespace sbus_wire;
 bool SbusDecoder::silence(DecodedFrame& frame) {
     buffer_.open({});
     const std::size_t size = buffer_.size();
-    const bool alone = stray_bytes_ || (buffer_.first_position() == start_position_ &&
-                                        size == kSbusFrameLength);
+    const bool alone =
+        stray_bytes_ || (buffer_.first_position() == start_position_ && size == kSbusFrameLength);
     const bool whole = state_ != State::locked && alone && size >= kSbusFrameLength &&
                        last_frame_at(size - kSbusFrameLength);
     if (whole) {
         lock_onto(size - kSbusFrameLength);
         take_front(Instant{}, frame);
     } else {
-        const bool frame_began =
-            size != 0 && (buffer_[0] == kHeader || buffer_.damaged(0));
+        const bool frame_began = size != 0 && (buffer_[0] == kHeader || buffer_.damaged(0));
         rejected_[kFraming].count += state_ == State::locked && frame_began ? 1U : 0U;
         skip(size);
         state_ = State::locked;

@@ -58,9 +58,9 @@ TEST(IbusLength, TheFirstFrameTellsIt) {
 }
 
 TEST(IbusLength, AnotherOneCountsWithItsThirdFrameInARow) {
-    for (const auto& [before, behind] : {std::pair{frame_of(14), frame_of(6)},
-                                         std::pair{frame_of(6), frame_of(14)},
-                                         std::pair{ia6_frame(), frame_of(14)}}) {
+    for (const auto& [before, behind] :
+         {std::pair{frame_of(14), frame_of(6)}, std::pair{frame_of(6), frame_of(14)},
+          std::pair{ia6_frame(), frame_of(14)}}) {
         for (const test::Split split : {test::kOneRead, test::kByteByByte, test::Split{7}}) {
             IbusDecoder decoder;
             const auto frames =
