@@ -45,8 +45,8 @@ class IbusDecoder final : public Decoder {
     std::uint64_t skipped_bytes() const override { return skipped_bytes_; }
 
   private:
-    static constexpr std::uint16_t kLongFrameHeader = 0x4020;
     static constexpr std::uint16_t kOneOther = 0x100;
+    static constexpr std::size_t kLongFrame = 32;
     enum class Kind : std::uint8_t { noise, undecided, servo, ia6, ibus2 };
     struct Candidate {
         Kind kind = Kind::noise;
@@ -70,9 +70,11 @@ class IbusDecoder final : public Decoder {
     Taken decode_byte(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     Taken decode_pieces(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     bool decode_long(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
-    Taken search_last(Instant received, DecodedFrame& frame);
+    /// `holds`: the checksum of what came as a frame of 32 bytes.
+    Taken search_last(bool holds, Instant received, DecodedFrame& frame);
     Taken search_kept(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
-    bool search_behind(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
+    bool search_instead(bool holds, std::span<const std::uint8_t>& bytes, Instant received,
+                        DecodedFrame& frame);
     bool search(std::span<const std::uint8_t>& bytes, std::size_t start, Instant received,
                 DecodedFrame& frame);
     Outcome judge(const Window& window, std::span<const std::uint8_t>& read, Instant received,
@@ -82,6 +84,9 @@ class IbusDecoder final : public Decoder {
     bool length_counts(std::size_t length);
     Candidate find_frame(std::span<const std::uint8_t> bytes, std::size_t end, std::uint64_t damage,
                          std::size_t& position);
+    void begin_frame(std::size_t length, Instant received, DecodedFrame& frame);
+    void read_long_frame(std::span<const std::uint8_t, kLongFrame> wire, Instant received,
+                         DecodedFrame& frame);
     void read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at, Instant received,
                     DecodedFrame& frame);
 
@@ -90,8 +95,8 @@ class IbusDecoder final : public Decoder {
     /// each frame sets both, how many of another length have come since.
     std::uint16_t usual_length_ = 0;
     std::uint8_t other_length_ = 0;
-    /// What a frame of 32 bytes begins with; 0, as none does, while another length is usual.
-    std::uint16_t long_header_ = kLongFrameHeader;
+    /// Frames of 32 bytes, with channels in nibbles, count without a further look.
+    bool long_frames_count_ = slots_ == IbusSlots::nibbles;
     std::array<NamedCount, 4> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}, {"length"}}};
     std::uint64_t skipped_bytes_ = 0;
 };

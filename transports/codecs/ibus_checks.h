@@ -36,6 +36,8 @@ inline std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t po
     return static_cast<std::uint16_t>(bytes[position] | bytes[position + 1] << 8);
 }
 
+inline constexpr std::uint16_t kLongFrameHeader = kLongestFrame | kServoCommand << 8U;
+
 /// Of at most 32 bytes.
 inline unsigned sum_of(std::span<const std::uint8_t> bytes) {
     std::uint64_t words = 0;

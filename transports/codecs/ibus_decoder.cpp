@@ -90,27 +90,36 @@ inline bool IbusDecoder::checksum_holds(Kind kind, std::span<const std::uint8_t>
     return false;
 }
 
-inline void IbusDecoder::read_frame(std::span<const std::uint8_t> wire, std::size_t slots_at,
-                                    Instant received, DecodedFrame& frame) {
-    frame = {.first_byte = buffer_.first_position(), .length = wire.size()};
+inline void IbusDecoder::begin_frame(std::size_t length, Instant received, DecodedFrame& frame) {
+    frame = {.first_byte = buffer_.first_position(), .length = length};
     frame.channels.frame_lost = false;
     frame.channels.failsafe = false;
     frame.channels.received = received;
     frame.channels.origin = Origin::ibus;
-    const auto slots = wire.subspan(slots_at, wire.size() - slots_at - kChecksumBytes);
-    if (slots_ == IbusSlots::plain) {
-        put_slots(frame.channels, slots, 0xFFFF);
-    } else if (wire.size() == kLongestFrame) {
-        put_all_slots(frame.channels, slots.data());
-        put_nibble_channels(frame.channels, slots.data());
-    } else {
-        put_slots(frame.channels, slots, kChannelMask);
+    usual_length_ = static_cast<std::uint16_t>(length);
+}
+
+inline void IbusDecoder::read_long_frame(std::span<const std::uint8_t, kLongFrame> wire,
+                                         Instant received, DecodedFrame& frame) {
+    begin_frame(kLongestFrame, received, frame);
+    put_all_slots(frame.channels, wire.data() + kSlotsAt);
+    put_nibble_channels(frame.channels, wire.data() + kSlotsAt);
+}
+
+[[gnu::noinline]] void IbusDecoder::read_frame(std::span<const std::uint8_t> wire,
+                                               std::size_t slots_at, Instant received,
+                                               DecodedFrame& frame) {
+    if (slots_ == IbusSlots::nibbles && wire.size() == kLongestFrame) {
+        read_long_frame(wire.first<kLongestFrame>(), received, frame);
+        return;
     }
-    usual_length_ = static_cast<std::uint16_t>(wire.size());
+    begin_frame(wire.size(), received, frame);
+    put_slots(frame.channels, wire.subspan(slots_at, wire.size() - slots_at - kChecksumBytes),
+              slots_ == IbusSlots::plain ? std::uint16_t{0xFFFF} : kChannelMask);
 }
 
 /// Of a frame whose checksum holds.
-bool IbusDecoder::length_counts(std::size_t length) {
+[[gnu::noinline]] bool IbusDecoder::length_counts(std::size_t length) {
     constexpr std::uint8_t kInARow = 3;
     const auto now = static_cast<std::uint8_t>(length);
     const auto usual = static_cast<std::uint8_t>(usual_length_);
@@ -123,7 +132,7 @@ bool IbusDecoder::length_counts(std::size_t length) {
             return false;
         }
     }
-    long_header_ = now == kLongestFrame ? kLongFrameHeader : std::uint16_t{0};
+    long_frames_count_ = now == kLongestFrame && slots_ == IbusSlots::nibbles;
     return true;
 }
 
@@ -145,7 +154,7 @@ void IbusDecoder::reset() {
     buffer_.close();
     usual_length_ = 0;
     other_length_ = 0;
-    long_header_ = kLongFrameHeader;
+    long_frames_count_ = slots_ == IbusSlots::nibbles;
 }
 
 void IbusDecoder::damaged_byte() {
@@ -203,8 +212,8 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     // What usually comes is a frame in its place, in one read; the rest comes to the same.
     if (buffer_.size() == 0 && bytes.size() >= kLongestFrame) {
         const auto wire = bytes.first<kLongestFrame>();
-        if (word_at(wire, 0) == long_header_ && long_frame_holds(wire)) {
-            read_frame(wire, kSlotsAt, received, frame);
+        if (word_at(wire, 0) == kLongFrameHeader && long_frame_holds(wire) && long_frames_count_) {
+            read_long_frame(wire, received, frame);
             buffer_.pass(kLongestFrame);
             return {kLongestFrame, true};
         }
@@ -236,14 +245,15 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
         buffer_.keep_one(byte, kLongestFrame - kSlotsAt);
         return {1, false};
     }
-    if (buffer_.size() == kLongestFrame - 1 && word_at(wire, 0) == long_header_) {
+    if (buffer_.size() == kLongestFrame - 1 && word_at(wire, 0) == kLongFrameHeader) {
         buffer_.keep_one(byte, 0);
-        if (long_frame_holds(wire)) {
-            read_frame(wire, kSlotsAt, received, frame);
+        const bool holds = long_frame_holds(wire);
+        if (holds && long_frames_count_) {
+            read_long_frame(wire, received, frame);
             buffer_.pass_kept();
             return {1, true};
         }
-        return search_last(received, frame);
+        return search_last(holds, received, frame);
     }
     return buffer_.size() == 0 ? decode_pieces(bytes, received, frame)
                                : search_kept(bytes, received, frame);
@@ -270,8 +280,7 @@ inline void IbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
             return {bytes.size(), false};
         }
     }
-    const bool may_be_long = long_header_ != 0 && !buffer_.any_damaged();
-    const bool found = may_be_long && buffer_.peek(0, rest) == kLongestFrame
+    const bool found = !buffer_.any_damaged() && buffer_.peek(0, rest) == kLongestFrame
                            ? decode_long(rest, received, frame)
                            : search(rest, 0, received, frame);
     return {bytes.size() - rest.size(), found};
@@ -291,19 +300,20 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
     }
     const std::span<const std::uint8_t, kLongestFrame> wire(buffer_.whole(kLongestFrame, bytes),
                                                             kLongestFrame);
-    if (!long_frame_holds(wire)) {
-        return search_behind(bytes, received, frame);
+    const bool holds = long_frame_holds(wire);
+    if (!holds || !long_frames_count_) {
+        return search_instead(holds, bytes, received, frame);
     }
-    read_frame(wire, kSlotsAt, received, frame);
+    read_long_frame(wire, received, frame);
     buffer_.pass(kLongestFrame, bytes);
     return true;
 }
 
 /// The same, with its last byte the last one that there is.
-[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_last(Instant received,
+[[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_last(bool holds, Instant received,
                                                               DecodedFrame& frame) {
     std::span<const std::uint8_t> nothing_more;
-    return {1, search_behind(nothing_more, received, frame)};
+    return {1, search_instead(holds, nothing_more, received, frame)};
 }
 
 [[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_kept(std::span<const std::uint8_t> bytes,
@@ -314,11 +324,11 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
     return {bytes.size() - rest.size(), found};
 }
 
-/// A long frame at the front is none.
-[[gnu::noinline]] bool IbusDecoder::search_behind(std::span<const std::uint8_t>& bytes,
-                                                  Instant received, DecodedFrame& frame) {
-    ++rejected_[kChecksum].count;
-    return search(bytes, 1, received, frame);
+/// What stands as a long frame at the front is none, or does not count yet.
+[[gnu::noinline]] bool IbusDecoder::search_instead(bool holds, std::span<const std::uint8_t>& bytes,
+                                                   Instant received, DecodedFrame& frame) {
+    rejected_[kChecksum].count += holds ? 0U : 1U;
+    return search(bytes, holds ? 0 : 1, received, frame);
 }
 
 /// Judges all from `start` on, which is behind the front by no more than a byte.
