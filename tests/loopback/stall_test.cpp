@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -50,6 +51,7 @@ TEST_F(Stall, longer_than_the_timeout_gives_no_unmarked_frame_that_is_older) {
         EXPECT_TRUE(all_in_control());
     }
     expect_nothing_stale();
+    EXPECT_TRUE(program.says("this program did not run for 0.")) << program.errors();
     expect_clean_end(program);
 }
 
@@ -99,6 +101,78 @@ TEST_F(Stall, shorter_than_the_timeout_is_followed_by_the_newest_frame) {
     for (WitnessedLine& line : lines_) {
         const Testimony& testimony = line.witness().testimony();
         EXPECT_EQ(testimony.overtaken, 0U) << to_text(testimony);
+    }
+    expect_clean_end(program);
+}
+
+/// What waited may have come at any time since the program was stopped.
+TEST_F(Stall, shorter_than_the_timeout_makes_nothing_younger_than_it_is) {
+    Program& program = begin(4, "timeout = \"1s\"",
+                             "hold = \"0ms\"\nrecover = \"0ms\"\npower_on = \"0ms\"", 1007ms);
+    program.signal(SIGSTOP);
+    go_on_for(100ms);
+    for (WitnessedLine& line : lines_) {
+        line.silence(Clock::now() + 1h);
+    }
+    go_on_for(600ms);
+    program.signal(SIGCONT);
+    EXPECT_TRUE(turn_until([this] {
+        return std::ranges::none_of(
+            lines_, [](WitnessedLine& line) { return line.witness().in_control(); });
+    }));
+    expect_nothing_stale();
+    expect_clean_end(program);
+}
+
+TEST_F(Stall, joins_no_half_frames_of_before_and_behind) {
+    constexpr std::size_t kHalf = 10;
+    FarEnd& receiver = device("receiver");
+    ServoBank servos(device("servos"));
+    Program& program = run(write_config(R"([input.receiver]
+protocol = "sbus"
+device = "@receiver"
+timeout = "100ms"
+[output.servos]
+protocol = "sbus"
+device = "@servos"
+period = "7ms"
+[pipeline.main]
+from = "receiver"
+to = "servos"
+[pipeline.main.failsafe]
+hold = "0ms"
+recover = "0ms"
+power_on = "0ms"
+)"));
+    const Bytes before = sbus_bytes(sbus_sight_of(Sticks(16, 1200)));
+    const Bytes behind = sbus_bytes(sbus_sight_of(Sticks(16, 1800)));
+    Repeater repeater(receiver, before);
+    const auto all = [&](bool good) {
+        return eventually([&] {
+            if (good) {
+                repeater.send_if_due();
+            }
+            const auto seen = servos.listen();
+            return !seen.empty() && seen.back().good() == good;
+        });
+    };
+    ASSERT_TRUE(all(true)) << program.errors();
+    constexpr timespec kStep{.tv_sec = 0, .tv_nsec = 20'000'000};
+    ::nanosleep(&kStep, nullptr);
+    receiver.send(Bytes(before.begin(), before.begin() + kHalf));
+    ::nanosleep(&kStep, nullptr);
+    program.signal(SIGSTOP);
+    constexpr timespec kStall{.tv_sec = 0, .tv_nsec = 300'000'000};
+    ::nanosleep(&kStall, nullptr);
+    program.signal(SIGCONT);
+    ASSERT_TRUE(all(false));
+    receiver.send(Bytes(behind.begin() + kHalf, behind.end()));
+    const auto end = Clock::now() + 200ms;
+    while (Clock::now() < end) {
+        for (const SbusSight& sight : servos.listen()) {
+            EXPECT_FALSE(sight.good()) << "channel 1 is " << sight.raw[0];
+        }
+        ::nanosleep(&kStep, nullptr);
     }
     expect_clean_end(program);
 }

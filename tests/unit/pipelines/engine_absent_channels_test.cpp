@@ -15,15 +15,18 @@ std::uint16_t wire_value(std::int64_t microseconds) {
     return SbusScale::named("betaflight")->encode(us(microseconds));
 }
 
-/// All channels at 1200 us.
-void fourteen(Bench& bench, Instant from, Instant until) {
+/// So many channels at 1200 us.
+void send_channels(Bench& bench, std::size_t count, Instant from, Instant until) {
     ChannelFrame frame;
-    for (std::size_t channel = 0; channel < 14; ++channel) {
+    for (std::size_t channel = 0; channel < count; ++channel) {
         frame.set(channel, us(1200));
     }
     for (Instant when = from; when < until; when += 8ms) {
-        bench.send(IbusEncoder(14), 0, when, frame);
+        bench.send(IbusEncoder(count), 0, when, frame);
     }
+}
+void fourteen(Bench& bench, Instant from, Instant until) {
+    send_channels(bench, 14, from, until);
 }
 
 TEST(AbsentChannels, are_the_presets_of_the_output) {
@@ -90,6 +93,9 @@ TEST(AbsentChannels, that_a_map_names_are_told_of_and_others_not) {
     fourteen(bench, at(0ms), at(1s));
     bench.said(at(1s));
     EXPECT_EQ(bench.engine().outputs()[0].state(at(1s)).by_preset, 0b0100U);
+    send_channels(bench, 18, at(1s), at(2s));
+    bench.said(at(2s));
+    EXPECT_EQ(bench.engine().outputs()[0].state(at(2s)).by_preset, 0U);
 }
 
 }  // namespace
