@@ -187,5 +187,18 @@ TEST(CaptureRing, never_shows_a_piece_that_is_half_overwritten) {
     writer.join();
 }
 
+/// As memory that another process left may have one.
+TEST(CaptureRing, PieceOfTheOtherKindOfPortCannotBeRecorded) {
+    CapturePiece frame;
+    frame.marks = CaptureMarks::kCan;
+    frame.count = 8;
+    EXPECT_TRUE(can_be_recorded(frame, true));
+    EXPECT_FALSE(can_be_recorded(frame, false));
+    CapturePiece bytes;
+    bytes.count = 8;
+    EXPECT_TRUE(can_be_recorded(bytes, false));
+    EXPECT_FALSE(can_be_recorded(bytes, true));
+}
+
 }  // namespace
 }  // namespace tribus
