@@ -27,7 +27,7 @@ std::string output_text(const OutputState& state, std::span<const std::string> i
 /// "channels 3, 4 say their presets: the channels that the map makes them of are absent", for the
 /// bits of `OutputState::by_preset`.
 std::string by_preset_text(std::uint32_t channels);
-/// Of an input of which `DecoderReport::two_senders` is true.
+/// What is said of an input whose `DecoderReport::two_senders` is true.
 inline constexpr std::string_view kTwoSendersText =
     "its frames come in two rhythms, as from two senders; without a counter they cannot be told "
     "apart, and their values mix";

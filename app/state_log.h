@@ -53,7 +53,7 @@ class StateLog {
     };
     struct OutputMemory {
         LastWord<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
-        /// Of `OutputState::by_preset`, those that were told.
+        /// Those of `OutputState::by_preset` that were told.
         std::uint32_t presets_said = 0;
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
