@@ -20,12 +20,12 @@ void put_slots(ChannelFrame& channels, std::span<const std::uint8_t> slots, std:
 
 /// All 14 slots, 12 bits each, microseconds to eighths.
 inline void put_all_slots(ChannelFrame& channels, const std::uint8_t* slots) {
-    constexpr unsigned kEighthsBits = 3;
+    constexpr unsigned kEighthBits = 3;
     constexpr std::size_t kLast = kSlotCount - kLanes;
     auto& pulses = channels.pulses();
     // The last eight slots begin with two of the first eight.
-    store_numbers(&pulses[0], (load_wire(slots) & kChannelMask) << kEighthsBits);
-    store_numbers(&pulses[kLast], (load_wire(slots + 2 * kLast) & kChannelMask) << kEighthsBits);
+    store_numbers(&pulses[0], (load_wire(slots) & kChannelMask) << kEighthBits);
+    store_numbers(&pulses[kLast], (load_wire(slots + 2 * kLast) & kChannelMask) << kEighthBits);
     channels.mark_first(kSlotCount);
 }
 
@@ -192,17 +192,15 @@ inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8
             continue;
         }
         if (checksum_holds(found.kind, bytes.subspan(at, found.length))) {
-            if (found.kind == Kind::ibus2) {
-                ++rejected_[kIbus2].count;
-            } else if (length_counts(found.length)) {
+            if (found.kind != Kind::ibus2) {
                 break;
             }
+            ++rejected_[kIbus2].count;
             at += found.length - 1;
         } else if (found.kind == Kind::servo) {
             ++rejected_[kChecksum].count;
         }
     }
-    skipped_bytes_ += at;
     position = at;
     return at < end ? found : Candidate{};
 }
@@ -351,7 +349,12 @@ bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, std::size_t start
 IbusDecoder::Outcome IbusDecoder::judge(const Window& window, std::span<const std::uint8_t>& read,
                                         Instant received, DecodedFrame& frame) {
     std::size_t position = window.start;
-    const Candidate found = find_frame(window.bytes, window.end, window.damage, position);
+    Candidate found = find_frame(window.bytes, window.end, window.damage, position);
+    while (found.kind != Kind::noise && found.whole && !length_counts(found.length)) {
+        position += found.length;
+        found = find_frame(window.bytes, window.end, window.damage, position);
+    }
+    skipped_bytes_ += position;
     if (found.kind == Kind::noise) {
         buffer_.pass(position, read);
         return Outcome::nothing;
