@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
+#include "app/log.h"
 #include "app/log_fields.h"
 #include "app/log_limit.h"
 #include "core/counted.h"
@@ -42,10 +41,10 @@ void log_interface(const Appliance& appliance, const PortPlan& plan) {
     if (!interface) {
         return;
     }
-    spdlog::info("{}", summary(*interface));
+    log_info("{}", summary(*interface));
     const bool sends = !plan.wiring.outputs.empty();
     for (const std::string& sentence : advice(*interface, sends, appliance.uses_fd(plan.wiring))) {
-        spdlog::warn("{}: {}", interface->name, sentence);
+        log_warning("{}: {}", interface->name, sentence);
     }
 }
 
@@ -87,8 +86,8 @@ void CanReport::look_at_state(const std::string& name, const CanLinkStatus& stat
     }
     if (const auto swallowed = memory.said.look(status.state, memory.limit, now)) {
         const bool fine = status.state == CanBusState::ready;
-        spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "interface {}: {}{}", name,
-                    state_text(status.state, name), swallowed_note(*swallowed));
+        log_at(fine ? LogLevel::info : LogLevel::warning, "interface {}: {}{}", name,
+               state_text(status.state, name), swallowed_note(*swallowed));
     }
 }
 
@@ -99,8 +98,8 @@ void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& 
         return;
     }
     if (const auto swallowed = memory.overflow_limit.pass(now)) {
-        spdlog::warn("interface {}: {} lost because they came faster than they were read{}", name,
-                     counted(lost, "frame"), swallowed_note(*swallowed));
+        log_warning("interface {}: {} lost because they came faster than they were read{}", name,
+                    counted(lost, "frame"), swallowed_note(*swallowed));
     }
     memory.receive_overflows = status.counts.receive_overflows;
 }
@@ -119,10 +118,9 @@ void CanReport::end_bus_off(const std::string& name, Memory& memory, Instant now
     const auto restarted = restart_can_interface(name);
     if (const auto swallowed = memory.limit.pass(now)) {
         if (restarted) {
-            spdlog::info("interface {}: restarted after bus-off{}", name,
-                         swallowed_note(*swallowed));
+            log_info("interface {}: restarted after bus-off{}", name, swallowed_note(*swallowed));
         } else {
-            spdlog::warn("{}{}", restarted.error(), swallowed_note(*swallowed));
+            log_warning("{}{}", restarted.error(), swallowed_note(*swallowed));
         }
     }
 }

@@ -5,7 +5,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "app/exit_status.h"
 #include "app/load_or_explain.h"
@@ -15,41 +14,59 @@
 
 namespace tribus {
 
-void add_check_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "check", "Validate a configuration; print it with every default, or all its mistakes");
+namespace {
+
+int check(const std::string& path, bool json) {
+    const auto configuration = load_or_explain(path);
+    if (!configuration) {
+        return kExitWrongUse;
+    }
+    for (const Mistake& remark : maps_of_absent_channels(*configuration)) {
+        fmt::print(stderr, "{}:{}:{}: warning: {}\n", remark.file, remark.where.line,
+                   remark.where.column, remark.text);
+    }
+    fmt::print("{}", json ? effective_json(*configuration) : effective_toml(*configuration));
+    return kExitFine;
+}
+
+}  // namespace
+
+Command check_command() {
     struct Options {
         std::string path;
         std::string format = "toml";
     };
     auto options = std::make_shared<Options>();
-    command->add_option("CONFIG", options->path, "Configuration file")->required();
-    command->add_option("--format", options->format, "Form of the effective configuration")
-        ->check(CLI::IsMember({"toml", "json"}))
-        ->capture_default_str();
-    command->callback([options, &status] {
-        const auto configuration = load_or_explain(options->path);
-        if (!configuration) {
-            status = kExitWrongUse;
-            return;
-        }
-        for (const Mistake& remark : maps_of_absent_channels(*configuration)) {
-            fmt::print(stderr, "{}:{}:{}: warning: {}\n", remark.file, remark.where.line,
-                       remark.where.column, remark.text);
-        }
-        fmt::print("{}", options->format == "json" ? effective_json(*configuration)
-                                                   : effective_toml(*configuration));
-    });
+    return {
+        .name = "check",
+        .help = "Validate a configuration; print it with every default, or all its mistakes",
+        .options = {{.name = "CONFIG",
+                     .value = &options->path,
+                     .help = "Configuration file",
+                     .required = true},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "Form of the effective configuration",
+                     .shows_value = true,
+                     .choices = {"toml", "json"}}},
+        .run = [options] { return check(options->path, options->format == "json"); },
+    };
 }
 
-void add_schema_command(CLI::App& app) {
-    auto* command =
-        app.add_subcommand("schema", "Print the JSON schema of configurations, for editors");
-    command->footer(
-        "Editors that know it complete keys and underline mistakes. Save it beside the\n"
-        "configuration and start that with the line\n"
-        "  #:schema ./tribus.schema.json");
-    command->callback([] { fmt::print("{}", json_schema()); });
+Command schema_command() {
+    return {
+        .name = "schema",
+        .help = "Print the JSON schema of configurations, for editors",
+        .footer =
+            "Editors that know it complete keys and underline mistakes. Save it beside the\n"
+            "configuration and start that with the line\n"
+            "  #:schema ./tribus.schema.json",
+        .run =
+            [] {
+                fmt::print("{}", json_schema());
+                return kExitFine;
+            },
+    };
 }
 
 }  // namespace tribus

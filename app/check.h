@@ -1,13 +1,11 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommands `check` (validates a configuration) and `schema` (prints its JSON schema).
-void add_check_command(CLI::App& app, int& status);
-void add_schema_command(CLI::App& app);
+Command check_command();
+Command schema_command();
 
 }  // namespace tribus

@@ -14,15 +14,15 @@
 namespace tribus {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Words = std::span<const std::string>;
 
 constexpr Duration kLeastTrial = std::chrono::seconds(1);
 constexpr Duration kMostTrial = std::chrono::hours(1);
 
 std::string outcome_text(const ReloadOutcome& outcome) {
-    Json json{{"type", "outcome"}, {"taken", outcome.taken}, {"lines", outcome.lines}};
-    json["trial"] = outcome.trial ? Json(*outcome.trial) : Json(nullptr);
+    OrderedJson json{{"type", "outcome"}, {"taken", outcome.taken}, {"lines", outcome.lines}};
+    json["trial"] = outcome.trial ? OrderedJson(*outcome.trial) : OrderedJson(nullptr);
     return json_text(json);
 }
 

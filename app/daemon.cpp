@@ -4,8 +4,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "app/log.h"
 #include "config/carry_over.h"
 #include "core/counted.h"
 #include "pipelines/realtime/clock.h"
@@ -24,7 +24,7 @@ std::string summary(const Configuration& configuration) {
 
 void log_all(const std::vector<std::string>& errors) {
     for (const std::string& error : errors) {
-        spdlog::error("{}", error);
+        log_error("{}", error);
     }
 }
 
@@ -73,12 +73,12 @@ bool Daemon::start_or_log(std::unique_ptr<Appliance> built, Appliance::MissingDe
     }
     appliance_ = std::move(*appliance);
     for (const std::string& lack : appliance_->missing_realtime()) {
-        spdlog::warn("no full real time: {}", lack);
+        log_warning("no full real time: {}", lack);
     }
     for (const std::string& absent : appliance_->waits_for()) {
-        spdlog::warn("{}; waiting for it", absent);
+        log_warning("{}; waiting for it", absent);
     }
-    spdlog::info("started {}", summary(appliance_->configuration()));
+    log_info("started {}", summary(appliance_->configuration()));
     return true;
 }
 
@@ -94,7 +94,7 @@ void Daemon::start(Configuration configuration) {
 ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
                                        std::vector<std::string> obstacles) {
     for (const std::string& obstacle : obstacles) {
-        spdlog::warn("reload with a stop, outputs go into failsafe: {}", obstacle);
+        log_warning("reload with a stop, outputs go into failsafe: {}", obstacle);
     }
     Configuration old = configuration();
     appliance_.reset();
@@ -104,7 +104,7 @@ ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
     if (outcome.taken) {
         outcome.lines = std::move(obstacles);
     } else {
-        spdlog::error("reload failed; back to the old configuration");
+        log_error("reload failed; back to the old configuration");
         std::vector<std::string> ignored;
         start_or_log(Appliance::build(std::move(old)), Appliance::MissingDevices::wait_for,
                      ignored);
@@ -120,12 +120,12 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
     auto next = Appliance::succeed(appliance_, std::move(fresh), carry_over);
     if (!next) {
         log_all(next.error());
-        spdlog::error("reload refused: {} cannot be set up; the old configuration runs on", file);
+        log_error("reload refused: {} cannot be set up; the old configuration runs on", file);
         service_.started(*appliance_, monotonic_now());
         return {.lines = std::move(next.error())};
     }
     appliance_ = std::move(*next);
-    spdlog::info("reloaded {}", summary(configuration()));
+    log_info("reloaded {}", summary(configuration()));
     watch_on(ports_before, carry_over);
     return {.taken = true};
 }
@@ -150,14 +150,14 @@ void Daemon::set_trial(std::optional<Trial> trial) {
 }
 
 void Daemon::confirm() {
-    spdlog::info("confirmed: the configuration stays");
+    log_info("confirmed: the configuration stays");
     set_trial(std::nullopt);
 }
 
 /// As another node of DroneCAN asked for.
 void Daemon::restart() {
     service_.reloading();
-    spdlog::info("restarting, as another DroneCAN node asked for");
+    log_info("restarting, as another DroneCAN node asked for");
     Configuration same = configuration();
     appliance_->end();
     appliance_.reset();
@@ -168,7 +168,7 @@ void Daemon::restart() {
 
 void Daemon::look(Instant now) {
     if (trial_ && now >= trial_->end) {
-        spdlog::warn("the trial was not confirmed");
+        log_warning("the trial was not confirmed");
         begin_going_back();
     }
     if (appliance_ && appliance_->restart_wanted()) {
@@ -187,7 +187,7 @@ void Daemon::look(Instant now) {
 void Daemon::end() {
     service_.stopping();
     appliance_->end();
-    spdlog::info("stopped");
+    log_info("stopped");
 }
 
 }  // namespace tribus

@@ -2,10 +2,9 @@
 #include <string>
 #include <utility>
 
-#include <spdlog/spdlog.h>
-
 #include "app/daemon.h"
 #include "app/load_or_explain.h"
+#include "app/log.h"
 #include "pipelines/realtime/clock.h"
 
 /// The daemon's way from one configuration to the next: what takes long is done beside it.
@@ -51,7 +50,7 @@ std::uint64_t Daemon::begin_going_back() {
     if (change_) {
         remember(change_->number, {.lines = {"given up: the trial before it ended meanwhile"}});
     }
-    spdlog::warn("back to the configuration before; {} still holds the one that was tried", path_);
+    log_warning("back to the configuration before; {} still holds the one that was tried", path_);
     Configuration before = std::move(trial_->before);
     set_trial(std::nullopt);
     auto preparation = Preparation::of(before);
@@ -96,8 +95,8 @@ void Daemon::go_on(Instant now) {
 
 ReloadOutcome Daemon::refuse(const std::vector<Mistake>& mistakes) {
     explain_mistakes(mistakes);
-    spdlog::error("reload refused: {} {}; the old configuration runs on", path_,
-                  may_pass(mistakes) ? "cannot be read as a whole" : "has mistakes");
+    log_error("reload refused: {} {}; the old configuration runs on", path_,
+              may_pass(mistakes) ? "cannot be read as a whole" : "has mistakes");
     service_.started(*appliance_, monotonic_now());
     ReloadOutcome outcome;
     for (const Mistake& mistake : mistakes) {
@@ -117,11 +116,11 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
         return outcome;
     }
     if (change.trial) {
-        spdlog::info("on trial for {} s: goes back by itself unless confirmed",
-                     std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
+        log_info("on trial for {} s: goes back by itself unless confirmed",
+                 std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
         set_trial(Trial{std::move(before), later(monotonic_now(), *change.trial), ++trials_});
     } else if (trial_ && change.kind == ChangeKind::hang_up) {
-        spdlog::info("still on trial: SIGHUP confirms nothing");
+        log_info("still on trial: SIGHUP confirms nothing");
     } else {
         set_trial(std::nullopt);
     }
@@ -135,7 +134,7 @@ ReloadOutcome Daemon::finish_going_back(Change& change) {
         return outcome;
     }
     // What ran before the trial is to run, whatever has been unplugged since.
-    spdlog::warn("starting it all the same, with a stop: outputs go into failsafe");
+    log_warning("starting it all the same, with a stop: outputs go into failsafe");
     appliance_.reset();
     std::vector<std::string> errors;
     outcome.taken = start_or_log(Appliance::build(std::move(change.before)),

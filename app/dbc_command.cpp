@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "app/exit_status.h"
 #include "core/can_frame.h"
@@ -23,13 +22,13 @@ namespace {
 /// Of the format that needs the fewest ids in a row; each checks its own.
 constexpr std::int64_t kMostBaseId = kMostExtendedId - can_channels::kFdIndex;
 
-struct Options {
+struct DbcOptions {
     std::optional<std::int64_t> id;
     bool extended = false;
     bool sensors = false;
 };
 
-int print_dbc(const Options& options) {
+int print_dbc(const DbcOptions& options) {
     SettingValues settings;
     if (options.id) {
         settings.set("id", *options.id);
@@ -47,18 +46,24 @@ int print_dbc(const Options& options) {
 
 }  // namespace
 
-void add_dbc_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "dbc", "Print the native CAN formats as DBC files, for other tools on the bus");
-    auto options = std::make_shared<Options>();
-    command->add_option("--id", options->id, "Base id, as in the configuration")
-        ->check(CLI::Range(std::int64_t{0}, kMostBaseId))
-        ->default_str(fmt::format("0x{:X}, of sensors 0x{:X}", can_channels::kDefaultBaseId,
-                                  sensor_can::kDefaultBaseId));
-    command->add_flag("--extended", options->extended, "Ids of 29 bits");
-    command->add_flag("--sensors", options->sensors,
-                      "The readings of a sensor bus, protocol \"sensors\"");
-    command->callback([options, &status] { status = print_dbc(*options); });
+Command dbc_command() {
+    auto options = std::make_shared<DbcOptions>();
+    return {
+        .name = "dbc",
+        .help = "Print the native CAN formats as DBC files, for other tools on the bus",
+        .options = {{.name = "--id",
+                     .value = &options->id,
+                     .help = "Base id, as in the configuration",
+                     .range = {{0, kMostBaseId}},
+                     .default_text =
+                         fmt::format("0x{:X}, of sensors 0x{:X}", can_channels::kDefaultBaseId,
+                                     sensor_can::kDefaultBaseId)},
+                    {.name = "--extended", .value = &options->extended, .help = "Ids of 29 bits"},
+                    {.name = "--sensors",
+                     .value = &options->sensors,
+                     .help = "The readings of a sensor bus, protocol \"sensors\""}},
+        .run = [options] { return print_dbc(*options); },
+    };
 }
 
 }  // namespace tribus

@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 /// The subcommand `dbc`: the native CAN format as a DBC file, for other tools on the bus.
 namespace tribus {
 
-void add_dbc_command(CLI::App& app, int& status);
+Command dbc_command();
 
 }  // namespace tribus

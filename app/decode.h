@@ -5,13 +5,10 @@
 #include <span>
 #include <string>
 
+#include "app/command.h"
 #include "app/frame_printer.h"
 #include "app/protocol_use.h"
 #include "transports/links/recording.h"
-
-namespace CLI {
-class App;
-}
 
 /// The subcommand `decode`: recorded bytes or CAN frames to frames of channels.
 namespace tribus {
@@ -30,6 +27,6 @@ int decode_recording(const Recording& recording, std::span<const ProtocolUse> us
 int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
                   FramePrinter& printer, std::ostream& results, std::ostream& talk);
 
-void add_decode_command(CLI::App& app, int& status);
+Command decode_command();
 
 }  // namespace tribus

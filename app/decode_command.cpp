@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstddef>
 #include <functional>
@@ -15,13 +14,13 @@
 #include <utility>
 #include <vector>
 
+#include "app/command_line.h"
 #include "app/configured_use.h"
 #include "app/decode.h"
 #include "app/decode_can.h"
 #include "app/decode_dronecan.h"
 #include "app/decode_sensor.h"
 #include "app/exit_status.h"
-#include "app/help_formatter.h"
 #include "app/sensor_frame_finder.h"
 #include "app/streams.h"
 #include "core/quotes.h"
@@ -353,47 +352,46 @@ int run_decode(const DecodeArguments& arguments) {
 
 }  // namespace
 
-void add_decode_command(CLI::App& app, int& status) {
-    CLI::App* const command =
-        app.add_subcommand("decode", "Bytes or CAN frames of a protocol to frames, one a line");
+Command decode_command() {
     const auto arguments = std::make_shared<DecodeArguments>();
-    command->add_option("file", arguments->file,
-                        "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial "
-                        "decoder, or a log of candump; the content tells which. Absent or -: "
-                        "standard input, of which raw bytes of a named protocol, and the lines of "
-                        "candump -L, are decoded as they come");
-    command
-        ->add_option("--protocol", arguments->protocol,
-                     "auto: the one that finds the most frames, and lines that are one frame of "
-                     "another")
-        ->type_name(choices_type("auto," + protocol_list() + "," + kSensorProtocol))
-        ->capture_default_str();
-    command->add_option("--as", arguments->as, kAsHelp)->type_name("FILE:NAME");
-    command
-        ->add_option("--dialect", arguments->dialect,
-                     "Of ibus-sensor: whose meaning of the disputed types; flysky if absent")
-        ->check(CLI::IsMember(
-            std::vector<std::string>(kSensorDialectNames.begin(), kSensorDialectNames.end())));
-    command->add_option("--format", arguments->format, "text shows whole microseconds")
-        ->capture_default_str()
-        ->check(CLI::IsMember(kFormats));
-    command
-        ->add_option("--input-format", arguments->input_format,
-                     "Kind of the input, where its content does not show it")
-        ->check(CLI::IsMember(kInputFormats));
-    command->add_option("--interface", arguments->interface,
-                        "Of a log of candump: the interface whose frames are decoded; needed only "
-                        "where it names several");
-    for (const SettingOption& option : setting_options(SettingScope::input)) {
-        const auto keep = [arguments, key = option.key](const std::string& text) {
-            arguments->given.insert_or_assign(key, text);
-        };
-        CLI::Option* const added =
-            command->add_option_function<std::string>("--" + option.key, keep, option.help);
-        added->type_name(option.choices.empty() ? "TEXT" : choices_type(option.choices));
-    }
-    command->callback(
-        [arguments, &status] { status = finish_standard_output(run_decode(*arguments)); });
+    std::vector<CommandOption> options{
+        {.name = "file",
+         .value = &arguments->file,
+         .help = "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial "
+                 "decoder, or a log of candump; the content tells which. Absent or -: "
+                 "standard input, of which raw bytes of a named protocol, and the lines of "
+                 "candump -L, are decoded as they come"},
+        {.name = "--protocol",
+         .value = &arguments->protocol,
+         .help = "auto: the one that finds the most frames, and lines that are one frame of "
+                 "another",
+         .shows_value = true,
+         .type_name = choices_type("auto," + protocol_list() + "," + kSensorProtocol)},
+        {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
+        {.name = "--dialect",
+         .value = &arguments->dialect,
+         .help = "Of ibus-sensor: whose meaning of the disputed types; flysky if absent",
+         .choices = {kSensorDialectNames.begin(), kSensorDialectNames.end()}},
+        {.name = "--format",
+         .value = &arguments->format,
+         .help = "text shows whole microseconds",
+         .shows_value = true,
+         .choices = {"csv", "json", "text"}},
+        {.name = "--input-format",
+         .value = &arguments->input_format,
+         .help = "Kind of the input, where its content does not show it",
+         .choices = {"candump", "hex", "raw", "saleae", "timed"}},
+        {.name = "--interface",
+         .value = &arguments->interface,
+         .help = "Of a log of candump: the interface whose frames are decoded; needed only "
+                 "where it names several"}};
+    append_setting_options(options, SettingScope::input, arguments->given);
+    return {
+        .name = "decode",
+        .help = "Bytes or CAN frames of a protocol to frames, one a line",
+        .options = std::move(options),
+        .run = [arguments] { return finish_standard_output(run_decode(*arguments)); },
+    };
 }
 
 }  // namespace tribus

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "app/appliance.h"
 #include "app/demo_peers.h"
@@ -256,17 +255,21 @@ int demo(std::optional<double> seconds) {
 
 }  // namespace
 
-void add_demo_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "demo", "The main job with nothing attached: i.Bus in, SBUS out, with live bars");
+Command demo_command() {
     auto seconds = std::make_shared<std::optional<double>>();
     constexpr double kLongestSeconds = 1e6;
-    command->add_option("--seconds", *seconds, "End after so long, with a summary")
-        ->check(CLI::Range(0.1, kLongestSeconds));
-    command->footer(
-        "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the\n"
-        "real engine, a servo bank on another. The radio link drops every few seconds.");
-    command->callback([seconds, &status] { status = demo(*seconds); });
+    return {
+        .name = "demo",
+        .help = "The main job with nothing attached: i.Bus in, SBUS out, with live bars",
+        .footer =
+            "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the\n"
+            "real engine, a servo bank on another. The radio link drops every few seconds.",
+        .options = {{.name = "--seconds",
+                     .value = seconds.get(),
+                     .help = "End after so long, with a summary",
+                     .range = {{0.1, kLongestSeconds}}}},
+        .run = [seconds] { return demo(*seconds); },
+    };
 }
 
 }  // namespace tribus

@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `demo`: the main job with nothing attached, over real ttys.
-void add_demo_command(CLI::App& app, int& status);
+Command demo_command();
 
 }  // namespace tribus

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
@@ -24,11 +23,11 @@
 namespace tribus {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Lines = std::vector<std::string>;
 
 /// As it stands in the file, without the quotes around texts.
-std::string plain(const Json& json) {
+std::string plain(const OrderedJson& json) {
     if (json.is_string()) {
         return json.get<std::string>();
     }
@@ -43,28 +42,29 @@ std::string plain(const Json& json) {
 }
 
 /// How one channel is made.
-std::string channel_words(const Json& rule) {
+std::string channel_words(const OrderedJson& rule) {
     if (rule.is_number()) {
         return "channel " + rule.dump();
     }
     std::string text = rule.contains("from") ? "channel " + plain(rule["from"]) : "";
     for (const auto& [key, value] : rule.items()) {
-        const bool off = value == Json(false) || value == Json(0);
+        const bool off = value == OrderedJson(false) || value == OrderedJson(0);
         if (key == "from" || (off && key != "fixed")) {
             continue;
         }
         const std::string words =
-            value == Json(true) ? key : fmt::format("{} {}", key, plain(value));
+            value == OrderedJson(true) ? key : fmt::format("{} {}", key, plain(value));
         text += (text.empty() ? "" : ", ") + words;
     }
     return text;
 }
 
-void compare_channels(const Json& before, const Json& after, std::string_view input, Lines& lines) {
+void compare_channels(const OrderedJson& before, const OrderedJson& after, std::string_view input,
+                      Lines& lines) {
     constexpr int kChannels = 18;
     for (int channel = 1; channel <= kChannels; ++channel) {
         const std::string key = std::to_string(channel);
-        const auto words = [&](const Json& rules) {
+        const auto words = [&](const OrderedJson& rules) {
             return rules.contains(key) ? channel_words(rules[key]) : "channel " + key;
         };
         if (words(before) != words(after)) {
@@ -75,10 +75,11 @@ void compare_channels(const Json& before, const Json& after, std::string_view in
 }
 
 /// Settings that differ, one line each; tables inside by their own keys.
-void compare(const Json& before, const Json& after, const std::string& path, Lines& lines) {
+void compare(const OrderedJson& before, const OrderedJson& after, const std::string& path,
+             Lines& lines) {
     const auto compare_key = [&](const std::string& key) {
-        const Json old_value = before.value(key, Json());
-        const Json new_value = after.value(key, Json());
+        const OrderedJson old_value = before.value(key, OrderedJson());
+        const OrderedJson new_value = after.value(key, OrderedJson());
         const std::string name = path.empty() ? key : path + "." + key;
         if (key == "channels" || key == "map") {
             compare_channels(old_value, new_value, key == "map" ? "its own " : "", lines);
@@ -109,8 +110,8 @@ class Difference {
         : running_(running),
           fresh_(fresh),
           plan_(plan_carry_over(running, fresh)),
-          before_(Json::parse(effective_json(running))),
-          after_(Json::parse(effective_json(fresh))) {}
+          before_(OrderedJson::parse(effective_json(running))),
+          after_(OrderedJson::parse(effective_json(fresh))) {}
 
     std::string text() {
         section("runtime", "", before_["runtime"], after_["runtime"]);
@@ -129,8 +130,8 @@ class Difference {
     }
 
   private:
-    void section(const std::string& kind, const std::string& name, const Json& before,
-                 const Json& after) {
+    void section(const std::string& kind, const std::string& name, const OrderedJson& before,
+                 const OrderedJson& after) {
         Lines lines;
         compare(before, after, "", lines);
         if (lines.empty()) {
@@ -158,8 +159,8 @@ class Difference {
     }
 
     void tables(const std::string& kind) {
-        const Json before = before_.value(kind, Json::object());
-        const Json after = after_.value(kind, Json::object());
+        const OrderedJson before = before_.value(kind, OrderedJson::object());
+        const OrderedJson after = after_.value(kind, OrderedJson::object());
         for (const auto& [name, table] : before.items()) {
             if (after.contains(name)) {
                 section(kind, name, table, after[name]);
@@ -197,7 +198,7 @@ class Difference {
     }
 
     std::optional<std::string> renamed_to(const std::string& kind, const std::string& name) const {
-        const Json after = after_.value(kind, Json::object());
+        const OrderedJson after = after_.value(kind, OrderedJson::object());
         for (const auto& [fresh_name, table] : after.items()) {
             if (came_from(kind, fresh_name) == name) {
                 return fresh_name;
@@ -221,8 +222,8 @@ class Difference {
     const Configuration& running_;
     const Configuration& fresh_;
     CarryOver plan_;
-    Json before_;
-    Json after_;
+    OrderedJson before_;
+    OrderedJson after_;
     std::string text_;
 };
 
@@ -290,31 +291,40 @@ std::string configuration_difference(const Configuration& running, const Configu
     return Difference(running, fresh).text();
 }
 
-void add_diff_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "diff", "Say what changes where another configuration takes the place of one");
+Command diff_command() {
     auto options = std::make_shared<DiffOptions>();
-    command
-        ->add_option("CONFIG", options->first,
-                     "The configuration that runs; alone, the one that is to take the place of "
-                     "what a daemon runs")
-        ->required();
-    auto* fresh =
-        command->add_option("NEW", options->fresh, "The one that is to take the place of CONFIG");
-    command
-        ->add_option("--daemon", options->daemon,
-                     "Which daemon, by its configuration file's name; needed where several run and "
-                     "none is called as CONFIG")
-        ->excludes(fresh);
-    command->add_option("--socket", options->socket, "Its control socket, where that is elsewhere")
-        ->excludes(fresh);
-    command->footer(
-        "Line by line: what is set otherwise, channel by channel, and what a reload does\n"
-        "with it. Prints nothing where nothing changes. Beside a running daemon: what each\n"
-        "output would say with the sticks as they are now.");
-    command->callback([options, &status] {
-        status = options->fresh.empty() ? compare_with_daemon(*options) : compare_files(*options);
-    });
+    return {
+        .name = "diff",
+        .help = "Say what changes where another configuration takes the place of one",
+        .footer =
+            "Line by line: what is set otherwise, channel by channel, and what a reload does\n"
+            "with it. Prints nothing where nothing changes. Beside a running daemon: what each\n"
+            "output would say with the sticks as they are now.",
+        .options = {{.name = "CONFIG",
+                     .value = &options->first,
+                     .help =
+                         "The configuration that runs; alone, the one that is to take the place of "
+                         "what a daemon runs",
+                     .required = true},
+                    {.name = "NEW",
+                     .value = &options->fresh,
+                     .help = "The one that is to take the place of CONFIG"},
+                    {.name = "--daemon",
+                     .value = &options->daemon,
+                     .help =
+                         "Which daemon, by its configuration file's name; needed where several run "
+                         "and none is called as CONFIG",
+                     .excludes = {"NEW"}},
+                    {.name = "--socket",
+                     .value = &options->socket,
+                     .help = "Its control socket, where that is elsewhere",
+                     .excludes = {"NEW"}}},
+        .run =
+            [options] {
+                return options->fresh.empty() ? compare_with_daemon(*options)
+                                              : compare_files(*options);
+            },
+    };
 }
 
 }  // namespace tribus

@@ -2,11 +2,8 @@
 
 #include <string>
 
+#include "app/command.h"
 #include "config/schema.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tribus {
 
@@ -16,6 +13,6 @@ namespace tribus {
 std::string configuration_difference(const Configuration& running, const Configuration& fresh);
 
 /// The subcommand `diff`.
-void add_diff_command(CLI::App& app, int& status);
+Command diff_command();
 
 }  // namespace tribus

@@ -42,7 +42,7 @@ dronecan::WantedTransfer wanted(const TransferHead& head, const KnownPayload* ty
 
 bool layout_is_right(const ExplainedTransfer& transfer) {
     return transfer.type == nullptr ||
-           transfer.type->visit(transfer.payload, transfer.fd, [](const dronecan::NamedValue&) {});
+           transfer.type->visit(transfer.payload, transfer.fd, [](const dronecan::FieldValue&) {});
 }
 
 }  // namespace

@@ -19,20 +19,21 @@
 namespace tribus {
 namespace {
 
-using json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// The number in the fewest digits that a float on the wire is told by.
-json as_json(double value) {
-    return std::isnan(value) ? json() : json(std::stod(fmt::format("{}", float(value))));
+OrderedJson as_json(double value) {
+    return std::isnan(value) ? OrderedJson()
+                             : OrderedJson(std::stod(fmt::format("{}", float(value))));
 }
-json as_json(std::span<const std::uint8_t> bytes) {
+OrderedJson as_json(std::span<const std::uint8_t> bytes) {
     return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
-json as_json(dronecan::NoItems) {
-    return json::array();
+OrderedJson as_json(dronecan::NoItems) {
+    return OrderedJson::array();
 }
 template <class Value>
-json as_json(const Value& value) {
+OrderedJson as_json(const Value& value) {
     return value;
 }
 
@@ -43,8 +44,8 @@ std::size_t leading_number(std::string_view digits) {
 }
 
 /// Where the value of a path has its place: `commands[2].actuator_id`.
-json& place_of(std::string_view path, json& root) {
-    json* at = &root;
+OrderedJson& place_of(std::string_view path, OrderedJson& root) {
+    OrderedJson* at = &root;
     while (!path.empty()) {
         const std::size_t end = path.find_first_of(".[", 1);
         const std::string_view step = path.substr(0, end);
@@ -73,9 +74,9 @@ std::string without_numbers(std::string_view path) {
 /// Text of the values of a tree, with their units.
 class TextOf {
   public:
-    explicit TextOf(const json& units) : units_(units) {}
+    explicit TextOf(const OrderedJson& units) : units_(units) {}
 
-    std::string value(const json& value, const std::string& path) const {
+    std::string value(const OrderedJson& value, const std::string& path) const {
         if (value.is_object()) {
             return "{" + members(value, path) + "}";
         }
@@ -84,7 +85,7 @@ class TextOf {
         }
         return scalar(value) + (value.is_null() ? "" : unit(path));
     }
-    std::string members(const json& object, const std::string& path) const {
+    std::string members(const OrderedJson& object, const std::string& path) const {
         std::string text;
         for (const auto& [name, value] : object.items()) {
             text += text.empty() ? "" : ", ";
@@ -96,9 +97,9 @@ class TextOf {
     }
 
   private:
-    std::string items(const json& array, const std::string& path) const {
+    std::string items(const OrderedJson& array, const std::string& path) const {
         std::string text;
-        for (const json& item : array) {
+        for (const OrderedJson& item : array) {
             text += text.empty() ? "" : item.is_object() ? ", " : " ";
             text += item.is_object() ? value(item, path) : scalar(item);
         }
@@ -108,14 +109,14 @@ class TextOf {
         const auto found = units_.find(path);
         return found == units_.end() ? "" : " " + found->get<std::string>();
     }
-    static std::string scalar(const json& value) {
+    static std::string scalar(const OrderedJson& value) {
         if (value.is_null()) {
             return "not available";
         }
         return value.is_number_float() ? fmt::format("{}", value.get<double>()) : plain_json(value);
     }
 
-    const json& units_;
+    const OrderedJson& units_;
 };
 
 }  // namespace
@@ -125,7 +126,7 @@ ExplainedFields fields_of(const ExplainedTransfer& transfer) {
     if (transfer.type == nullptr || transfer.fault != TransferFault::none) {
         return fields;
     }
-    transfer.type->visit(transfer.payload, transfer.fd, [&](const dronecan::NamedValue& named) {
+    transfer.type->visit(transfer.payload, transfer.fd, [&](const dronecan::FieldValue& named) {
         place_of(named.path, fields.values) =
             std::visit([](const auto& value) { return as_json(value); }, named.value);
         if (!named.unit.empty()) {
@@ -156,7 +157,7 @@ std::string fields_text(const ExplainedFields& fields) {
 }
 
 std::string plain_json(const nlohmann::ordered_json& value) {
-    return value.dump(-1, ' ', true, json::error_handler_t::replace);
+    return value.dump(-1, ' ', true, OrderedJson::error_handler_t::replace);
 }
 
 }  // namespace tribus

@@ -12,26 +12,27 @@ namespace tribus {
 namespace {
 
 using dronecan::TransferKind;
-using json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-void add_channels(json& object, const RcInputChannels& input) {
-    json channels = json::array();
+void add_channels(OrderedJson& object, const RcInputChannels& input) {
+    OrderedJson channels = OrderedJson::array();
     for (const auto& channel : input.channels) {
-        channels.push_back(channel ? json(*channel) : json());
+        channels.push_back(channel ? OrderedJson(*channel) : OrderedJson());
     }
     object["channels"] = std::move(channels);
     object["frame_lost"] = false;
     object["failsafe"] = input.failsafe;
 }
 
-json node_json(bool there, dronecan::NodeId node) {
-    return there ? json(node) : json();
+OrderedJson node_json(bool there, dronecan::NodeId node) {
+    return there ? OrderedJson(node) : OrderedJson();
 }
 
-void add_head(json& object, const ExplainedTransfer& transfer) {
+void add_head(OrderedJson& object, const ExplainedTransfer& transfer) {
     const dronecan::TransferHead& head = transfer.head;
     object["kind"] = kind_name(head.kind);
-    object["type"] = transfer.type == nullptr ? json() : json(transfer.type->type.name);
+    object["type"] =
+        transfer.type == nullptr ? OrderedJson() : OrderedJson(transfer.type->type.name);
     object["type_id"] = head.data_type_id;
     object["source"] = node_json(head.source != dronecan::kNobody, head.source);
     object["destination"] = node_json(head.kind != TransferKind::message, head.destination);
@@ -44,8 +45,8 @@ void add_head(json& object, const ExplainedTransfer& transfer) {
     }
 }
 
-json rejected_json(const TransferCounts& counts, bool all) {
-    json rejected = json::object();
+OrderedJson rejected_json(const TransferCounts& counts, bool all) {
+    OrderedJson rejected = OrderedJson::object();
     for (std::size_t fault = 1; fault < counts.size(); ++fault) {
         if (all || counts.at(fault) > 0) {
             rejected[std::string(kTransferFaultNames.at(fault))] = counts.at(fault);
@@ -54,10 +55,10 @@ json rejected_json(const TransferCounts& counts, bool all) {
     return rejected;
 }
 
-json stream_json(const TransferStream& stream, const TransferCounts& counts) {
+OrderedJson stream_json(const TransferStream& stream, const TransferCounts& counts) {
     const auto* const known = dronecan::find_known_payload(stream.kind, stream.data_type_id);
     return {{"kind", kind_name(stream.kind)},
-            {"type", known == nullptr ? json() : json(known->type.name)},
+            {"type", known == nullptr ? OrderedJson() : OrderedJson(known->type.name)},
             {"type_id", stream.data_type_id},
             {"source", node_json(stream.source != dronecan::kNobody, stream.source)},
             {"transfers", counts.front()},
@@ -67,7 +68,7 @@ json stream_json(const TransferStream& stream, const TransferCounts& counts) {
 }  // namespace
 
 void append_transfer_json(std::string& text, const ExplainedTransfer& transfer) {
-    json object = json::object();
+    OrderedJson object = OrderedJson::object();
     object["t_us"] = whole_microseconds(transfer.last_at);
     object["protocol"] = "dronecan";
     if (const auto input = rc_input_of(transfer)) {
@@ -95,23 +96,23 @@ void append_transfer_json(std::string& text, const ExplainedTransfer& transfer) 
 
 void append_transfer_summary_json(std::string& text, const TransferTally& tally,
                                   std::string_view input) {
-    json streams = json::array();
+    OrderedJson streams = OrderedJson::array();
     for (const auto& [stream, counts] : tally.streams) {
         streams.push_back(stream_json(stream, counts));
     }
-    const json summary{{"bytes", tally.bytes},
-                       {"can_frames", tally.can_frames},
-                       {"frames", tally.counts.front()},
-                       {"rejected", rejected_json(tally.counts, true)},
-                       {"other_can_frames", tally.other_can_frames},
-                       {"repeated_frames", tally.repeated_frames},
-                       {"requests", tally.requests},
-                       {"responses", tally.responses},
-                       {"unanswered", tally.requests - tally.answered},
-                       {"transfers", std::move(streams)},
-                       {"error_frames", tally.error_frames},
-                       {"log_start_us", whole_microseconds(tally.log_start)},
-                       {"input", input}};
+    const OrderedJson summary{{"bytes", tally.bytes},
+                              {"can_frames", tally.can_frames},
+                              {"frames", tally.counts.front()},
+                              {"rejected", rejected_json(tally.counts, true)},
+                              {"other_can_frames", tally.other_can_frames},
+                              {"repeated_frames", tally.repeated_frames},
+                              {"requests", tally.requests},
+                              {"responses", tally.responses},
+                              {"unanswered", tally.requests - tally.answered},
+                              {"transfers", std::move(streams)},
+                              {"error_frames", tally.error_frames},
+                              {"log_start_us", whole_microseconds(tally.log_start)},
+                              {"input", input}};
     text += plain_json({{"summary", summary}});
     text += '\n';
 }

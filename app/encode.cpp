@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <cerrno>
 #include <cstddef>
 #include <cstring>
@@ -15,10 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include "app/command_line.h"
 #include "app/configured_use.h"
 #include "app/exit_status.h"
 #include "app/frame_json.h"
-#include "app/help_formatter.h"
 #include "app/streams.h"
 
 namespace tribus {
@@ -208,32 +207,33 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
     return mistakes == 0 ? kExitFine : kExitFailed;
 }
 
-void add_encode_command(CLI::App& app, int& status) {
-    CLI::App* const command = app.add_subcommand(
-        "encode", "Frames, as decode --format json prints them, to bytes or CAN frames");
+Command encode_command() {
     const auto arguments = std::make_shared<EncodeArguments>();
-    command->add_option("file", arguments->file, "JSON lines; absent or -: standard input");
-    command->add_option("--protocol", arguments->protocol, "What to write")
-        ->type_name(choices_type(protocol_list()));
-    command->add_option("--as", arguments->as, kAsHelp)->type_name("FILE:NAME");
-    command
-        ->add_option("--format", arguments->format,
-                     "timed: hex with microseconds in front; vcd: the level on the wire; candump: "
-                     "the log of CAN protocols. Absent: binary, or candump for a CAN protocol")
-        ->check(CLI::IsMember(kFormats));
-    command->add_option(
-        "--interface", arguments->interface,
-        fmt::format("The interface that a log of candump names; absent: {}", kDefaultInterface));
-    for (const SettingOption& option : setting_options(SettingScope::output)) {
-        const auto keep = [arguments, key = option.key](const std::string& text) {
-            arguments->given.insert_or_assign(key, text);
-        };
-        CLI::Option* const added =
-            command->add_option_function<std::string>("--" + option.key, keep, option.help);
-        added->type_name(option.choices.empty() ? "TEXT" : choices_type(option.choices));
-    }
-    command->callback(
-        [arguments, &status] { status = finish_standard_output(run_encode(*arguments)); });
+    std::vector<CommandOption> options{
+        {.name = "file",
+         .value = &arguments->file,
+         .help = "JSON lines; absent or -: standard input"},
+        {.name = "--protocol",
+         .value = &arguments->protocol,
+         .help = "What to write",
+         .type_name = choices_type(protocol_list())},
+        {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
+        {.name = "--format",
+         .value = &arguments->format,
+         .help = "timed: hex with microseconds in front; vcd: the level on the wire; candump: "
+                 "the log of CAN protocols. Absent: binary, or candump for a CAN protocol",
+         .choices = {"binary", "candump", "hex", "timed", "vcd"}},
+        {.name = "--interface",
+         .value = &arguments->interface,
+         .help = fmt::format("The interface that a log of candump names; absent: {}",
+                             kDefaultInterface)}};
+    append_setting_options(options, SettingScope::output, arguments->given);
+    return {
+        .name = "encode",
+        .help = "Frames, as decode --format json prints them, to bytes or CAN frames",
+        .options = std::move(options),
+        .run = [arguments] { return finish_standard_output(run_encode(*arguments)); },
+    };
 }
 
 }  // namespace tribus

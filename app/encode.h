@@ -3,12 +3,9 @@
 #include <iosfwd>
 #include <string_view>
 
+#include "app/command.h"
 #include "app/frame_writer.h"
 #include "app/protocol_use.h"
-
-namespace CLI {
-class App;
-}
 
 /// The subcommand `encode`: frames to bytes, to the waveform on the wire, or to CAN frames.
 namespace tribus {
@@ -21,6 +18,6 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
                  EncodeFormat format, std::ostream& results, std::ostream& talk,
                  std::string_view interface = kDefaultInterface);
 
-void add_encode_command(CLI::App& app, int& status);
+Command encode_command();
 
 }  // namespace tribus

@@ -8,12 +8,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 #include <nlohmann/json.hpp>
 
 #include "app/control_server.h"
 #include "app/control_socket.h"
 #include "app/left_recording.h"
+#include "app/log.h"
 #include "config/carry_over.h"
 #include "pipelines/realtime/clock.h"
 
@@ -57,9 +57,8 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
             configuration.file, config.where.line, config.where.column));
     }
     auto home = RingHome::open(SocketHomes::of_this_process().runtime_directory);
-    spdlog::info(
-        "recorder: recordings go to {}{}", directory,
-        home ? "" : fmt::format("; a crash loses what was not written yet: {}", home.error()));
+    log_info("recorder: recordings go to {}{}", directory,
+             home ? "" : fmt::format("; a crash loses what was not written yet: {}", home.error()));
     std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
         config, directory, home ? std::optional(std::move(*home)) : std::nullopt));
     remove_unfinished_recordings(directory);
@@ -78,7 +77,7 @@ void FlightRecorder::write_left(Instant now, Duration wall_now) {
                     ? tl::unexpected<std::string>("its like was recorded a moment ago")
                     : read_left_recording(*folder, now);
     if (!left) {
-        spdlog::warn(
+        log_warning(
             "recorder: the process before this one ended by a crash, or was killed; nothing of it "
             "is written: {}",
             left.error());
@@ -124,7 +123,7 @@ tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::stri
     }
     auto anonymous = RingMemory::anonymous(bytes);
     if (anonymous) {
-        spdlog::warn("recorder: a crash loses what passed {}: {}", device, memory.error());
+        log_warning("recorder: a crash loses what passed {}: {}", device, memory.error());
         file.clear();
     }
     return anonymous;
@@ -141,8 +140,8 @@ CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig
     auto memory = memory_for(port.config.device, file, bytes);
     if (!memory) {
         const std::string lack = fmt::format("{}: {}", port.config.device, memory.error());
-        spdlog::warn("recorder: {} KiB for a port cannot be had; not recorded: {}",
-                     config.memory_kib, lack);
+        log_warning("recorder: {} KiB for a port cannot be had; not recorded: {}",
+                    config.memory_kib, lack);
         lacks_[port.config.device] = lack;
         return nullptr;
     }
@@ -289,9 +288,9 @@ void FlightRecorder::end_job() {
     }
     const RecordingJob::Result& result = job_->result();
     if (result) {
-        spdlog::info("recorder: wrote {}: {}", result->string(), order.reason);
+        log_info("recorder: wrote {}: {}", result->string(), order.reason);
     } else {
-        spdlog::error(
+        log_error(
             "recorder: nothing was written of \"{}\": {}; all else goes on, and the next event is "
             "tried again; make room there, or name another place in [recorder] directory",
             order.reason, result.error());

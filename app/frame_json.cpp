@@ -12,16 +12,16 @@
 namespace tribus {
 namespace {
 
-using nlohmann::json;
-using Mistake = tl::unexpected<JsonMistake>;
+using Json = nlohmann::json;
+using LineMistake = tl::unexpected<JsonMistake>;
 
 constexpr double kLeastPulse = -4096;
 constexpr double kMostPulse = 4095.875;
 /// About 31 years; their nanoseconds fit.
 constexpr double kMostMicroseconds = 1e15;
 
-Mistake mistake(std::string text) {
-    return Mistake(JsonMistake{1, std::move(text)});
+LineMistake mistake(std::string text) {
+    return LineMistake(JsonMistake{1, std::move(text)});
 }
 
 void append_detail(std::string& text, const FrameDetail& detail) {
@@ -43,25 +43,25 @@ void append_rejected_json(std::string& text, std::span<const NamedCount> rejecte
 }
 
 /// The library's exceptions end here.
-tl::expected<json, JsonMistake> parse_line(std::string_view line) {
+tl::expected<Json, JsonMistake> parse_line(std::string_view line) {
     try {
-        return json::parse(line);
-    } catch (const json::parse_error& error) {
-        return Mistake(JsonMistake{error.byte > 0 ? error.byte : 1,
-                                   "not JSON; a line is one object as decode prints it"});
-    } catch (const json::exception&) {
+        return Json::parse(line);
+    } catch (const Json::parse_error& error) {
+        return LineMistake(JsonMistake{error.byte > 0 ? error.byte : 1,
+                                       "not JSON; a line is one object as decode prints it"});
+    } catch (const Json::exception&) {
         return mistake("not JSON that can be read; a line is one object as decode prints it");
     }
 }
 
-tl::expected<void, JsonMistake> read_channels(const json& channels, ChannelFrame& frame) {
+tl::expected<void, JsonMistake> read_channels(const Json& channels, ChannelFrame& frame) {
     if (!channels.is_array() || channels.size() > kChannelCount) {
         return mistake(fmt::format(
             "\"channels\" must be a list of at most {} pulses in microseconds, null where absent",
             kChannelCount));
     }
     for (std::size_t channel = 0; channel < channels.size(); ++channel) {
-        const json& value = channels[channel];
+        const Json& value = channels[channel];
         if (value.is_null()) {
             continue;
         }
@@ -69,7 +69,7 @@ tl::expected<void, JsonMistake> read_channels(const json& channels, ChannelFrame
         if (!(pulse >= kLeastPulse && pulse <= kMostPulse)) {
             return mistake(fmt::format("channel {} is {}; allowed: {} to {} us, or null",
                                        channel + 1,
-                                       value.dump(-1, ' ', true, json::error_handler_t::replace),
+                                       value.dump(-1, ' ', true, Json::error_handler_t::replace),
                                        kLeastPulse, kMostPulse));
         }
         frame.set(channel, Pulse::from_fractional_microseconds(pulse));
@@ -77,7 +77,7 @@ tl::expected<void, JsonMistake> read_channels(const json& channels, ChannelFrame
     return {};
 }
 
-tl::expected<bool, JsonMistake> read_flag(const json& object, const char* key) {
+tl::expected<bool, JsonMistake> read_flag(const Json& object, const char* key) {
     const auto found = object.find(key);
     if (found == object.end()) {
         return false;
@@ -88,7 +88,7 @@ tl::expected<bool, JsonMistake> read_flag(const json& object, const char* key) {
     return found->get<bool>();
 }
 
-tl::expected<std::optional<Duration>, JsonMistake> read_start(const json& object) {
+tl::expected<std::optional<Duration>, JsonMistake> read_start(const Json& object) {
     const auto found = object.find("t_us");
     if (found == object.end()) {
         return std::nullopt;
@@ -173,7 +173,7 @@ tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::str
     }
     const auto object = parse_line(line);
     if (!object) {
-        return Mistake(object.error());
+        return LineMistake(object.error());
     }
     if (!object->is_object()) {
         return mistake("a line must be one object, as decode prints it");
@@ -187,16 +187,16 @@ tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::str
     }
     WrittenFrame written;
     if (const auto read = read_channels(*channels, written.channels); !read) {
-        return Mistake(read.error());
+        return LineMistake(read.error());
     }
     const auto frame_lost = read_flag(*object, "frame_lost");
     const auto failsafe = read_flag(*object, "failsafe");
     const auto start = read_start(*object);
     if (!frame_lost || !failsafe) {
-        return Mistake(!frame_lost ? frame_lost.error() : failsafe.error());
+        return LineMistake(!frame_lost ? frame_lost.error() : failsafe.error());
     }
     if (!start) {
-        return Mistake(start.error());
+        return LineMistake(start.error());
     }
     written.channels.frame_lost = *frame_lost;
     written.channels.failsafe = *failsafe;

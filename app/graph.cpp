@@ -4,7 +4,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "app/exit_status.h"
 #include "app/graph_model.h"
@@ -13,29 +12,44 @@
 
 namespace tribus {
 
-void add_graph_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand("graph", "Print a configuration as a picture");
-    struct Options {
-        std::string path;
-        std::string format = "svg";
+namespace {
+
+struct GraphOptions {
+    std::string path;
+    std::string format = "svg";
+};
+
+int print_graph(const GraphOptions& options) {
+    const auto configuration = load_or_explain(options.path);
+    if (!configuration) {
+        return kExitWrongUse;
+    }
+    const Graph graph = graph_of(*configuration);
+    fmt::print("{}", options.format == "dot"       ? graph_dot(graph)
+                     : options.format == "mermaid" ? graph_mermaid(graph)
+                                                   : graph_svg(graph));
+    return kExitFine;
+}
+
+}  // namespace
+
+Command graph_command() {
+    auto options = std::make_shared<GraphOptions>();
+    return {
+        .name = "graph",
+        .help = "Print a configuration as a picture",
+        .footer = "tribus graph servos.toml > servos.svg",
+        .options = {{.name = "CONFIG",
+                     .value = &options->path,
+                     .help = "Configuration file",
+                     .required = true},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "svg, dot for Graphviz, mermaid for Markdown",
+                     .shows_value = true,
+                     .choices = {"svg", "dot", "mermaid"}}},
+        .run = [options] { return print_graph(*options); },
     };
-    auto options = std::make_shared<Options>();
-    command->add_option("CONFIG", options->path, "Configuration file")->required();
-    command->add_option("--format", options->format, "svg, dot for Graphviz, mermaid for Markdown")
-        ->check(CLI::IsMember({"svg", "dot", "mermaid"}))
-        ->capture_default_str();
-    command->footer("tribus graph servos.toml > servos.svg");
-    command->callback([options, &status] {
-        const auto configuration = load_or_explain(options->path);
-        if (!configuration) {
-            status = kExitWrongUse;
-            return;
-        }
-        const Graph graph = graph_of(*configuration);
-        fmt::print("{}", options->format == "dot"       ? graph_dot(graph)
-                         : options->format == "mermaid" ? graph_mermaid(graph)
-                                                        : graph_svg(graph));
-    });
 }
 
 }  // namespace tribus

@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `graph`: a configuration as a picture.
-void add_graph_command(CLI::App& app, int& status);
+Command graph_command();
 
 }  // namespace tribus

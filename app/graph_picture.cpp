@@ -77,7 +77,7 @@ constexpr std::array<std::string_view, kGraphColumns> kColours{"#e3f2e6", "#fff6
 constexpr std::array<std::string_view, kGraphColumns> kTitles{"inputs", "pipelines", "outputs",
                                                               "lines"};
 
-std::string_view colour_of(const GraphBox& box) {
+std::string_view box_colour(const GraphBox& box) {
     return kColours[static_cast<std::size_t>(box.column)];
 }
 
@@ -168,7 +168,7 @@ void draw_arrow(std::string& svg, const GraphArrow& arrow, const Layout& layout)
 void draw_box(std::string& svg, const GraphBox& box, const Place& place) {
     fmt::format_to(std::back_inserter(svg),
                    "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"6\" fill=\"{}\"/>\n",
-                   place.x, place.y, place.width, place.height, colour_of(box));
+                   place.x, place.y, place.width, place.height, box_colour(box));
     int y = place.y + kPadding + kLineHeight - 5;
     fmt::format_to(std::back_inserter(svg), "<text x=\"{}\" y=\"{}\" class=\"t\">{}</text>\n",
                    place.x + kPadding, y, for_xml(box.title));
@@ -220,7 +220,7 @@ std::string graph_dot(const Graph& graph) {
             label += for_dot(line) + "\\l";
         }
         fmt::format_to(std::back_inserter(dot), "  n{} [label=\"{}\", fillcolor=\"{}\"];\n", i,
-                       label, colour_of(graph.boxes[i]));
+                       label, box_colour(graph.boxes[i]));
     }
     for (const GraphArrow& arrow : graph.arrows) {
         fmt::format_to(std::back_inserter(dot), "  n{} -> n{} [label=\"{}\"{}];\n", arrow.from,

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include <spdlog/spdlog.h>
-
 #include "app/control_socket.h"
+#include "app/log.h"
 #include "app/metrics_text.h"
 #include "app/status_json.h"
 #include "pipelines/realtime/clock.h"
@@ -16,7 +15,7 @@ tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
     std::unique_ptr<InsideView> view(new InsideView(monotonic_now()));
     const auto path = socket ? socket : default_socket(SocketHomes::of_this_process(), config);
     if (!path) {
-        spdlog::info(
+        log_info(
             "no control socket: neither RUNTIME_DIRECTORY nor XDG_RUNTIME_DIR is set; "
             "--socket gives it a place");
         return view;
@@ -26,7 +25,7 @@ tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
         return tl::unexpected(control.error());
     }
     if (!control) {
-        spdlog::info("no control socket: {}", control.error());
+        log_info("no control socket: {}", control.error());
         return view;
     }
     view->control_ = std::move(*control);
@@ -75,8 +74,8 @@ tl::expected<void, std::string> InsideView::tell_metrics(const std::string& addr
         return tl::unexpected(metrics.error());
     }
     metrics_ = std::move(*metrics);
-    spdlog::info("metrics at {}{}", address,
-                 reach == MetricsReach::network ? ", for everybody who can reach it" : "");
+    log_info("metrics at {}{}", address,
+             reach == MetricsReach::network ? ", for everybody who can reach it" : "");
     return {};
 }
 

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
 #include "app/complain.h"
@@ -27,7 +26,7 @@
 namespace tribus {
 namespace {
 
-struct Options {
+struct LearnOptions {
     std::string file_and_name;
     std::string recording;
     std::string off_at;
@@ -51,7 +50,7 @@ tl::expected<std::size_t, std::string> input_named(const Configuration& configur
 }
 
 /// When the person did what, as the options say.
-tl::expected<LossStudyTimes, std::string> times_of(const Options& options) {
+tl::expected<LossStudyTimes, std::string> times_of(const LearnOptions& options) {
     const auto time = [](std::string_view option,
                          const std::string& text) -> tl::expected<Instant, std::string> {
         const auto duration = parse_duration(text);
@@ -74,7 +73,7 @@ tl::expected<LossStudyTimes, std::string> times_of(const Options& options) {
     return LossStudyTimes{.off = *off, .back = *back};
 }
 
-tl::expected<LearnedFrames, std::string> frames_of_recording(const Options& options,
+tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions& options,
                                                              const Configuration& configuration,
                                                              std::size_t input) {
     const auto times = times_of(options);
@@ -121,7 +120,7 @@ void print(const LossStudyResult& study, std::string_view file, std::string_view
     }
 }
 
-int learn(const Options& options) {
+int learn(const LearnOptions& options) {
     const std::size_t colon = options.file_and_name.rfind(':');
     if (colon == std::string::npos) {
         return complain(fmt::format("learn {}: wants CONFIG:INPUT, such as servos.toml:receiver",
@@ -152,31 +151,37 @@ int learn(const Options& options) {
 
 }  // namespace
 
-void add_learn_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "learn", "Find out how a receiver loses its link, and which detectors tell");
-    auto options = std::make_shared<Options>();
-    // Newer versions of CLI11 take no colon in a name.
-    command
-        ->add_option("INPUT", options->file_and_name,
-                     "An input of a configuration: CONFIG:INPUT, such as servos.toml:receiver")
-        ->required();
-    auto* recording = command->add_option("--recording", options->recording,
-                                          "Study recorded bytes instead of the live device");
-    auto* off_at = command
-                       ->add_option("--off-at", options->off_at,
-                                    "When the transmitter was switched off in the recording")
-                       ->needs(recording);
-    auto* back_at = command
-                        ->add_option("--back-at", options->back_at,
-                                     "When it was switched on again, or the recording ends")
-                        ->needs(recording);
-    recording->needs(off_at)->needs(back_at);
-    command->footer(
-        "Guides you through moving the sticks, letting go, switching the transmitter off and on\n"
-        "again, and prints the lines that recognise this receiver's loss, or what to set on the\n"
-        "transmitter. Take the propellers off first. Exit status: 0 recognised, 1 not.");
-    command->callback([options, &status] { status = learn(*options); });
+Command learn_command() {
+    auto options = std::make_shared<LearnOptions>();
+    return {
+        .name = "learn",
+        .help = "Find out how a receiver loses its link, and which detectors tell",
+        .footer =
+            "Guides you through moving the sticks, letting go, switching the transmitter off and "
+            "on\n"
+            "again, and prints the lines that recognise this receiver's loss, or what to set on "
+            "the\n"
+            "transmitter. Take the propellers off first. Exit status: 0 recognised, 1 not.",
+        // Newer versions of CLI11 take no colon in a name.
+        .options = {{.name = "INPUT",
+                     .value = &options->file_and_name,
+                     .help =
+                         "An input of a configuration: CONFIG:INPUT, such as servos.toml:receiver",
+                     .required = true},
+                    {.name = "--recording",
+                     .value = &options->recording,
+                     .help = "Study recorded bytes instead of the live device",
+                     .needs = {"--off-at", "--back-at"}},
+                    {.name = "--off-at",
+                     .value = &options->off_at,
+                     .help = "When the transmitter was switched off in the recording",
+                     .needs = {"--recording"}},
+                    {.name = "--back-at",
+                     .value = &options->back_at,
+                     .help = "When it was switched on again, or the recording ends",
+                     .needs = {"--recording"}}},
+        .run = [options] { return learn(*options); },
+    };
 }
 
 }  // namespace tribus

@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `learn`: which detectors recognise the loss of a receiver's link.
-void add_learn_command(CLI::App& app, int& status);
+Command learn_command();
 
 }  // namespace tribus

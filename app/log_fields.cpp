@@ -3,20 +3,20 @@
 namespace tribus {
 namespace {
 
-thread_local std::array<LogField, LogFields::kMost> fields;
+thread_local std::array<LogField, LogFields::kMost> fields_of_thread;
 
 }  // namespace
 
 LogFields::LogFields(LogField first, LogField second) {
-    fields = {first, second};
+    fields_of_thread = {first, second};
 }
 
 LogFields::~LogFields() {
-    fields = {};
+    fields_of_thread = {};
 }
 
 const std::array<LogField, LogFields::kMost>& LogFields::current() {
-    return fields;
+    return fields_of_thread;
 }
 
 }  // namespace tribus

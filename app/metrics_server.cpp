@@ -24,7 +24,7 @@ using Refused = tl::unexpected<std::string>;
 /// A scraper asks one thing and leaves; there are one or two of them.
 constexpr std::size_t kMostClients = 4;
 constexpr std::size_t kLongestHead = 4096;
-constexpr Duration kPatience = std::chrono::seconds(5);
+constexpr Duration kClientPatience = std::chrono::seconds(5);
 constexpr Duration kLongestConnection = std::chrono::seconds(10);
 
 struct AddressDeleter {
@@ -204,8 +204,8 @@ tl::expected<std::unique_ptr<MetricsServer>, std::string> MetricsServer::open(
     auto made = SocketServer::make(std::move(listening),
                                    {.clients = kMostClients,
                                     .request = kLongestHead,
-                                    .unread = kPatience,
-                                    .idle = kPatience,
+                                    .unread = kClientPatience,
+                                    .idle = kClientPatience,
                                     .whole = kLongestConnection,
                                     .refusal = {}},
                                    {.request = request, .repeat = never});

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
 #include "app/complain.h"
@@ -195,23 +195,36 @@ int monitor_daemon(const MonitorOptions& options) {
 
 }  // namespace
 
-void add_monitor_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand("monitor", "Live view of a running daemon");
+Command monitor_command() {
     auto options = std::make_shared<MonitorOptions>();
-    command->add_option("NAME", options->name,
-                        "Which daemon, by its configuration file's name; needed where several run");
-    command->add_option("--socket", options->socket, "Its control socket, where that is elsewhere");
-    command->add_option("--format", options->format, "text, or json: one object a line")
-        ->check(CLI::IsMember({"text", "json"}))
-        ->capture_default_str();
-    command->add_option("--period", options->period, "How often it tells, 50ms to 60s")
-        ->capture_default_str();
-    command->add_flag("--once", options->once, "End after the first object or line");
-    command->footer(
-        "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll,\n"
-        "p pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
-        "restarts.");
-    command->callback([options, &status] { status = monitor_daemon(*options); });
+    return {
+        .name = "monitor",
+        .help = "Live view of a running daemon",
+        .footer =
+            "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll,\n"
+            "p pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
+            "restarts.",
+        .options =
+            {{.name = "NAME",
+              .value = &options->name,
+              .help = "Which daemon, by its configuration file's name; needed where several run"},
+             {.name = "--socket",
+              .value = &options->socket,
+              .help = "Its control socket, where that is elsewhere"},
+             {.name = "--format",
+              .value = &options->format,
+              .help = "text, or json: one object a line",
+              .shows_value = true,
+              .choices = {"text", "json"}},
+             {.name = "--period",
+              .value = &options->period,
+              .help = "How often it tells, 50ms to 60s",
+              .shows_value = true},
+             {.name = "--once",
+              .value = &options->once,
+              .help = "End after the first object or line"}},
+        .run = [options] { return monitor_daemon(*options); },
+    };
 }
 
 }  // namespace tribus

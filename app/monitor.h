@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `monitor`: what a running daemon does.
-void add_monitor_command(CLI::App& app, int& status);
+Command monitor_command();
 
 }  // namespace tribus

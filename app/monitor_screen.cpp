@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "app/demo_screen.h"
 #include "app/monitor_fields.h"
@@ -220,7 +221,7 @@ Lines surroundings(const MonitorView& view, const ScreenStyle& style) {
 }
 
 /// The rows of the screen: what always stands, and what moves below it.
-struct Layout {
+struct ScreenLayout {
     Lines head;
     Lines body;
     std::size_t room = 0;  ///< lines of the body that fit
@@ -228,10 +229,10 @@ struct Layout {
     std::size_t last_top() const { return body.size() - std::min(room, body.size()); }
 };
 
-Layout layout_of(const MonitorView& view, const ScreenStyle& style) {
+ScreenLayout layout_of(const MonitorView& view, const ScreenStyle& style) {
     // The last row has the keys.
     const std::size_t rows = std::max<std::size_t>(style.rows, 3) - 1;
-    Layout layout{.head = {heading(view, style)}, .body = items(view, style)};
+    ScreenLayout layout{.head = {heading(view, style)}, .body = items(view, style)};
     const Lines trust = trust_lines(view, style);
     layout.head.insert(layout.head.end(), trust.begin(), trust.end());
     layout.head.resize(std::min(layout.head.size(), rows));
@@ -242,7 +243,7 @@ Layout layout_of(const MonitorView& view, const ScreenStyle& style) {
     return layout;
 }
 
-std::string keys_line(const Layout& layout, std::size_t top, const ScreenStyle& style) {
+std::string keys_line(const ScreenLayout& layout, std::size_t top, const ScreenStyle& style) {
     Line keys(style);
     keys.add("up/down selects  PgUp/PgDn scrolls  p pauses  q quits", kDim);
     if (layout.last_top() > 0) {
@@ -265,14 +266,14 @@ std::size_t selected_item(const MonitorView& view) {
 }
 
 std::size_t top_after_pages(const MonitorView& view, const ScreenStyle& style, int pages) {
-    const Layout layout = layout_of(view, style);
+    const ScreenLayout layout = layout_of(view, style);
     const std::size_t page = std::max<std::size_t>(layout.room, 1);
     const std::size_t top = std::min(view.top, layout.last_top());
     return pages < 0 ? top - std::min(page, top) : std::min(top + page, layout.last_top());
 }
 
 std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& style) {
-    const Layout layout = layout_of(view, style);
+    const ScreenLayout layout = layout_of(view, style);
     const std::size_t item = selected_item(view);
     const std::size_t titles = item < list(view.status, "inputs").size() ? 1 : 2;
     const std::size_t line = item + titles;
@@ -280,7 +281,7 @@ std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& 
 }
 
 std::string draw_monitor(const MonitorView& view, const ScreenStyle& style) {
-    const Layout layout = layout_of(view, style);
+    const ScreenLayout layout = layout_of(view, style);
     const std::size_t top = std::min(view.top, layout.last_top());
     std::string screen = "\x1b[H";
     for (const std::string& line : layout.head) {

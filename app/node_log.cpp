@@ -1,8 +1,8 @@
 #include "app/node_log.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "app/log.h"
 #include "app/log_fields.h"
 #include "app/log_limit.h"
 #include "config/build_dronecan.h"
@@ -44,17 +44,17 @@ void NodeLog::say_change(const Memory& memory, const std::string& note) {
     const LogFields fields({"TRIBUS_INTERFACE", memory.interface});
     switch (memory.word.said().stage) {
         case dronecan::NodeStage::online:
-            spdlog::info("{}: this program is DroneCAN node {}{}", memory.interface,
-                         memory.word.said().id, note);
+            log_info("{}: this program is DroneCAN node {}{}", memory.interface,
+                     memory.word.said().id, note);
             break;
         case dronecan::NodeStage::conflict:
-            spdlog::error(
+            log_error(
                 "{}: another DroneCAN node has the id {} too; nothing is sent until it has been "
                 "silent for 5 s; give one of the two another node_id{}",
                 memory.interface, memory.wanted, note);
             break;
         case dronecan::NodeStage::allocating:
-            spdlog::warn(
+            log_warning(
                 "{}: another DroneCAN node has the same id; nothing is sent until an "
                 "allocator gives another one{}",
                 memory.interface, note);

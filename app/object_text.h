@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 namespace tribus {
 
@@ -20,10 +20,7 @@ class ObjectText {
         text_ += '{';
     }
 
-    void add(std::string_view key, const nlohmann::ordered_json& value) {
-        open_member(key);
-        append(value);
-    }
+    void add(std::string_view key, const nlohmann::ordered_json& value);
     /// One entry for each of `count`.
     template <class Entry>
     void add_list(std::string_view key, std::size_t count, Entry entry) {
@@ -43,15 +40,8 @@ class ObjectText {
   private:
     static constexpr std::size_t kLongText = std::size_t{128} * 1024;
 
-    void open_member(std::string_view key) {
-        text_ += text_.size() == 1 ? "\"" : ",\"";
-        text_ += key;
-        text_ += "\":";
-    }
-    /// File names and those of devices may be of any bytes.
-    void append(const nlohmann::ordered_json& value) {
-        text_ += value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
-    }
+    void open_member(std::string_view key);
+    void append(const nlohmann::ordered_json& value);
 
     std::string text_;
 };

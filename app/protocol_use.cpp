@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "app/command_line.h"
 #include "config/document.h"
 #include "config/mistakes.h"
 #include "config/parse_toml.h"
@@ -173,6 +174,20 @@ std::vector<SettingOption> setting_options(SettingScope direction) {
         }
     }
     return options;
+}
+
+void append_setting_options(std::vector<CommandOption>& options, SettingScope direction,
+                            GivenSettings& given) {
+    for (SettingOption& option : setting_options(direction)) {
+        const auto keep = [&given, key = option.key](const std::string& text) {
+            given.insert_or_assign(key, text);
+        };
+        options.push_back(
+            {.name = "--" + option.key,
+             .value = keep,
+             .help = std::move(option.help),
+             .type_name = option.choices.empty() ? "TEXT" : choices_type(option.choices)});
+    }
 }
 
 tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,

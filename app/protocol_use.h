@@ -10,6 +10,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/command.h"
 #include "core/line_settings.h"
 #include "core/setting.h"
 #include "core/time.h"
@@ -56,6 +57,10 @@ struct SettingOption {
     std::string choices;
 };
 std::vector<SettingOption> setting_options(SettingScope direction);
+
+/// Adds them as options of a command; their values go to `given`, which lives as long as these.
+void append_setting_options(std::vector<CommandOption>& options, SettingScope direction,
+                            GivenSettings& given);
 
 /// Every key in `given` must be one of the protocol's in that direction, those that it requires
 /// must be there, and together they must make sense to it.

@@ -7,12 +7,12 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
+#include "app/command_line.h"
 #include "app/complain.h"
 #include "app/exit_status.h"
-#include "app/help_formatter.h"
 #include "app/line_use.h"
 #include "app/monitor_fields.h"
 #include "app/protocol_use.h"
@@ -36,7 +36,7 @@ struct RecordOptions {
     std::string protocol;
     std::string baud;
     std::string time;
-    std::uintmax_t limit_mib = 100;
+    std::uint64_t limit_mib = 100;
     bool force = false;
 };
 
@@ -97,31 +97,45 @@ int record(const RecordOptions& options) {
 
 }  // namespace
 
-void add_record_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "record", "Record what passes: a running daemon's flight recorder, or a port by itself");
+Command record_command() {
     auto options = std::make_shared<RecordOptions>();
-    command->add_option("TARGET", options->target,
-                        "Daemon, by its configuration file's name, where several run; with --out "
-                        "a serial device or CAN interface");
-    command->add_option("--socket", options->socket,
-                        "The daemon's control socket, where that is elsewhere");
-    command->add_option("--out", options->out, "File for what arrives at that port");
-    command
-        ->add_option("--protocol", options->protocol,
-                     "What a serial line speaks: its rate, parity and stop bits")
-        ->type_name(choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor"));
-    command->add_option("--baud", options->baud, "Another rate than the protocol's own");
-    command->add_option("--for", options->time, "How long, such as 10s; default: until Ctrl-C");
-    command->add_option("--limit", options->limit_mib, "MiB that the file may have")
-        ->check(CLI::Range(1, 100000))
-        ->capture_default_str();
-    command->add_flag("--force", options->force, "Overwrite the file");
-    command->footer(
-        "Without --out it asks a daemon whose configuration has [recorder] for a recording, and\n"
-        "prints the folder. With --out it listens to a port that no other program uses; CAN\n"
-        "interfaces are shared. `decode`, `simulate` and `replay` read the files.");
-    command->callback([options, &status] { status = record(*options); });
+    return {
+        .name = "record",
+        .help = "Record what passes: a running daemon's flight recorder, or a port by itself",
+        .footer =
+            "Without --out it asks a daemon whose configuration has [recorder] for a recording, "
+            "and\n"
+            "prints the folder. With --out it listens to a port that no other program uses; CAN\n"
+            "interfaces are shared. `decode`, `simulate` and `replay` read the files.",
+        .options =
+            {{.name = "TARGET",
+              .value = &options->target,
+              .help = "Daemon, by its configuration file's name, where several run; with --out a "
+                      "serial device or CAN interface"},
+             {.name = "--socket",
+              .value = &options->socket,
+              .help = "The daemon's control socket, where that is elsewhere"},
+             {.name = "--out",
+              .value = &options->out,
+              .help = "File for what arrives at that port"},
+             {.name = "--protocol",
+              .value = &options->protocol,
+              .help = "What a serial line speaks: its rate, parity and stop bits",
+              .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
+             {.name = "--baud",
+              .value = &options->baud,
+              .help = "Another rate than the protocol's own"},
+             {.name = "--for",
+              .value = &options->time,
+              .help = "How long, such as 10s; default: until Ctrl-C"},
+             {.name = "--limit",
+              .value = &options->limit_mib,
+              .help = "MiB that the file may have",
+              .shows_value = true,
+              .range = {{1, 100000}}},
+             {.name = "--force", .value = &options->force, .help = "Overwrite the file"}},
+        .run = [options] { return record(*options); },
+    };
 }
 
 }  // namespace tribus

@@ -31,7 +31,7 @@ namespace {
 
 constexpr std::size_t kPieces = 512;
 /// Most that one wake takes, so that signals are seen on a flooded port.
-constexpr int kReadsAtOnce = 16;
+constexpr int kPortReadsAtOnce = 16;
 
 tl::expected<UniqueFd, std::string> make_file(const PortRecording& recording) {
     const int exclusive = recording.force ? O_TRUNC : O_EXCL;
@@ -79,7 +79,7 @@ class Recorder {
     /// What is there. False: the device is gone.
     bool take() {
         ReadStatus status = ReadStatus::received;
-        for (int i = 0; i < kReadsAtOnce && status == ReadStatus::received; ++i) {
+        for (int i = 0; i < kPortReadsAtOnce && status == ReadStatus::received; ++i) {
             status = read(monotonic_now());
             pass_on();
         }

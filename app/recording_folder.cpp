@@ -20,6 +20,7 @@
 #include <fmt/format.h>
 
 #include "app/capture_text.h"
+#include "app/file_error.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
@@ -35,10 +36,6 @@ constexpr std::size_t kBytesAtOnce = std::size_t{64} * 1024;
 /// Of a length that `recording_time` gives.
 constexpr std::size_t kTimeLength = std::string_view("2026-11-22T12-00-05Z").size();
 
-Failed failed(const fs::path& path, int error) {
-    return Failed(fmt::format("{}: {}", path.string(), std::strerror(error)));
-}
-
 /// A file that is written once, from its begin to its end.
 class NewFile {
   public:
@@ -47,7 +44,7 @@ class NewFile {
         file.path_ = path;
         file.fd_ = UniqueFd(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640));
         if (!file.fd_.valid()) {
-            return failed(path, errno);
+            return file_error(path, errno);
         }
         return file;
     }
@@ -55,7 +52,7 @@ class NewFile {
         while (!text.empty()) {
             const ssize_t count = ::write(fd_.get(), text.data(), text.size());
             if (count < 0 && errno != EINTR) {
-                return failed(path_, errno);
+                return file_error(path_, errno);
             }
             text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
         }
@@ -64,7 +61,7 @@ class NewFile {
     /// It survives a loss of power from here on.
     Done finish() {
         if (::fsync(fd_.get()) != 0) {
-            return failed(path_, errno);
+            return file_error(path_, errno);
         }
         return {};
     }
@@ -348,11 +345,11 @@ tl::expected<fs::path, std::string> write_recording(const RecordingOrder& order)
     fs::path unfinished = folder;
     unfinished += kUnfinishedEnding;
     if (::mkdir(unfinished.c_str(), 0750) != 0) {
-        return failed(unfinished, errno);
+        return file_error(unfinished, errno);
     }
     Done done = fill(order, unfinished);
     if (done && ::rename(unfinished.c_str(), folder.c_str()) != 0) {
-        done = failed(folder, errno);
+        done = file_error(folder, errno);
     }
     if (!done) {
         fs::remove_all(unfinished, error);

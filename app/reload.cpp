@@ -11,7 +11,6 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
@@ -26,7 +25,7 @@ namespace tribus {
 namespace {
 
 /// Opening devices and the last frames of outputs that are gone take a moment.
-constexpr Duration kPatience = std::chrono::seconds(20);
+constexpr Duration kReloadPatience = std::chrono::seconds(20);
 
 struct ReloadOptions {
     std::string name;
@@ -39,7 +38,7 @@ struct ReloadOptions {
 /// What the daemon did, said to the person who asked.
 int ask_and_tell(const std::string& socket, const std::string& request, const char* taken,
                  nlohmann::json* told = nullptr) {
-    const auto answer = ask_daemon(socket, request, kPatience);
+    const auto answer = ask_daemon(socket, request, kReloadPatience);
     if (!answer) {
         return complain(answer.error(), kExitFailed);
     }
@@ -125,24 +124,35 @@ int reload(const ReloadOptions& options) {
 
 }  // namespace
 
-void add_reload_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "reload", "Have a running daemon read its configuration again, on trial if you like");
+Command reload_command() {
     auto options = std::make_shared<ReloadOptions>();
-    command->add_option("NAME", options->name,
-                        "Which daemon, by its configuration file's name; needed where several run");
-    command->add_option("--socket", options->socket, "Its control socket, where that is elsewhere");
-    auto* trial = command->add_option(
-        "--trial", options->trial,
-        "Go back after so long, such as \"30s\", to what ran before, unless it is confirmed");
-    auto* confirm = command->add_flag("--confirm", options->confirm, "Keep what is on trial");
-    auto* back = command->add_flag("--back", options->back, "Go back from a trial at once");
-    confirm->excludes(trial)->excludes(back);
-    back->excludes(trial);
-    command->footer(
-        "The daemon takes the file between two frames, or refuses it, says why and goes\n"
-        "on. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.");
-    command->callback([options, &status] { status = reload(*options); });
+    return {
+        .name = "reload",
+        .help = "Have a running daemon read its configuration again, on trial if you like",
+        .footer =
+            "The daemon takes the file between two frames, or refuses it, says why and goes\n"
+            "on. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
+        .options =
+            {{.name = "NAME",
+              .value = &options->name,
+              .help = "Which daemon, by its configuration file's name; needed where several run"},
+             {.name = "--socket",
+              .value = &options->socket,
+              .help = "Its control socket, where that is elsewhere"},
+             {.name = "--trial",
+              .value = &options->trial,
+              .help = "Go back after so long, such as \"30s\", to what ran before, unless it is "
+                      "confirmed"},
+             {.name = "--confirm",
+              .value = &options->confirm,
+              .help = "Keep what is on trial",
+              .excludes = {"--trial", "--back"}},
+             {.name = "--back",
+              .value = &options->back,
+              .help = "Go back from a trial at once",
+              .excludes = {"--trial"}}},
+        .run = [options] { return reload(*options); },
+    };
 }
 
 }  // namespace tribus

@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `reload`.
-void add_reload_command(CLI::App& app, int& status);
+Command reload_command();
 
 }  // namespace tribus

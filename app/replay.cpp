@@ -11,12 +11,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
+#include "app/command_line.h"
 #include "app/complain.h"
 #include "app/exit_status.h"
-#include "app/help_formatter.h"
 #include "app/line_use.h"
 #include "app/main_wait.h"
 #include "app/protocol_use.h"
@@ -240,35 +239,48 @@ int replay(const ReplayOptions& options) {
 
 }  // namespace
 
-void add_replay_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "replay",
-        "Send a recording with its timing into a pty, a serial device or a CAN interface");
+Command replay_command() {
     auto options = std::make_shared<ReplayOptions>();
-    command->add_option("FILE", options->file, "Recording, as decode and simulate read it")
-        ->required();
-    command
-        ->add_option("--to", options->place.to,
-                     "pty: a new pseudo-terminal, whose name is printed; or a serial device, or a "
-                     "CAN interface")
-        ->required();
-    command->add_option("--link", options->place.link,
-                        "Path that leads to the new pseudo-terminal while it is there");
-    command->add_option("--speed", options->speed, "2: twice as fast")
-        ->check(CLI::Range(0.001, 1000.0))
-        ->capture_default_str();
-    command->add_flag("--loop", options->loop, "From the beginning again, until Ctrl-C");
-    command
-        ->add_option("--protocol", options->place.protocol,
-                     "What a serial line speaks: its rate, parity and stop bits")
-        ->type_name(choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor"));
-    command->add_option("--baud", options->place.baud, "Another rate than the protocol's own");
-    command->add_option("--period", options->period,
-                        "From line to line of a recording without times");
-    command->footer(
-        "It begins with the first burst or frame; into a pty, once somebody has opened it. At the\n"
-        "end it says how late it was; what is more than 50 ms late is left out.");
-    command->callback([options, &status] { status = replay(*options); });
+    return {
+        .name = "replay",
+        .help = "Send a recording with its timing into a pty, a serial device or a CAN interface",
+        .footer =
+            "It begins with the first burst or frame; into a pty, once somebody has opened it. At "
+            "the\n"
+            "end it says how late it was; what is more than 50 ms late is left out.",
+        .options =
+            {{.name = "FILE",
+              .value = &options->file,
+              .help = "Recording, as decode and simulate read it",
+              .required = true},
+             {.name = "--to",
+              .value = &options->place.to,
+              .help = "pty: a new pseudo-terminal, whose name is printed; or a serial device, or a "
+                      "CAN interface",
+              .required = true},
+             {.name = "--link",
+              .value = &options->place.link,
+              .help = "Path that leads to the new pseudo-terminal while it is there"},
+             {.name = "--speed",
+              .value = &options->speed,
+              .help = "2: twice as fast",
+              .shows_value = true,
+              .range = {{0.001, 1000}}},
+             {.name = "--loop",
+              .value = &options->loop,
+              .help = "From the beginning again, until Ctrl-C"},
+             {.name = "--protocol",
+              .value = &options->place.protocol,
+              .help = "What a serial line speaks: its rate, parity and stop bits",
+              .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
+             {.name = "--baud",
+              .value = &options->place.baud,
+              .help = "Another rate than the protocol's own"},
+             {.name = "--period",
+              .value = &options->period,
+              .help = "From line to line of a recording without times"}},
+        .run = [options] { return replay(*options); },
+    };
 }
 
 }  // namespace tribus

@@ -1,13 +1,11 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// `tribus replay`: a recording into a pseudo-terminal, a serial device or a CAN interface, with
 /// its timing.
-void add_replay_command(CLI::App& app, int& status);
+Command replay_command();
 
 }  // namespace tribus

@@ -13,7 +13,9 @@
 #include <system_error>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
+
+#include "app/file_error.h"
+#include "app/log.h"
 
 namespace tribus {
 namespace {
@@ -25,10 +27,6 @@ constexpr const char* kFolder = "recorder";
 constexpr const char* kLeft = "recorder-left";
 /// What a process has begun to read.
 constexpr const char* kTaken = "recorder-taken";
-
-Failed failed(const fs::path& path, int error) {
-    return Failed(fmt::format("{}: {}", path.string(), std::strerror(error)));
-}
 
 /// Of any kind; a link that leads nowhere too.
 bool there_is(const fs::path& path) {
@@ -53,12 +51,12 @@ tl::expected<RingMemory, std::string> RingMemory::anonymous(std::size_t bytes) {
 tl::expected<RingMemory, std::string> RingMemory::in_file(const fs::path& path, std::size_t bytes) {
     const UniqueFd file(::open(path.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0600));
     if (!file.valid()) {
-        return failed(path, errno);
+        return file_error(path, errno);
     }
     // All of it now: a page that cannot be had later would end the process.
     if (const int error = ::posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)); error != 0) {
         ::unlink(path.c_str());
-        return failed(path, error);
+        return file_error(path, error);
     }
     return map(MAP_SHARED, file.get(), bytes);
 }
@@ -67,7 +65,7 @@ tl::expected<RingMemory, std::string> RingMemory::copy_of(const fs::path& path, 
     const UniqueFd file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     struct stat told {};
     if (!file.valid() || ::fstat(file.get(), &told) != 0) {
-        return failed(path, errno);
+        return file_error(path, errno);
     }
     if (!S_ISREG(told.st_mode)) {
         return Failed(fmt::format("{} is not a file", path.string()));
@@ -80,7 +78,7 @@ tl::expected<RingMemory, std::string> RingMemory::copy_of(const fs::path& path, 
     for (std::size_t at = 0; memory && at < memory->bytes_;) {
         const ssize_t count = ::read(file.get(), memory->begin_ + at, memory->bytes_ - at);
         if (count == 0 || (count < 0 && errno != EINTR)) {
-            return failed(path, count == 0 ? EIO : errno);
+            return file_error(path, count == 0 ? EIO : errno);
         }
         at += count > 0 ? static_cast<std::size_t>(count) : 0;
     }
@@ -121,7 +119,7 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     UniqueFd lock(::open(runtime_directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     struct statfs filesystem {};
     if (!lock.valid() || ::fstatfs(lock.get(), &filesystem) != 0) {
-        return failed(runtime_directory, errno);
+        return file_error(runtime_directory, errno);
     }
     // On a disk, its driver could make the data thread wait.
     if (filesystem.f_type != TMPFS_MAGIC && filesystem.f_type != RAMFS_MAGIC) {
@@ -135,7 +133,7 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     std::error_code error;
     const fs::path taken = runtime_directory / kTaken;
     if (there_is(taken)) {
-        spdlog::warn(
+        log_warning(
             "recorder: the process before this one ended while it wrote what a crash had "
             "left; that is given up");
         fs::remove_all(taken, error);
@@ -149,7 +147,7 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
         }
     }
     if (::mkdir(path.c_str(), 0700) != 0) {
-        return failed(path, errno);
+        return file_error(path, errno);
     }
     return RingHome(path, std::move(lock));
 }

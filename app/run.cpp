@@ -15,7 +15,6 @@
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
-#include <CLI/CLI.hpp>
 
 #include "app/control_requests.h"
 #include "app/daemon.h"
@@ -23,6 +22,7 @@
 #include "app/inside_view.h"
 #include "app/journal.h"
 #include "app/load_or_explain.h"
+#include "app/log.h"
 #include "app/main_wait.h"
 #include "app/preparation.h"
 #include "app/service_notify.h"
@@ -97,18 +97,18 @@ int run(const RunOptions& options) {
     }
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
     if (!wait) {
-        spdlog::error("{}", wait.error());
+        log_error("{}", wait.error());
         return kExitFailed;
     }
     auto inside = InsideView::open(options.path, options.socket);
     if (!inside) {
-        spdlog::error("{}", inside.error());
+        log_error("{}", inside.error());
         return kExitFailed;
     }
     if (!options.metrics.empty()) {
         const auto reach = options.metrics_public ? MetricsReach::network : MetricsReach::local;
         if (auto told = (*inside)->tell_metrics(options.metrics, reach); !told) {
-            spdlog::error("{}", told.error());
+            log_error("{}", told.error());
             return kExitFailed;
         }
     }
@@ -120,35 +120,50 @@ int run(const RunOptions& options) {
     return run(daemon, *wait, **inside);
 }
 
+void log_to_journal_or_terminal() {
+    auto logger = stderr_is_journal() ? std::make_shared<spdlog::logger>("tribus", journal_sink())
+                                      : spdlog::stderr_color_st("tribus");
+    logger->set_formatter(terminal_formatter());
+    spdlog::set_default_logger(std::move(logger));
+}
+
 }  // namespace
 
-void add_run_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand("run", "Run a configuration, in the foreground");
+Command run_command() {
     auto options = std::make_shared<RunOptions>();
-    command->add_option("CONFIG", options->path, "Configuration file")->required();
-    command->add_option("--socket", options->socket,
-                        "Control socket, for `tribus monitor`; default: `control` in "
-                        "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR");
-    command->add_option("--metrics", options->metrics,
-                        "Tell Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket");
-    command->add_flag("--metrics-public", options->metrics_public,
-                      "Allow an address for --metrics that the network can reach");
-    command->footer(
-        "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
-        "SIGHUP: reads the configuration again and takes it between two frames; one with\n"
-        "mistakes, or whose devices cannot be opened, is refused and the old one runs on.");
-    command->callback([options, &status] {
-        auto logger = stderr_is_journal()
-                          ? std::make_shared<spdlog::logger>("tribus", journal_sink())
-                          : spdlog::stderr_color_st("tribus");
-        logger->set_formatter(terminal_formatter());
-        spdlog::set_default_logger(std::move(logger));
-        status = run(*options);
-        if (Preparation::any_forsaken()) {
-            std::fflush(nullptr);
-            ::_exit(status);
-        }
-    });
+    return {
+        .name = "run",
+        .help = "Run a configuration, in the foreground",
+        .footer =
+            "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
+            "SIGHUP: reads the configuration again and takes it between two frames; one with\n"
+            "mistakes, or whose devices cannot be opened, is refused and the old one runs on.",
+        .options =
+            {{.name = "CONFIG",
+              .value = &options->path,
+              .help = "Configuration file",
+              .required = true},
+             {.name = "--socket",
+              .value = &options->socket,
+              .help = "Control socket, for `tribus monitor`; default: `control` in "
+                      "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR"},
+             {.name = "--metrics",
+              .value = &options->metrics,
+              .help = "Tell Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket"},
+             {.name = "--metrics-public",
+              .value = &options->metrics_public,
+              .help = "Allow an address for --metrics that the network can reach"}},
+        .run =
+            [options] {
+                log_to_journal_or_terminal();
+                const int status = run(*options);
+                if (Preparation::any_forsaken()) {
+                    std::fflush(nullptr);
+                    ::_exit(status);
+                }
+                return status;
+            },
+    };
 }
 
 }  // namespace tribus

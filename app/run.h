@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `run`: the daemon, in the foreground.
-void add_run_command(CLI::App& app, int& status);
+Command run_command();
 
 }  // namespace tribus

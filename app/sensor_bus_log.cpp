@@ -4,8 +4,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "app/log.h"
 #include "app/log_fields.h"
 
 namespace tribus {
@@ -19,11 +19,11 @@ constexpr std::uint64_t kWorthSaying = 10;
 constexpr Duration kAskedNoMore = std::chrono::seconds(1);
 
 template <class... Arguments>
-void say(RateLimit& limit, Instant now, spdlog::level::level_enum level,
-         fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+void say(RateLimit& limit, Instant now, LogLevel level, fmt::format_string<Arguments...> format,
+         Arguments&&... arguments) {
     if (const auto swallowed = limit.pass(now)) {
-        spdlog::log(level, "{}{}", fmt::format(format, std::forward<Arguments>(arguments)...),
-                    swallowed_note(*swallowed));
+        log_at(level, "{}{}", fmt::format(format, std::forward<Arguments>(arguments)...),
+               swallowed_note(*swallowed));
     }
 }
 
@@ -67,18 +67,17 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
     if (const auto swallowed = memory.asked.look(asked, memory.limit, now)) {
         const std::string note = swallowed_note(*swallowed);
         if (asked && state.first_address == 0) {
-            spdlog::info("sensor bus {}: a receiver asks; waiting for an address{}", memory.name,
-                         note);
+            log_info("sensor bus {}: a receiver asks; waiting for an address{}", memory.name, note);
         } else if (asked) {
-            spdlog::info("sensor bus {}: a receiver asks; {}{}", memory.name,
-                         places_text(state.first_address, memory.sensors), note);
+            log_info("sensor bus {}: a receiver asks; {}{}", memory.name,
+                     places_text(state.first_address, memory.sensors), note);
         } else {
-            spdlog::warn("sensor bus {}: the receiver does not ask any more{}", memory.name, note);
+            log_warning("sensor bus {}: the receiver does not ask any more{}", memory.name, note);
         }
     }
     if (!memory.silence_said && state.sensor.requests == 0 && now - memory.start >= kFirstWait) {
         memory.silence_said = true;
-        spdlog::warn(
+        log_warning(
             "sensor bus {}: not one request yet; check wire, ground and power, and that it is the "
             "receiver's SENS port",
             memory.name);
@@ -94,12 +93,12 @@ void SensorBusLog::look_at_address(const std::optional<FoundSensor>& found, std:
         return;
     }
     if (before) {
-        spdlog::warn("sensor bus {}: address {}, {}, is gone{}", memory.name, address,
-                     type_name(memory, before->type), swallowed_note(*swallowed));
+        log_warning("sensor bus {}: address {}, {}, is gone{}", memory.name, address,
+                    type_name(memory, before->type), swallowed_note(*swallowed));
     }
     if (found) {
-        spdlog::info("sensor bus {}: address {} is {}{}", memory.name, address,
-                     type_name(memory, found->type), before ? "" : swallowed_note(*swallowed));
+        log_info("sensor bus {}: address {} is {}{}", memory.name, address,
+                 type_name(memory, found->type), before ? "" : swallowed_note(*swallowed));
     }
 }
 
@@ -110,7 +109,7 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
     }
     if (!memory.silence_said && state.found_count == 0 && now - memory.start >= kFirstWait) {
         memory.silence_said = true;
-        spdlog::warn(
+        log_warning(
             "sensor bus {}: no sensor answers yet; check wire, ground and power{}", memory.name,
             state.echo.heard == 0 ? ", and that TX and RX are joined if it is one wire" : "");
     }
@@ -118,14 +117,14 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
 
 void SensorBusLog::look_at_troubles(const SensorBusState& state, Memory& memory, Instant now) {
     if (state.echo.collisions >= memory.collisions + kWorthSaying) {
-        say(memory.limit, now, spdlog::level::warn,
+        say(memory.limit, now, LogLevel::warning,
             "sensor bus {}: {} of its frames came back altered; two devices speak at once, say "
             "with the same address, or the wire is disturbed",
             memory.name, state.echo.collisions - memory.collisions);
         memory.collisions = state.echo.collisions;
     }
     if (state.sensor.late >= memory.late + kWorthSaying) {
-        say(memory.limit, now, spdlog::level::warn,
+        say(memory.limit, now, LogLevel::warning,
             "sensor bus {}: {} answers withheld because they were late; `tribus bench` shows what "
             "delays this board",
             memory.name, state.sensor.late - memory.late);

@@ -7,12 +7,12 @@
 namespace tribus {
 namespace {
 
-using json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-json fields_json(const std::vector<WrittenField>& fields) {
-    json list = json::array();
+OrderedJson fields_json(const std::vector<WrittenField>& fields) {
+    OrderedJson list = OrderedJson::array();
     for (const WrittenField& field : fields) {
-        json object{{"name", field.name}, {"number", nullptr}, {"unit", field.unit}};
+        OrderedJson object{{"name", field.name}, {"number", nullptr}, {"unit", field.unit}};
         if (field.number) {
             object["number"] = std::stod(*field.number);
         }
@@ -21,9 +21,9 @@ json fields_json(const std::vector<WrittenField>& fields) {
     return list;
 }
 
-json address_json(std::size_t address, const SensorAddressCounts& counts,
-                  const SensorTypes& types) {
-    json object{{"address", address}, {"type", nullptr}};
+OrderedJson address_json(std::size_t address, const SensorAddressCounts& counts,
+                         const SensorTypes& types) {
+    OrderedJson object{{"address", address}, {"type", nullptr}};
     if (counts.type) {
         object["type"] = name_of_type(*counts.type, types);
     }
@@ -39,8 +39,8 @@ json address_json(std::size_t address, const SensorAddressCounts& counts,
     return object;
 }
 
-json counts_json(const SensorTally& tally, const SensorCounts& counts) {
-    json rejected = json::object();
+OrderedJson counts_json(const SensorTally& tally, const SensorCounts& counts) {
+    OrderedJson rejected = OrderedJson::object();
     for (const NamedCount& cause : tally.frames.rejected) {
         rejected[std::string(cause.name)] = cause.count;
     }
@@ -67,7 +67,7 @@ json counts_json(const SensorTally& tally, const SensorCounts& counts) {
 void append_sensor_json(std::string& text, const SensorExchange& exchange,
                         const SensorTypes& types) {
     const ExplainedExchange explained = explain(exchange, types);
-    json object = json::object();
+    OrderedJson object = OrderedJson::object();
     if (exchange.asked.start) {
         object["t_us"] = whole_microseconds(*exchange.asked.start);
     }
@@ -105,8 +105,8 @@ void append_sensor_json(std::string& text, const SensorExchange& exchange,
 void append_sensor_summary_json(std::string& text, const SensorTally& tally,
                                 const SensorConversation& conversation, const SensorTypes& types,
                                 std::string_view input) {
-    json summary = counts_json(tally, conversation.counts());
-    json addresses = json::array();
+    OrderedJson summary = counts_json(tally, conversation.counts());
+    OrderedJson addresses = OrderedJson::array();
     for (std::size_t address = 1; address <= kMostSensors; ++address) {
         const SensorAddressCounts& at = conversation.addresses()[address];
         if (at.requests + at.probes > 0) {
@@ -115,7 +115,7 @@ void append_sensor_summary_json(std::string& text, const SensorTally& tally,
     }
     summary["addresses"] = std::move(addresses);
     summary["input"] = input;
-    text += json{{"summary", std::move(summary)}}.dump();
+    text += OrderedJson{{"summary", std::move(summary)}}.dump();
     text += '\n';
 }
 

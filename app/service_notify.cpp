@@ -13,8 +13,8 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "app/log.h"
 #include "config/configured_names.h"
 #include "pipelines/realtime/clock.h"
 
@@ -79,8 +79,8 @@ NotifySocket NotifySocket::from_environment() {
             0 ||
         ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address->first),
                   address->second) != 0) {
-        spdlog::warn("cannot tell the service manager at {} how it goes: {}", name,
-                     address ? std::strerror(errno) : "not an address that is known here");
+        log_warning("cannot tell the service manager at {} how it goes: {}", name,
+                    address ? std::strerror(errno) : "not an address that is known here");
         return made;
     }
     made.socket_ = std::move(socket);
@@ -140,12 +140,12 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
         return;
     }
     if (found == Punctuality::data_thread_stands) {
-        spdlog::error(
+        log_error(
             "the data thread does not go on; unless it does soon, the service manager "
             "starts the program anew{}",
             swallowed_note(*swallowed));
     } else {
-        spdlog::warn(
+        log_warning(
             "output {}: half of its frames are late or missed; the machine is too slow or "
             "too busy. The service manager starts the program anew if that goes on{}",
             appliance.configuration().outputs[watchdog_->late_output()].name,

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <tl/expected.hpp>
 
 #include "app/exit_status.h"
@@ -32,7 +31,7 @@
 namespace tribus {
 namespace {
 
-struct Options {
+struct SimulateOptions {
     std::string config;
     std::vector<std::string> in;
     std::vector<std::string> out;
@@ -58,9 +57,10 @@ std::vector<SimulatedSink> simulated_sinks(const Configuration& configuration) {
 
 /// Keeps what each output wrote and each sensor bus said, CAN frames as a log of candump, bytes in
 /// the asked format; and says what changes.
-class Recorder final : public OutputObserver {
+class SinkRecorder final : public OutputObserver {
   public:
-    Recorder(const Engine& engine, const std::vector<SimulatedSink>& sinks, std::string_view format)
+    SinkRecorder(const Engine& engine, const std::vector<SimulatedSink>& sinks,
+                 std::string_view format)
         : sinks_(sinks),
           first_bus_(engine.outputs().size()),
           texts_(sinks.size()),
@@ -167,7 +167,7 @@ void play(VirtualLoop& loop, const Arrivals& arrivals, std::span<const Simulated
     loop.run_until(later(loop.now(), tail));
 }
 
-bool write_outputs(const std::map<std::size_t, std::string>& files, const Recorder& recorder) {
+bool write_outputs(const std::map<std::size_t, std::string>& files, const SinkRecorder& recorder) {
     bool fine = true;
     for (const auto& [index, path] : files) {
         if (path == "-") {
@@ -221,7 +221,7 @@ void print_summary(const Engine& engine) {
     }
 }
 
-int simulate(const Options& options) {
+int simulate(const SimulateOptions& options) {
     const auto complain = [](const std::string& text, int status) {
         fmt::print(stderr, "{}\n", text);
         return status;
@@ -252,7 +252,7 @@ int simulate(const Options& options) {
     }
     const auto engine = build_engine(*configuration);
     const auto values = build_value_engine(*configuration, *engine);
-    Recorder recorder(*engine, sinks, options.format);
+    SinkRecorder recorder(*engine, sinks, options.format);
     VirtualLoop loop(*engine, recorder, Instant{}, values.get());
     play(loop, *arrivals, sources, *tail);
     print_summary(*engine);
@@ -264,35 +264,41 @@ int simulate(const Options& options) {
 
 }  // namespace
 
-void add_simulate_command(CLI::App& app, int& status) {
-    auto* command =
-        app.add_subcommand("simulate", "Run a configuration over recorded inputs, in virtual time");
-    auto options = std::make_shared<Options>();
-    command->add_option("CONFIG", options->config, "Configuration file")->required();
-    command
-        ->add_option(
-            "--in", options->in,
-            "NAME=FILE: recorded bytes of an input or sensor bus, or the log of candump of a "
-            "CAN input or of the message of [values.NAME] (repeatable)")
-        ->type_name("NAME=FILE");
-    command
-        ->add_option(
-            "--out", options->out,
-            "NAME=FILE: where to put what an output writes or a sensor bus says, - for standard "
-            "output (repeatable)")
-        ->type_name("NAME=FILE");
-    command
-        ->add_option("--format", options->format,
-                     "Form of the outputs; those of CAN are always logs as of candump")
-        ->check(CLI::IsMember({"timed", "hex", "binary"}))
-        ->capture_default_str();
-    command->add_option("--tail", options->tail, "How long to go on after the last input")
-        ->capture_default_str();
-    command->footer(
-        "An input without --in stays silent. Nothing is opened but these files. Each recording "
-        "starts when the simulation does; what several CAN inputs heard at the same time belongs "
-        "into one log, with --in for each of them.");
-    command->callback([options, &status] { status = simulate(*options); });
+Command simulate_command() {
+    auto options = std::make_shared<SimulateOptions>();
+    return {
+        .name = "simulate",
+        .help = "Run a configuration over recorded inputs, in virtual time",
+        .footer =
+            "An input without --in stays silent. Nothing is opened but these files. Each recording "
+            "starts when the simulation does; what several CAN inputs heard at the same time "
+            "belongs into one log, with --in for each of them.",
+        .options =
+            {{.name = "CONFIG",
+              .value = &options->config,
+              .help = "Configuration file",
+              .required = true},
+             {.name = "--in",
+              .value = &options->in,
+              .help = "NAME=FILE: recorded bytes of an input or sensor bus, or the log of candump "
+                      "of a CAN input or of the message of [values.NAME] (repeatable)",
+              .type_name = "NAME=FILE"},
+             {.name = "--out",
+              .value = &options->out,
+              .help = "NAME=FILE: where to put what an output writes or a sensor bus says, - for "
+                      "standard output (repeatable)",
+              .type_name = "NAME=FILE"},
+             {.name = "--format",
+              .value = &options->format,
+              .help = "Form of the outputs; those of CAN are always logs as of candump",
+              .shows_value = true,
+              .choices = {"timed", "hex", "binary"}},
+             {.name = "--tail",
+              .value = &options->tail,
+              .help = "How long to go on after the last input",
+              .shows_value = true}},
+        .run = [options] { return simulate(*options); },
+    };
 }
 
 }  // namespace tribus

@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `simulate`: a configuration over recorded inputs, in virtual time.
-void add_simulate_command(CLI::App& app, int& status);
+Command simulate_command();
 
 }  // namespace tribus

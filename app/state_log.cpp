@@ -1,8 +1,8 @@
 #include "app/state_log.h"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
+#include "app/log.h"
 #include "app/log_fields.h"
 #include "core/counted.h"
 
@@ -60,7 +60,7 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
                              InputMemory& memory, Instant now) {
     if (status.two_senders && !std::exchange(memory.two_senders_said, true)) {
         const LogFields fields({"TRIBUS_INPUT", name});
-        spdlog::warn("input {}: {}", name, kTwoSendersText);
+        log_warning("input {}: {}", name, kTwoSendersText);
     }
     const auto swallowed = memory.cause.look(status.state.cause, memory.limit, now);
     if (!swallowed) {
@@ -69,8 +69,8 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
     const std::string cause = as_word(name_of(status.state.cause));
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     const bool good = status.state.cause == LinkCause::good;
-    spdlog::log(good ? spdlog::level::info : spdlog::level::warn, "input {}: {}{}", name,
-                cause_text(status.state), swallowed_note(*swallowed));
+    log_at(good ? LogLevel::info : LogLevel::warning, "input {}: {}{}", name,
+           cause_text(status.state), swallowed_note(*swallowed));
 }
 
 /// Silence at the start is the commonest trouble of all, and its cause shows in the bytes.
@@ -83,26 +83,26 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
     const std::string cause = as_word(name_of(status.state.cause));
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     if (status.counts.bytes == 0 && memory.on_can) {
-        spdlog::warn(
+        log_warning(
             "input {}: not one frame with its ids yet; check the ids, the bit rate and that the "
             "sender is on (candump shows what is on the bus)",
             name);
     } else if (status.counts.frames == 0 && memory.on_can) {
-        spdlog::warn(
+        log_warning(
             "input {}: {} with its ids refused; sender and receiver must agree on "
             "format, id, fd and checksum (tribus decode tells why)",
             name, counted(status.rejected, "frame"));
     } else if (status.counts.bytes == 0) {
-        spdlog::warn("input {}: not one byte yet; check wire, ground and power of the receiver",
-                     name);
+        log_warning("input {}: not one byte yet; check wire, ground and power of the receiver",
+                    name);
     } else if (status.counts.frames == 0) {
-        spdlog::warn(
+        log_warning(
             "input {}: {} but no frame yet; another protocol or rate, or a line "
             "that needs an inverter (SBUS) or must not have one (i.Bus)",
             name, counted(status.counts.bytes, "byte"));
     } else {
-        spdlog::warn("input {}: frames arrive, but {}; is the transmitter on?", name,
-                     cause_text(status.state));
+        log_warning("input {}: frames arrive, but {}; is the transmitter on?", name,
+                    cause_text(status.state));
     }
 }
 
@@ -132,11 +132,11 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                                   : word.outvoted.empty()
                                       ? "; its inputs agree again"
                                       : "; outvoted by the others: " + word.outvoted;
-        spdlog::log(fine ? spdlog::level::info : spdlog::level::warn, "output {}: {}{}{}", name,
-                    word.state, votes, swallowed_note(*swallowed));
+        log_at(fine ? LogLevel::info : LogLevel::warning, "output {}: {}{}{}", name, word.state,
+               votes, swallowed_note(*swallowed));
     }
     if ((status.state.by_preset & ~memory.presets_said) != 0) {
-        spdlog::warn("output {}: {}", name, by_preset_text(status.state.by_preset));
+        log_warning("output {}: {}", name, by_preset_text(status.state.by_preset));
         memory.presets_said |= status.state.by_preset;
     }
     look_at_drops(name, status, memory, now);
@@ -147,7 +147,7 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
     if (status.counts.foreign_frames != memory.foreign_frames) {
         const std::uint64_t foreign = status.counts.foreign_frames - memory.foreign_frames;
         if (memory.foreign_limit.pass(now)) {
-            spdlog::warn(
+            log_warning(
                 "output {}: another node sends frames with its ids ({} since the last line); give "
                 "one of the two other ids",
                 name, foreign);
@@ -157,8 +157,8 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
     if (status.counts.busy_drops != memory.busy_drops) {
         const std::uint64_t dropped = status.counts.busy_drops - memory.busy_drops;
         if (memory.drops_limit.pass(now)) {
-            spdlog::warn("output {}: {} dropped because the port still had the one before", name,
-                         counted(dropped, "frame"));
+            log_warning("output {}: {} dropped because the port still had the one before", name,
+                        counted(dropped, "frame"));
             memory.busy_drops = status.counts.busy_drops;
         }
     }
@@ -170,7 +170,7 @@ void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
         return;
     }
     if (const auto swallowed = absence_limit_.pass(now)) {
-        spdlog::warn(
+        log_warning(
             "this program did not run for {:.1f} s (stopped, suspended, or without processor "
             "time): inputs with a shorter timeout count as lost{}",
             std::chrono::duration<double>(absence.latest).count(), swallowed_note(*swallowed));
@@ -186,8 +186,8 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
             const std::string_view word = !back         ? "is gone; waiting for it"
                                           : memory.ever ? "is back"
                                                         : "is there";
-            spdlog::log(back ? spdlog::level::info : spdlog::level::warn, "{}: {}{}", name, word,
-                        swallowed_note(*swallowed));
+            log_at(back ? LogLevel::info : LogLevel::warning, "{}: {}{}", name, word,
+                   swallowed_note(*swallowed));
         }
         memory.ever = memory.ever || back;
     };

@@ -16,34 +16,34 @@
 namespace tribus {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 std::int64_t us(Duration duration) {
     return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
 }
 
 /// To a tenth: scheduling is told in single microseconds.
-Json fine_us(Duration duration) {
+OrderedJson fine_us(Duration duration) {
     constexpr std::int64_t kTenth = 100;
     constexpr double kTenthsPerUs = 10;
     const std::int64_t tenths = duration.count() / kTenth;
     return number_json(static_cast<double>(tenths) / kTenthsPerUs);
 }
 
-Json channels(const ChannelFrame& frame) {
-    Json json = Json::array();
+OrderedJson channels(const ChannelFrame& frame) {
+    OrderedJson json = OrderedJson::array();
     std::size_t last = kChannelCount;
     while (last > 0 && !frame.has(last - 1)) {
         --last;
     }
     for (std::size_t channel = 0; channel < last; ++channel) {
         const auto pulse = frame.channel(channel);
-        json.push_back(pulse ? number_json(pulse->microseconds()) : Json());
+        json.push_back(pulse ? number_json(pulse->microseconds()) : OrderedJson());
     }
     return json;
 }
 
-Json distribution(const HistogramReading& reading) {
+OrderedJson distribution(const HistogramReading& reading) {
     constexpr double kHalf = 0.5;
     constexpr double kMost = 0.99;
     return {{"count", reading.count()},
@@ -53,8 +53,8 @@ Json distribution(const HistogramReading& reading) {
 }
 
 /// Nothing for an instant that never was.
-Json age(Instant at, Instant now) {
-    return at == Instant{} ? Json() : Json(std::max<std::int64_t>(us(now - at), 0));
+OrderedJson age(Instant at, Instant now) {
+    return at == Instant{} ? OrderedJson() : OrderedJson(std::max<std::int64_t>(us(now - at), 0));
 }
 
 std::string_view input_state(const InputStatus& status) {
@@ -69,16 +69,16 @@ std::string_view sign_word(RadioLossSign sign) {
     return kWords[static_cast<std::size_t>(sign)];
 }
 
-Json rejected(const InputReport& input) {
-    Json json = Json::object();
+OrderedJson rejected(const InputReport& input) {
+    OrderedJson json = OrderedJson::object();
     for (std::size_t i = 0; i < input.reject_causes.size(); ++i) {
         json[as_word(input.reject_causes[i])] = input.status.rejected_by[i];
     }
     return json;
 }
 
-Json losses(const InputCounts& counts) {
-    Json json = Json::object();
+OrderedJson losses(const InputCounts& counts) {
+    OrderedJson json = OrderedJson::object();
     for (std::size_t cause = 0; cause < counts.began.size(); ++cause) {
         const auto named = static_cast<LinkCause>(cause);
         if (named != LinkCause::good && named != LinkCause::never_seen) {
@@ -88,10 +88,10 @@ Json losses(const InputCounts& counts) {
     return json;
 }
 
-Json input_json(const InputConfig& config, const InputReport& input, Instant now) {
+OrderedJson input_json(const InputConfig& config, const InputReport& input, Instant now) {
     const InputStatus& status = input.status;
     const InputCounts& counts = status.counts;
-    Json json;
+    OrderedJson json;
     json["name"] = config.name;
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
@@ -99,10 +99,10 @@ Json input_json(const InputConfig& config, const InputReport& input, Instant now
     json["cause"] = as_word(name_of(status.state.cause));
     json["sign"] = sign_word(status.state.sign);
     json["state_age_us"] =
-        status.state.cause == LinkCause::never_seen ? Json() : age(status.state.since, now);
+        status.state.cause == LinkCause::never_seen ? OrderedJson() : age(status.state.since, now);
     json["rate_hz"] = number_json(std::round(input.rate_hz * 10) / 10);
     json["interval_us"] = us(status.interval);
-    json["age_us"] = counts.frames == 0 ? Json() : age(status.newest_at, now);
+    json["age_us"] = counts.frames == 0 ? OrderedJson() : age(status.newest_at, now);
     json["channels"] = channels(status.latest);
     json["frame_lost"] = status.latest.frame_lost;
     json["failsafe"] = status.latest.failsafe;
@@ -118,23 +118,23 @@ Json input_json(const InputConfig& config, const InputReport& input, Instant now
     return json;
 }
 
-Json names_of(std::span<const std::size_t> inputs, const Configuration& configuration) {
-    Json json = Json::array();
+OrderedJson names_of(std::span<const std::size_t> inputs, const Configuration& configuration) {
+    OrderedJson json = OrderedJson::array();
     for (const std::size_t input : inputs) {
         json.push_back(configuration.inputs[input].name);
     }
     return json;
 }
 
-Json obstacle_word(SendObstacle obstacle) {
+OrderedJson obstacle_word(SendObstacle obstacle) {
     constexpr std::array<std::string_view, 4> kWords{"", "device", "bus", "busy"};
-    return obstacle == SendObstacle::none ? Json()
-                                          : Json(kWords[static_cast<std::size_t>(obstacle)]);
+    return obstacle == SendObstacle::none ? OrderedJson()
+                                          : OrderedJson(kWords[static_cast<std::size_t>(obstacle)]);
 }
 
 /// The place in the list of its inputs is a bit.
-Json outvoted(const OutputReport& output, const Configuration& configuration) {
-    Json json = Json::array();
+OrderedJson outvoted(const OutputReport& output, const Configuration& configuration) {
+    OrderedJson json = OrderedJson::array();
     for (std::size_t place = 0; place < output.inputs.size(); ++place) {
         if ((output.status.state.outvoted >> place & 1U) != 0) {
             json.push_back(configuration.inputs[output.inputs[place]].name);
@@ -143,11 +143,11 @@ Json outvoted(const OutputReport& output, const Configuration& configuration) {
     return json;
 }
 
-Json output_json(std::size_t index, const OutputReport& output, const StatusReport& report) {
+OrderedJson output_json(std::size_t index, const OutputReport& output, const StatusReport& report) {
     const Configuration& configuration = *report.configuration;
     const OutputConfig& config = configuration.outputs[index];
     const OutputStatus& status = output.status;
-    Json json;
+    OrderedJson json;
     json["name"] = config.name;
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
@@ -157,8 +157,8 @@ Json output_json(std::size_t index, const OutputReport& output, const StatusRepo
     json["forced"] = status.state.forced;
     json["awaits_release"] = status.state.awaits_release;
     json["input"] = status.state.input < configuration.inputs.size()
-                        ? Json(configuration.inputs[status.state.input].name)
-                        : Json();
+                        ? OrderedJson(configuration.inputs[status.state.input].name)
+                        : OrderedJson();
     json["outvoted"] = outvoted(output, configuration);
     json["rate_hz"] = number_json(std::round(output.rate_hz * 10) / 10);
     json["period_us"] = us(status.period);
@@ -183,7 +183,7 @@ Json output_json(std::size_t index, const OutputReport& output, const StatusRepo
     return json;
 }
 
-Json can_json(const CanLinkStatus& status, bool present) {
+OrderedJson can_json(const CanLinkStatus& status, bool present) {
     constexpr std::array<std::string_view, 6> kStates{"ready",   "warning", "passive",
                                                       "stalled", "bus_off", "down"};
     const CanCounts& counts = status.counts;
@@ -202,8 +202,8 @@ Json can_json(const CanLinkStatus& status, bool present) {
             {"implausible_times", counts.implausible_times}};
 }
 
-Json port_json(const PortReport& port) {
-    Json json = {
+OrderedJson port_json(const PortReport& port) {
+    OrderedJson json = {
         {"name", port.name}, {"kind", port.can ? "can" : "serial"}, {"present", port.present}};
     if (port.can) {
         json["can"] = can_json(*port.can, port.present);
@@ -211,21 +211,21 @@ Json port_json(const PortReport& port) {
     return json;
 }
 
-Json found_sensors(const SensorBusState& state, const SensorTypes& types) {
-    Json json = Json::array();
+OrderedJson found_sensors(const SensorBusState& state, const SensorTypes& types) {
+    OrderedJson json = OrderedJson::array();
     for (std::size_t i = 0; i < state.found_count; ++i) {
         const SensorType* type = types.find(state.found[i].type);
         json.push_back({{"address", i + 1},
-                        {"type", type == nullptr ? Json() : Json(type->name)},
+                        {"type", type == nullptr ? OrderedJson() : OrderedJson(type->name)},
                         {"type_id", state.found[i].type},
                         {"bytes", state.found[i].size}});
     }
     return json;
 }
 
-Json sensor_bus_json(const SensorBusConfig& config, const SensorBusState& state,
-                     const StatusReport& report) {
-    Json json;
+OrderedJson sensor_bus_json(const SensorBusConfig& config, const SensorBusState& state,
+                            const StatusReport& report) {
+    OrderedJson json;
     json["name"] = config.name;
     json["port"] = config.port.device;
     json["role"] = state.is_receiver ? "receiver" : "sensor";
@@ -241,10 +241,12 @@ Json sensor_bus_json(const SensorBusConfig& config, const SensorBusState& state,
                           {"dropped", counts.dropped}};
     } else {
         const SensorRoleCounts& counts = state.sensor;
-        json["first_address"] = state.first_address == 0 ? Json() : Json(state.first_address);
+        json["first_address"] =
+            state.first_address == 0 ? OrderedJson() : OrderedJson(state.first_address);
         json["sensors"] = config.sensors.size();
-        json["request_age_us"] =
-            state.latest_request ? Json(us(report.now - *state.latest_request)) : Json();
+        json["request_age_us"] = state.latest_request
+                                     ? OrderedJson(us(report.now - *state.latest_request))
+                                     : OrderedJson();
         json["counts"] = {{"requests", counts.requests},
                           {"answered", counts.answered},
                           {"late", counts.late},
@@ -255,49 +257,50 @@ Json sensor_bus_json(const SensorBusConfig& config, const SensorBusState& state,
     return json;
 }
 
-Json node_json(const NodeStatus& node) {
+OrderedJson node_json(const NodeStatus& node) {
     constexpr std::array<std::string_view, 3> kStages{"allocating", "online", "conflict"};
     const dronecan::NodeCounts& counts = node.report.counts;
-    return {{"interface", node.interface},
-            {"state", kStages[static_cast<std::size_t>(node.report.stage)]},
-            {"id", node.report.id == dronecan::kNobody ? Json() : Json(node.report.id)},
-            {"sent", counts.sent},
-            {"received", counts.received},
-            {"errors", counts.errors},
-            {"requests", counts.requests},
-            {"dropped", counts.dropped},
-            {"conflicts", counts.conflicts}};
+    return {
+        {"interface", node.interface},
+        {"state", kStages[static_cast<std::size_t>(node.report.stage)]},
+        {"id", node.report.id == dronecan::kNobody ? OrderedJson() : OrderedJson(node.report.id)},
+        {"sent", counts.sent},
+        {"received", counts.received},
+        {"errors", counts.errors},
+        {"requests", counts.requests},
+        {"dropped", counts.dropped},
+        {"conflicts", counts.conflicts}};
 }
 
 /// JSON knows neither infinity nor "not a number".
-Json finite(double number) {
-    return std::isfinite(number) ? number_json(number) : Json();
+OrderedJson finite(double number) {
+    return std::isfinite(number) ? number_json(number) : OrderedJson();
 }
 
-Json value_json(const ValueReport& value, Instant now) {
+OrderedJson value_json(const ValueReport& value, Instant now) {
     const ValueStatus& status = value.status;
     const bool lasts = value.value.lasts == kForever || now - status.at <= value.value.lasts;
     return {{"name", value.value.name},
-            {"number", status.ever ? finite(status.number) : Json()},
+            {"number", status.ever ? finite(status.number) : OrderedJson()},
             {"unit", value.value.unit},
-            {"age_us", status.ever ? age(status.at, now) : Json()},
+            {"age_us", status.ever ? age(status.at, now) : OrderedJson()},
             {"stale", !(status.available && lasts)}};
 }
 
-Json machine_json(const StatusReport& report) {
-    Json json = Json::object();
+OrderedJson machine_json(const StatusReport& report) {
+    OrderedJson json = OrderedJson::object();
     for (std::size_t fact = 0; fact < report.machine.size(); ++fact) {
         const auto& [name, unit] = kMachineFacts[fact];
         const std::string_view written = unit == "%" ? "percent" : unit;
         const std::string key =
             std::string(name) + (written.empty() ? "" : "_") + std::string(written);
-        json[key] = report.machine[fact] ? finite(*report.machine[fact]) : Json();
+        json[key] = report.machine[fact] ? finite(*report.machine[fact]) : OrderedJson();
     }
     return json;
 }
 
-Json pipeline_json(const PipelineConfig& pipeline, const Configuration& configuration) {
-    Json to = Json::array();
+OrderedJson pipeline_json(const PipelineConfig& pipeline, const Configuration& configuration) {
+    OrderedJson to = OrderedJson::array();
     for (const std::size_t output : pipeline.outputs) {
         to.push_back(configuration.outputs[output].name);
     }
@@ -306,7 +309,7 @@ Json pipeline_json(const PipelineConfig& pipeline, const Configuration& configur
             {"to", std::move(to)}};
 }
 
-Json line_json(const LineConfig& line, bool present) {
+OrderedJson line_json(const LineConfig& line, bool present) {
     return {{"name", line.name}, {"line", to_text(line.place)}, {"present", present}};
 }
 
@@ -345,7 +348,8 @@ std::string status_json(const StatusReport& report) {
     json.add("t_us", us(report.now.time_since_epoch()));
     json.add("unix_time_us", us(report.wall_time));
     json.add("uptime_us", us(report.now - report.started));
-    json.add("trial_left_us", report.trial_left ? Json(us(*report.trial_left)) : Json());
+    json.add("trial_left_us",
+             report.trial_left ? OrderedJson(us(*report.trial_left)) : OrderedJson());
     json.add("figures_age_us", age(report.figures_at, report.now));
     json.add("missing_realtime", report.missing_realtime);
     add_lists(json, report);

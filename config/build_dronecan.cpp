@@ -13,8 +13,6 @@
 namespace tribus {
 namespace {
 
-constexpr Duration kMostPeriod = std::chrono::seconds(1);
-
 std::int64_t microseconds(Duration duration) {
     return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
 }
@@ -101,7 +99,8 @@ class NodePlans {
         }
         const std::int64_t period = microseconds(output.schedule.period);
         const std::int64_t least = std::min(period, microseconds(output.protocol->least_period));
-        const Duration most = output.protocol->most_period(output.settings).value_or(kMostPeriod);
+        const Duration most =
+            output.protocol->most_period(output.settings).value_or(kMostOutputPeriod);
         node.parameters.push_back({.name = fmt::format("uavcan.pubp-{}", message_name(output)),
                                    .value = period,
                                    .at_start = period,

@@ -6,6 +6,8 @@
 #include <type_traits>
 #include <variant>
 
+#include <nlohmann/json.hpp>
+
 #include "config/values.h"
 
 namespace tribus {

@@ -5,6 +5,8 @@
 #include <string>
 #include <variant>
 
+#include <nlohmann/json.hpp>
+
 #include "config/effective_channels.h"
 #include "config/key_rows_values.h"
 

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <variant>
 
+#include <nlohmann/json.hpp>
+
 #include "config/effective_channels.h"
 #include "config/read_scale.h"
 #include "config/values.h"

@@ -143,9 +143,6 @@ bool port_sound(const PortKeys& port, const TableContent& content) {
            content.sound("protocol");
 }
 
-/// Of every output, as its key says.
-constexpr Duration kMostPeriod = std::chrono::seconds(1);
-
 /// A frame must have left before the next one is due, with a byte of silence between.
 Duration wire_period(const OutputConfig& output) {
     return output.port.line.bytes_time(output.protocol->longest_frame + 1);
@@ -157,7 +154,7 @@ void check_period(const OutputConfig& output, std::optional<Duration> most,
     const Duration period = output.schedule.period;
     const Duration wire = wire_period(output);
     const Duration protocol = output.protocol->least_period;
-    const std::string longest = in_quotes(format_duration(most.value_or(kMostPeriod)));
+    const std::string longest = in_quotes(format_duration(most.value_or(kMostOutputPeriod)));
     const Location where = content.where("period");
     const std::string found =
         in_quotes(format_duration(period)) + (content.given("period") ? "" : " by default");

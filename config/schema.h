@@ -67,6 +67,9 @@ struct InputConfig {
     bool operator==(const InputConfig&) const = default;
 };
 
+/// Between two frames of an output, where its protocol does not say otherwise.
+inline constexpr Duration kMostOutputPeriod = std::chrono::seconds(1);
+
 struct OutputConfig {
     std::string name;
     const Protocol* protocol = nullptr;

@@ -1,6 +1,7 @@
 #include "config/write_toml.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <string_view>

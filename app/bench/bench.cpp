@@ -14,7 +14,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "app/bench/measurements.h"
 #include "app/bench/report.h"
@@ -37,7 +36,7 @@ constexpr int kPriority = 80;
 constexpr std::size_t kMostColumns = 100;
 constexpr int kInterruptedStatus = 130;
 
-struct Options {
+struct BenchOptions {
     double seconds = 20;
     std::vector<std::string> ports;
     std::vector<std::string> only;
@@ -78,7 +77,7 @@ tl::expected<std::vector<BenchPart>, std::string> chosen_parts(
     return parts;
 }
 
-tl::expected<BenchSettings, std::string> settings_of(const Options& options,
+tl::expected<BenchSettings, std::string> settings_of(const BenchOptions& options,
                                                      const std::vector<BenchPart>& parts) {
     BenchSettings settings;
     settings.length =
@@ -158,7 +157,7 @@ tl::expected<Report, std::string> measure(const BenchSettings& settings,
     return report;
 }
 
-int run_bench(const Options& options) {
+int run_bench(const BenchOptions& options) {
     const auto parts = chosen_parts(options.only);
     if (!parts) {
         return complain(parts.error(), kExitWrongUse);
@@ -208,33 +207,42 @@ constexpr const char* kFooter =
 
 }  // namespace
 
-void add_bench_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "bench", "What tribus adds on this machine: latency, lateness, age, processor time");
-    auto options = std::make_shared<Options>();
-    command->add_option("--seconds", options->seconds, "For all measurements together")
-        ->check(CLI::Range(0.5, 86400.0))
-        ->capture_default_str();
-    command
-        ->add_option("--ports", options->ports,
-                     "IN OUT: two real serial ports, TX of OUT joined to RX of IN")
-        ->expected(2)
-        ->type_name("IN OUT");
-    command
-        ->add_option("--only", options->only, "latency,lateness,age,codecs,capacity: some of them")
-        ->delimiter(',')
-        ->type_name("LIST");
-    command
-        ->add_option("--require", options->require,
-                     "Fail where the latency is higher, such as p99=200us (repeatable)")
-        ->type_name("PERCENTILE=TIME");
-    command->add_option("--plot", options->plot, "Draw the distributions into this SVG file")
-        ->type_name("FILE");
-    command->add_option("--format", options->format, "text or json")
-        ->check(CLI::IsMember({"text", "json"}))
-        ->capture_default_str();
-    command->footer(kFooter);
-    command->callback([options, &status] { status = run_bench(*options); });
+Command bench_command() {
+    auto options = std::make_shared<BenchOptions>();
+    return {
+        .name = "bench",
+        .help = "What tribus adds on this machine: latency, lateness, age, processor time",
+        .footer = kFooter,
+        .options = {{.name = "--seconds",
+                     .value = &options->seconds,
+                     .help = "For all measurements together",
+                     .shows_value = true,
+                     .range = {{0.5, 86400}}},
+                    {.name = "--ports",
+                     .value = &options->ports,
+                     .help = "IN OUT: two real serial ports, TX of OUT joined to RX of IN",
+                     .type_name = "IN OUT",
+                     .count = 2},
+                    {.name = "--only",
+                     .value = &options->only,
+                     .help = "latency,lateness,age,codecs,capacity: some of them",
+                     .type_name = "LIST",
+                     .delimiter = ','},
+                    {.name = "--require",
+                     .value = &options->require,
+                     .help = "Fail where the latency is higher, such as p99=200us (repeatable)",
+                     .type_name = "PERCENTILE=TIME"},
+                    {.name = "--plot",
+                     .value = &options->plot,
+                     .help = "Draw the distributions into this SVG file",
+                     .type_name = "FILE"},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "text or json",
+                     .shows_value = true,
+                     .choices = {"text", "json"}}},
+        .run = [options] { return run_bench(*options); },
+    };
 }
 
 }  // namespace tribus

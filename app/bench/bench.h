@@ -1,13 +1,11 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `bench`: what the appliance adds on this machine, beside the least that any
 /// program would.
-void add_bench_command(CLI::App& app, int& status);
+Command bench_command();
 
 }  // namespace tribus

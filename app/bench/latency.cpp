@@ -17,7 +17,7 @@ namespace {
 constexpr Duration kLostAfter = std::chrono::milliseconds(500);
 
 /// The first frames come after a pause, and are no picture of what follows.
-constexpr std::uint64_t kWarmUpFrames = 20;
+constexpr std::uint64_t kFirstLatencyFrames = 20;
 
 Duration used_by(const Subject& subject) {
     const auto usage = subject.usage();
@@ -101,7 +101,7 @@ class Driver {
     }
 
     void receive(std::size_t lane) {
-        if (lanes_[lane]->receive() && lanes_[lane]->counts().sent > kWarmUpFrames) {
+        if (lanes_[lane]->receive() && lanes_[lane]->counts().sent > kFirstLatencyFrames) {
             samples_[lane].push_back(monotonic_now() - lanes_[lane]->sent_at());
         }
     }

@@ -18,7 +18,7 @@
 namespace tribus::bench {
 namespace {
 
-constexpr std::array<double, 3> kPercentiles{50, 90, 99};
+constexpr std::array<double, 3> kShownPercentiles{50, 90, 99};
 
 RelaySettings relay_settings(const BenchSettings& settings, RelaySettings::Waits waits) {
     return {.waits = waits, .priority = settings.priority, .cpu = std::nullopt};
@@ -34,7 +34,7 @@ ApplianceSettings appliance_settings(const BenchSettings& settings) {
 void add_percentiles(Report& report, std::string_view group, const Distribution& figure,
                      const Distribution& anchor, const Distribution& anchor_again,
                      const std::string& peer) {
-    for (const double percent : kPercentiles) {
+    for (const double percent : kShownPercentiles) {
         const Duration mine = figure.percentile(percent);
         const Duration its = anchor.percentile(percent);
         const double noise = noise_allowance(its, anchor_again.percentile(percent));

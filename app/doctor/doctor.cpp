@@ -15,7 +15,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include "app/complain.h"
 #include "app/doctor/can_judge.h"
@@ -39,9 +38,9 @@ using namespace doctor;
 constexpr Duration kShortest = std::chrono::seconds(1);
 constexpr Duration kLongest = std::chrono::seconds(60);
 constexpr std::size_t kPlainColumns = 80;
-constexpr std::size_t kMostColumns = 100;
+constexpr std::size_t kMostReportColumns = 100;
 
-struct Options {
+struct DoctorOptions {
     std::vector<std::string> devices;
     std::string listening = "3s";
     std::string format = "text";
@@ -63,7 +62,7 @@ void take_can(Report& report, const std::string& name, bool asked_for) {
 }
 
 /// What a port did counts for more than what is known of its kind.
-void take_trials(const std::vector<Trial>& trials, PortReport& port) {
+void take_trials(const std::vector<Trial>& trials, ExaminedPort& port) {
     for (PortAbility& ability : port.opinion.abilities) {
         const LineSettings& line = ability.protocol == "SBUS"        ? kSbusLine
                                    : ability.protocol == "fast SBUS" ? kFastSbusLine
@@ -79,13 +78,13 @@ void take_trials(const std::vector<Trial>& trials, PortReport& port) {
     }
 }
 
-bool may_be_opened(const PortReport& port) {
+bool may_be_opened(const ExaminedPort& port) {
     return std::ranges::none_of(port.opinion.findings, [](const Finding& finding) {
         return finding.severity == Severity::problem;
     });
 }
 
-void try_and_listen(const KernelFiles& files, Duration time, PortReport& port) {
+void try_and_listen(const KernelFiles& files, Duration time, ExaminedPort& port) {
     const std::string device = port.facts.node;
     const bool terminal = ::isatty(STDERR_FILENO) == 1;
     const Visit visit = visit_port(device, time, [&](std::string_view words) {
@@ -120,7 +119,7 @@ void try_and_listen(const KernelFiles& files, Duration time, PortReport& port) {
 }
 
 void take_port(const KernelFiles& files, const std::string& device, Duration time, Report& report) {
-    PortReport port{.facts = look_at_serial_port(files, device)};
+    ExaminedPort port{.facts = look_at_serial_port(files, device)};
     port.opinion = judge_port(port.facts, true);
     if (may_be_opened(port)) {
         try_and_listen(files, time, port);
@@ -133,7 +132,7 @@ void take_everything(const KernelFiles& files, Report& report) {
     report.machine = look_at_machine(files);
     append(report.findings, judge_machine(*report.machine));
     for (SerialFacts& facts : look_at_serial_ports(files)) {
-        PortReport port{.facts = std::move(facts)};
+        ExaminedPort port{.facts = std::move(facts)};
         port.opinion = judge_port(port.facts, false);
         append(report.findings, port.opinion.findings);
         report.ports.push_back(std::move(port));
@@ -146,10 +145,10 @@ void take_everything(const KernelFiles& files, Report& report) {
 std::string text_for_people(const Report& report) {
     const std::size_t columns = terminal_columns().value_or(kPlainColumns);
     const bool colour = ::isatty(STDOUT_FILENO) == 1 && screen_style().colour;
-    return report_text(report, std::min(columns, kMostColumns), colour);
+    return report_text(report, std::min(columns, kMostReportColumns), colour);
 }
 
-int examine(const Options& options) {
+int examine(const DoctorOptions& options) {
     const auto time = parse_duration(options.listening);
     if (!time || *time < kShortest || *time > kLongest) {
         return complain(fmt::format("--for {}: wants a time from {} to {}, such as 3s",
@@ -183,24 +182,33 @@ int examine(const Options& options) {
 
 }  // namespace
 
-void add_doctor_command(CLI::App& app, int& status) {
-    auto* command = app.add_subcommand(
-        "doctor", "Say what ports and machine can do, what a port hears, and what to mend");
-    const auto options = std::make_shared<Options>();
-    command->add_option("DEVICE", options->devices,
-                        "Serial devices to try and to listen to, and CAN interfaces; absent: look "
-                        "at all there are, and at the machine, without opening any");
-    command->add_option("--for", options->listening, "How long to listen to each device")
-        ->capture_default_str();
-    command->add_option("--format", options->format, "json: one object")
-        ->check(CLI::IsMember({"text", "json"}))
-        ->capture_default_str();
-    command->footer(
-        "A device that a program has open is left alone. Nothing is written to one. But at the\n"
-        "moment of opening its control lines rise, at which some boards (Arduino) start anew, and\n"
-        "the kernel may send back a byte that comes just then, as it does for `run`.\n"
-        "Exit status: 0 nothing to mend, 1 problems found, 2 wrong use.");
-    command->callback([options, &status] { status = examine(*options); });
+Command doctor_command() {
+    const auto options = std::make_shared<DoctorOptions>();
+    return {
+        .name = "doctor",
+        .help = "Say what ports and machine can do, what a port hears, and what to mend",
+        .footer =
+            "A device that a program has open is left alone. Nothing is written to one. But at "
+            "the\n"
+            "moment of opening its control lines rise, at which some boards (Arduino) start anew, "
+            "and\n"
+            "the kernel may send back a byte that comes just then, as it does for `run`.\n"
+            "Exit status: 0 nothing to mend, 1 problems found, 2 wrong use.",
+        .options = {{.name = "DEVICE",
+                     .value = &options->devices,
+                     .help = "Serial devices to try and to listen to, and CAN interfaces; absent: "
+                             "look at all there are, and at the machine, without opening any"},
+                    {.name = "--for",
+                     .value = &options->listening,
+                     .help = "How long to listen to each device",
+                     .shows_value = true},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "json: one object",
+                     .shows_value = true,
+                     .choices = {"text", "json"}}},
+        .run = [options] { return examine(*options); },
+    };
 }
 
 }  // namespace tribus

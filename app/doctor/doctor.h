@@ -1,12 +1,10 @@
 #pragma once
 
-namespace CLI {
-class App;
-}
+#include "app/command.h"
 
 namespace tribus {
 
 /// The subcommand `doctor`: what this machine's ports can do, what they hear, and what to mend.
-void add_doctor_command(CLI::App& app, int& status);
+Command doctor_command();
 
 }  // namespace tribus

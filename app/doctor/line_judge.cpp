@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view kSensorBus = "ibus-sensor";
 /// Of no protocol's content by chance, and heard within the shortest look.
-constexpr std::uint64_t kFewestFrames = 3;
+constexpr std::uint64_t kFewestFramesToJudge = 3;
 
 /// The time from one to the next, where most of them are as far apart as the middle one.
 std::optional<Duration> usual_step(const std::vector<Duration>& times) {
@@ -113,7 +113,7 @@ class FrameWatch {
     /// Nothing where it were too few frames, or most of the bytes are of none.
     std::optional<LineStory> finish(const Heard& heard, const Tally& tally,
                                     std::string_view protocol) const {
-        if (tally.frames < kFewestFrames || 2 * bytes_ < tally.bytes) {
+        if (tally.frames < kFewestFramesToJudge || 2 * bytes_ < tally.bytes) {
             return std::nullopt;
         }
         LineStory story = story_of(heard);
@@ -181,7 +181,7 @@ std::optional<LineStory> with_sensor_bus(const Heard& heard, std::optional<LineS
         finder.feed(burst);
     }
     const SensorTally tally = finder.tally();
-    const bool alone = requests >= kFewestFrames && 2 * in_frames >= tally.frames.bytes;
+    const bool alone = requests >= kFewestFramesToJudge && 2 * in_frames >= tally.frames.bytes;
     if (!ibus && !alone) {
         return std::nullopt;
     }
@@ -256,7 +256,7 @@ LineStory judge_rest(std::span<const Heard> heard) {
         count.damaged += more.damaged;
         count.breaks += more.breaks;
         all.period = all.period ? all.period : period_of_breaks(one);
-        if (read_any(one).ibus2 >= kFewestFrames) {
+        if (read_any(one).ibus2 >= kFewestFramesToJudge) {
             all.sound = LineSound::ibus2;
         }
     }

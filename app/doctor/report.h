@@ -13,7 +13,7 @@
 
 namespace tribus::doctor {
 
-struct PortReport {
+struct ExaminedPort {
     SerialFacts facts{};
     PortOpinion opinion{};
     bool tried = false;  ///< what it can do is what it did
@@ -24,7 +24,7 @@ struct PortReport {
 struct Report {
     /// Absent where only devices were asked for.
     std::optional<MachineFacts> machine;
-    std::vector<PortReport> ports;
+    std::vector<ExaminedPort> ports;
     std::vector<CanInterface> can;
     /// The gravest first.
     std::vector<Finding> findings;

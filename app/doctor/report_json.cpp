@@ -7,14 +7,14 @@
 namespace tribus::doctor {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 template <class Value>
-Json or_null(const std::optional<Value>& value) {
-    return value ? Json(*value) : Json();
+OrderedJson or_null(const std::optional<Value>& value) {
+    return value ? OrderedJson(*value) : OrderedJson();
 }
 
-Json machine_json(const MachineFacts& machine) {
+OrderedJson machine_json(const MachineFacts& machine) {
     return {{"model", machine.model},
             {"kernel", machine.kernel},
             {"realtime_kernel", machine.realtime_kernel},
@@ -23,24 +23,26 @@ Json machine_json(const MachineFacts& machine) {
             {"temperature", or_null(machine.temperature)}};
 }
 
-Json line_json(const LineSettings& line) {
+OrderedJson line_json(const LineSettings& line) {
     return {{"baud", line.baud},
             {"parity", line.parity == Parity::even ? "even" : "none"},
             {"stop_bits", line.stop_bits}};
 }
 
-Json story_json(const LineStory& story) {
+OrderedJson story_json(const LineStory& story) {
     constexpr std::int64_t kMicrosecond = 1000;
-    Json json = {{"sound", sound_name(story.sound)},
-                 {"protocol", story.protocol.empty() ? Json() : Json(story.protocol)},
-                 {"line", story.protocol.empty() ? Json() : line_json(story.line)},
-                 {"inverted", story.sound == LineSound::inverted},
-                 {"listened_us", story.listened.count() / kMicrosecond},
-                 {"bytes", story.bytes},
-                 {"damaged", story.damaged},
-                 {"frames", story.frames},
-                 {"lost_bytes", story.lost_bytes}};
-    json["period_us"] = story.period ? Json(story.period->count() / kMicrosecond) : Json();
+    OrderedJson json = {
+        {"sound", sound_name(story.sound)},
+        {"protocol", story.protocol.empty() ? OrderedJson() : OrderedJson(story.protocol)},
+        {"line", story.protocol.empty() ? OrderedJson() : line_json(story.line)},
+        {"inverted", story.sound == LineSound::inverted},
+        {"listened_us", story.listened.count() / kMicrosecond},
+        {"bytes", story.bytes},
+        {"damaged", story.damaged},
+        {"frames", story.frames},
+        {"lost_bytes", story.lost_bytes}};
+    json["period_us"] =
+        story.period ? OrderedJson(story.period->count() / kMicrosecond) : OrderedJson();
     if (story.channels > 0) {
         json["channels"] = story.channels;
         json["frame_lost"] = story.frame_lost;
@@ -50,7 +52,7 @@ Json story_json(const LineStory& story) {
     }
     if (story.protocol == "sbus") {
         json["sbus2"] = story.sbus2;
-        json["scale"] = story.scale.name.empty() ? Json() : Json(story.scale.name);
+        json["scale"] = story.scale.name.empty() ? OrderedJson() : OrderedJson(story.scale.name);
     }
     if (story.requests > 0) {
         json["requests"] = story.requests;
@@ -59,28 +61,32 @@ Json story_json(const LineStory& story) {
     return json;
 }
 
-Json port_json(const PortReport& port) {
-    Json abilities = Json::array();
+OrderedJson port_json(const ExaminedPort& port) {
+    OrderedJson abilities = OrderedJson::array();
     for (const PortAbility& one : port.opinion.abilities) {
         abilities.push_back({{"protocol", one.protocol},
                              {"can", ability_name(one.ability)},
                              {"because", one.because}});
     }
-    Json users = Json::array();
+    OrderedJson users = OrderedJson::array();
     for (const PortUser& user : port.facts.users) {
         users.push_back({{"process", user.process},
                          {"command", user.command},
                          {"unit", user.unit},
                          {"login", user.is_login}});
     }
-    return {{"node", port.facts.node},    {"device", port.facts.device},
-            {"kind", port.opinion.kind},  {"driver", port.facts.driver},
-            {"tried", port.tried},        {"abilities", std::move(abilities)},
-            {"users", std::move(users)},  {"heard", port.story ? story_json(*port.story) : Json()},
+    return {{"node", port.facts.node},
+            {"device", port.facts.device},
+            {"kind", port.opinion.kind},
+            {"driver", port.facts.driver},
+            {"tried", port.tried},
+            {"abilities", std::move(abilities)},
+            {"users", std::move(users)},
+            {"heard", port.story ? story_json(*port.story) : OrderedJson()},
             {"configuration", port.lines}};
 }
 
-Json finding_json(const Finding& finding) {
+OrderedJson finding_json(const Finding& finding) {
     return {{"severity", severity_name(finding.severity)},
             {"id", finding.id},
             {"where", finding.where},
@@ -90,7 +96,7 @@ Json finding_json(const Finding& finding) {
             {"commands", finding.commands}};
 }
 
-Json can_json(const CanInterface& interface) {
+OrderedJson can_json(const CanInterface& interface) {
     return {{"name", interface.name},
             {"kind", interface.kind},
             {"up", interface.up},
@@ -106,11 +112,11 @@ Json can_json(const CanInterface& interface) {
 }  // namespace
 
 std::string report_json(const Report& report) {
-    Json json = {{"machine", report.machine ? machine_json(*report.machine) : Json()},
-                 {"ports", Json::array()},
-                 {"can", Json::array()},
-                 {"findings", Json::array()}};
-    for (const PortReport& port : report.ports) {
+    OrderedJson json = {{"machine", report.machine ? machine_json(*report.machine) : OrderedJson()},
+                        {"ports", OrderedJson::array()},
+                        {"can", OrderedJson::array()},
+                        {"findings", OrderedJson::array()}};
+    for (const ExaminedPort& port : report.ports) {
         json["ports"].push_back(port_json(port));
     }
     for (const CanInterface& interface : report.can) {
@@ -120,7 +126,7 @@ std::string report_json(const Report& report) {
         json["findings"].push_back(finding_json(finding));
     }
     // File names may be of any bytes.
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 }  // namespace tribus::doctor

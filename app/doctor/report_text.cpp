@@ -74,7 +74,7 @@ std::string abilities(const PortOpinion& opinion, Ability wanted) {
     return text;
 }
 
-void print_port(const PortReport& port, Page& page) {
+void print_port(const ExaminedPort& port, Page& page) {
     if (port.opinion.kind.empty()) {
         return;
     }
@@ -143,7 +143,7 @@ std::string report_text(const Report& report, std::size_t columns, bool colour) 
             page.paragraph("", "No serial port with hardware behind it.");
         }
     }
-    for (const PortReport& port : report.ports) {
+    for (const ExaminedPort& port : report.ports) {
         print_port(port, page);
     }
     for (const CanInterface& interface : report.can) {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "app/ask_daemon.h"
 #include "tests/loopback/first_channel.h"

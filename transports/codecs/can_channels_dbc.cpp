@@ -9,13 +9,15 @@
 #include <utility>
 #include <vector>
 
+#include "transports/codecs/dbc/statements.h"
+
 namespace tribus {
 
 using namespace can_channels;
 
 namespace {
 
-struct NamedValue {
+struct ValueName {
     unsigned raw = 0;
     std::string_view name;
 };
@@ -27,7 +29,7 @@ struct SignalText {
     double offset = 0;
     double most = 0;
     std::string_view unit = {};
-    std::vector<NamedValue> values = {};
+    std::vector<ValueName> values = {};
 };
 
 struct MessageText {
@@ -42,8 +44,6 @@ constexpr std::array<std::string_view, kIds> kMessageNames{"RcA", "RcB", "RcC",
 constexpr std::array<std::string_view, kFlagCount> kFlagNames{"Failsafe", "FrameLost", "Dig17",
                                                               "Dig18"};
 constexpr unsigned kEighths = Pulse::kEighthsPerMicrosecond;
-// A bit of the id in a DBC, not of the frame (can.md 2.4).
-constexpr std::uint32_t kExtendedIdBit = 0x8000'0000;
 // Positions in the list of VFrameFormat (can.md 2.4).
 constexpr unsigned kStandardFormat = 0;
 constexpr unsigned kExtendedFormat = 1;
@@ -137,9 +137,9 @@ MessageText fd_message() {
     return message;
 }
 
-class DbcText {
+class ChannelsDbcText {
   public:
-    explicit DbcText(const CanChannelsFormat& format) : format_(format) {
+    explicit ChannelsDbcText(const CanChannelsFormat& format) : format_(format) {
         for (std::size_t index = 0; index < kFdIndex; ++index) {
             messages_.push_back(classic_message(index));
         }
@@ -168,7 +168,7 @@ class DbcText {
 
     std::uint32_t id_of(const MessageText& message) const {
         return (format_.base_id + static_cast<std::uint32_t>(message.index)) |
-               (format_.extended ? kExtendedIdBit : 0);
+               (format_.extended ? kDbcExtendedFlag : 0);
     }
 
     unsigned frame_format(const MessageText& message) const {
@@ -245,7 +245,7 @@ class DbcText {
                 continue;
             }
             add("VAL_ {} {}_{}", id_of(message), message.name, signal.name);
-            for (const NamedValue& value : signal.values) {
+            for (const ValueName& value : signal.values) {
                 add(" {} \"{}\"", value.raw, value.name);
             }
             add(" ;\n");
@@ -260,7 +260,7 @@ class DbcText {
 }  // namespace
 
 std::string native_dbc(const CanChannelsFormat& format) {
-    return DbcText(format).write();
+    return ChannelsDbcText(format).write();
 }
 
 }  // namespace tribus

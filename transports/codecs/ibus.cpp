@@ -21,9 +21,11 @@ void put_word(std::span<std::uint8_t> bytes, std::size_t position, std::uint16_t
 constexpr unsigned kEighthsBits = 3;
 constexpr std::uint16_t kNibbleOnTop = 0xF000;
 // The last eighth that rounds to 4095 us; and where the second eight slots end after six.
-constexpr std::int16_t kMost = kChannelMask * 8 + 3;
-constexpr SignedLanes kMostOfEight{kMost, kMost, kMost, kMost, kMost, kMost, kMost, kMost};
-constexpr SignedLanes kMostOfSix{kMost, kMost, kMost, kMost, kMost, kMost, 0, 0};
+constexpr std::int16_t kMostSlot = kChannelMask * 8 + 3;
+constexpr SignedLanes kMostOfEight{kMostSlot, kMostSlot, kMostSlot, kMostSlot,
+                                   kMostSlot, kMostSlot, kMostSlot, kMostSlot};
+constexpr SignedLanes kMostOfSix{kMostSlot, kMostSlot, kMostSlot, kMostSlot,
+                                 kMostSlot, kMostSlot, 0,         0};
 
 /// Eighths of a microsecond, 0 to `most`, with the half for rounding added: three bits more than
 /// what goes onto the wire.
@@ -55,7 +57,7 @@ inline std::uint16_t checksum(const Lanes& first, const Lanes& last) {
 }
 
 /// With 1500 us for each absent channel of 1 to 14, and 0, which is not present, for the others.
-ChannelFrame filled(const ChannelFrame& frame) {
+ChannelFrame filled_ibus(const ChannelFrame& frame) {
     ChannelFrame full = frame;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         full.set(channel, frame.channel_or(channel, channel < kSlotCount ? kCentrePulse : Pulse{}));
@@ -79,7 +81,7 @@ std::uint32_t IbusEncoder::needed_channels() const {
 
 [[gnu::noinline]] std::size_t IbusEncoder::encode_filled(
     const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
-    return encode(filled(frame), wire);
+    return encode(filled_ibus(frame), wire);
 }
 
 std::size_t IbusEncoder::encode(const ChannelFrame& frame,

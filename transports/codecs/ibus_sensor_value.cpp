@@ -25,12 +25,12 @@ std::int64_t least_of(const SensorField& field) {
 }
 
 std::int64_t most_of(const SensorField& field) {
-    constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+    constexpr std::int64_t kMostSum = std::numeric_limits<std::int64_t>::max();
     const std::int64_t least = least_of(field);
     const std::uint64_t room =
-        static_cast<std::uint64_t>(kMost) - static_cast<std::uint64_t>(least);
+        static_cast<std::uint64_t>(kMostSum) - static_cast<std::uint64_t>(least);
     const std::uint64_t span = mask_of(field);
-    return span >= room ? kMost
+    return span >= room ? kMostSum
                         : static_cast<std::int64_t>(static_cast<std::uint64_t>(least) + span);
 }
 

@@ -16,7 +16,7 @@ using namespace sbus_wire;
 namespace {
 
 /// With a value for every channel.
-ChannelFrame filled(const ChannelFrame& frame) {
+ChannelFrame filled_sbus(const ChannelFrame& frame) {
     ChannelFrame full = frame;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         const Pulse absent = channel < kSbusChannels ? kCentrePulse : kSwitchOffPulse;
@@ -73,7 +73,7 @@ std::size_t SbusEncoder::encode(const ChannelFrame& frame,
 
 [[gnu::noinline]] std::size_t SbusEncoder::encode_any(
     const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
-    const ChannelFrame full = filled(frame);
+    const ChannelFrame full = filled_sbus(frame);
     write_frame(scale_.encode_each(full), full, wire.first<kSbusFrameLength>());
     return kSbusFrameLength;
 }

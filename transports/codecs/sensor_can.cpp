@@ -32,7 +32,7 @@ constexpr std::array kSensorSettings{
             .fallback = "false",
             .help = "Ids of 29 bits"},
 };
-static_assert(kDefaultBaseId == 800);
+static_assert(sensor_can::kDefaultBaseId == 800);
 
 std::vector<SettingMistake> check(const SettingValues& settings, SettingScope scope) {
     std::vector<SettingMistake> mistakes;
@@ -96,7 +96,7 @@ constexpr Duration kLeastPeriod = std::chrono::milliseconds(10);
 SensorCanFormat SensorCanFormat::from_settings(const SettingValues& settings) {
     return {.sensor_bus = settings.get_or<std::string>("sensor_bus", ""),
             .base_id = static_cast<std::uint32_t>(
-                settings.get_or<std::int64_t>("id", std::int64_t{kDefaultBaseId})),
+                settings.get_or<std::int64_t>("id", std::int64_t{sensor_can::kDefaultBaseId})),
             .extended = settings.get_or<bool>("extended", false)};
 }
 

@@ -13,14 +13,14 @@
 #include <utility>
 #include <vector>
 
+#include "transports/codecs/dbc/statements.h"
+
 namespace tribus {
 
 using namespace sensor_can;
 
 namespace {
 
-// A bit of the id in a DBC, not of the frame (can.md 2.4).
-constexpr std::uint32_t kExtendedIdBit = 0x8000'0000;
 constexpr unsigned kRawBit = kRawByte * 8;
 constexpr unsigned kRawBits = 32;
 
@@ -70,9 +70,9 @@ std::pair<std::int64_t, std::int64_t> raw_range(const SensorField& field) {
     return {least, most};
 }
 
-class DbcText {
+class SensorsDbcText {
   public:
-    DbcText(const SensorCanFormat& format, const SensorTypes& types)
+    SensorsDbcText(const SensorCanFormat& format, const SensorTypes& types)
         : format_(format), types_(types), pages_(page_signals(types)) {}
 
     std::string write() {
@@ -99,7 +99,7 @@ class DbcText {
 
     std::uint32_t id_of(std::size_t address) const {
         return (format_.base_id + static_cast<std::uint32_t>(address - 1)) |
-               (format_.extended ? kExtendedIdBit : 0);
+               (format_.extended ? kDbcExtendedFlag : 0);
     }
 
     void add_message(std::size_t address) {
@@ -163,7 +163,7 @@ class DbcText {
 }  // namespace
 
 std::string sensor_can_dbc(const SensorCanFormat& format, const SensorTypes& types) {
-    return DbcText(format, types).write();
+    return SensorsDbcText(format, types).write();
 }
 
 }  // namespace tribus

@@ -68,10 +68,6 @@ std::optional<unsigned> frame_format(const DbcAttributeValue& value,
     return static_cast<unsigned>(*number);
 }
 
-tl::unexpected<DbcMistake> mistake(DbcPlace place, std::string text) {
-    return tl::unexpected(DbcMistake{place.line, place.column, std::move(text)});
-}
-
 class AttributesOfMessage {
   public:
     AttributesOfMessage(const std::vector<DbcAttributeDefinition>& definitions,
@@ -124,9 +120,10 @@ Result AttributesOfMessage::check_length(DbcPlace place) const {
     if (one_frame || message_.multi_packet) {
         return {};
     }
-    return mistake(place, "message " + message_.name + " has " + std::to_string(length) +
-                              " bytes; a CAN frame has 0 to 8, with FD also 12, 16, 20, 24, 32, "
-                              "48 or 64");
+    return dbc_mistake(place,
+                       "message " + message_.name + " has " + std::to_string(length) +
+                           " bytes; a CAN frame has 0 to 8, with FD also 12, 16, 20, 24, 32, "
+                           "48 or 64");
 }
 
 Result AttributesOfMessage::apply_cycle_time() {
@@ -137,9 +134,9 @@ Result AttributesOfMessage::apply_cycle_time() {
     }
     const auto milliseconds = number_in(given->text);
     if (!milliseconds || *milliseconds > kLongest) {
-        return mistake(given->place, "GenMsgCycleTime of message " + message_.name + " is '" +
-                                         given->text +
-                                         "'; it is a number of milliseconds, at most 1000000000");
+        return dbc_mistake(given->place,
+                           "GenMsgCycleTime of message " + message_.name + " is '" + given->text +
+                               "'; it is a number of milliseconds, at most 1000000000");
     }
     // Some tools write -1 for "not cyclic".
     if (*milliseconds > 0) {
@@ -157,9 +154,9 @@ Result AttributesOfMessage::apply_data_id() {
     }
     const auto number = number_in(given->text);
     if (!number || *number < 0 || *number > kLast || *number != std::trunc(*number)) {
-        return mistake(given->place, "RcE2eDataId of message " + message_.name + " is '" +
-                                         given->text +
-                                         "'; it is a whole number from 0 to 4294967295");
+        return dbc_mistake(given->place, "RcE2eDataId of message " + message_.name + " is '" +
+                                             given->text +
+                                             "'; it is a whole number from 0 to 4294967295");
     }
     if (own(DbcAttribute::e2e_data_id) != nullptr || *number != 0) {
         message_.e2e_data_id = static_cast<std::uint32_t>(*number);

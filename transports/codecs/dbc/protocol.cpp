@@ -29,11 +29,11 @@ constexpr std::array kDbcSettings{
             .help = "Cycle times that differ from those of the DBC file: MESSAGE = \"100ms\""},
 };
 
-constexpr Duration kLeastPeriod = std::chrono::milliseconds(1);
+constexpr Duration kLeastDbcPeriod = std::chrono::milliseconds(1);
 /// The longest that the key `period` allows.
-constexpr Duration kMostPeriod = std::chrono::seconds(1);
+constexpr Duration kMostDbcPeriod = std::chrono::seconds(1);
 
-std::vector<SettingMistake> check(const SettingValues& settings, SettingScope scope) {
+std::vector<SettingMistake> check_dbc(const SettingValues& settings, SettingScope scope) {
     auto map = build_dbc_map(settings, scope);
     return map ? std::vector<SettingMistake>{} : std::move(map.error());
 }
@@ -50,7 +50,8 @@ std::optional<Duration> own_period(const SettingValues& settings) {
         map = build_dbc_map(settings, SettingScope::input);
     }
     const auto cycle = map ? map->shortest_cycle() : std::nullopt;
-    return cycle ? std::optional(std::clamp(*cycle, kLeastPeriod, kMostPeriod)) : std::nullopt;
+    return cycle ? std::optional(std::clamp(*cycle, kLeastDbcPeriod, kMostDbcPeriod))
+                 : std::nullopt;
 }
 
 std::vector<NamedUse> value_names(const SettingValues& settings) {
@@ -81,7 +82,7 @@ bool needs_pipeline(const SettingValues& settings) {
     return !map || map->needs_channels();
 }
 
-std::optional<std::uint32_t> sure_channels(const SettingValues& settings) {
+std::optional<std::uint32_t> sure_dbc_channels(const SettingValues& settings) {
     const auto map = build_dbc_map(settings, SettingScope::input);
     if (!map) {
         return std::nullopt;
@@ -117,10 +118,10 @@ const Protocol kDbcProtocol{
     .settings = kDbcSettings,
     .default_period = std::chrono::milliseconds(20),
     .own_period = own_period,
-    .least_period = kLeastPeriod,
+    .least_period = kLeastDbcPeriod,
     .says_failsafe = says_failsafe,
-    .sure_channels = sure_channels,
-    .check = check,
+    .sure_channels = sure_dbc_channels,
+    .check = check_dbc,
     .value_names = value_names,
     .needs_pipeline = needs_pipeline,
     .make_can_decoder = make_dbc_decoder,

@@ -16,10 +16,6 @@ namespace {
 
 using Result = tl::expected<void, DbcMistake>;
 
-tl::unexpected<DbcMistake> mistake(DbcPlace place, std::string text) {
-    return tl::unexpected(DbcMistake{place.line, place.column, std::move(text)});
-}
-
 class Resolver {
   public:
     explicit Resolver(DbcStatements statements) : statements_(std::move(statements)) {}
@@ -84,9 +80,9 @@ Result Resolver::index() {
         const auto [found, added] = by_id_.emplace(statement.file_id, at);
         if (!added) {
             const DbcMessage& first = statements_.messages[found->second].message;
-            return mistake(statement.name_place, "message " + statement.message.name +
-                                                     " has the id of message " + first.name +
-                                                     " in line " + std::to_string(first.line));
+            return dbc_mistake(statement.name_place, "message " + statement.message.name +
+                                                         " has the id of message " + first.name +
+                                                         " in line " + std::to_string(first.line));
         }
         if (Result indexed = index_signals(at); !indexed) {
             return indexed;
@@ -102,9 +98,9 @@ Result Resolver::index_signals(std::size_t at) {
             entries_[at].signals.emplace(statement.signal_names[signal], signal);
         if (!added) {
             const DbcSignal& first = statement.message.signals[found->second];
-            return mistake(statement.signal_places[signal],
-                           "message " + statement.message.name + " has another signal " +
-                               first.name + " in line " + std::to_string(first.line));
+            return dbc_mistake(statement.signal_places[signal],
+                               "message " + statement.message.name + " has another signal " +
+                                   first.name + " in line " + std::to_string(first.line));
         }
     }
     return {};
@@ -137,10 +133,11 @@ Result Resolver::apply_kinds() {
                                 : statement.kind == DbcValueKind::float64 ? 64
                                                                           : signal->bit_length;
         if (signal->bit_length != needed) {
-            return mistake(statement.place, "signal " + signal->name +
-                                                " is said to be a floating-point number of " +
-                                                std::to_string(needed) + " bits, but is " +
-                                                std::to_string(signal->bit_length) + " bits long");
+            return dbc_mistake(statement.place, "signal " + signal->name +
+                                                    " is said to be a floating-point number of " +
+                                                    std::to_string(needed) + " bits, but is " +
+                                                    std::to_string(signal->bit_length) +
+                                                    " bits long");
         }
         signal->kind = statement.kind;
     }
@@ -157,13 +154,13 @@ Result Resolver::apply_selectors() {
         const auto& signals = entries_[by_id_.at(statement.of.message)].signals;
         const auto selector = signals.find(statement.selector);
         if (selector == signals.end()) {
-            return mistake(statement.selector_place, "signal " + signal->name + " depends on " +
-                                                         utf8_from_dbc(statement.selector) +
-                                                         ", which is no signal of its message");
+            return dbc_mistake(statement.selector_place, "signal " + signal->name + " depends on " +
+                                                             utf8_from_dbc(statement.selector) +
+                                                             ", which is no signal of its message");
         }
         if (signal->selector && *signal->selector != selector->second) {
-            return mistake(statement.selector_place,
-                           "signal " + signal->name + " depends on another signal already");
+            return dbc_mistake(statement.selector_place,
+                               "signal " + signal->name + " depends on another signal already");
         }
         if (!signal->selector) {
             signal->selected_by.clear();
@@ -204,16 +201,16 @@ Result Resolver::check_selectors() const {
         for (std::size_t at = 0; at < signals.size(); ++at) {
             const DbcSignal* signal = &signals[at];
             if (signal->is_selector && signal->kind != DbcValueKind::integer) {
-                return mistake(statement.signal_places[at],
-                               "signal " + signal->name +
-                                   " selects others, so it must be an integer, no float");
+                return dbc_mistake(statement.signal_places[at],
+                                   "signal " + signal->name +
+                                       " selects others, so it must be an integer, no float");
             }
             for (std::size_t depth = 0; signal->selector; ++depth) {
                 if (depth == kDeepestDbcMultiplexing) {
-                    return mistake(statement.signal_places[at],
-                                   "signal " + signals[at].name + " depends on more than " +
-                                       std::to_string(kDeepestDbcMultiplexing) +
-                                       " selectors, or on itself");
+                    return dbc_mistake(statement.signal_places[at],
+                                       "signal " + signals[at].name + " depends on more than " +
+                                           std::to_string(kDeepestDbcMultiplexing) +
+                                           " selectors, or on itself");
                 }
                 signal = &signals[*signal->selector];
             }
@@ -274,17 +271,18 @@ Result Resolver::check_names() const {
         const DbcMessage& message = statement.message;
         const auto [first, added] = messages.emplace(message.name, message.line);
         if (!added) {
-            return mistake(statement.name_place, "there is another message " + message.name +
-                                                     " in line " + std::to_string(first->second));
+            return dbc_mistake(statement.name_place, "there is another message " + message.name +
+                                                         " in line " +
+                                                         std::to_string(first->second));
         }
         std::unordered_map<std::string_view, unsigned> signals;
         for (std::size_t at = 0; at < message.signals.size(); ++at) {
             const DbcSignal& signal = message.signals[at];
             const auto [other, unique] = signals.emplace(signal.name, signal.line);
             if (!unique) {
-                return mistake(statement.signal_places[at],
-                               "message " + message.name + " has another signal " + signal.name +
-                                   " in line " + std::to_string(other->second));
+                return dbc_mistake(statement.signal_places[at],
+                                   "message " + message.name + " has another signal " +
+                                       signal.name + " in line " + std::to_string(other->second));
             }
         }
     }

@@ -12,7 +12,7 @@
 namespace tribus {
 namespace {
 
-constexpr std::uint64_t kAnyUnsigned = std::numeric_limits<std::uint64_t>::max();
+constexpr std::uint64_t kAnyUnsigned64 = std::numeric_limits<std::uint64_t>::max();
 constexpr std::array<std::string_view, kDbcAttributes> kAttributeNames{
     "GenMsgCycleTime",         "VFrameFormat",          "CANFD_BRS", "RcE2eDataId",
     "SystemMessageLongSymbol", "SystemSignalLongSymbol"};
@@ -168,9 +168,9 @@ bool DbcReader::selector() {
     do {
         DbcSelectorRange range;
         const DbcPlace place = tokens_.token().place;
-        if (!tokens_.take_unsigned(range.first, kAnyUnsigned, "the first value of a range") ||
+        if (!tokens_.take_unsigned(range.first, kAnyUnsigned64, "the first value of a range") ||
             !tokens_.take_mark('-', "between the values of a range") ||
-            !tokens_.take_unsigned(range.last, kAnyUnsigned, "the last value of a range")) {
+            !tokens_.take_unsigned(range.last, kAnyUnsigned64, "the last value of a range")) {
             return false;
         }
         if (range.first > range.last) {

@@ -96,4 +96,8 @@ struct DbcStatements {
 /// The first mistake of form, or all statements that matter.
 tl::expected<DbcStatements, DbcMistake> read_dbc_statements(std::string_view text);
 
+inline tl::unexpected<DbcMistake> dbc_mistake(DbcPlace place, std::string text) {
+    return tl::unexpected(DbcMistake{place.line, place.column, std::move(text)});
+}
+
 }  // namespace tribus

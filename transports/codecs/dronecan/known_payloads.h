@@ -12,7 +12,7 @@
 /// The known data types for those who meet them by their ids. Reentrant; not for the data path.
 namespace tribus::dronecan {
 
-using ShowValue = std::function<void(const NamedValue&)>;
+using ShowValue = std::function<void(const FieldValue&)>;
 
 struct KnownPayload {
     DataType type;

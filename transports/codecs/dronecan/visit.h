@@ -21,7 +21,7 @@ namespace tribus::dronecan {
 struct NoItems {};
 
 /// Valid during the call only.
-struct NamedValue {
+struct FieldValue {
     std::string_view path;  ///< "status.uptime_sec", "commands[2].actuator_id"
     /// Measurements that the sender does not know are NaN. Text may have any bytes in it.
     std::variant<std::uint64_t, std::int64_t, bool, double, std::string_view,
@@ -67,48 +67,48 @@ class ValueVisitor {
 
     template <unsigned kBits, Cast kCast>
     void element(Unsigned<kBits, kCast>, std::uint64_t value, std::string_view unit) {
-        visit_(NamedValue{path_, value, unit});
+        visit_(FieldValue{path_, value, unit});
     }
     template <unsigned kBits>
     void element(Signed<kBits>, std::int64_t value, std::string_view unit) {
-        visit_(NamedValue{path_, value, unit});
+        visit_(FieldValue{path_, value, unit});
     }
     void element(Boolean, bool value, std::string_view unit) {
-        visit_(NamedValue{path_, value, unit});
+        visit_(FieldValue{path_, value, unit});
     }
     void element(Float16, float value, std::string_view unit) {
-        visit_(NamedValue{path_, double{value}, unit});
+        visit_(FieldValue{path_, double{value}, unit});
     }
     void element(Float32, float value, std::string_view unit) {
-        visit_(NamedValue{path_, double{value}, unit});
+        visit_(FieldValue{path_, double{value}, unit});
     }
     /// A struct without fields, as an alternative of a union: that it is there is what it says.
     template <class T>
     void element(Nested, const T& value, std::string_view unit) {
         if constexpr (std::is_empty_v<T>) {
-            visit_(NamedValue{path_, true, unit});
+            visit_(FieldValue{path_, true, unit});
         } else {
             structure(value);
         }
     }
     template <std::size_t kMost>
     void element(ArrayOf<Unsigned<8>>, const BoundedText<kMost>& text, std::string_view unit) {
-        visit_(NamedValue{path_, text.view(), unit});
+        visit_(FieldValue{path_, text.view(), unit});
     }
     template <std::size_t kMost>
     void element(ArrayOf<Unsigned<8>>, const BoundedArray<std::uint8_t, kMost>& bytes,
                  std::string_view unit) {
-        visit_(NamedValue{path_, std::span(bytes.data(), bytes.size()), unit});
+        visit_(FieldValue{path_, std::span(bytes.data(), bytes.size()), unit});
     }
     template <std::size_t kSize>
     void element(ArrayOf<Unsigned<8>>, const std::array<std::uint8_t, kSize>& bytes,
                  std::string_view unit) {
-        visit_(NamedValue{path_, std::span<const std::uint8_t>(bytes), unit});
+        visit_(FieldValue{path_, std::span<const std::uint8_t>(bytes), unit});
     }
     template <class Element, class Items>
     void element(ArrayOf<Element>, const Items& items, std::string_view unit) {
         if (items.size() == 0) {
-            visit_(NamedValue{path_, NoItems{}, unit});
+            visit_(FieldValue{path_, NoItems{}, unit});
         }
         const std::size_t outer = path_.size();
         for (std::size_t at = 0; at < items.size(); ++at) {
@@ -122,7 +122,7 @@ class ValueVisitor {
     std::string path_;
 };
 
-/// Calls `visit` with a NamedValue for each value in the order of the wire.
+/// Calls `visit` with a FieldValue for each value in the order of the wire.
 template <class T, class Visit>
 void visit_values(const T& value, Visit&& visit) {
     ValueVisitor<std::remove_reference_t<Visit>>(visit).structure(value);

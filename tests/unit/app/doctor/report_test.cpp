@@ -165,7 +165,7 @@ TEST(DoctorsWords, sensors_on_the_wire_are_told) {
 }
 
 Report report_of(LineSound sound) {
-    PortReport port;
+    ExaminedPort port;
     port.facts.node = "/dev/ttyUSB0";
     port.facts.device = "/dev/serial/by-id/usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0";
     port.opinion.kind = "USB adapter, FTDI FT232R";

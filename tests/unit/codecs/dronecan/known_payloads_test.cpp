@@ -22,7 +22,7 @@ namespace {
 
 using test::from_hex;
 
-std::string as_text(const NamedValue& value) {
+std::string as_text(const FieldValue& value) {
     const std::string number = std::visit(
         []<class Value>(const Value& held) -> std::string {
             if constexpr (std::is_same_v<Value, bool>) {
@@ -50,7 +50,7 @@ Lines lines(TransferKind kind, std::uint16_t id, std::string_view payload, bool 
     }
     Lines found;
     const bool fits = known->visit(
-        from_hex(payload), fd, [&](const NamedValue& value) { found.push_back(as_text(value)); });
+        from_hex(payload), fd, [&](const FieldValue& value) { found.push_back(as_text(value)); });
     if (!fits) {
         found.emplace_back("refused");
     }
@@ -95,7 +95,7 @@ TEST(DroneCanKnownPayloads, UnknownMeasurementsAreNoNumbersAndUnitsAreGiven) {
     bool unknown = false;
     const KnownPayload* temperature = find_known_payload(TransferKind::message, 1110);
     ASSERT_NE(temperature, nullptr);
-    EXPECT_TRUE(temperature->visit(from_hex("0700FF7F00"), false, [&](const NamedValue& value) {
+    EXPECT_TRUE(temperature->visit(from_hex("0700FF7F00"), false, [&](const FieldValue& value) {
         if (value.path == "temperature") {
             unknown = std::isnan(std::get<double>(value.value));
             EXPECT_EQ(value.unit, "K");

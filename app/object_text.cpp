@@ -1,0 +1,23 @@
+#include "app/object_text.h"
+
+#include <nlohmann/json.hpp>
+
+namespace tribus {
+
+void ObjectText::add(std::string_view key, const nlohmann::ordered_json& value) {
+    open_member(key);
+    append(value);
+}
+
+void ObjectText::open_member(std::string_view key) {
+    text_ += text_.size() == 1 ? "\"" : ",\"";
+    text_ += key;
+    text_ += "\":";
+}
+
+/// File names and those of devices may be of any bytes.
+void ObjectText::append(const nlohmann::ordered_json& value) {
+    text_ += value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace tribus
