@@ -6,7 +6,7 @@
 namespace tribus {
 
 /// What a daemon does for those who ask over its control socket, beside telling its status:
-/// `reload [PERIOD]`, `confirm [TRIAL]`, `back [TRIAL]`, `configuration`; deploy/status.md has
+/// `reload [PERIOD]`, `confirm [TRIAL]`, `back [TRIAL]`, `configuration`; docs/status.md has
 /// their answers. The daemon must outlive the server.
 void add_control_requests(ControlServer& control, Daemon& daemon);
 

@@ -10,7 +10,7 @@ namespace tribus {
 /// Raised when a field changes its meaning or goes; new ones may come at any time.
 inline constexpr int kStatusVersion = 1;
 
-/// Without a line end. Each field stands in deploy/status.md.
+/// Without a line end. Each field stands in docs/status.md.
 std::string status_json(const StatusReport& report);
 
 }  // namespace tribus

@@ -33,7 +33,7 @@ struct Report {
 /// For a person, in lines of at most `columns`, but for commands and lines to be copied.
 std::string report_text(const Report& report, std::size_t columns, bool colour);
 
-/// One object; its fields stand in deploy/doctor.md.
+/// One object; its fields stand in docs/doctor.md.
 std::string report_json(const Report& report);
 
 }  // namespace tribus::doctor
