@@ -42,9 +42,9 @@ constexpr std::array<std::string_view, kIds> kMessageNames{"RcA", "RcB", "RcC",
 constexpr std::array<std::string_view, kFlagCount> kFlagNames{"Failsafe", "FrameLost", "Dig17",
                                                               "Dig18"};
 constexpr unsigned kEighths = Pulse::kEighthsPerMicrosecond;
-// A bit of the id in a DBC, not of the frame (can.md 2.4).
+// A bit of the id in a DBC, not of the frame (docs/protocols/can.md, "DBC files").
 constexpr std::uint32_t kExtendedIdBit = 0x8000'0000;
-// Positions in the list of VFrameFormat (can.md 2.4).
+// Positions in the list of VFrameFormat (docs/protocols/can.md, "DBC files").
 constexpr unsigned kStandardFormat = 0;
 constexpr unsigned kExtendedFormat = 1;
 constexpr unsigned kFdFormats = 14;

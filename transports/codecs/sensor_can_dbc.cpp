@@ -19,7 +19,7 @@ using namespace sensor_can;
 
 namespace {
 
-// A bit of the id in a DBC, not of the frame (can.md 2.4).
+// A bit of the id in a DBC, not of the frame (docs/protocols/can.md, "DBC files").
 constexpr std::uint32_t kExtendedIdBit = 0x8000'0000;
 constexpr unsigned kRawBit = kRawByte * 8;
 constexpr unsigned kRawBits = 32;
