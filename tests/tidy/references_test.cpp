@@ -79,17 +79,17 @@ std::string without_fences(const std::string& page) {
 
 /// As a reader sees it: of a link its text, and no marks.
 std::string plain(const std::string& markdown) {
-    static const std::regex kLink(R"(\[([^\]]*)\]\([^)]*\))");
-    std::string text = std::regex_replace(markdown, kLink, "$1");
+    static const std::regex link_form(R"(\[([^\]]*)\]\([^)]*\))");
+    std::string text = std::regex_replace(markdown, link_form, "$1");
     std::erase_if(text, [](char c) { return c == '`' || c == '*'; });
     return text;
 }
 
 std::vector<std::string> headings_in(const std::string& page) {
-    static const std::regex kHeading(R"((?:^|\n)#{1,6} +([^\n]*[^\n# ]))");
+    static const std::regex heading_form(R"((?:^|\n)#{1,6} +([^\n]*[^\n# ]))");
     const std::string text = without_fences(page);
     std::vector<std::string> headings;
-    for (std::sregex_iterator match(text.begin(), text.end(), kHeading), none; match != none;
+    for (std::sregex_iterator match(text.begin(), text.end(), heading_form), none; match != none;
          ++match) {
         headings.push_back(plain((*match)[1]));
     }
@@ -126,11 +126,11 @@ std::set<std::string> anchors_in(const std::string& page) {
 }
 
 std::vector<std::string> links_in(const std::string& page) {
-    static const std::regex kInlineCode("``[^\n]*?``|`[^`\n]*`");
-    static const std::regex kLink(R"(\]\(\s*<?([^)\s>]+)>?(?:\s+"[^"]*")?\s*\))");
-    const std::string text = std::regex_replace(without_fences(page), kInlineCode, "");
+    static const std::regex inline_code("``[^\n]*?``|`[^`\n]*`");
+    static const std::regex link_form(R"(\]\(\s*<?([^)\s>]+)>?(?:\s+"[^"]*")?\s*\))");
+    const std::string text = std::regex_replace(without_fences(page), inline_code, "");
     std::vector<std::string> targets;
-    for (std::sregex_iterator match(text.begin(), text.end(), kLink), none; match != none;
+    for (std::sregex_iterator match(text.begin(), text.end(), link_form), none; match != none;
          ++match) {
         targets.push_back((*match)[1]);
     }
@@ -182,7 +182,7 @@ std::size_t mark_in(std::string_view line, std::string_view mark) {
     char quote = 0;
     for (std::size_t i = 0; i < line.size(); ++i) {
         if (quote != 0) {
-            i += line[i] == '\\' ? 1 : 0;
+            i += line[i] == '\\' ? 1U : 0U;
             quote = i < line.size() && line[i] == quote ? '\0' : quote;
         } else if (line[i] == '"') {
             quote = line[i];
@@ -223,14 +223,14 @@ std::vector<Comment> comments_in(const std::string& source, std::string_view mar
 
 /// What begins a comment there; nothing where no comments are known.
 std::optional<std::string_view> comment_mark(const fs::path& file, const std::string& source) {
-    static const std::set<std::string> kHash{".cmake", ".dbc",    ".py",   ".rules", ".service",
-                                             ".sh",    ".toml",   ".txt",  ".conf",  ".network",
-                                             ".link",  ".netdev", ".bash", ".fish",  ".ld"};
+    static const std::set<std::string> with_hash{".cmake", ".dbc",    ".py",   ".rules", ".service",
+                                                 ".sh",    ".toml",   ".txt",  ".conf",  ".network",
+                                                 ".link",  ".netdev", ".bash", ".fish",  ".ld"};
     const std::string extension = file.extension().string();
     if (extension == ".h" || extension == ".cpp") {
         return "//";
     }
-    const bool hash = kHash.contains(extension) || source.starts_with("#!");
+    const bool hash = with_hash.contains(extension) || source.starts_with("#!");
     return hash ? std::optional<std::string_view>("#") : std::nullopt;
 }
 
@@ -242,15 +242,15 @@ struct Citation {
 };
 
 std::vector<Citation> citations_in(const std::string& comment) {
-    static const std::regex kPage(
+    static const std::regex page_form(
         R"(([A-Za-z0-9_./-]+\.md)\b((?:(?:,|,? and|,? or| to) "[^"]+")*)(,? (?:section )?[0-9])?)");
-    static const std::regex kSection("\"([^\"]+)\"");
+    static const std::regex section_form("\"([^\"]+)\"");
     std::vector<Citation> citations;
-    for (std::sregex_iterator match(comment.begin(), comment.end(), kPage), none; match != none;
+    for (std::sregex_iterator match(comment.begin(), comment.end(), page_form), none; match != none;
          ++match) {
         const std::string sections = (*match)[2];
         Citation citation{.page = (*match)[1], .sections = {}, .by_number = false};
-        for (std::sregex_iterator section(sections.begin(), sections.end(), kSection);
+        for (std::sregex_iterator section(sections.begin(), sections.end(), section_form);
              section != none; ++section) {
             citation.sections.push_back((*section)[1]);
         }
