@@ -13,7 +13,7 @@
 namespace tribus {
 namespace {
 
-/// As an FS-iA6B sends (ibus-sbus.md 1.4).
+/// As an FS-iA6B sends (docs/protocols/ibus.md, "Period and gaps").
 constexpr Duration kReceiverPeriod = std::chrono::microseconds(7700);
 /// The link is up for so long, then down, again and again.
 constexpr Duration kUp = std::chrono::seconds(6);

@@ -23,7 +23,7 @@ struct SensorTally {
 
 /// Runs the parser of the sensor bus over bursts and tells when each frame starts and ends. Within
 /// a burst the bytes stand as genuine receivers and sensors send them, with one more bit of silence
-/// between two (ibus-sbus.md 6): a request ends 43 bits after its start.
+/// between two (docs/protocols/ibus.md, "Line"): a request ends 43 bits after its start.
 class SensorFrameFinder {
   public:
     using Handler = std::function<void(const HeardSensorFrame&)>;

@@ -26,7 +26,7 @@ struct PortUse {
 
     /// Whether both may be on one device, if their line settings agree: one that listens and one
     /// that speaks. A sensor answers in the pauses of a receiver whose servo frames are on the same
-    /// wire (ibus-sbus.md 1.6).
+    /// wire (docs/protocols/ibus.md, "Variants").
     bool goes_with(const PortUse& other) const {
         const auto pair = [&](std::string_view a, std::string_view b) {
             return (direction == a && other.direction == b) ||

@@ -19,7 +19,7 @@ inline constexpr std::size_t kMostFdBytes = 64;
 inline constexpr std::size_t kMostSnapshotFrames = 16;
 
 /// The lengths that an FD frame can have beyond 8 bytes; a raw socket takes others without a word
-/// (can.md 3.1).
+/// (docs/protocols/can.md, "SocketCAN: sockets").
 inline constexpr std::array<std::uint8_t, 7> kLongFdLengths{12, 16, 20, 24, 32, 48, 64};
 
 constexpr bool valid_can_length(std::size_t length, bool fd) {

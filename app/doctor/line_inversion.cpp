@@ -14,7 +14,8 @@ using std::chrono::milliseconds;
 
 /// Between reads, where an adapter hands over what it has each millisecond.
 constexpr Duration kSilence = milliseconds(2);
-/// Of frames that any receiver is known to send (ibus-sbus.md 1.4 and 3.4), with USB's unevenness.
+/// Of frames that any receiver is known to send (docs/protocols/ibus.md, "Period and gaps", and
+/// docs/protocols/sbus.md, "Periods"), with USB's unevenness.
 constexpr Duration kShortestPeriod = milliseconds(3);
 constexpr Duration kLongestPeriod = milliseconds(110);
 constexpr Duration kUneven = milliseconds(2);

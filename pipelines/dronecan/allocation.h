@@ -11,7 +11,7 @@
 namespace tribus::dronecan {
 
 /// Gets an id from an allocator on the bus, three parts of the unique id one after the other, with
-/// random pauses (can.md 1.3). Pure; thread-bound.
+/// random pauses (docs/protocols/can.md, "DroneCAN: nodes"). Pure; thread-bound.
 class AllocationClient {
   public:
     AllocationClient(UniqueId unique_id, NodeId preferred, std::uint64_t seed);

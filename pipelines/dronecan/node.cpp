@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kStatusPeriod = 1s;
-/// Whoever asked has given up by then (can.md 1.3).
+/// Whoever asked has given up by then (docs/protocols/can.md, "DroneCAN: nodes").
 constexpr Duration kMostWait = 1s;
 /// A transfer that the bus could not take yet is offered again after a few frames' time.
 constexpr Duration kBusyRetry = 2ms;

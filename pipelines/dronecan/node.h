@@ -51,9 +51,9 @@ struct PeriodWish {
     Duration period{};
 };
 
-/// One node on one interface: says that it is there, answers those who ask, gets an id where it
-/// has none, and keeps quiet where another node has the same (can.md 1.3). Makes no system call
-/// and no allocation after construction. Thread-bound.
+/// One node on one interface: says that it is there, answers those who ask, gets an id where it has
+/// none, and keeps quiet where another node has the same (docs/protocols/can.md, "DroneCAN:
+/// nodes"). Makes no system call and no allocation after construction. Thread-bound.
 ///
 /// The transfers that it wants to send wait for the bus one behind the other, each for a second
 /// at most, when whoever asked has given up.

@@ -20,8 +20,8 @@ struct EchoCounts {
 };
 
 /// On one wire for both directions a sender hears itself. What comes back is told by its count, not
-/// by its content, for a reply may be the same bytes as its request (ibus-sbus.md 2.1); the content
-/// is only compared. Pure; thread-bound.
+/// by its content, for a reply may be the same bytes as its request (docs/protocols/ibus.md,
+/// "Sensor bus: wire"); the content is only compared. Pure; thread-bound.
 class EchoCanceller {
   public:
     /// A frame of at most kLongestSensorFrame bytes was handed over at `now`.

@@ -6,7 +6,8 @@
 namespace tribus {
 namespace {
 
-/// As a genuine receiver (ibus-sbus.md 2.3): ten power-up frames, then 508 ms of silence.
+/// As a genuine receiver (docs/protocols/ibus.md, "Sensor bus: timing"): ten power-up frames, then
+/// 508 ms of silence.
 constexpr int kPowerUpFrames = 10;
 constexpr int kSilentSlots = 66;
 constexpr std::uint8_t kPowerUpByte = 0xF0;

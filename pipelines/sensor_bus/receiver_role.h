@@ -32,7 +32,7 @@ struct TypePlaces {
 enum class Wires : std::uint8_t { automatic, one, two };
 
 struct ReceiverRoleSettings {
-    /// One request each (ibus-sbus.md 2.3).
+    /// One request each (docs/protocols/ibus.md, "Sensor bus: timing").
     Duration slot = std::chrono::microseconds(7700);
     Wires wires = Wires::automatic;
     /// Begins as genuine receivers do. Without it `automatic` means one wire.
@@ -65,7 +65,7 @@ struct ReceiverRoleCounts {
 };
 
 /// The appliance as the receiver: finds sensors, polls them in turn, and puts what they say on the
-/// board (ibus-sbus.md 2.3, 2.6).
+/// board (docs/protocols/ibus.md, "Sensor bus: timing" and "Sensor bus: the role of a receiver").
 class ReceiverRole final : public SensorBusRole {
   public:
     explicit ReceiverRole(ReceiverRoleSettings settings);

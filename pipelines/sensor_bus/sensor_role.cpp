@@ -9,8 +9,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A receiver that was switched on anew is silent for so long before it discovers (ibus-sbus.md
-/// 2.3), and finds the sensors before us in the chain first.
+/// A receiver that was switched on anew is silent for so long before it discovers
+/// (docs/protocols/ibus.md, "Sensor bus: timing"), and finds the sensors before us in the chain
+/// first.
 constexpr Duration kRestartSilence = 500ms;
 /// Answers that were worked out earlier are worked out again when they are asked for: two slots.
 constexpr Duration kPreparedFor = 16ms;

@@ -36,13 +36,15 @@ struct SensorSettings {
 
 struct SensorRoleSettings {
     /// Of the first sensor, the others follow; absent: that of the first discover request that
-    /// comes, as genuine sensors in a daisy chain do (ibus-sbus.md 2.5).
+    /// comes, as genuine sensors in a daisy chain do (docs/protocols/ibus.md, "Sensor bus:
+    /// addresses").
     std::optional<std::uint8_t> first_address = 1;
     std::vector<SensorSettings> sensors{};
     /// One wire for both directions: what is sent comes back.
     bool hears_itself = true;
     /// An answer leaves so long after its request was read, and not at all after `reply_within`:
-    /// 0.1 to 1 ms is proven with genuine receivers (ibus-sbus.md 2.4).
+    /// 0.1 to 1 ms is proven with genuine receivers (docs/protocols/ibus.md, "Sensor bus: answer
+    /// times").
     Duration reply_after = std::chrono::microseconds(200);
     Duration reply_within = std::chrono::milliseconds(1);
 };

@@ -31,7 +31,7 @@ namespace {
 
 using namespace bench;
 
-/// Of a genuine receiver (ibus-sbus.md 2.3).
+/// Of a genuine receiver (docs/protocols/ibus.md, "Sensor bus: timing").
 constexpr Duration kSlot = std::chrono::microseconds(7700);
 /// The receiver's rhythm is learnt, and caches are warm.
 constexpr int kWarmUpSlots = 100;

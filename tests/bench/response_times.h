@@ -18,7 +18,7 @@ namespace tribus::test {
 constexpr Duration kNoAnswerAfter = std::chrono::microseconds(1800);
 /// That the product waits of itself, when it is not told otherwise.
 constexpr Duration kDefaultReplyAfter = std::chrono::microseconds(200);
-/// The proven window of an answer (ibus-sbus.md 2.4).
+/// The proven window of an answer (docs/protocols/ibus.md, "Sensor bus: answer times").
 constexpr Duration kResponseWindow = std::chrono::milliseconds(1);
 
 struct Responses {

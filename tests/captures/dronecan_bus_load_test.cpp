@@ -73,7 +73,8 @@ TEST_F(BusLoadOfARecordedReceiver, At20MsIsHalfOfThat) {
     }
 }
 
-/// 57 and 519 bits at most (can.md 4.2); as many zeros as there are get a stuff bit each five.
+/// 57 and 519 bits at most (docs/protocols/can.md, "Bus load"); as many zeros as there are get a
+/// stuff bit each five.
 TEST_F(BusLoadOfARecordedReceiver, At10MsIs100FdFramesASecondOf50And454Bits) {
     for (const auto& [number, second] : seconds("fd = true\n")) {
         EXPECT_EQ(second.frames, 100U) << number;

@@ -19,7 +19,8 @@
 #include "transports/links/recording.h"
 
 /// The recordings of a genuine receiver (FS-iA6B) with genuine sensors. Expected counts are those
-/// of the recordings' own README, which were found by another program, and of ibus-sbus.md 2.3.
+/// of the recordings' own README, which were found by another program, and of
+/// docs/protocols/ibus.md, "Sensor bus: timing".
 namespace tribus {
 namespace {
 

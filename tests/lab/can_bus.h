@@ -29,7 +29,8 @@ class VirtualBus {
 /// A bus of two nodes with a bit rate: a vxcan pair, whose both ends send no faster than the rate
 /// and queue ten frames, as a controller does; the eleventh gets ENOBUFS. A classic frame takes
 /// 128 bits and one of FD 576, whatever is in it, since the queue counts the kernel's bytes
-/// (can.md). What it cannot show: arbitration, acknowledgement, errors.
+/// (docs/laboratory.md, "CAN: what the drivers do"). What it cannot show: arbitration,
+/// acknowledgement, errors.
 class PacedBus {
   public:
     enum class Kind { classic, fd };
@@ -58,7 +59,7 @@ class PacedBus {
 
 /// Two emulated SJA1000 controllers with Debian's own driver (kvaser_pci) on one bus; classic CAN,
 /// in a guest only. They are up. What it cannot show: bus errors, bus-off, a bit rate on the wire
-/// (lab.md 3).
+/// (docs/laboratory.md, "CAN: what the drivers do").
 class ControllerPair {
   public:
     explicit ControllerPair(unsigned bits_per_second = 1'000'000,
@@ -85,7 +86,8 @@ class ControllerPair {
 };
 
 /// Two emulated CTU CAN FD controllers on one bus, up, with bit rates of 1 and 4 Mbit/s; in a guest
-/// of the full tier only. Neither bus errors nor states (lab.md 3).
+/// of the full tier only. Neither bus errors nor states (docs/laboratory.md, "CAN: what the drivers
+/// do").
 class FdControllerPair {
   public:
     FdControllerPair();

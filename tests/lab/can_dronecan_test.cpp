@@ -117,7 +117,8 @@ std::optional<NodeId> own_id(const Program& program) {
                : std::optional(static_cast<NodeId>(std::stoi(errors.substr(at + words.size()))));
 }
 
-/// Plays the allocator: gives ids from `next` on, one to each unique id (can.md 1.3).
+/// Plays the allocator: gives ids from `next` on, one to each unique id (docs/protocols/can.md,
+/// "DroneCAN: nodes").
 class Allocator {
   public:
     Allocator(const std::string& interface, NodeId next) : bus_(interface), next_(next) {}

@@ -138,7 +138,8 @@ TEST(LabFtdi, ThatIsInUseIsRefused) {
 TEST(Lab16550, ThatCannotDo100000BaudIsRefusedWithTheRateThatItWouldRunAt) {
     const std::string device = uart_16550(1);
     const std::string why = refusal(device, kSbus);
-    // The driver says 100000 and programs divisor 1 of 1.8432 MHz / 16 (lab.md 1).
+    // The driver says 100000 and programs divisor 1 of 1.8432 MHz / 16 (docs/protocols/sbus.md,
+    // "Serial port: bit rate").
     EXPECT_TRUE(why.starts_with(device + ": asked for 100000 baud, but the port runs at 115200"))
         << why;
     EXPECT_NE(why.find("divides 115200 baud by whole numbers"), std::string::npos) << why;

@@ -12,7 +12,8 @@
 namespace tribus::test {
 
 /// A CAN adapter that speaks SLCAN, played by the test on the master of a pty, with the kernel's
-/// own driver (slcan) in between: the one controller whose faults can be had at will (lab.md 3).
+/// own driver (slcan) in between: the one controller whose faults can be had at will
+/// (docs/laboratory.md, "CAN: what the drivers do").
 ///
 /// Classic CAN. Not the same as real hardware: in bus-off the kernel takes frames and drops them,
 /// restart-ms is not supported (`set_link_down` and `set_link_up` restart it), and nothing is

@@ -32,7 +32,8 @@ TEST_F(Loopback, EighteenIbusChannelsComeOutAsExactSbusValues) {
     const Sticks sticks{880,  885,  988,  1000, 1012, 1100, 1250, 1499, 1500,
                         1501, 1750, 1900, 2000, 2012, 2100, 2159, 2000, 1000};
     SbusSight expected;
-    // Each is the nearest to (us - 880) * 8 / 5, worked out by hand (ibus-sbus.md 3.7).
+    // Each is the nearest to (us - 880) * 8 / 5, worked out by hand (docs/protocols/sbus.md,
+    // "Scales").
     expected.raw = {0,   8,   173,  192,  211,  352,  592,  990,
                     992, 994, 1392, 1632, 1792, 1811, 1952, 2046};
     expected.channel_17 = true;

@@ -16,7 +16,7 @@
 #include "tests/support/far_end.h"
 
 /// The far ends of a sensor bus, written again for the tests and independent of the program's codec
-/// (ibus-sbus.md 2.2, 2.3).
+/// (docs/protocols/ibus.md, "Sensor bus: frames" and "Sensor bus: timing").
 namespace tribus::test {
 
 /// The second byte of a frame says who is asked for what: 0x81, 0x91, 0xA1 are discover, type and

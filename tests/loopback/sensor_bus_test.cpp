@@ -17,7 +17,7 @@ namespace {
 
 constexpr unsigned kValueOf1 = 0xA1;
 constexpr unsigned kValueOf2 = 0xA2;
-// ibus-sbus.md 2.7
+// docs/protocols/ibus.md, "Sensor types"
 constexpr std::uint8_t kSpeed = 0x02;
 constexpr std::uint8_t kExternalVoltage = 0x03;
 

@@ -9,7 +9,8 @@
 #include "tests/support/far_end.h"
 
 /// The two wire formats, written again for the tests and independent of the program's codecs
-/// (ibus-sbus.md 1.2, 1.3, 3.2, 3.7).
+/// (docs/protocols/ibus.md, "Servo frame" and "Channels 15 to 18", and docs/protocols/sbus.md,
+/// "Frame" and "Scales").
 namespace tribus::test {
 
 using Clock = std::chrono::steady_clock;

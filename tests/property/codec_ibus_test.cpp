@@ -192,8 +192,8 @@ class UsualLength {
     int in_a_row_ = 0;
 };
 
-/// Frames as a scan of the whole stream at once finds them, by the words of ibus-sbus.md 1.2, 1.5
-/// and 1.6, without i-BUS2.
+/// Frames as a scan of the whole stream at once finds them, by the words of docs/protocols/ibus.md,
+/// "Servo frame", "Synchronisation" and "Variants", without i-BUS2.
 std::vector<std::size_t> places_of_frames(const Bytes& bytes) {
     std::vector<std::size_t> places;
     UsualLength usual;

@@ -221,7 +221,8 @@ TEST(SbusBound, WhatAnR7003sbSendsBehindEachFrameCostsNone) {
     expect_nearly_all(world, "R7003SB");
 }
 
-// ibus-sbus.md 3.3: slot 0 begins 2.03 ms behind the frame, one each 660 us.
+// docs/protocols/sbus.md, "Footer and SBUS2": slot 0 begins 2.03 ms behind the frame, one each
+// 660 us.
 TEST(SbusBound, SlotsWithAByteTooManyOrTooFewCostNone) {
     World world(4);
     for (std::uint32_t i = 0; i < 1000; ++i) {

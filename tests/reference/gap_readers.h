@@ -7,7 +7,8 @@
 
 #include "core/time.h"
 
-/// How flight controllers find SBUS frames: by gaps alone (ibus-sbus.md 3.5, from their sources).
+/// How flight controllers find SBUS frames: by gaps alone (docs/protocols/sbus.md,
+/// "Synchronisation", from their sources).
 namespace tribus::reference {
 
 /// Fills frames of 25 bytes from a header on.

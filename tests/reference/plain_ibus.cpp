@@ -48,14 +48,14 @@ void put_word(std::span<std::uint8_t> bytes, std::size_t position, std::uint16_t
     bytes[position + 1] = static_cast<std::uint8_t>(word >> 8);
 }
 
-/// 0xFFFF less each byte before the checksum (1.2).
+/// 0xFFFF less each byte before the checksum (docs/protocols/ibus.md, "Servo frame").
 std::uint16_t servo_checksum(std::span<const std::uint8_t> body) {
     return static_cast<std::uint16_t>(std::accumulate(
         body.begin(), body.end(), 0xFFFF, [](int sum, int byte) { return sum - byte; }));
 }
 
-/// The sum of the 14 words, without the header (1.6). Words beyond 12 bits are no channel: the
-/// plain sum is weak, and this keeps noise out.
+/// The sum of the 14 words, without the header (docs/protocols/ibus.md, "Variants"). Words beyond
+/// 12 bits are no channel: the plain sum is weak, and this keeps noise out.
 bool ia6_holds(std::span<const std::uint8_t> frame) {
     unsigned sum = 0;
     for (std::size_t slot = 0; slot < kSlotCount; ++slot) {

@@ -29,7 +29,7 @@ struct ChainSettings {
 };
 
 /// From the start of one frame on the bus to that of the next: five classic ones take 1.35 ms at
-/// 500 kbit/s in the worst case (can.md 4.2).
+/// 500 kbit/s in the worst case (docs/protocols/can.md, "Bus load").
 inline constexpr Duration kCanFrameTime = std::chrono::microseconds(270);
 inline constexpr Duration kChainPeriod = std::chrono::milliseconds(7);
 

@@ -78,8 +78,9 @@ std::string seconds(const std::optional<Duration>& duration) {
 
 TEST(KnownReceiversTable, what_is_learned_of_each_and_its_times_are_as_stored) {
     std::string table =
-        "# Each receiver of ibus-sbus.md 1.8 and 3.6 loses its transmitter for ten seconds. Time\n"
-        "# from the loss to failsafe, and from the return to control, at the SBUS output (timeout\n"
+        "# Each receiver of docs/protocols/ibus.md, \"Loss of signal\", and of\n"
+        "# docs/protocols/sbus.md, \"Flags\", loses its transmitter for ten seconds. Time from\n"
+        "# the loss to failsafe, and from the return to control, at the SBUS output (timeout\n"
         "# 100 ms, hold 300 ms, recover 500 ms), with the lines that `tribus learn` prints.\n\n"
         "failsafe s  control s  receiver: lines\n";
     for (const KnownReceiver& receiver : known_receivers()) {

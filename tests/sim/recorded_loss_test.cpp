@@ -29,7 +29,8 @@ struct RecordedFlight {
     bool moving = false;
 };
 
-/// Periods and movement: README of the recordings, ibus-sbus.md 1.4 and 3.4.
+/// Periods and movement: README of the recordings, docs/protocols/ibus.md, "Period and gaps", and
+/// docs/protocols/sbus.md, "Periods".
 constexpr RecordedFlight kFlights[]{
     {"ibus_servo18_afhds3.timed.txt", "ibus", 4ms, true},
     {"ibus_servo14_ia6b_2sensors.timed.txt", "ibus", 7701us, false},

@@ -30,7 +30,8 @@ std::string with_another(const std::string& job, bool in_front) {
     return in_front ? another + job : job + another;
 }
 
-/// A temperature sensor of 21.5 degrees at address 1 (ibus-sbus.md 2.2).
+/// A temperature sensor of 21.5 degrees at address 1 (docs/protocols/ibus.md, "Sensor bus:
+/// frames").
 std::vector<std::uint8_t> answer_to(std::span<const std::uint8_t> request) {
     if (request.size() != 4 || (request[1] & 0x0F) != 1) {
         return {};

@@ -125,7 +125,7 @@ ReceiverRoleSettings receiver_settings() {
 }
 
 /// Genuine sensors as they were recorded: 0.63 ms after the request, now and then not at all
-/// (ibus-sbus.md 2.3).
+/// (docs/protocols/ibus.md, "Sensor bus: timing").
 class GenuineSensors final : public SensorBusRole {
   public:
     explicit GenuineSensors(double miss) : miss_(miss) {}

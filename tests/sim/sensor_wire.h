@@ -18,7 +18,7 @@ namespace tribus::test {
 
 using namespace std::chrono_literals;
 
-/// Of one byte as genuine receivers space them (ibus-sbus.md 1.1).
+/// Of one byte as genuine receivers space them (docs/protocols/ibus.md, "Line").
 inline constexpr Duration kSensorByteTime = 95'580ns;
 
 class SensorWire {

@@ -9,7 +9,8 @@
 
 #include "core/can_frame.h"
 
-/// How many bits a frame takes on the bus, as ISO 11898-1 lays it out (can.md 4.1).
+/// How many bits a frame takes on the bus, as ISO 11898-1 lays it out (docs/protocols/can.md, "Bits
+/// of a frame").
 namespace tribus::test {
 
 /// From the start of frame to the end of the intermission behind it.

@@ -7,7 +7,7 @@
 
 namespace tribus::test {
 
-/// 0xFFFF less each byte before it (ibus-sbus.md 1.2).
+/// 0xFFFF less each byte before it (docs/protocols/ibus.md, "Servo frame").
 inline std::uint16_t ibus_checksum(std::span<const std::uint8_t> before) {
     return static_cast<std::uint16_t>(
         std::accumulate(before.begin(), before.end(), 0xFFFF,

@@ -14,7 +14,7 @@
 /// i.Bus frames that are quoted in public, with their origin.
 namespace tribus::test {
 
-/// FS-i6 and FS-iA6B, quoted in IBusBM; ibus-sbus.md 7.4.
+/// FS-i6 and FS-iA6B, quoted in IBusBM; docs/protocols/ibus.md, "Vectors".
 inline constexpr std::string_view kIa6bFrame =
     "20 40 db 05 dc 05 54 05 dc 05 e8 03 d0 07 d2 05 e8 03 dc 05 dc 05 dc 05 dc 05 dc 05 dc 05 "
     "da f3";
@@ -31,11 +31,12 @@ inline constexpr std::string_view kArduPilotFrame =
 inline constexpr std::string_view kFtr8bFrame =
     "20 40 d5 c5 eb d5 45 55 a8 c5 dc d5 dc 55 dc c5 dc d5 dc 55 dc c5 dc d5 dc 55 dc 05 dc 05 "
     "94 ec";
-/// Betaflight's unit test, synthetic: channel n is n - 1, command byte 0; ibus-sbus.md 7.3.
+/// Betaflight's unit test, synthetic: channel n is n - 1, command byte 0; docs/protocols/ibus.md,
+/// "Vectors".
 inline constexpr std::string_view kBetaflight18 =
     "20 00 00 e0 01 00 02 00 03 f0 04 00 05 00 06 00 07 10 08 00 09 10 0a 10 0b 00 0c 00 0d 00 "
     "84 fd";
-/// Betaflight's unit test, synthetic: channels 0 to 13; ibus-sbus.md 1.6.
+/// Betaflight's unit test, synthetic: channels 0 to 13; docs/protocols/ibus.md, "Variants".
 inline constexpr std::string_view kBetaflightIa6 =
     "55 00 00 01 00 02 00 03 00 04 00 05 00 06 00 07 00 08 00 09 00 0a 00 0b 00 0c 00 0d 00 5b 00";
 /// FTr8B in i-BUS2 mode; ArduPilot's captures ibus2-FTr8B-fast8ch.csv,

@@ -11,7 +11,8 @@
 #include "core/channel_frame.h"
 #include "core/time.h"
 
-/// What receivers in the field do when they lose their transmitter: ibus-sbus.md 1.8 and 3.6.
+/// What receivers in the field do when they lose their transmitter: docs/protocols/ibus.md, "Loss
+/// of signal", and docs/protocols/sbus.md, "Flags".
 namespace tribus::test {
 
 /// By what a loss can be told.

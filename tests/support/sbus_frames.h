@@ -10,14 +10,14 @@
 /// SBUS frames that are quoted in public, with their origin.
 namespace tribus::test {
 
-/// ibus-sbus.md 7.2.
+/// docs/protocols/sbus.md, "Vectors".
 inline constexpr std::string_view kAll992 =
     "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c 00 00";
 inline constexpr std::string_view kAll1024 =
     "0f 00 04 20 00 01 08 40 00 02 10 80 00 04 20 00 01 08 40 00 02 10 80 00 00";
 inline constexpr std::string_view kHundreds =
     "0f 64 40 06 4b 20 43 1f 2c f1 0a 64 84 43 1f 13 61 49 51 bc 72 17 c8 00 00";
-/// Futaba R7008SB in FASSTest 14CH and 12CH; laneboysrc/rc-light-controller doc/sbus-protocol.md.
+/// Futaba R7008SB in FASSTest 14CH and 12CH; LANE in docs/protocols/sbus.md, "Sources".
 inline constexpr std::string_view kFasstest14 =
     "0f 04 1c a1 43 09 48 40 04 7a 10 2c 00 04 20 58 c0 13 07 38 00 10 80 00 04";
 inline constexpr std::string_view kFasstest12 =

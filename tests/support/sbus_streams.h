@@ -57,7 +57,7 @@ inline std::vector<SbusSticks> hard_sticks_that_stand_still() {
           "0f 04 0f 08", "00", "ff", "03", "03 0f", "0b 00 0f"}) {
         all.push_back(still("payload of " + std::string(pattern), payload_of(pattern)));
     }
-    // All 992; ibus-sbus.md 7.2.
+    // All 992; docs/protocols/sbus.md, "Vectors".
     all.push_back(still("all 992", payload_of("e0 03 1f f8 c0 07 3e f0 81 0f 7c")));
     // 8 channels, the unused ones 0; ArduPilot's RCProtocolTest.
     all.push_back(
@@ -100,7 +100,7 @@ inline std::vector<SbusSticks> all_sticks(std::uint32_t random_count) {
     return all;
 }
 
-/// Each of the 32 slot ids, then two bytes; ibus-sbus.md 3.3.
+/// Each of the 32 slot ids, then two bytes; docs/protocols/sbus.md, "Footer and SBUS2".
 inline Bytes slot_triple(std::uint32_t slot, std::uint8_t first, std::uint8_t second) {
     return {static_cast<std::uint8_t>(slot << 3U | 0x03U), first, second};
 }
@@ -123,7 +123,7 @@ inline FrameStream sbus2_stream(const SbusSticks& sticks, std::uint8_t flags,
         const auto footer = static_cast<std::uint8_t>((frame + 2) % 4 << 4U | 0x04U);
         stream.add_frame(sbus_frame(sticks.payload(frame), flags, footer));
         for (std::uint32_t slot = 0; slot < triples && (triples > 1 || footer == 0x04); ++slot) {
-            // 4.6 V; ibus-sbus.md 3.3.
+            // 4.6 V; docs/protocols/sbus.md, "Footer and SBUS2".
             stream.add_other(slot_triple(slot, 0xC0, 0x2E));
         }
     }

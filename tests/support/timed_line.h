@@ -18,7 +18,7 @@
 /// Bytes on a wire, each at its time, and ports that deliver them as real ones do.
 namespace tribus::test {
 
-/// 100000 baud 8E2; ibus-sbus.md 3.1.
+/// 100000 baud 8E2; docs/protocols/sbus.md, "Line".
 inline constexpr Duration kSbusByteTime = std::chrono::microseconds(120);
 
 struct WireByte {
@@ -84,7 +84,8 @@ inline std::vector<TimedRead> in_bursts(const TimedLine& line) {
     return reads;
 }
 
-/// An adapter that delivers all that has come each so often (FTDI's latency timer; 5.4).
+/// An adapter that delivers all that has come each so often (FTDI's latency timer;
+/// docs/protocols/sbus.md, "Serial port: latency").
 inline Port in_lumps_each(Duration step) {
     return [step](const TimedLine& line) {
         std::vector<TimedRead> reads;

@@ -17,8 +17,9 @@
 #include "transports/codecs/counter_watch.h"
 #include "transports/codecs/protocol.h"
 
-/// The native CAN format (can.md 4.4): a snapshot of the channels in four or five classic frames or
-/// in one FD frame, with states, counter and CRC in each. Lossless for SBUS and i.Bus.
+/// The native CAN format (docs/protocols/can.md, "Native format"): a snapshot of the channels in
+/// four or five classic frames or in one FD frame, with states, counter and CRC in each. Lossless
+/// for SBUS and i.Bus.
 namespace tribus {
 
 extern const Protocol kCanProtocol;
@@ -174,7 +175,7 @@ class CanChannelsDecoder final : public CanDecoder {
     /// Without a snapshot for so long, the counter says nothing any more: it comes round each
     /// 150 ms at the usual period. Longer periods than this are never published.
     static constexpr Duration kSilence = std::chrono::milliseconds(250);
-    /// Two lost snapshots in a row are still an advance (can.md 4.4).
+    /// Two lost snapshots in a row are still an advance (docs/protocols/can.md, "Native format").
     static constexpr unsigned kMostAdvance = 3;
     /// Three snapshots: two senders in turn never bring it about, since of the steps from one to
     /// the other and back, k and 1 - k, only one can be 1 to 3. Nor does what the usual transmit

@@ -44,7 +44,7 @@ constexpr std::array<std::string_view, kIds> kMessageNames{"RcA", "RcB", "RcC",
 constexpr std::array<std::string_view, kFlagCount> kFlagNames{"Failsafe", "FrameLost", "Dig17",
                                                               "Dig18"};
 constexpr unsigned kEighths = Pulse::kEighthsPerMicrosecond;
-// Positions in the list of VFrameFormat (can.md 2.4).
+// Positions in the list of VFrameFormat (docs/protocols/can.md, "DBC files").
 constexpr unsigned kStandardFormat = 0;
 constexpr unsigned kExtendedFormat = 1;
 constexpr unsigned kFdFormats = 14;

@@ -8,8 +8,8 @@
 
 #include "core/channel_frame.h"
 
-/// Where each value of the native CAN format stands (can.md 4.4, native.dbc): the one table for the
-/// codec and for the DBC text that describes it.
+/// Where each value of the native CAN format stands (docs/protocols/can.md, "Native format";
+/// deploy/can/native.dbc): the one table for the codec and for the DBC text that describes it.
 ///
 /// Classic frames, 8 bytes. Four of them have four channels each, in order:
 ///   byte 0      CRC-8

@@ -9,8 +9,8 @@
 namespace tribus {
 
 /// Judges the counter that a sender raises with each frame or snapshot, which tells a live sender
-/// from one that hangs, from two senders, from a queue that empties late (can.md 4.4), and from old
-/// frames that something repeats in a ring.
+/// from one that hangs, from two senders, from a queue that empties late (docs/protocols/can.md,
+/// "Native format"), and from old frames that something repeats in a ring.
 ///
 /// A ring shows itself where it begins again: its counter is suddenly further on than the time
 /// since the frame before allows. After that nothing is believed until the counter has gone on,

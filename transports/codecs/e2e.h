@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <span>
 
-/// AUTOSAR end-to-end protection, profiles 1, 5 and 22 (can.md 4.4, e2e_vectors.json): a counter
-/// and a CRC inside the payload, the CRC also over an id that is not sent, so that a frame of
-/// another sender does not pass for ours. All functions are pure and reentrant.
+/// AUTOSAR end-to-end protection, profiles 1, 5 and 22 (docs/protocols/can.md, "End-to-end
+/// protection"): a counter and a CRC inside the payload, the CRC also over an id that is not sent,
+/// so that a frame of another sender does not pass for ours. All functions are pure and reentrant.
 namespace tribus {
 
 /// CRC-8, polynomial 0x1D, most significant bit first, no final XOR.

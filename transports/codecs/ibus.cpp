@@ -48,8 +48,8 @@ inline Thrice thrice(const Lanes& abcd) {
             .last = __builtin_shufflevector(abcd, abcd, 2, 3, 3, 3, 4, 5, 6, 7)};
 }
 
-/// 0xFFFF less each byte before it (1.2). A word has its high byte 256 times in it: that byte 255
-/// times off the word is the sum of its two bytes.
+/// 0xFFFF less each byte before it (docs/protocols/ibus.md, "Servo frame"). A word has its high
+/// byte 256 times in it: that byte 255 times off the word is the sum of its two bytes.
 inline std::uint16_t checksum(const Lanes& first, const Lanes& last) {
     const Lanes high_bytes = (first >> 8U) + (last >> 8U);
     const Lanes less = high_bytes * 255 - (first + last);
@@ -143,7 +143,7 @@ std::unique_ptr<Encoder> make_ibus_encoder(const SettingValues& settings) {
 }  // namespace
 
 // Period: real receivers send each 7.7 ms, one each 4.0 ms; readers that wait for 2 to 3 ms of
-// silence need 7 (1.4).
+// silence need 7 (docs/protocols/ibus.md, "Period and gaps").
 const Protocol kIbusProtocol{
     .name = "ibus",
     .description = "FlySky i.Bus servo frames, 14 or 18 channels",

@@ -12,7 +12,7 @@
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/wire_words.h"
 
-/// FlySky i.Bus servo frames, both ways (ibus-sbus.md section 1).
+/// FlySky i.Bus servo frames, both ways (docs/protocols/ibus.md).
 namespace tribus {
 
 extern const Protocol kIbusProtocol;
@@ -24,15 +24,17 @@ enum class IbusSlots : std::uint8_t {
 };
 
 /// Finds frames by content: header, length and checksum, scanning on inside its buffer after a bad
-/// one. It needs no gaps: a real receiver leaves 0.95 ms between frames (1.4), less than many
-/// readers wait for. Where a pause tells that no more of a frame comes, it does not wait for more.
+/// one. It needs no gaps: a real receiver leaves 0.95 ms between frames (docs/protocols/ibus.md,
+/// "Period and gaps"), less than many readers wait for. Where a pause tells that no more of a frame
+/// comes, it does not wait for more.
 ///
 /// A sender's length does not change for one frame: the first frame tells it, and another one
 /// counts when it has come three times in a row. Until then such frames are rejected as "length".
 ///
 /// Takes frames of 6 to 32 bytes with command 0x40, 32 bytes with command 0x00 (Betaflight does not
-/// check the command, and its public test frames have 0), and the 31-byte 0x55 variant (1.6).
-/// 18 channels are told from 14 frame by frame: a nibble channel of 0 is not present (1.3).
+/// check the command, and its public test frames have 0), and the 31-byte 0x55 variant
+/// (docs/protocols/ibus.md, "Variants"). 18 channels are told from 14 frame by frame: a nibble
+/// channel of 0 is not present (docs/protocols/ibus.md, "Channels 15 to 18").
 class IbusDecoder final : public Decoder {
   public:
     explicit IbusDecoder(IbusSlots slots = IbusSlots::nibbles) : slots_(slots) {}
@@ -102,8 +104,9 @@ class IbusDecoder final : public Decoder {
 };
 
 /// Writes 32-byte frames of 14 channels, or of 18. Whole microseconds, 0 to 4095; an absent channel
-/// of 1 to 14 is sent as 1500 us (what receivers send for unused ones, 1.6), one of 15 to 18 as not
-/// present. i.Bus cannot say failsafe or frame lost (1.8): the caller decides whether to send.
+/// of 1 to 14 is sent as 1500 us (what receivers send for unused ones, docs/protocols/ibus.md,
+/// "Variants"), one of 15 to 18 as not present. i.Bus cannot say failsafe or frame lost
+/// (docs/protocols/ibus.md, "Loss of signal"): the caller decides whether to send.
 class IbusEncoder final : public Encoder {
   public:
     explicit IbusEncoder(std::size_t channel_count = 14);

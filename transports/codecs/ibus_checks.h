@@ -47,7 +47,7 @@ inline unsigned sum_of(std::span<const std::uint8_t> bytes) {
     return std::accumulate(bytes.begin(), bytes.end(), total(words));
 }
 
-/// 0xFFFF less each byte before the checksum (1.2).
+/// 0xFFFF less each byte before the checksum (docs/protocols/ibus.md, "Servo frame").
 inline std::uint16_t servo_checksum(std::span<const std::uint8_t> body) {
     return static_cast<std::uint16_t>(0xFFFF - sum_of(body));
 }
@@ -63,8 +63,8 @@ inline bool long_frame_holds(std::span<const std::uint8_t, kLongestFrame> wire) 
     return total(words) + (last >> 48U) == 0xFFFF;
 }
 
-/// The sum of the 14 words, without the header (1.6). Words beyond 12 bits are no channel: the
-/// plain sum is weak, and this keeps noise out.
+/// The sum of the 14 words, without the header (docs/protocols/ibus.md, "Variants"). Words beyond
+/// 12 bits are no channel: the plain sum is weak, and this keeps noise out.
 inline bool ia6_holds(std::span<const std::uint8_t> frame) {
     unsigned sum = 0;
     for (std::size_t slot = 0; slot < kSlotCount; ++slot) {

@@ -17,7 +17,7 @@ constexpr std::uint8_t kAddressMask = 0x0F;
 static_assert(kFrameBytes == kSensorRequestBytes);
 static_assert(kFrameBytes + kMostSensorData == kLongestSensorFrame);
 
-/// 0xFFFF less each byte (ibus-sbus.md 1.2).
+/// 0xFFFF less each byte (docs/protocols/ibus.md, "Servo frame").
 std::uint16_t checksum(std::span<const std::uint8_t> bytes) {
     std::uint16_t sum = 0xFFFF;
     for (const std::uint8_t byte : bytes) {

@@ -10,8 +10,8 @@
 #include "core/time.h"
 #include "transports/codecs/codec.h"
 
-/// The frames of the i.Bus sensor bus (ibus-sbus.md 2): 115200 8N1, one wire for both directions,
-/// the receiver asks, sensors answer. Pure.
+/// The frames of the i.Bus sensor bus (docs/protocols/ibus.md, "Sensor bus: wire" and "Sensor bus:
+/// frames"): 115200 8N1, one wire for both directions, the receiver asks, sensors answer. Pure.
 namespace tribus {
 
 /// Addresses are 1 to 15; 0 is the receiver's own voltage and never on the wire.

@@ -36,8 +36,9 @@ struct Row {
 constexpr double kColdest = -40;  // degrees: raw 0 of every temperature
 constexpr double kMilliGravity = 9.80665 / 1000;
 
-/// ibus-sbus.md 2.7. Where the sources disagree, the row is what FlySky's own sensors and
-/// transmitters do, or else most of the others; who does otherwise has rows of its own below.
+/// docs/protocols/ibus.md, "Sensor types". Where the sources disagree, the row is what FlySky's own
+/// sensors and transmitters do, or else most of the others; who does otherwise has rows of its own
+/// below.
 constexpr Row kFlysky[] = {
     {0x00, "internal_voltage", 2, "voltage", "V", 0, 16, kNone, 0.01},
     {0x01, "temperature", 2, "temperature", "degC", 0, 16, kNone, 0.1, kColdest},

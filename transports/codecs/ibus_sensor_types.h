@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-/// What the numbers on an i.Bus sensor bus mean (ibus-sbus.md 2.7), as data.
+/// What the numbers on an i.Bus sensor bus mean (docs/protocols/ibus.md, "Sensor types"), as data.
 namespace tribus {
 
 /// One number in a sensor's value: number = raw * scale + offset.

@@ -10,11 +10,12 @@
 
 namespace tribus {
 
-/// Tells from the instants of reads where a line paused between two bytes. The instant of a read
-/// is that of its last byte; what it brought was on the wire for as long as so many bytes take.
-/// What is left since the read before is a pause if it is longer than the port may hold bytes back:
+/// Tells from the instants of reads where a line paused between two bytes. The instant of a read is
+/// that of its last byte; what it brought was on the wire for as long as so many bytes take. What
+/// is left since the read before is a pause if it is longer than the port may hold bytes back:
 /// 1 ms, or what frames show that go on behind such a gap, as adapters tear them that deliver in
-/// lumps (FTDI each 16 ms, ibus-sbus.md 5.4). Pure; thread-bound; no heap.
+/// lumps (FTDI each 16 ms, docs/protocols/sbus.md, "Serial port: latency"). Pure; thread-bound; no
+/// heap.
 class LinePauses {
   public:
     /// `byte_time`: of one byte on the wire; zero where it is not known, then times say nothing.

@@ -115,7 +115,8 @@ Pulse raw_zero(const SettingValues& settings) {
 }  // namespace
 
 // Period: 14 ms is Futaba's normal mode, which analogue servos stand; below 7 ms a frame leaves
-// less than the 4 ms of silence that ArduPilot waits for (3.4, 3.5).
+// less than the 4 ms of silence that ArduPilot waits for (docs/protocols/sbus.md, "Periods" and
+// "Synchronisation").
 const Protocol kSbusProtocol{
     .name = "sbus",
     .description = "Futaba SBUS, and SBUS2 frames as input",

@@ -13,14 +13,14 @@
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/sbus_scale.h"
 
-/// Futaba SBUS, both ways, and SBUS2 frames on the way in (ibus-sbus.md section 3).
+/// Futaba SBUS, both ways, and SBUS2 frames on the way in (docs/protocols/sbus.md).
 namespace tribus {
 
 extern const Protocol kSbusProtocol;
 
 inline constexpr std::size_t kSbusFrameLength = 25;
 
-/// What one frame says, in its own terms (3.2).
+/// What one frame says, in its own terms (docs/protocols/sbus.md, "Frame").
 struct SbusFrame {
     SbusRaw raw{};  ///< 0 to 2047
     bool channel_17 = false;

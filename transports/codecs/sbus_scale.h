@@ -29,9 +29,9 @@ inline SbusRaw from_lanes(const SbusLanes& lanes) {
     return std::bit_cast<SbusRaw>(lanes);
 }
 
-/// The straight line between the 11-bit values of SBUS and pulses (ibus-sbus.md 3.7). Senders and
-/// readers disagree about it, so it is a setting. Decoding then encoding gives the same raw value,
-/// for all 2048. Pure and reentrant.
+/// The straight line between the 11-bit values of SBUS and pulses (docs/protocols/sbus.md,
+/// "Scales"). Senders and readers disagree about it, so it is a setting. Decoding then encoding
+/// gives the same raw value, for all 2048. Pure and reentrant.
 class SbusScale {
   public:
     /// Needs two different raw values and a slope that keeps neighbouring raw values apart

@@ -96,7 +96,8 @@ inline bool flags_allowed(std::uint8_t flags) {
     return (flags & kFlagsUnused) == 0;
 }
 
-/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (3.3).
+/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (docs/protocols/sbus.md,
+/// "Footer and SBUS2").
 inline bool footer_allowed(std::uint8_t footer) {
     const unsigned low = footer & 0x0FU;
     return low == 0x0 || low == 0x4 || low == 0x8;
@@ -105,7 +106,7 @@ inline bool slots_follow(std::uint8_t footer) {
     return (footer & 0x0FU) != 0;
 }
 
-/// The 32 slot ids: a five-bit number, then 011 (3.3).
+/// The 32 slot ids: a five-bit number, then 011 (docs/protocols/sbus.md, "Footer and SBUS2").
 inline bool is_slot_id(std::uint8_t byte) {
     return (byte & 0x07U) == 0x03;
 }

@@ -139,7 +139,8 @@ ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
         emptied_ = now;
         clock_step_.look(wall_time, now);
     } else if (error == ENETDOWN) {
-        // Told once; the same socket works again when the interface is up (can.md 3.4).
+        // Told once; the same socket works again when the interface is up (docs/protocols/can.md,
+        // "SocketCAN: loss and errors").
         went_down();
     } else if (interface_is_gone(error)) {
         lost_ = true;
@@ -327,8 +328,9 @@ void CanSocket::recheck(Instant now) {
     }
 }
 
-/// Frames for an interface without carrier vanish, and sending them succeeds (lab.md 3). A
-/// controller has a carrier from when it is up, but in bus-off.
+/// Frames for an interface without carrier vanish, and sending them succeeds
+/// (docs/protocols/can.md, "SocketCAN: transmit queue"). A controller has a carrier from when it is
+/// up, but in bus-off.
 void CanSocket::check_line(Instant now) {
     checked_ = now;
     if (::ioctl(fd_.get(), SIOCGIFFLAGS, &buffers_->line) != 0) {

@@ -36,7 +36,8 @@ struct CanSocketSettings {
 ///
 /// A frame counts as gone when the controller has sent it: the kernel then returns it to its
 /// sender. Drivers without that (vcan, vxcan, slcan) return it at once; there it counts as gone
-/// when the kernel's queue has nothing of this socket any more (can.md 3.1, 3.7).
+/// when the kernel's queue has nothing of this socket any more (docs/protocols/can.md, "SocketCAN:
+/// sockets").
 class CanSocket final : public CanLink {
   public:
     /// Opens the interface, also if it is down. The error begins with the interface and says what

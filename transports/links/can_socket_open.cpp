@@ -16,7 +16,8 @@ namespace {
 /// The most that programs without CAP_NET_ADMIN may have; the first band of the usual queues.
 constexpr int kPriority = 6;
 /// The kernel makes its least of it, some 4 kB: at most one of our frames is queued, and if that
-/// rule ever broke, this would keep the old ones few (can.md 3.3).
+/// rule ever broke, this would keep the old ones few (docs/protocols/can.md, "SocketCAN: transmit
+/// queue").
 constexpr int kSendBufferBytes = 1;
 
 std::string socket_problem(int error) {

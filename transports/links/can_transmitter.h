@@ -17,18 +17,20 @@ namespace tribus {
 /// Decides which frame of which sender goes to the kernel, and when. One frame is in flight on the
 /// whole interface: the next one is handed over when the one before has left the controller. A
 /// controller whose frames nobody acknowledges repeats them for ever and the kernel queues what
-/// follows (can.md 3.3); this way one old frame can be caught there, never a burst.
+/// follows (docs/protocols/can.md, "SocketCAN: transmit queue"); this way one old frame can be
+/// caught there, never a burst.
 ///
 /// Pure: time is an argument, the caller does what `next` says and reports what came of it.
 /// Thread-bound. No heap.
 class CanTransmitter {
   public:
     /// A frame that has not left after so long has no listener or a bus that is full; a snapshot
-    /// that old is not worth sending. Radio links take 50 ms for the same (can.md 3.3); the worst
-    /// wait of an urgent frame on a bus that works is below 2 ms (can.md 4.3).
+    /// that old is not worth sending. Radio links take 50 ms for the same (docs/protocols/can.md,
+    /// "SocketCAN: transmit queue"); the worst wait of an urgent frame on a bus that works is below
+    /// 2 ms (docs/protocols/can.md, "Worst wait of a frame").
     static constexpr Duration kMostWait = std::chrono::milliseconds(50);
-    /// The kernel's queue is full of other programs' frames: poll() would not tell when it has
-    /// room again (can.md 3.3). Ten frames of 1 Mbit/s.
+    /// The kernel's queue is full of other programs' frames: poll() would not tell when it has room
+    /// again (docs/protocols/can.md, "SocketCAN: transmit queue"). Ten frames of 1 Mbit/s.
     static constexpr Duration kFullRetry = std::chrono::milliseconds(1);
     /// How often a frame may try whether a bus-off is over, where nothing says so. A driver that
     /// says so takes the carrier away, which the kernel shows up to a second later; until then it

@@ -51,12 +51,12 @@ std::optional<CanErrorReport> error_report(const canfd_frame& wire);
 /// The error classes to ask for. Bus errors in single frames are left out: they can flood.
 extern const can_err_mask_t kWantedErrors;
 
-/// Most filters of one socket; 513 are refused (can.md 3.1).
+/// Most filters of one socket; 513 are refused (docs/protocols/can.md, "SocketCAN: sockets").
 inline constexpr std::size_t kMostCanFilters = 512;
 
 /// Kernel filters for data frames of these ids, each once; who wants all ids gets remote frames
 /// too. The bits for extended and remote frames are in every other mask: without them 0x123 also
-/// passes 29-bit ids that end so (can.md 3.1).
+/// passes 29-bit ids that end so (docs/protocols/can.md, "SocketCAN: sockets").
 std::vector<can_filter> kernel_filters(std::span<const CanIdMatch> wanted);
 
 /// When a frame arrived, on our time line.
@@ -67,7 +67,8 @@ struct Arrival {
     bool operator==(const Arrival&) const = default;
 };
 
-/// A frame with an older stamp has a wrong stamp (can.md 3.2), unless reading was held up.
+/// A frame with an older stamp has a wrong stamp (docs/protocols/can.md, "SocketCAN: time stamps"),
+/// unless reading was held up.
 inline constexpr Duration kMostPlausibleAge = std::chrono::milliseconds(100);
 
 /// `stamp` is the kernel's time of arrival, since 1970; `wall_time` that of the instant `now`. The

@@ -8,9 +8,9 @@
 namespace tribus {
 
 /// Undoes the marks that a Linux terminal line puts into its bytes under INPCK and PARMRK
-/// (ibus-sbus.md 5.2): FF FF is one good byte FF; FF 00 xx is a byte xx with a parity or framing
-/// error, and FF 00 00 is also what a break looks like. Keeps its place from one read to the
-/// next, since the kernel may cut anywhere. Pure; thread-bound.
+/// (docs/protocols/sbus.md, "Serial port: parity"): FF FF is one good byte FF; FF 00 xx is a byte
+/// xx with a parity or framing error, and FF 00 00 is also what a break looks like. Keeps its place
+/// from one read to the next, since the kernel may cut anywhere. Pure; thread-bound.
 class ParityMarks {
   public:
     /// Appends what `raw` means to `reception`: at most one byte for each raw byte. Promises

@@ -25,7 +25,8 @@ using recording_text::trimmed;
 constexpr std::string_view kSaleaeHeading = "Time [s],Value,Parity Error,Framing Error";
 
 /// Bytes that start less than this apart are one burst. Longer than two bytes of any line that is
-/// read (120 us at 100000 baud 8E2), shorter than the step between SBUS2 slots (ibus-sbus.md 3.3).
+/// read (120 us at 100000 baud 8E2), shorter than the step between SBUS2 slots
+/// (docs/protocols/sbus.md, "Footer and SBUS2").
 constexpr Duration kBurstGap = std::chrono::microseconds(300);
 
 /// Beyond any recording; its nanoseconds fit.

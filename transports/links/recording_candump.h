@@ -11,7 +11,8 @@
 #include "core/time.h"
 #include "transports/links/recording.h"
 
-/// The log of candump (`candump -L`, `candump -l`; can.md 3.6): one CAN frame a line.
+/// The log of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"): one CAN
+/// frame a line.
 namespace tribus {
 
 /// Reads the lines of one log in their order, as they come. Thread-bound.

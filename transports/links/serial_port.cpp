@@ -136,7 +136,8 @@ tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSett
     if (::ioctl(fd, TCGETS2, &line) != 0) {
         return tl::unexpected(settings_problem(errno));
     }
-    // Never compare c_cflag whole: the kernel puts B115200 where BOTHER was asked (lab.md 1).
+    // Never compare c_cflag whole: the kernel puts B115200 where BOTHER was asked
+    // (docs/protocols/sbus.md, "Serial port: bit rate").
     const tcflag_t changed = line.c_cflag ^ wanted.c_cflag;
     PortFacts facts;
     facts.device_major = major(node);

@@ -15,7 +15,7 @@ constexpr std::uint32_t kLastPtyMajor = 143;
 constexpr std::uint32_t kTtyMajor = 4;
 constexpr std::uint32_t kFirstTtySMinor = 64;
 // linux/serial_core.h: PORT_AMBA. A PL011 has a fractional divisor, so whole divisors of its
-// baud_base say nothing (lab.md 1).
+// baud_base say nothing (docs/protocols/sbus.md, "Serial port: bit rate").
 constexpr int kPl011PortType = 32;
 
 bool divides_by_whole_numbers(const PortFacts& facts) {

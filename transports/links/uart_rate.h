@@ -36,9 +36,11 @@ inline constexpr std::uint32_t kMostRateErrorPerMille = 15;
 /// A Unix98 pty: it has no wire, so no parity bit and no rate that could be wrong.
 bool is_pseudo_terminal(std::uint32_t device_major);
 
-/// The rate that the wire really has, in baud. A 16550 (8250 driver, ttyS) reports the request
-/// but runs at baud_base divided by a whole number (lab.md 1); other drivers report the truth.
-/// Pure and reentrant.
+/// The rate that the wire has, in baud, as far as the port tells. A 16550 (8250 driver, ttyS)
+/// reports the request but runs at baud_base divided by a whole number, which this computes. Of
+/// other drivers it returns what they report: cp210x the rate that is set; ftdi_sio and the PL011
+/// the request, which their finer divisors come close to (docs/protocols/sbus.md, "Serial port: bit
+/// rate"). Pure and reentrant.
 std::uint32_t wire_baud(const PortFacts& facts);
 
 /// Why the port cannot serve and what to do about it; nothing if it can. Does not name the

@@ -22,7 +22,8 @@ using test::outcome_of;
 using test::run_in_shell;
 
 // A receiver finds a voltmeter at address 1, probes address 2, misses a value and gets it then.
-// Requests, times and the value FFFE are those of an FS-iA6B with a CVT01 (ibus-sbus.md 2.3).
+// Requests, times and the value FFFE are those of an FS-iA6B with a CVT01 (docs/protocols/ibus.md,
+// "Sensor bus: timing").
 constexpr std::string_view kStart =
     "# t_us  bytes\n"
     "1000 04 f0 0b ff\n"
@@ -177,7 +178,7 @@ TEST(DecodeSensor, IsTheSensorBusWhereHalfOfTheBytesAreItsFrames) {
     EXPECT_FALSE(is(""));
 }
 
-// The value of a genuine sensor (ibus-sbus.md 7.1).
+// The value of a genuine sensor (docs/protocols/ibus.md, "Vectors").
 constexpr const char* kHex = "echo '04 a2 59 ff 06 a2 fe ff 5a fd' | \"$TRIBUS\" decode ";
 
 TEST(DecodeSensorProgram, AutoKnowsTheSensorBus) {

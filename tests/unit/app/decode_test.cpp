@@ -178,7 +178,7 @@ TEST(Decode, SaysThatNoProtocolFindsAFrame) {
 }
 
 TEST(Decode, NamesTheSensorBusWhereItsFramesAreAskedAsChannels) {
-    // Discover and its answer at address 1 (ibus-sbus.md 2.2).
+    // Discover and its answer at address 1 (docs/protocols/ibus.md, "Sensor bus: frames").
     const Outcome outcome = decoded("04 81 7a ff\n04 81 7a ff\n", "sbus", DecodeFormat::json);
     EXPECT_EQ(outcome.talk,
               "tribus: no frame of sbus in 8 bytes; what finds frames there: ibus-sensor (2 "

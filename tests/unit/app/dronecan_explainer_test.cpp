@@ -16,7 +16,8 @@ using std::chrono::microseconds;
 using test::Bytes;
 using test::from_hex;
 
-/// RCInput of node 42, transfer id 5: the first of the worked examples (can.md 1.6).
+/// RCInput of node 42, transfer id 5: the first of the worked examples (docs/protocols/can.md,
+/// "DroneCAN: worked examples").
 const std::vector<std::string> kRcInput{"0804742A#13C30100C80E8385", "0804742A#4C4B04145785DC25",
                                         "0804742A#5406A460876C7D05", "0804742A#07DC3DC7DB5DD525",
                                         "0804742A#DE5045"};

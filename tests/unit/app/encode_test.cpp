@@ -28,7 +28,7 @@ Outcome encoded(const std::string& lines, std::string_view protocol, EncodeForma
 constexpr std::string_view kCentred =
     "{\"channels\":[1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,1500,"
     "1500]}\n";
-// All channels at 992 (ibus-sbus.md 7.2).
+// All channels at 992 (docs/protocols/sbus.md, "Vectors").
 constexpr std::string_view kCentredSbus =
     "0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c 00 00\n";
 

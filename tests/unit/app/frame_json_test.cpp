@@ -64,7 +64,7 @@ TEST(FrameJson, EighthsAreExact) {
     EXPECT_EQ(text_of(Pulse::from_eighths(-1)), "-0.125");
 }
 
-// The line of interface.md section 2.
+// Other programs read this form.
 TEST(FrameJson, PrintsTheContractsExample) {
     EXPECT_EQ(json_of(contract_example()),
               "{\"t_us\":1146,\"protocol\":\"ibus\",\"channels\":[1500,1500,2000,1000,1500,1500,"

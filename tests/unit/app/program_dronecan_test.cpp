@@ -13,8 +13,8 @@ using test::Ended;
 using test::run_in_shell;
 using test::TemporaryFolder;
 
-/// NodeStatus of node 42 and a command of node 10 to four ESCs (can.md 1.6, 5 and 4), and RCInput
-/// of two channels.
+/// NodeStatus of node 42 and a command of node 10 to four ESCs (docs/protocols/can.md, "DroneCAN:
+/// worked examples", 5 and 4), and RCInput of two channels.
 constexpr std::string_view kLog =
     "(1.000000) can0 1801552A#D2040000000000CC\n"
     "(1.010000) can0 0804060A#0003FDF0080010C9\n"

@@ -31,10 +31,10 @@ namespace {
 using namespace std::chrono_literals;
 
 const Bytes kGood = from_hex(kAll992);
-/// ibus-sbus.md 2.2: is there a sensor at address 1?
+/// docs/protocols/ibus.md, "Sensor bus: frames": is there a sensor at address 1?
 const Bytes kDiscover1{0x04, 0x81, 0x7A, 0xFF};
 
-/// With the bits for frame lost and failsafe (ibus-sbus.md 2.2).
+/// With the bits for frame lost and failsafe (docs/protocols/sbus.md, "Frame").
 Bytes radio_lost() {
     Bytes frame = kGood;
     frame[23] = 0x0C;

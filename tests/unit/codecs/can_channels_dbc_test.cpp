@@ -89,7 +89,8 @@ TEST(NativeDbc, SaysWhichCrcAndCounterItIs) {
     EXPECT_NE(text.find("16 x (RcE2eDataId - 21059) + counter"), std::string::npos);
 }
 
-// can.md 2.4: bit 31 marks 29-bit ids; VFrameFormat 1 is extended, 15 extended FD.
+// docs/protocols/can.md, "DBC files": bit 31 marks 29-bit ids; VFrameFormat 1 is extended, 15
+// extended FD.
 TEST(NativeDbc, FollowsTheIds) {
     const std::string text = native_dbc({.base_id = 0x12345, .extended = true});
     EXPECT_NE(text.find("BO_ 2147558213 RcA: 8 "), std::string::npos);

@@ -312,7 +312,8 @@ TEST(CanChannelsDecoder, APauseShorterThanTheSilenceDoesNot) {
     EXPECT_EQ(pair.receive(pair.send(numbered_snapshot(7))).size(), 1U);
 }
 
-// The default transmit queue of a CAN device is 10 frames (can.md 3.3).
+// The default transmit queue of a CAN device is 10 frames (docs/protocols/can.md, "SocketCAN:
+// transmit queue").
 TEST(CanChannelsDecoder, AQueueThatEmptiesAfterAnOutageIsNotPublished) {
     CanPair pair;
     pair.get_started();

@@ -220,7 +220,7 @@ TEST(CanChannelsEncoder, PresetsOfAnInputThatWasNeverHeardHaveNoAge) {
     EXPECT_EQ(parse_can_tail(frames[kTailIndex].bytes()).origin.age, 255);
 }
 
-// can.md 4.4, native.dbc: bytes of each field by hand.
+// docs/protocols/can.md, "Native format"; deploy/can/native.dbc: bytes of each field by hand.
 TEST(CanChannelsEncoder, FifthFrameHasItsFieldsWhereTheDbcSays) {
     ChannelFrame snapshot = numbered_snapshot(0);
     snapshot.set(16, Pulse::from_microseconds(476));                // 000

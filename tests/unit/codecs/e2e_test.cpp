@@ -61,7 +61,7 @@ TEST(E2e, TheCrcsOwnBytesDoNotCount) {
     EXPECT_EQ(p05_crc(from_hex("ABCD000000000000"), 0x1234), 0xCA1C);
 }
 
-// can.md 4.4: 0x2F has Hamming distance 4 up to 127 bits.
+// docs/protocols/can.md, "End-to-end protection": 0x2F has Hamming distance 4 up to 127 bits.
 TEST(E2eProfile22, SeesEveryErrorOfOneToThreeBits) {
     const Bytes sent = from_hex("BC859057B959F898");
     const auto holds = [](const Bytes& payload) { return p22_crc(payload, 0x05) == payload[0]; };

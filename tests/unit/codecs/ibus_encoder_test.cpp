@@ -41,7 +41,8 @@ TEST(IbusEncoder, WritesThePublishedFramesByteForByte) {
     EXPECT_EQ(encoded(IbusEncoder(18), *frame), from_hex(kFtr8bFrame));
 }
 
-// ibus-sbus.md 1.8: ArduPilot takes a nonzero nibble in slots 1 or 4 for failsafe.
+// docs/protocols/ibus.md, "Loss of signal": ArduPilot takes a nonzero nibble in slots 1 or 4 for
+// failsafe.
 TEST(IbusEncoder, FourteenChannelsHaveNoNibble) {
     const Bytes wire = encoded(IbusEncoder(14), frame_of(2000));
     for (std::size_t slot = 0; slot < 14; ++slot) {

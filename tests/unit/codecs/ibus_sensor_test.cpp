@@ -16,7 +16,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The literal frames are those of ibus-sbus.md 7.1, off the wire of a real receiver.
+// The literal frames are those of docs/protocols/ibus.md, "Vectors", off the wire of a real
+// receiver.
 TEST(IbusSensorFrame, RequestsAreWrittenAsAReceiverSendsThem) {
     EXPECT_EQ(encoded(SensorCommand::discover, 1), (Bytes{0x04, 0x81, 0x7A, 0xFF}));
     EXPECT_EQ(encoded(SensorCommand::type, 1), (Bytes{0x04, 0x91, 0x6A, 0xFF}));

@@ -32,7 +32,8 @@ Bytes little_endian(std::uint64_t bits, std::size_t size) {
     return bytes;
 }
 
-/// The number of a two-byte value, as the tables of ibus-sbus.md 2.7 write it.
+/// The number of a two-byte value, as the tables of docs/protocols/ibus.md, "Sensor types" write
+/// it.
 std::optional<double> number(std::uint8_t id, std::uint16_t raw,
                              SensorDialect dialect = SensorDialect::flysky, std::size_t field = 0) {
     const SensorTypes types(dialect);

@@ -17,7 +17,7 @@ namespace {
 
 using namespace test;
 
-/// Appends the checksum of ibus-sbus.md 1.2.
+/// Appends the checksum of docs/protocols/ibus.md, "Servo frame".
 Bytes sealed(Bytes body) {
     const unsigned sum = std::accumulate(body.begin(), body.end(), 0U);
     const unsigned checksum = 0xFFFFU - sum;
@@ -99,7 +99,7 @@ TEST(IbusDecoder, TellsFourteenFromEighteenChannelsFrameByFrame) {
     }
 }
 
-// ibus-sbus.md 1.3: each nibble has its channel and its place in it.
+// docs/protocols/ibus.md, "Channels 15 to 18": each nibble has its channel and its place in it.
 TEST(IbusDecoder, PutsEveryNibbleInItsChannel) {
     for (std::size_t slot = 0; slot < 14; ++slot) {
         for (unsigned nibble = 1; nibble < 16; ++nibble) {
@@ -253,7 +253,8 @@ TEST(IbusDecoder, DoesNotReadAnIbusFrameThatStandsInsideAnIbus2Frame) {
     EXPECT_EQ(count_of(decoder, "ibus2"), 1U);
 }
 
-// ibus-sbus.md 1.6, 2.2: servo and sensor wires tied together for one UART.
+// docs/protocols/ibus.md, "Variants" and "Sensor bus: frames": servo and sensor wires tied together
+// for one UART.
 TEST(IbusDecoder, LosesNoFrameToTelemetryOnTheSameLine) {
     Bytes bytes;
     for (const std::string_view telemetry :

@@ -59,8 +59,8 @@ TEST(SbusFrame, EveryValueOfEveryChannelHasItsOwnBits) {
                 frame.raw[channel] = value;
                 const Bytes wire = emit(frame);
                 ASSERT_EQ(parse_sbus(std::span(wire).first<kSbusFrameLength>()), frame);
-                // ibus-sbus.md 3.2: bit k of channel c is bit (11 c + k) mod 8 of byte
-                // 1 + (11 c + k) div 8.
+                // docs/protocols/sbus.md, "Frame": bit k of channel c is bit (11 c + k) mod 8 of
+                // byte 1 + (11 c + k) div 8.
                 for (std::size_t bit = 0; bit < 11; ++bit) {
                     const std::size_t place = 11 * channel + bit;
                     ASSERT_EQ(wire[1 + place / 8] >> place % 8 & 1, value >> bit & 1);
@@ -141,7 +141,7 @@ TEST(SbusProtocol, MakesBothWithTheScaleOfItsSettings) {
     EXPECT_EQ(decoder->finish()->channels.channel(0)->whole_microseconds(), 1500);
 }
 
-// ibus-sbus.md 3.4, 3.5: 3 ms of frame and 4 ms of silence.
+// docs/protocols/sbus.md, "Periods" and "Synchronisation": 3 ms of frame and 4 ms of silence.
 TEST(SbusProtocol, LeavesTheSilenceThatReadersWaitFor) {
     EXPECT_GE(kSbusProtocol.least_period,
               kSbusProtocol.line.bytes_time(kSbusFrameLength) + std::chrono::milliseconds(4));

@@ -16,7 +16,7 @@ using test::count_of;
 using test::feed;
 using test::from_hex;
 
-// 100, 200 ... 1600; ibus-sbus.md 7.2.
+// 100, 200 ... 1600; docs/protocols/sbus.md, "Vectors".
 constexpr std::string_view kHundreds =
     "0f 64 40 06 4b 20 43 1f 2c f1 0a 64 84 43 1f 13 61 49 51 bc 72 17 c8 00 00";
 // Behind each frame of a Futaba R7003SB, 2 ms later; bolderflight/sbus, issue 79.

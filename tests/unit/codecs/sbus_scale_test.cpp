@@ -21,7 +21,7 @@ int read(std::string_view scale, int raw) {
     return SbusScale::named(scale)->decode(static_cast<std::uint16_t>(raw)).whole_microseconds();
 }
 
-// Values at 1000, 1500 and 2000 us: table of ibus-sbus.md 3.7.
+// Values at 1000, 1500 and 2000 us: table of docs/protocols/sbus.md, "Scales".
 TEST(SbusScale, WritesTheFieldsValuesAtTheMarks) {
     EXPECT_EQ(written("betaflight", 1000), 192);
     EXPECT_EQ(written("betaflight", 1500), 992);
@@ -42,7 +42,7 @@ TEST(SbusScale, MakersEndPointsAreTheirHundredPercent) {
     EXPECT_EQ(read("futaba", 1024), 1500);
 }
 
-// ibus-sbus.md 3.7: Futaba's 352, 1024 and 1696 in Betaflight's scale.
+// docs/protocols/sbus.md, "Scales": Futaba's 352, 1024 and 1696 in Betaflight's scale.
 TEST(SbusScale, BetaflightsScaleReadsFutabaAsTheFieldKnowsIt) {
     EXPECT_EQ(read("betaflight", 352), 1100);
     EXPECT_EQ(read("betaflight", 1024), 1520);
@@ -56,8 +56,8 @@ TEST(SbusScale, ReadsBetaflightExactlyInEighths) {
     }
 }
 
-// ibus-sbus.md 3.7: u = (5 v + 4) div 8 + 880; PX4 floor(0.625 v + 0.5) + 874; ArduPilot
-// floor(1000 v / 1600) + 875.
+// docs/protocols/sbus.md, "Scales": u = (5 v + 4) div 8 + 880; PX4 floor(0.625 v + 0.5) + 874;
+// ArduPilot floor(1000 v / 1600) + 875.
 TEST(SbusScale, ReadsAllRawValuesAsTheNamedProgramsDo) {
     for (int raw = 0; raw <= kSbusRawMost; ++raw) {
         ASSERT_EQ(read("betaflight", raw), (5 * raw + 4) / 8 + 880);
@@ -66,7 +66,8 @@ TEST(SbusScale, ReadsAllRawValuesAsTheNamedProgramsDo) {
     }
 }
 
-// ibus-sbus.md 3.7: v = (16 (u - 880) + 5) div 10; PX4 floor((u - 874) / 0.625 + 0.5).
+// docs/protocols/sbus.md, "Scales": v = (16 (u - 880) + 5) div 10; PX4 floor((u - 874) / 0.625 +
+// 0.5).
 TEST(SbusScale, WritesAllMicrosecondsAsTheNamedProgramsDo) {
     for (int microseconds = 880; microseconds <= 2159; ++microseconds) {
         ASSERT_EQ(written("betaflight", microseconds), (16 * (microseconds - 880) + 5) / 10);
@@ -101,7 +102,7 @@ TEST(SbusScale, EveryNamedScaleGivesBackEveryWholeMicrosecondThatItReaches) {
     }
 }
 
-// The range that issue and reference name, and the 5 or 6 us less at the top of the other two.
+// docs/protocols/sbus.md, "Scales": 880 to 2159 us, and 5 or 6 us less with the other two.
 TEST(SbusScale, ReachesAsFarAsElevenBitsDo) {
     EXPECT_EQ(read("betaflight", 0), 880);
     EXPECT_EQ(read("betaflight", 2047), 2159);

@@ -211,7 +211,8 @@ TEST(SbusDecoder, FinishGivesNothingWhenNothingIsWaiting) {
     EXPECT_FALSE(decoder.finish());
 }
 
-// ibus-sbus.md 3.3: one triple as the receiver sends it, or as many as sensors answer.
+// docs/protocols/sbus.md, "Footer and SBUS2": one triple as the receiver sends it, or as many as
+// sensors answer.
 TEST(SbusDecoder, LosesNoFrameToTheSlotsOfSbus2) {
     for (const unsigned footer : {0x04U, 0x14U, 0x24U, 0x34U, 0x08U}) {
         for (std::uint32_t first_slot = 0; first_slot < 32; ++first_slot) {

@@ -136,7 +136,8 @@ TEST(SensorsDbc, AnEncodedReadingHasTheNumberAndUnitOfItsType) {
 TEST(SensorsDbc, TypesOfSeveralFieldsAreReadFieldByField) {
     SentReading sent(sensor_can_dbc());
     const SensorTypes types;
-    // 101325 Pa in bits 0 to 18, and above them 25.0 degC: raw 650 (ibus-sbus.md 2.7, type 41).
+    // 101325 Pa in bits 0 to 18, and above them 25.0 degC: raw 650 (docs/protocols/ibus.md, "Sensor
+    // types", type 41).
     sent.send(*types.find("pressure"), 101325 + 650.0 * (1U << 19U));
     EXPECT_EQ(sent.reading("pressure_pressure").number, 101325);
     EXPECT_EQ(sent.unit("pressure_pressure"), "Pa");

@@ -17,7 +17,7 @@ namespace {
 using namespace test;
 using Bytes = std::vector<std::uint8_t>;
 
-// ibus-sbus.md 2.7
+// docs/protocols/ibus.md, "Sensor types"
 constexpr std::uint8_t kTemperatureType = 0x01;
 constexpr std::uint8_t kVoltageType = 0x03;
 

@@ -15,7 +15,8 @@ CanFrame frame_of(std::uint32_t id, std::uint8_t length, bool extended, bool fd 
     return {.id = id, .extended = extended, .fd = fd, .bit_rate_switch = fd, .length = length};
 }
 
-/// can.md 4.1: 55 + 10 n with an 11-bit id, 80 + 10 n with a 29-bit id, intermission included.
+/// docs/protocols/can.md, "Bits of a frame": 55 + 10 n with an 11-bit id, 80 + 10 n with a 29-bit
+/// id, intermission included.
 TEST(CanBits, AtMostAreThoseOfTheFormulasForEveryClassicLength) {
     for (std::uint8_t length = 0; length <= 8; ++length) {
         EXPECT_EQ(most_bits_on_bus(frame_of(0x123, length, false)),
@@ -25,7 +26,7 @@ TEST(CanBits, AtMostAreThoseOfTheFormulasForEveryClassicLength) {
     }
 }
 
-/// can.md 4.2 and 4.3, at 500 kbit/s and 2 Mbit/s.
+/// docs/protocols/can.md, "Bus load" and "Worst wait of a frame", at 500 kbit/s and 2 Mbit/s.
 TEST(CanBits, AtMostTakeTheTimesOfTheTablesInFdFrames) {
     const auto microseconds = [](const CanFrame& frame) {
         const auto time = time_on_bus(most_bits_on_bus(frame), 500'000, 2'000'000);

@@ -82,13 +82,13 @@ TEST(ParityMarksTest, AllByteValuesComeThroughByteByByte) {
 }
 
 TEST(ParityMarksTest, ABreakIsADamagedZero) {
-    // ff 00 00: a 16550 under PARMRK after a break (lab.md 1).
+    // ff 00 00: a 16550 under PARMRK after a break (docs/protocols/sbus.md, "Serial port: parity").
     const Bytes raw{0xFF, 0x00, 0x00};
     EXPECT_EQ(unmark(raw, 0), (std::vector<WireByte>{{.value = 0, .damaged = true}}));
 }
 
 TEST(ParityMarksTest, ADoubledMarkIsOneByte) {
-    // 0f ff ff 01: what a 16550 gave for 0f ff 01 (lab.md 1).
+    // 0f ff ff 01: what a 16550 gave for 0f ff 01 (docs/protocols/sbus.md, "Serial port: parity").
     const Bytes raw{0x0F, 0xFF, 0xFF, 0x01};
     EXPECT_EQ(unmark(raw, 0), (std::vector<WireByte>{{0x0F, false}, {0xFF, false}, {0x01, false}}));
 }

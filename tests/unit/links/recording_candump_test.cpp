@@ -51,7 +51,7 @@ std::string line_of(const CanFrame& frame) {
     return text;
 }
 
-// The line of the interface description (interface.md 2).
+// The form of docs/protocols/can.md, "candump logs".
 TEST(CandumpRecording, IsToldByTheParenthesis) {
     const Recording recording = parsed("(1436509052.249713) can0 123#1122\n");
     EXPECT_EQ(recording.kind, RecordingKind::candump);
@@ -91,7 +91,8 @@ TEST(CandumpRecording, NanosecondsCount) {
     EXPECT_EQ(parsed("(7.000000001) can0 123#\n").log_start, 7s + 1ns);
 }
 
-// Eight digits are needed for a 29-bit id even where it is small (can.md 3.6).
+// Eight digits are needed for a 29-bit id even where it is small (docs/protocols/can.md, "candump
+// logs").
 TEST(CandumpRecording, EightDigitsAreAnExtendedId) {
     const CanFrame frame = frame_of("00000123#FF");
     EXPECT_EQ(frame.id, 0x123U);

@@ -46,8 +46,9 @@ PortFacts pty(std::uint32_t device_major, std::uint32_t baud) {
     return port(device_major, 5, baud);
 }
 
-// A PC's 16550 has baud_base 115200. It reads back 100000 and runs at 115200, reads back 60000
-// and runs at 57600: lab.md 1, with the emulator's trace as witness.
+// A PC's 16550 has baud_base 115200. It reads back 100000 and runs at 115200, reads back 60000 and
+// runs at 57600: docs/protocols/sbus.md, "Serial port: bit rate", with the emulator's trace as
+// witness.
 TEST(UartRateTest, A16550RunsAtAWholeDivisorOfItsBaseWhateverItReports) {
     EXPECT_EQ(wire_baud(port_16550(115200, 100000)), 115200U);
     EXPECT_EQ(wire_baud(port_16550(115200, 60000)), 57600U);
@@ -126,7 +127,8 @@ TEST(UartRateTest, EveryRateThatIsAWholeDivisorIsServed) {
 }
 
 TEST(UartRateTest, APl011IsNeverJudgedByItsBase) {
-    // baud_base 1500000 would give 375000 for 420000, but its divisor is fractional (lab.md 1).
+    // baud_base 1500000 would give 375000 for 420000, but its divisor is fractional
+    // (docs/protocols/sbus.md, "Serial port: bit rate").
     for (const std::uint32_t device_major : {4U, kTtyAmaMajor}) {
         PortFacts facts = port(device_major, kTtyS0Minor, 420000);
         facts.driver = SerialDriverFacts{.type = kPl011, .baud_base = 1500000};
@@ -152,7 +154,7 @@ TEST(UartRateTest, AConsoleIsNoTtyS) {
 }
 
 TEST(UartRateTest, AnAdapterThatReportsAnotherRateIsRefused) {
-    // An old CP2102 quantises 100000 to 115200: ibus-sbus.md 5.1.
+    // An old CP2102 quantises 100000 to 115200: docs/protocols/sbus.md, "Serial port: bit rate".
     PortFacts facts = usb_adapter(100000);
     facts.reported_baud = 115200;
     const auto refusal = port_refusal(facts);
@@ -171,7 +173,8 @@ TEST(UartRateTest, TheLimitIsOneAndAHalfPercentEitherWay) {
 }
 
 TEST(UartRateTest, ADriverThatChangesNothingIsRefused) {
-    // A UML ttyS takes the settings and stays at 38400 8N1: lab.md 1.
+    // A UML ttyS takes the settings and stays at 38400 8N1: docs/protocols/sbus.md, "Serial port:
+    // bit rate".
     PortFacts facts = port(4, kTtyS0Minor, 100000);
     facts.reported_baud = 38400;
     facts.parity_kept = false;
@@ -180,7 +183,8 @@ TEST(UartRateTest, ADriverThatChangesNothingIsRefused) {
 }
 
 TEST(UartRateTest, ALostParityIsRefusedOnAUartAndNamesTheMiniUart) {
-    // A Raspberry Pi's mini UART takes 8E2 and clears PARENB: lab.md 5.
+    // A Raspberry Pi's mini UART takes 8E2 and clears PARENB: docs/protocols/sbus.md, "Serial port:
+    // parity".
     PortFacts facts = port(4, kTtyS0Minor + 1, 100000);
     facts.driver = SerialDriverFacts{.type = k16550A, .baud_base = 31250000};
     facts.parity_kept = false;

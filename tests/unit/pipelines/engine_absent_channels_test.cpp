@@ -7,7 +7,8 @@
 namespace tribus::test::serial {
 namespace {
 
-/// A frame of one channel (ibus-sbus.md 1.6: receivers may send any even length from 6 on).
+/// A frame of one channel (docs/protocols/ibus.md, "Variants": receivers may send any even length
+/// from 6 on).
 const Bytes kOneAt988 = servo_frame({0xDC, 0x03}, 0x40);
 
 /// On the SBUS wire, in Betaflight's scale.

@@ -9,7 +9,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// i.Bus at 115200 baud: 86.8 us a byte, 32 bytes each 7.7 ms (ibus-sbus.md 1.4).
+/// i.Bus at 115200 baud: 86.8 us a byte, 32 bytes each 7.7 ms (docs/protocols/ibus.md, "Period and
+/// gaps").
 constexpr Duration kByteTime = 86'806ns;
 constexpr int kLength = 32;
 constexpr Duration kPeriod = 7700us;

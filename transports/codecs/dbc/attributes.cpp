@@ -15,7 +15,7 @@ namespace {
 
 using Result = tl::expected<void, DbcMistake>;
 
-/// What VFrameFormat counts (can.md 2.4).
+/// What VFrameFormat counts (docs/protocols/can.md, "DBC files").
 constexpr unsigned kJ1939 = 3;
 constexpr unsigned kStandardFd = 14;
 constexpr unsigned kExtendedFd = 15;

@@ -18,7 +18,8 @@
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/rhythm_watch.h"
 
-/// RC channels in the messages of the user's own DBC file, both ways (can.md 2.4).
+/// RC channels in the messages of the user's own DBC file, both ways (docs/protocols/can.md, "DBC
+/// files").
 namespace tribus {
 
 extern const Protocol kDbcProtocol;

@@ -10,14 +10,16 @@
 namespace tribus {
 namespace {
 
-/// Two lost frames in a row are still an advance (can.md 4.4).
+/// Two lost frames in a row are still an advance (docs/protocols/can.md, "Native format").
 constexpr std::uint64_t kMostCounterStep = 3;
 /// A message that is not waited for may miss so many cycles.
 constexpr int kMostMissedCycles = 3;
-/// And where the file gives no cycle time: as long as drive units wait for commands (can.md 2.3).
+/// And where the file gives no cycle time: as long as drive units wait for commands
+/// (docs/protocols/can.md, "Drive units and robots").
 constexpr Duration kGuardWithoutCycle = std::chrono::milliseconds(500);
 /// After so long without a frame a counter may have come round, and what comes first may have
-/// waited in a sender's queue for the bus to come back (can.md 3.3).
+/// waited in a sender's queue for the bus to come back (docs/protocols/can.md, "SocketCAN: transmit
+/// queue").
 constexpr Duration kSilence = std::chrono::milliseconds(250);
 /// Longer than the period of any J1939 message with channels.
 constexpr Duration kSenderMemory = std::chrono::seconds(1);

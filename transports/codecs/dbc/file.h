@@ -11,7 +11,8 @@
 
 #include "core/time.h"
 
-/// The DBC description of a CAN bus (can.md 2.4): text in, plain structs out. Pure and reentrant.
+/// The DBC description of a CAN bus (docs/protocols/can.md, "DBC files"): text in, plain structs
+/// out. Pure and reentrant.
 namespace tribus {
 
 /// Far beyond the largest description of a real bus; what is longer is some other file.

@@ -35,7 +35,7 @@ struct DbcChannel {
     /// A missing value means an absent channel, not that the source has failed.
     bool optional = false;
     /// The layout holds a magnitude, and these tell its direction: 0 no, 1 yes, 2 error, 3 not
-    /// available, as the joysticks of J1939 do (can.md 2.2).
+    /// available, as the joysticks of J1939 do (docs/protocols/can.md, "J1939 joysticks").
     std::optional<DbcLayout> negative{};
     std::optional<DbcLayout> positive{};
     std::optional<DbcLayout> neutral{};

@@ -109,7 +109,8 @@ std::unique_ptr<CanEncoder> make_dbc_encoder(const SettingValues& settings) {
 }  // namespace
 
 // Period where neither the user nor the file tells one: J1939 joysticks and drive units of rovers
-// are sent every 20 ms at the quickest (can.md 2.2, 2.3).
+// are sent every 20 ms at the quickest (docs/protocols/can.md, "J1939 joysticks" and "Drive units
+// and robots").
 const Protocol kDbcProtocol{
     .name = "dbc",
     .description = "messages that a DBC file describes",

@@ -17,8 +17,8 @@ constexpr double kLowest = 1000;
 constexpr double kTravel = 1000;
 constexpr double kMostThrottle = 8191;
 constexpr double kLeastThrottle = -8192;
-/// Permissions come once or twice a second; one that old says nothing (can.md 1.3: then the whole
-/// node counts as gone).
+/// Permissions come once or twice a second; one that old says nothing (docs/protocols/can.md,
+/// "DroneCAN: nodes": then the whole node counts as gone).
 constexpr Duration kPermissionLasts = std::chrono::seconds(3);
 /// A vehicle that has been silent for so long begins anew, perhaps with fewer actuators.
 constexpr Duration kNewBeginning = std::chrono::seconds(1);

@@ -16,7 +16,8 @@
 #include "transports/codecs/dronecan/voice.h"
 
 /// Commands for servos (uavcan.equipment.actuator.ArrayCommand) and for motors
-/// (uavcan.equipment.esc.RawCommand) as channels, and channels as such (can.md 1.2).
+/// (uavcan.equipment.esc.RawCommand) as channels, and channels as such (docs/protocols/can.md,
+/// "DroneCAN: commands").
 namespace tribus::dronecan {
 
 enum class CommandKind : std::uint8_t { servos, motors };

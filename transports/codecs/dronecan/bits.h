@@ -8,8 +8,8 @@
 
 /// The bits of a payload in the order of DroneCAN's serialisation: of a value the low byte comes
 /// first and its highest, possibly partial byte last; inside a byte the most significant bit comes
-/// first; nothing is aligned. Source: the DSDL chapter of the specification; can.md 1.1. Pure, no
-/// heap; thread-bound: one thread at a time.
+/// first; nothing is aligned. Source: the DSDL chapter of the specification; docs/protocols/can.md,
+/// "DroneCAN: RCInput". Pure, no heap; thread-bound: one thread at a time.
 namespace tribus::dronecan {
 
 class BitReader {

@@ -6,7 +6,7 @@
 
 namespace tribus {
 
-/// DroneCAN (UAVCAN v0): can.md section 1.
+/// DroneCAN (UAVCAN v0): docs/protocols/can.md.
 extern const Protocol kDroneCanProtocol;
 
 /// The highest id that this program may have on a bus: 126 and 127 are for tools.

@@ -6,7 +6,8 @@
 /// IEEE 754 binary16, in which DroneCAN sends most measurements. Pure; not libm.
 namespace tribus::dronecan {
 
-/// What nodes put where they do not know the value (can.md 1.4). Others write 0x7FFF.
+/// What nodes put where they do not know the value (docs/protocols/can.md, "DroneCAN: telemetry").
+/// Others write 0x7FFF.
 inline constexpr std::uint16_t kFloat16Unknown = 0x7E00;
 
 /// Exact. Whatever is not a number, in any of its encodings, is a NaN.

@@ -117,8 +117,8 @@ bool carries_rc(const SettingValues& settings) {
     return settings.get_or<std::string>("carries", "rc") == "rc";
 }
 
-/// Servo and motor nodes have timeouts of their own, so even an unchanged command is repeated at 25
-/// Hz (can.md 1.2).
+/// Servo and motor nodes have timeouts of their own, so even an unchanged command is repeated at
+/// 25 Hz (docs/protocols/can.md, "DroneCAN: commands").
 std::optional<Duration> most_period(const SettingValues& settings) {
     constexpr Duration kMostCommandPeriod = std::chrono::milliseconds(40);
     return carries_rc(settings) ? std::nullopt : std::optional(kMostCommandPeriod);

@@ -17,7 +17,7 @@
 #include "transports/codecs/dronecan/types_command.h"
 #include "transports/codecs/dronecan/voice.h"
 
-/// RC channels as dronecan.sensors.rc.RCInput (can.md 1.1).
+/// RC channels as dronecan.sensors.rc.RCInput (docs/protocols/can.md, "DroneCAN: RCInput").
 namespace tribus::dronecan {
 
 /// What the numbers of a sender mean.

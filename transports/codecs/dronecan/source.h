@@ -39,7 +39,8 @@ inline constexpr CounterWatch::Limits kTransferOrder{.values = kMostTransferId +
 /// Pure.
 class SourceWatch {
   public:
-    /// NodeStatus of a node that is there comes at least so often (can.md 1.3).
+    /// NodeStatus of a node that is there comes at least so often (docs/protocols/can.md,
+    /// "DroneCAN: nodes").
     static constexpr Duration kGone = std::chrono::seconds(3);
 
     explicit SourceWatch(SourceChoice choice) : choice_(choice) {}

@@ -10,8 +10,8 @@
 #include "core/can_frame.h"
 #include "core/time.h"
 
-/// DroneCAN's transport (UAVCAN v0): payloads of any length in CAN frames, and back. Facts: can.md
-/// 1.5, from the specification's chapter 4.
+/// DroneCAN's transport (UAVCAN v0): payloads of any length in CAN frames, and back. Facts:
+/// docs/protocols/can.md, "DroneCAN: transport", from the specification's chapter 4.
 namespace tribus::dronecan {
 
 /// 1 to 127. 0 stands for nobody: the source of an anonymous message, the destination of a message.

@@ -8,7 +8,8 @@
 #include "transports/codecs/dronecan/fields.h"
 
 /// What moves things, and what allows it: channels of a receiver, commands to servos and ESCs,
-/// arming. Source: the DSDL files of these names in dronecan/DSDL; can.md 1.1 and 1.2.
+/// arming. Source: the DSDL files of these names in dronecan/DSDL; docs/protocols/can.md,
+/// "DroneCAN: RCInput" and "DroneCAN: commands".
 namespace tribus::dronecan {
 
 struct RcInput {

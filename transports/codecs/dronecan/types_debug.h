@@ -7,7 +7,8 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// What is for people to read. Source: the DSDL files of these names in dronecan/DSDL; can.md 1.3.
+/// What is for people to read. Source: the DSDL files of these names in dronecan/DSDL;
+/// docs/protocols/can.md, "DroneCAN: nodes".
 namespace tribus::dronecan {
 
 struct LogLevel {

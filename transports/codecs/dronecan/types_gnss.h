@@ -9,7 +9,8 @@
 #include "transports/codecs/dronecan/fields.h"
 #include "transports/codecs/dronecan/timestamp.h"
 
-/// Satellite navigation. Source: the DSDL files of these names in dronecan/DSDL; can.md 1.4.
+/// Satellite navigation. Source: the DSDL files of these names in dronecan/DSDL;
+/// docs/protocols/can.md, "DroneCAN: telemetry".
 namespace tribus::dronecan {
 
 /// In the frame that turns with the earth.

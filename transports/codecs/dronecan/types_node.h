@@ -10,7 +10,7 @@
 #include "transports/codecs/dronecan/fields.h"
 
 /// What every node says and answers. Source: the DSDL files of these names in dronecan/DSDL;
-/// can.md 1.3.
+/// docs/protocols/can.md, "DroneCAN: nodes".
 namespace tribus::dronecan {
 
 using UniqueId = std::array<std::uint8_t, 16>;

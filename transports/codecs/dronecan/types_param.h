@@ -8,7 +8,8 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// Parameters of a node. Source: the DSDL files of these names in dronecan/DSDL; can.md 1.3.
+/// Parameters of a node. Source: the DSDL files of these names in dronecan/DSDL;
+/// docs/protocols/can.md, "DroneCAN: nodes".
 namespace tribus::dronecan {
 
 struct ParamEmpty {

@@ -8,7 +8,8 @@
 #include "transports/codecs/dronecan/fields.h"
 #include "transports/codecs/dronecan/timestamp.h"
 
-/// Batteries and supplies. Source: the DSDL files of these names in dronecan/DSDL; can.md 1.4.
+/// Batteries and supplies. Source: the DSDL files of these names in dronecan/DSDL;
+/// docs/protocols/can.md, "DroneCAN: telemetry".
 namespace tribus::dronecan {
 
 /// Floats that are unknown are NaN.

@@ -6,8 +6,8 @@
 
 #include "transports/codecs/dronecan/fields.h"
 
-/// Motors, temperatures, air, fuel. Source: the DSDL files of these names in dronecan/DSDL; can.md
-/// 1.4.
+/// Motors, temperatures, air, fuel. Source: the DSDL files of these names in dronecan/DSDL;
+/// docs/protocols/can.md, "DroneCAN: telemetry".
 namespace tribus::dronecan {
 
 struct EscStatus {

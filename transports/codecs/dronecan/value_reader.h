@@ -11,7 +11,7 @@
 /// The return path: what batteries, motors, tanks and sensors say on the bus becomes numbers.
 namespace tribus::dronecan {
 
-/// Names of the messages that are read. Facts: can.md 1.4.
+/// Names of the messages that are read. Facts: docs/protocols/can.md, "DroneCAN: telemetry".
 inline constexpr std::array<std::string_view, 12> kValueMessages{
     "uavcan.equipment.power.BatteryInfo",
     "uavcan.equipment.power.CircuitStatus",

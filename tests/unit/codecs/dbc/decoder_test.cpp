@@ -205,7 +205,8 @@ std::optional<double> stick(std::uint8_t first, std::uint8_t second) {
     return microseconds(snapshot, 0);
 }
 
-// can.md 2.2: neutral, negative, positive in the low six bits, 10 bits of magnitude above them.
+// docs/protocols/can.md, "J1939 joysticks": neutral, negative, positive in the low six bits,
+// 10 bits of magnitude above them.
 TEST(DbcDecoder, ReadsAMagnitudeWithItsDirection) {
     EXPECT_EQ(stick(0x10, 0xFA), 2000);
     EXPECT_EQ(stick(0x04, 0xFA), 1000);

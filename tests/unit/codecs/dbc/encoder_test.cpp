@@ -172,8 +172,8 @@ Bytes joystick(const ChannelFrame& snapshot) {
     return sent(kJoystick, kJoystickSignals, snapshot);
 }
 
-// can.md 2.2: neutral, negative and positive in the low six bits, then the magnitude in 0.1 %.
-// Unused bits are ones.
+// docs/protocols/can.md, "J1939 joysticks": neutral, negative and positive in the low six bits,
+// then the magnitude in 0.1 %. Unused bits are ones.
 TEST(DbcEncoder, WritesAMagnitudeWithItsDirection) {
     // 100 % = 1000 = 0b11'1110'1000: low two bits 00 in byte 0, the rest 0xFA in byte 1.
     EXPECT_EQ(joystick(channels({2000, 2000})),

@@ -53,7 +53,7 @@ TEST(DbcFile, ReadsAMessage) {
     EXPECT_EQ(message.e2e_data_id, std::nullopt);
 }
 
-// can.md 2.4: bit 31 set = 29-bit id. 2566844926 = 0x98FEF1FE.
+// docs/protocols/can.md, "DBC files": bit 31 set = 29-bit id. 2566844926 = 0x98FEF1FE.
 TEST(DbcFile, TakesBit31OfTheIdForA29BitId) {
     const DbcFile file = parsed("BO_ 2566844926 M: 8 A\n");
     EXPECT_EQ(file.messages.at(0).id, 0x18FEF1FEU);
@@ -208,7 +208,7 @@ TEST(DbcFile, IgnoresWhatReferencesSignalsThatDoNotExist) {
     EXPECT_TRUE(message.signals.at(0).value_texts.empty());
 }
 
-// can.md 2.4: it holds the signals of no message, which may be anywhere.
+// docs/protocols/can.md, "DBC files": it holds the signals of no message, which may be anywhere.
 TEST(DbcFile, IgnoresTheMessageOfOrphanedSignals) {
     const DbcFile file = parsed(
         "BO_ 3221225472 VECTOR__INDEPENDENT_SIG_MSG: 0 Vector__XXX\n"
@@ -265,7 +265,7 @@ TEST(DbcFile, TakesALongMessageForFd) {
     EXPECT_FALSE(file.find("Classic")->fd);
 }
 
-// The enumeration of can.md 2.4, indices 14 and 15 are FD.
+// The enumeration of docs/protocols/can.md, "DBC files", indices 14 and 15 are FD.
 constexpr std::string_view kFrameFormats =
     "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\",\"J1939PG\","
     "\"reserved\",\"reserved\",\"reserved\",\"reserved\",\"reserved\",\"reserved\",\"reserved\","

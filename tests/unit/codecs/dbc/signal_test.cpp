@@ -47,7 +47,7 @@ TEST(DbcLayout, ReadsIntelFromItsLowestBitUpwards) {
     EXPECT_EQ(DbcLayout(field(4, 12, DbcByteOrder::intel)).raw_bits(kBytes), 0x341U);
 }
 
-// can.md 2.4: 39|16@0 is a big-endian number in bytes 4 and 5.
+// docs/protocols/can.md, "DBC files": 39|16@0 is a big-endian number in bytes 4 and 5.
 TEST(DbcLayout, ReadsMotorolaFromItsHighestBitDownwards) {
     EXPECT_EQ(DbcLayout(field(39, 16, DbcByteOrder::motorola)).raw_bits(kBytes), 0x9ABCU);
     EXPECT_EQ(DbcLayout(field(3, 12, DbcByteOrder::motorola)).raw_bits(kBytes), 0x234U);

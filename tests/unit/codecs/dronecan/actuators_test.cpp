@@ -60,7 +60,8 @@ std::vector<CanFrame> arming(std::uint8_t status, std::uint8_t transfer_id) {
 
 TEST(ServoCommands, AreReadAsInTheWorkedExample) {
     CommandDecoder decoder({});
-    // can.md 1.6, example 3: 0.0, -1.0, +1.0 and +0.5 for the actuators 1 to 4.
+    // docs/protocols/can.md, "DroneCAN: worked examples", example 3: 0.0, -1.0, +1.0 and +0.5 for
+    // the actuators 1 to 4.
     const auto snapshot = decoded(
         decoder, frames_from(0x0803F20A, {"61B7010000000282", "0000BC0300003C22", "0400003842"}));
     ASSERT_TRUE(snapshot);
@@ -212,7 +213,7 @@ EscRawCommand throttles(std::initializer_list<std::int16_t> values) {
 
 TEST(MotorCommands, AreReadAsInTheWorkedExample) {
     CommandDecoder decoder({.kind = CommandKind::motors, .first = 0});
-    // can.md 1.6, example 4: 0, 8191, -8192, 4096.
+    // docs/protocols/can.md, "DroneCAN: worked examples", example 4: 0, 8191, -8192, 4096.
     const auto snapshot = decoded(decoder, frames_from(0x0804060A, {"0003FDF0080010C9"}));
     ASSERT_TRUE(snapshot);
     EXPECT_EQ(snapshot->channel(0), Pulse::from_microseconds(1000));
@@ -298,7 +299,8 @@ TEST(MotorOutput, WritesTheBytesOfTheWorkedExample) {
     for (int before = 0; before < 9; ++before) {
         encoded(encoder, snapshot);
     }
-    // can.md 1.6, example 4, whose priority is 8; -8192 is beyond full reverse.
+    // docs/protocols/can.md, "DroneCAN: worked examples", example 4, whose priority is 8; -8192 is
+    // beyond full reverse.
     auto expected = frames_from(0x0704060A, {"0003FDF0080010C9"});
     EXPECT_EQ(encoded(encoder, snapshot), expected);
 }

@@ -16,7 +16,7 @@
 #include "transports/codecs/dronecan/dronecan.h"
 #include "transports/codecs/dronecan/rc.h"
 
-/// What RCInput costs on a bus, against the table of can.md 4.2.
+/// What RCInput costs on a bus, against the table of docs/protocols/can.md, "Bus load".
 namespace tribus::dronecan {
 namespace {
 

@@ -186,7 +186,8 @@ TEST(DroneCanPayload, AnyNotANumberIsUnknown) {
     }
 }
 
-/// As in generated headers of other implementations (..._MAX_SIZE); RCInput: can.md 1.1.
+/// As in generated headers of other implementations (..._MAX_SIZE); RCInput: docs/protocols/can.md,
+/// "DroneCAN: RCInput".
 TEST(DroneCanPayload, TheLongestIsKnown) {
     EXPECT_EQ(bit_range<RcInput>().most, 418U);
     EXPECT_EQ(kMostBytes<NodeStatus>, 7U);

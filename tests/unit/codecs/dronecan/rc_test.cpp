@@ -18,7 +18,7 @@ namespace {
 using namespace test;
 using std::chrono::milliseconds;
 
-/// can.md 1.6, examples 1 and 2: 16 channels of node 42.
+/// docs/protocols/can.md, "DroneCAN: worked examples", examples 1 and 2: 16 channels of node 42.
 const std::vector<CanFrame> kGood = frames_from(
     0x0804742A,
     {"13C30100C80E8385", "4C4B04145785DC25", "5406A460876C7D05", "07DC3DC7DB5DD525", "DE5045"});

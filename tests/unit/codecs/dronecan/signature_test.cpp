@@ -19,8 +19,9 @@ struct TypeFact {
     std::uint64_t signature;
 };
 
-/// can.md 1.1 to 1.4. Those of GetTransportStats, LogMessage and KeyValue are from headers that
-/// dronecan_dsdlc generated, and from the C# bindings of Mission Planner.
+/// docs/protocols/can.md, "DroneCAN: RCInput" to "DroneCAN: telemetry". Those of GetTransportStats,
+/// LogMessage and KeyValue are from headers that dronecan_dsdlc generated, and from the C# bindings
+/// of Mission Planner.
 const std::map<std::string_view, TypeFact> kFacts = {
     {"dronecan.sensors.rc.RCInput", {1140, 0x771555E596AAB4CF}},
     {"uavcan.equipment.actuator.ArrayCommand", {1010, 0xD8A7486238EC3AF3}},

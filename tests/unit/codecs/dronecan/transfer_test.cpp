@@ -50,7 +50,7 @@ TransferHead rc_input(std::uint8_t transfer_id) {
     return head;
 }
 
-// The examples of can.md 1.6, in its order.
+// The examples of docs/protocols/can.md, "DroneCAN: worked examples", in its order.
 TEST(DronecanEncode, RcInputOf16ChannelsTakesFiveFrames) {
     EXPECT_EQ(
         frames_of(rc_input(5), kRcInputSignature,
@@ -161,7 +161,7 @@ TEST(DronecanEncode, RefusesWhatHasNoFrames) {
     EXPECT_EQ(frames_of({.kind = TransferKind::response, .destination = 1}, 0, {}).size(), 0);
 }
 
-// can.md 1.1: the CRC after the signature of RCInput.
+// docs/protocols/can.md, "DroneCAN: RCInput": the CRC after the signature of RCInput.
 TEST(DronecanCrc, StartsWithTheSignature) {
     EXPECT_EQ(transfer_crc(kRcInputSignature, {}), 0x235D);
 }

@@ -89,7 +89,8 @@ TEST(DroneCanValueReader, TellsTheNumbersOfAMotor) {
 
 TEST(DroneCanValueReader, TakesEveryFloatThatIsNoNumberForNotAvailable) {
     // "device_temperature" of the vectors, 300 K; then what libcanard and pydronecan, what IEEE 754
-    // and what a division by zero make of an unknown one (can.md 1.4).
+    // and what a division by zero make of an unknown one (docs/protocols/can.md, "DroneCAN:
+    // telemetry").
     Reader reader("uavcan.equipment.device.Temperature");
     ASSERT_TRUE(reader.take(frames_from(0x18045620, {"0700B05C00C0"})));
     EXPECT_EQ(reader.number("temperature"), 300);

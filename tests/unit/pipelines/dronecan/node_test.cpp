@@ -97,7 +97,8 @@ TEST(DroneCanNode, SaysEachSecondThatItIsThere) {
     NodeOnBus bus(node_42());
     const auto said = bus.run(milliseconds(2999));
     ASSERT_EQ(said.size(), 3U);
-    // can.md 1.6, example 5: of node 42 with priority 24, uptime first.
+    // docs/protocols/can.md, "DroneCAN: worked examples", example 5: of node 42 with priority 24,
+    // uptime first.
     EXPECT_EQ(said[0], frames_from(0x1801552A, {"00000000000000C0"})[0]);
     EXPECT_EQ(said[2], frames_from(0x1801552A, {"02000000000000C2"})[0]);
 }

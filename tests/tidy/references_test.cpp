@@ -1,0 +1,350 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+/// Pages have what links and comments say that they have.
+///
+/// A link in a page: [text](target) or [text](target#anchor), relative to the page. A comment names
+/// a page by its path from the root or from its own folder, and sections by their headings in
+/// quotes: docs/laboratory.md, "What runs" and "Running it".
+namespace tribus::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kRoot = fs::path(TRIBUS_SOURCE_DIR).lexically_normal();
+
+std::string content_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Folders of a build, of tools, and inputs that fuzzing made.
+bool is_foreign(const fs::path& folder) {
+    const std::string name = folder.filename().string();
+    return (name.starts_with(".") && name != ".ci") || name.starts_with("build") ||
+           name == "corpus" || name == "out" || fs::exists(folder / "CMakeCache.txt");
+}
+
+/// All files of the project, relative to it.
+std::vector<fs::path> files() {
+    std::vector<fs::path> found;
+    for (auto entry = fs::recursive_directory_iterator(kRoot);
+         entry != fs::recursive_directory_iterator(); ++entry) {
+        if (entry->is_directory() && is_foreign(entry->path())) {
+            entry.disable_recursion_pending();
+        } else if (entry->is_regular_file()) {
+            found.push_back(entry->path().lexically_relative(kRoot));
+        }
+    }
+    return found;
+}
+
+bool is_page(const fs::path& file) {
+    return file.extension() == ".md";
+}
+
+// --- Pages ---------------------------------------------------------------------------------------
+
+/// Without what stands in fences, where nothing is a heading or a link.
+std::string without_fences(const std::string& page) {
+    std::string text;
+    bool fenced = false;
+    for (std::size_t begin = 0; begin < page.size();) {
+        const std::size_t end = std::min(page.find('\n', begin), page.size());
+        const std::string line = page.substr(begin, end - begin);
+        const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
+        const bool fence = std::string_view(line).substr(first).starts_with("```");
+        fenced = fenced != fence;
+        if (!fenced && !fence) {
+            text += line;
+        }
+        text += '\n';
+        begin = end + 1;
+    }
+    return text;
+}
+
+/// As a reader sees it: of a link its text, and no marks.
+std::string plain(const std::string& markdown) {
+    static const std::regex link_form(R"(\[([^\]]*)\]\([^)]*\))");
+    std::string text = std::regex_replace(markdown, link_form, "$1");
+    std::erase_if(text, [](char c) { return c == '`' || c == '*'; });
+    return text;
+}
+
+std::vector<std::string> headings_in(const std::string& page) {
+    static const std::regex heading_form(R"((?:^|\n)#{1,6} +([^\n]*[^\n# ]))");
+    const std::string text = without_fences(page);
+    std::vector<std::string> headings;
+    for (std::sregex_iterator match(text.begin(), text.end(), heading_form), none; match != none;
+         ++match) {
+        headings.push_back(plain((*match)[1]));
+    }
+    return headings;
+}
+
+/// As GitHub makes it: small letters, digits, hyphens; other signs vanish.
+std::string anchor_of(std::string_view heading) {
+    std::string anchor;
+    for (std::size_t i = 0; i < heading.size(); ++i) {
+        const char c = heading[i];
+        if (c == ' ') {
+            anchor += '-';
+        } else if (static_cast<unsigned char>(c) == 0xE2) {
+            i += 2;  // dashes, quotes and arrows are three bytes
+        } else if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
+                   static_cast<unsigned char>(c) >= 0x80) {
+            anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        }
+    }
+    return anchor;
+}
+
+/// A heading that comes again gets a number.
+std::set<std::string> anchors_in(const std::string& page) {
+    std::map<std::string, int> times;
+    std::set<std::string> anchors;
+    for (const std::string& heading : headings_in(page)) {
+        const std::string anchor = anchor_of(heading);
+        const int before = times[anchor]++;
+        anchors.insert(before == 0 ? anchor : anchor + "-" + std::to_string(before));
+    }
+    return anchors;
+}
+
+std::vector<std::string> links_in(const std::string& page) {
+    static const std::regex inline_code("``[^\n]*?``|`[^`\n]*`");
+    static const std::regex link_form(R"(\]\(\s*<?([^)\s>]+)>?(?:\s+"[^"]*")?\s*\))");
+    const std::string text = std::regex_replace(without_fences(page), inline_code, "");
+    std::vector<std::string> targets;
+    for (std::sregex_iterator match(text.begin(), text.end(), link_form), none; match != none;
+         ++match) {
+        targets.push_back((*match)[1]);
+    }
+    return targets;
+}
+
+/// Why a link of a page leads nowhere; nothing if it does not, or leads out of the project.
+std::optional<std::string> dead_link(const fs::path& page, const std::string& target) {
+    if (target.find("://") != std::string::npos || target.starts_with("mailto:")) {
+        return std::nullopt;
+    }
+    const std::size_t hash = std::min(target.find('#'), target.size());
+    const std::string file = target.substr(0, hash);
+    const fs::path path = file.empty() ? page : (page.parent_path() / file).lexically_normal();
+    if (path.is_absolute() || path.string().starts_with("..") || !fs::exists(kRoot / path)) {
+        return target + ": there is no such file in the project";
+    }
+    const bool has_anchor = hash < target.size() && is_page(path);
+    if (has_anchor && !anchors_in(content_of(kRoot / path)).contains(target.substr(hash + 1))) {
+        return target + ": that page has no such heading";
+    }
+    return std::nullopt;
+}
+
+TEST(References, what_a_page_links_to_is_there) {
+    std::size_t found = 0;
+    for (const fs::path& file : files()) {
+        if (!is_page(file)) {
+            continue;
+        }
+        for (const std::string& target : links_in(content_of(kRoot / file))) {
+            ++found;
+            const auto dead = dead_link(file, target);
+            EXPECT_FALSE(dead) << file.string() << ": " << *dead;
+        }
+    }
+    EXPECT_GT(found, 50U);
+}
+
+// --- Comments ------------------------------------------------------------------------------------
+
+struct Comment {
+    std::size_t line = 0;  ///< where it begins
+    std::string text;      ///< its lines, one space between them
+};
+
+/// Where the comment of a line begins. A mark inside of quotes begins none.
+std::size_t mark_in(std::string_view line, std::string_view mark) {
+    char quote = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (quote != 0) {
+            i += line[i] == '\\' ? 1U : 0U;
+            quote = i < line.size() && line[i] == quote ? '\0' : quote;
+        } else if (line[i] == '"') {
+            quote = line[i];
+        } else if (line.substr(i).starts_with(mark) &&
+                   (i == 0 || line[i - 1] == ' ' || line[i - 1] == '\t')) {
+            return i;
+        }
+    }
+    return std::string_view::npos;
+}
+
+std::vector<Comment> comments_in(const std::string& source, std::string_view mark) {
+    std::vector<Comment> comments;
+    bool goes_on = false;
+    std::size_t number = 0;
+    for (std::size_t begin = 0; begin < source.size();) {
+        const std::size_t end = std::min(source.find('\n', begin), source.size());
+        const std::string_view line = std::string_view(source).substr(begin, end - begin);
+        begin = end + 1;
+        ++number;
+        const std::size_t at = mark_in(line, mark);
+        if (at == std::string_view::npos) {
+            goes_on = false;
+            continue;
+        }
+        const std::size_t text_at = line.find_first_not_of("/#<! ", at);
+        // One that follows code is a comment of its own, and may go on in the next line.
+        const bool alone = line.find_first_not_of(" \t") == at;
+        if (!goes_on || !alone) {
+            comments.push_back({number, ""});
+        }
+        comments.back().text += ' ';
+        comments.back().text += text_at == std::string_view::npos ? "" : line.substr(text_at);
+        goes_on = true;
+    }
+    return comments;
+}
+
+/// What begins a comment there; nothing where no comments are known.
+std::optional<std::string_view> comment_mark(const fs::path& file, const std::string& source) {
+    static const std::set<std::string> with_hash{".cmake", ".dbc",    ".py",   ".rules", ".service",
+                                                 ".sh",    ".toml",   ".txt",  ".conf",  ".network",
+                                                 ".link",  ".netdev", ".bash", ".fish",  ".ld"};
+    const std::string extension = file.extension().string();
+    if (extension == ".h" || extension == ".cpp") {
+        return "//";
+    }
+    const bool hash = with_hash.contains(extension) || source.starts_with("#!");
+    return hash ? std::optional<std::string_view>("#") : std::nullopt;
+}
+
+/// A page that a comment names, and what of it.
+struct Citation {
+    std::string page;
+    std::vector<std::string> sections;
+    bool by_number = false;
+};
+
+std::vector<Citation> citations_in(const std::string& comment) {
+    static const std::regex page_form(
+        R"(([A-Za-z0-9_./-]+\.md)\b((?:(?:,|,? and|,? or| to) "[^"]+")*)(,? (?:section )?[0-9])?)");
+    static const std::regex section_form("\"([^\"]+)\"");
+    std::vector<Citation> citations;
+    for (std::sregex_iterator match(comment.begin(), comment.end(), page_form), none; match != none;
+         ++match) {
+        const std::string sections = (*match)[2];
+        Citation citation{.page = (*match)[1], .sections = {}, .by_number = false};
+        for (std::sregex_iterator section(sections.begin(), sections.end(), section_form);
+             section != none; ++section) {
+            citation.sections.push_back((*section)[1]);
+        }
+        citation.by_number = citation.sections.empty() && (*match)[3].matched;
+        citations.push_back(std::move(citation));
+    }
+    return citations;
+}
+
+/// What is wrong with a citation in a comment of `file`.
+std::vector<std::string> dead_parts(const fs::path& file, const Citation& citation) {
+    std::vector<std::string> wrong;
+    const fs::path beside = (file.parent_path() / citation.page).lexically_normal();
+    const fs::path page = fs::exists(kRoot / beside) ? beside : fs::path(citation.page);
+    if (page.is_absolute() || !fs::is_regular_file(kRoot / page)) {
+        return {citation.page + ": there is no such page in the project"};
+    }
+    if (citation.by_number) {
+        wrong.push_back(citation.page + ": its sections have headings, not numbers");
+    }
+    const auto headings = headings_in(content_of(kRoot / page));
+    for (const std::string& section : citation.sections) {
+        if (std::ranges::find(headings, section) == headings.end()) {
+            wrong.push_back(citation.page + " has no section \"" + section + "\"");
+        }
+    }
+    return wrong;
+}
+
+TEST(References, pages_and_sections_that_comments_name_are_there) {
+    std::size_t found = 0;
+    for (const fs::path& file : files()) {
+        const std::string source = is_page(file) ? "" : content_of(kRoot / file);
+        const auto mark = comment_mark(file, source);
+        for (const Comment& comment : mark ? comments_in(source, *mark) : std::vector<Comment>{}) {
+            for (const Citation& citation : citations_in(comment.text)) {
+                ++found;
+                for (const std::string& wrong : dead_parts(file, citation)) {
+                    ADD_FAILURE() << file.string() << ":" << comment.line << ": " << wrong;
+                }
+            }
+        }
+    }
+    EXPECT_GT(found, 100U);
+}
+
+// --- That all of this finds what is wrong --------------------------------------------------------
+
+TEST(References, a_dead_link_is_found) {
+    const fs::path page = "tests/README.md";
+    EXPECT_FALSE(dead_link(page, "fuzz/README.md"));
+    EXPECT_FALSE(dead_link(page, "lab"));
+    EXPECT_FALSE(dead_link(page, "#longer"));
+    EXPECT_FALSE(dead_link(page, "https://example.org/none.md#none"));
+    EXPECT_TRUE(dead_link(page, "fuzz/README.txt"));
+    EXPECT_TRUE(dead_link(page, "#shorter"));
+    EXPECT_TRUE(dead_link(page, "fuzz/README.md#none"));
+    EXPECT_TRUE(dead_link(page, "../../outside.md"));
+    EXPECT_TRUE(dead_link(page, "/etc/passwd"));
+}
+
+TEST(References, links_are_told_from_code) {
+    EXPECT_EQ(links_in("[a](b.md), `[c](d.md)`, [two\nlines](e.md#f)\n```\n[g](h.md)\n```\n"),
+              (std::vector<std::string>{"b.md", "e.md#f"}));
+}
+
+TEST(References, anchors_are_those_of_github) {
+    EXPECT_EQ(anchors_in("# A b, c: `d`\n```\n# none\n```\n## x_y – z\n## Same\n## Same\n"),
+              (std::set<std::string>{"a-b-c-d", "x_y--z", "same", "same-1"}));
+}
+
+TEST(References, a_citation_goes_over_lines_and_names_several_sections) {
+    const auto comments = comments_in(
+        "int a = 1;  // see b.md\nchar c[] = \"// d.md\";\n/// (e.md, \"One\n/// two\" and\n/// "
+        "\"Three\", f.md 4.2)\n",
+        "//");
+    ASSERT_EQ(comments.size(), 2U);
+    EXPECT_EQ(citations_in(comments[0].text).at(0).page, "b.md");
+    const auto citations = citations_in(comments[1].text);
+    ASSERT_EQ(citations.size(), 2U);
+    EXPECT_EQ(citations[0].sections, (std::vector<std::string>{"One two", "Three"}));
+    EXPECT_TRUE(citations[1].by_number);
+}
+
+TEST(References, a_dead_citation_is_found) {
+    const auto count = [](const std::string& page, const std::vector<std::string>& sections,
+                          bool by_number = false) {
+        return dead_parts("tests/tidy/references_test.cpp", {page, sections, by_number}).size();
+    };
+    EXPECT_EQ(count("docs/laboratory.md", {"What runs", "The guest"}), 0U);
+    EXPECT_EQ(count("docs/laboratory.md", {"What runs", "What walks"}), 1U);
+    EXPECT_EQ(count("docs/none.md", {}), 1U);
+    EXPECT_EQ(count("docs/laboratory.md", {}, true), 1U);
+}
+
+}  // namespace
+}  // namespace tribus::test
