@@ -110,8 +110,8 @@ std::string rejected_text(const TransferCounts& counts) {
     std::string text;
     for (std::size_t fault = 1; fault < counts.size(); ++fault) {
         if (counts.at(fault) > 0) {
-            fmt::format_to(std::back_inserter(text), "{} {} {}", text.empty() ? "" : ",",
-                           counts.at(fault), kTransferFaultNames.at(fault));
+            text += fmt::format("{} {} {}", text.empty() ? "" : ",", counts.at(fault),
+                                kTransferFaultNames.at(fault));
         }
     }
     return text;
@@ -142,8 +142,7 @@ std::string_view kind_name(TransferKind kind) {
 }
 
 void append_transfer_text_heading(std::string& text) {
-    fmt::format_to(std::back_inserter(text), "{:>12} {:>8} {:>4} {:>3}  {}\n", "t_us", "node",
-                   "prio", "id", "transfer");
+    text += fmt::format("{:>12} {:>8} {:>4} {:>3}  {}\n", "t_us", "node", "prio", "id", "transfer");
 }
 
 void append_transfer_text(std::string& text, const ExplainedTransfer& transfer,
@@ -162,26 +161,25 @@ void append_transfer_text(std::string& text, const ExplainedTransfer& transfer,
 }
 
 void append_transfer_summary_text(std::string& text, const TransferTally& tally) {
-    auto out = std::back_inserter(text);
     const std::string rejected = rejected_text(tally.counts);
     const std::int64_t start = whole_microseconds(tally.log_start);
-    fmt::format_to(out, "{} in {} of {}, {}, {}, {}, rejected:{}; 0 is {}.{:06} of the log\n",
-                   counted(tally.counts.front(), "transfer"),
-                   counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
-                   counted(tally.other_can_frames, "other CAN frame"),
-                   counted(tally.error_frames, "error frame"),
-                   counted(tally.repeated_frames, "repeated frame"),
-                   rejected.empty() ? " none" : rejected, start / 1'000'000, start % 1'000'000);
+    text += fmt::format(
+        "{} in {} of {}, {}, {}, {}, rejected:{}; 0 is {}.{:06} of the log\n",
+        counted(tally.counts.front(), "transfer"), counted(tally.can_frames, "CAN frame"),
+        counted(tally.bytes, "byte"), counted(tally.other_can_frames, "other CAN frame"),
+        counted(tally.error_frames, "error frame"),
+        counted(tally.repeated_frames, "repeated frame"), rejected.empty() ? " none" : rejected,
+        start / 1'000'000, start % 1'000'000);
     if (tally.requests + tally.responses > 0) {
-        fmt::format_to(out, "{}, {}, {} without one\n", counted(tally.requests, "request"),
-                       counted(tally.responses, "response"),
-                       counted(tally.requests - tally.answered, "request"));
+        text += fmt::format("{}, {}, {} without one\n", counted(tally.requests, "request"),
+                            counted(tally.responses, "response"),
+                            counted(tally.requests - tally.answered, "request"));
     }
     for (const auto& [stream, counts] : tally.streams) {
         const std::string broken = rejected_text(counts);
-        fmt::format_to(out, "{}: {}, {}{}{}\n", sender_text(stream.source),
-                       named(stream.kind, stream.data_type_id), counted(counts.front(), "transfer"),
-                       broken.empty() ? "" : ", rejected:", broken);
+        text += fmt::format(
+            "{}: {}, {}{}{}\n", sender_text(stream.source), named(stream.kind, stream.data_type_id),
+            counted(counts.front(), "transfer"), broken.empty() ? "" : ", rejected:", broken);
     }
 }
 
@@ -197,18 +195,17 @@ void append_transfer_csv(std::string& text, const ExplainedTransfer& transfer) {
         return there ? fmt::format("{}", value) : std::string();
     };
     const bool broken = transfer.fault != TransferFault::none;
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                   whole_microseconds(transfer.last_at), kind_name(head.kind),
-                   transfer.type == nullptr ? "" : transfer.type->type.name, head.data_type_id,
-                   number(head.source != dronecan::kNobody, head.source),
-                   number(head.kind != TransferKind::message, head.destination), head.priority,
-                   head.transfer_id, transfer.frames,
-                   broken ? kTransferFaultNames.at(static_cast<std::size_t>(transfer.fault)) : "",
-                   transfer.answered_after
-                       ? fmt::format("{}", whole_microseconds(*transfer.answered_after))
-                       : "",
-                   fmt::format("{:02x}", fmt::join(transfer.payload, "")),
-                   in_csv_quotes(fields_text(fields_of(transfer))));
+    text += fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{}\n", whole_microseconds(transfer.last_at),
+        kind_name(head.kind), transfer.type == nullptr ? "" : transfer.type->type.name,
+        head.data_type_id, number(head.source != dronecan::kNobody, head.source),
+        number(head.kind != TransferKind::message, head.destination), head.priority,
+        head.transfer_id, transfer.frames,
+        broken ? kTransferFaultNames.at(static_cast<std::size_t>(transfer.fault)) : "",
+        transfer.answered_after ? fmt::format("{}", whole_microseconds(*transfer.answered_after))
+                                : "",
+        fmt::format("{:02x}", fmt::join(transfer.payload, "")),
+        in_csv_quotes(fields_text(fields_of(transfer))));
 }
 
 }  // namespace tribus

@@ -26,18 +26,16 @@ LineMistake mistake(std::string text) {
 
 void append_detail(std::string& text, const FrameDetail& detail) {
     if (detail.list) {
-        fmt::format_to(std::back_inserter(text), ",\"{}\":[{}]", detail.name,
-                       fmt::join(detail.values, ","));
+        text += fmt::format(",\"{}\":[{}]", detail.name, fmt::join(detail.values, ","));
     } else if (!detail.values.empty()) {
-        fmt::format_to(std::back_inserter(text), ",\"{}\":{}", detail.name, detail.values.front());
+        text += fmt::format(",\"{}\":{}", detail.name, detail.values.front());
     }
 }
 
 void append_rejected_json(std::string& text, std::span<const NamedCount> rejected) {
     text += "\"rejected\":{";
     for (const NamedCount& cause : rejected) {
-        fmt::format_to(std::back_inserter(text), "{}\"{}\":{}", text.back() == '{' ? "" : ",",
-                       cause.name, cause.count);
+        text += fmt::format("{}\"{}\":{}", text.back() == '{' ? "" : ",", cause.name, cause.count);
     }
     text += '}';
 }
@@ -107,10 +105,9 @@ void append_pulse(std::string& text, Pulse pulse) {
     const int size = std::abs(eighths);
     const int whole = size / Pulse::kEighthsPerMicrosecond;
     const int thousandths = size % Pulse::kEighthsPerMicrosecond * 125;
-    auto out = std::back_inserter(text);
-    fmt::format_to(out, "{}{}", eighths < 0 ? "-" : "", whole);
+    text += fmt::format("{}{}", eighths < 0 ? "-" : "", whole);
     if (thousandths != 0) {
-        fmt::format_to(out, ".{:03}", thousandths);
+        text += fmt::format(".{:03}", thousandths);
         text.erase(text.find_last_not_of('0') + 1);
     }
 }
@@ -120,12 +117,11 @@ std::int64_t whole_microseconds(Duration duration) {
 }
 
 void append_frame_json(std::string& text, const FoundFrame& found) {
-    auto out = std::back_inserter(text);
     text += '{';
     if (found.start) {
-        fmt::format_to(out, "\"t_us\":{},", whole_microseconds(*found.start));
+        text += fmt::format("\"t_us\":{},", whole_microseconds(*found.start));
     }
-    fmt::format_to(out, "\"protocol\":\"{}\",\"channels\":[", found.protocol->name);
+    text += fmt::format("\"protocol\":\"{}\",\"channels\":[", found.protocol->name);
     const ChannelFrame& frame = found.frame.channels;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         text += channel > 0 ? "," : "";
@@ -135,36 +131,33 @@ void append_frame_json(std::string& text, const FoundFrame& found) {
             text += "null";
         }
     }
-    fmt::format_to(out, "],\"frame_lost\":{},\"failsafe\":{}", frame.frame_lost, frame.failsafe);
+    text += fmt::format("],\"frame_lost\":{},\"failsafe\":{}", frame.frame_lost, frame.failsafe);
     for (const FrameDetail& detail : found.details) {
         append_detail(text, detail);
     }
     if (found.judged) {
-        fmt::format_to(out, ",\"cause\":\"{}\"", name_of(found.judged->state.cause));
+        text += fmt::format(",\"cause\":\"{}\"", name_of(found.judged->state.cause));
         if (const auto& before = found.judged->lost_before) {
-            fmt::format_to(out, ",\"lost_before\":\"{}\"", name_of(before->cause));
+            text += fmt::format(",\"lost_before\":\"{}\"", name_of(before->cause));
         }
     }
     text += "}\n";
 }
 
 void append_summary_json(std::string& text, const Tally& tally, std::string_view input) {
-    auto out = std::back_inserter(text);
-    fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"frames\":{},", tally.bytes, tally.frames);
+    text += fmt::format("{{\"summary\":{{\"bytes\":{},\"frames\":{},", tally.bytes, tally.frames);
     append_rejected_json(text, tally.rejected);
-    fmt::format_to(out, ",\"skipped_bytes\":{},\"input\":\"{}\"}}}}\n", tally.skipped_bytes, input);
+    text += fmt::format(",\"skipped_bytes\":{},\"input\":\"{}\"}}}}\n", tally.skipped_bytes, input);
 }
 
 void append_can_summary_json(std::string& text, const CanTally& tally, std::string_view input) {
-    auto out = std::back_inserter(text);
-    fmt::format_to(out, "{{\"summary\":{{\"bytes\":{},\"can_frames\":{},\"frames\":{},",
-                   tally.bytes, tally.can_frames, tally.frames);
+    text += fmt::format("{{\"summary\":{{\"bytes\":{},\"can_frames\":{},\"frames\":{},",
+                        tally.bytes, tally.can_frames, tally.frames);
     append_rejected_json(text, tally.rejected);
-    fmt::format_to(out,
-                   ",\"other_can_frames\":{},\"error_frames\":{},\"log_start_us\":{},\"input\":"
-                   "\"{}\"}}}}\n",
-                   tally.other_can_frames, tally.error_frames, whole_microseconds(tally.log_start),
-                   input);
+    text += fmt::format(
+        ",\"other_can_frames\":{},\"error_frames\":{},\"log_start_us\":{},\"input\":"
+        "\"{}\"}}}}\n",
+        tally.other_can_frames, tally.error_frames, whole_microseconds(tally.log_start), input);
 }
 
 tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::string_view line) {

@@ -31,8 +31,7 @@ void append_rejected_text(std::string& text, std::span<const NamedCount> rejecte
     bool any = false;
     for (const NamedCount& cause : rejected) {
         if (cause.count > 0) {
-            fmt::format_to(std::back_inserter(text), "{} {} {}", any ? "," : "", cause.count,
-                           cause.name);
+            text += fmt::format("{} {} {}", any ? "," : "", cause.count, cause.name);
             any = true;
         }
     }
@@ -42,76 +41,71 @@ void append_rejected_text(std::string& text, std::span<const NamedCount> rejecte
 }  // namespace
 
 void append_text_heading(std::string& text) {
-    auto out = std::back_inserter(text);
-    fmt::format_to(out, "{:>12} {:<8}", "t_us", "protocol");
+    text += fmt::format("{:>12} {:<8}", "t_us", "protocol");
     for (std::size_t channel = 1; channel <= kChannelCount; ++channel) {
-        fmt::format_to(out, "{:>5}", channel);
+        text += fmt::format("{:>5}", channel);
     }
     text += "  link\n";
 }
 
 void append_frame_text(std::string& text, const FoundFrame& found) {
-    auto out = std::back_inserter(text);
     if (found.start) {
-        fmt::format_to(out, "{:>12} ", whole_microseconds(*found.start));
+        text += fmt::format("{:>12} ", whole_microseconds(*found.start));
     } else {
-        fmt::format_to(out, "{:>12} ", "-");
+        text += fmt::format("{:>12} ", "-");
     }
-    fmt::format_to(out, "{:<8}", found.protocol->name);
+    text += fmt::format("{:<8}", found.protocol->name);
     const ChannelFrame& frame = found.frame.channels;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         if (const auto pulse = frame.channel(channel)) {
-            fmt::format_to(out, "{:>5}", pulse->whole_microseconds());
+            text += fmt::format("{:>5}", pulse->whole_microseconds());
         } else {
-            fmt::format_to(out, "{:>5}", "-");
+            text += fmt::format("{:>5}", "-");
         }
     }
-    fmt::format_to(out, "  {}", link_text(frame));
+    text += fmt::format("  {}", link_text(frame));
     for (const FrameDetail& detail : found.details) {
         if (!detail.list && !detail.values.empty()) {
-            fmt::format_to(out, "  {}={:#04x}", detail.name, detail.values.front());
+            text += fmt::format("  {}={:#04x}", detail.name, detail.values.front());
         }
     }
     if (found.judged && found.judged->lost_before) {
-        fmt::format_to(out, "  (lost before: {})", cause_text(*found.judged->lost_before));
+        text += fmt::format("  (lost before: {})", cause_text(*found.judged->lost_before));
     }
     if (found.judged && found.judged->state.cause != LinkCause::good) {
-        fmt::format_to(out, "  {}", cause_text(found.judged->state));
+        text += fmt::format("  {}", cause_text(found.judged->state));
     }
     text += '\n';
 }
 
 void append_summary_text(std::string& text, const Tally& tally) {
-    fmt::format_to(std::back_inserter(text), "{} in {}, {} skipped", counted(tally.frames, "frame"),
-                   counted(tally.bytes, "byte"), counted(tally.skipped_bytes, "byte"));
+    text += fmt::format("{} in {}, {} skipped", counted(tally.frames, "frame"),
+                        counted(tally.bytes, "byte"), counted(tally.skipped_bytes, "byte"));
     append_rejected_text(text, tally.rejected);
     text += '\n';
 }
 
 void append_can_summary_text(std::string& text, const CanTally& tally) {
-    auto out = std::back_inserter(text);
-    fmt::format_to(out, "{} in {} of {}, {}, {}", counted(tally.frames, "frame"),
-                   counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
-                   counted(tally.other_can_frames, "other CAN frame"),
-                   counted(tally.error_frames, "error frame"));
+    text += fmt::format("{} in {} of {}, {}, {}", counted(tally.frames, "frame"),
+                        counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
+                        counted(tally.other_can_frames, "other CAN frame"),
+                        counted(tally.error_frames, "error frame"));
     append_rejected_text(text, tally.rejected);
     const std::int64_t start = whole_microseconds(tally.log_start);
-    fmt::format_to(out, "; 0 is {}.{:06} of the log\n", start / 1'000'000, start % 1'000'000);
+    text += fmt::format("; 0 is {}.{:06} of the log\n", start / 1'000'000, start % 1'000'000);
 }
 
 void append_csv_heading(std::string& text) {
-    auto out = std::back_inserter(text);
     text += "t_us";
     for (std::size_t channel = 1; channel <= kChannelCount; ++channel) {
-        fmt::format_to(out, ",ch{}", channel);
+        text += fmt::format(",ch{}", channel);
     }
     text += ",frame_lost,failsafe\n";
 }
 
 void append_frame_csv(std::string& text, const FoundFrame& found) {
-    auto out = std::back_inserter(text);
     if (found.start) {
-        fmt::format_to(out, "{}", whole_microseconds(*found.start));
+        text += fmt::format("{}", whole_microseconds(*found.start));
     }
     const ChannelFrame& frame = found.frame.channels;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -120,7 +114,7 @@ void append_frame_csv(std::string& text, const FoundFrame& found) {
             append_pulse(text, *pulse);
         }
     }
-    fmt::format_to(out, ",{:d},{:d}\n", frame.frame_lost, frame.failsafe);
+    text += fmt::format(",{:d},{:d}\n", frame.frame_lost, frame.failsafe);
 }
 
 }  // namespace tribus

@@ -155,27 +155,26 @@ void draw_arrow(std::string& svg, const GraphArrow& arrow, const Layout& layout)
     const int x1 = from.x + from.width;
     const int x2 = to.x;
     const int bend = std::max(kGapBetweenColumns / 2, std::abs(x2 - x1) / 2);
-    fmt::format_to(std::back_inserter(svg),
-                   "<path d=\"M{} {} C{} {} {} {} {} {}\" class=\"a{}\"/>\n", x1, from.middle(),
-                   x1 + bend, from.middle(), x2 - bend, to.middle(), x2, to.middle(),
-                   arrow.dashed ? " d" : "");
+    svg += fmt::format("<path d=\"M{} {} C{} {} {} {} {} {}\" class=\"a{}\"/>\n", x1, from.middle(),
+                       x1 + bend, from.middle(), x2 - bend, to.middle(), x2, to.middle(),
+                       arrow.dashed ? " d" : "");
     if (!arrow.label.empty()) {
-        fmt::format_to(std::back_inserter(svg), "<text x=\"{}\" y=\"{}\" class=\"l\">{}</text>\n",
-                       x1 + 6, from.middle() - 5, for_xml(arrow.label));
+        svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"l\">{}</text>\n", x1 + 6,
+                           from.middle() - 5, for_xml(arrow.label));
     }
 }
 
 void draw_box(std::string& svg, const GraphBox& box, const Place& place) {
-    fmt::format_to(std::back_inserter(svg),
-                   "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"6\" fill=\"{}\"/>\n",
-                   place.x, place.y, place.width, place.height, box_colour(box));
+    svg +=
+        fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" rx=\"6\" fill=\"{}\"/>\n",
+                    place.x, place.y, place.width, place.height, box_colour(box));
     int y = place.y + kPadding + kLineHeight - 5;
-    fmt::format_to(std::back_inserter(svg), "<text x=\"{}\" y=\"{}\" class=\"t\">{}</text>\n",
-                   place.x + kPadding, y, for_xml(box.title));
+    svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"t\">{}</text>\n", place.x + kPadding, y,
+                       for_xml(box.title));
     for (const std::string& line : box.lines) {
         y += kLineHeight;
-        fmt::format_to(std::back_inserter(svg), "<text x=\"{}\" y=\"{}\">{}</text>\n",
-                       place.x + kPadding, y, for_xml(line));
+        svg += fmt::format("<text x=\"{}\" y=\"{}\">{}</text>\n", place.x + kPadding, y,
+                           for_xml(line));
     }
 }
 
@@ -196,9 +195,8 @@ std::string graph_svg(const Graph& graph) {
         "</defs>\n<rect class=\"b\" width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
     for (std::size_t column = 0; column < kGraphColumns; ++column) {
         if (layout.used[column]) {
-            fmt::format_to(std::back_inserter(svg),
-                           "<text x=\"{}\" y=\"{}\" class=\"h\">{}</text>\n",
-                           layout.column_x[column], kMargin + kLineHeight / 2, kTitles[column]);
+            svg += fmt::format("<text x=\"{}\" y=\"{}\" class=\"h\">{}</text>\n",
+                               layout.column_x[column], kMargin + kLineHeight / 2, kTitles[column]);
         }
     }
     for (const GraphArrow& arrow : graph.arrows) {
@@ -219,12 +217,12 @@ std::string graph_dot(const Graph& graph) {
         for (const std::string& line : graph.boxes[i].lines) {
             label += for_dot(line) + "\\l";
         }
-        fmt::format_to(std::back_inserter(dot), "  n{} [label=\"{}\", fillcolor=\"{}\"];\n", i,
-                       label, box_colour(graph.boxes[i]));
+        dot += fmt::format("  n{} [label=\"{}\", fillcolor=\"{}\"];\n", i, label,
+                           box_colour(graph.boxes[i]));
     }
     for (const GraphArrow& arrow : graph.arrows) {
-        fmt::format_to(std::back_inserter(dot), "  n{} -> n{} [label=\"{}\"{}];\n", arrow.from,
-                       arrow.to, for_dot(arrow.label), arrow.dashed ? ", style=dashed" : "");
+        dot += fmt::format("  n{} -> n{} [label=\"{}\"{}];\n", arrow.from, arrow.to,
+                           for_dot(arrow.label), arrow.dashed ? ", style=dashed" : "");
     }
     return dot + "}\n";
 }
@@ -236,12 +234,12 @@ std::string graph_mermaid(const Graph& graph) {
         for (const std::string& line : graph.boxes[i].lines) {
             label += "<br/>" + for_mermaid(line);
         }
-        fmt::format_to(std::back_inserter(text), "  n{}[\"{}\"]\n", i, label);
+        text += fmt::format("  n{}[\"{}\"]\n", i, label);
     }
     for (const GraphArrow& arrow : graph.arrows) {
-        fmt::format_to(std::back_inserter(text), "  n{} {}{} n{}\n", arrow.from,
-                       arrow.dashed ? "-.->" : "-->",
-                       arrow.label.empty() ? "" : "|" + for_mermaid(arrow.label) + "|", arrow.to);
+        text +=
+            fmt::format("  n{} {}{} n{}\n", arrow.from, arrow.dashed ? "-.->" : "-->",
+                        arrow.label.empty() ? "" : "|" + for_mermaid(arrow.label) + "|", arrow.to);
     }
     return text;
 }

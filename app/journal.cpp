@@ -111,7 +111,7 @@ std::string without_control_characters(std::string_view text) {
     for (const char c : text) {
         const auto code = static_cast<unsigned char>(c);
         if (std::iscntrl(code) != 0) {
-            fmt::format_to(std::back_inserter(line), "\\x{:02x}", code);
+            line += fmt::format("\\x{:02x}", code);
         } else {
             line += c;
         }

@@ -1,8 +1,21 @@
 #include "app/log.h"
 
+#include <memory>
+#include <utility>
+
+#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "app/journal.h"
+
 namespace tribus {
+
+void log_to_journal_or_terminal() {
+    auto logger = stderr_is_journal() ? std::make_shared<spdlog::logger>("tribus", journal_sink())
+                                      : spdlog::stderr_color_st("tribus");
+    logger->set_formatter(terminal_formatter());
+    spdlog::set_default_logger(std::move(logger));
+}
 
 void log_text(LogLevel level, std::string_view text) {
     const auto of_library = level == LogLevel::info      ? spdlog::level::info

@@ -10,6 +10,9 @@
 /// where). Without the logging library's headers, of which each file would compile the same again.
 namespace tribus {
 
+/// Once, before anything is logged.
+void log_to_journal_or_terminal();
+
 enum class LogLevel : std::uint8_t { info, warning, error };
 
 void log_text(LogLevel level, std::string_view text);

@@ -40,14 +40,14 @@ class Text {
     }
     void sample(const std::vector<Label>& labels, double value) {
         if (!name_.empty() && name_ != begun_) {
-            fmt::format_to(std::back_inserter(text_),
-                           "# HELP tribus_{0} {1}\n# TYPE tribus_{0} {2}\n", name_, help_, type_);
+            text_ +=
+                fmt::format("# HELP tribus_{0} {1}\n# TYPE tribus_{0} {2}\n", name_, help_, type_);
             begun_ = name_;
         }
         text_ += "tribus_" + std::string(name_);
         for (std::size_t i = 0; i < labels.size(); ++i) {
-            fmt::format_to(std::back_inserter(text_), "{}{}=\"{}\"", i == 0 ? "{" : ",",
-                           labels[i].first, escaped(labels[i].second));
+            text_ += fmt::format("{}{}=\"{}\"", i == 0 ? "{" : ",", labels[i].first,
+                                 escaped(labels[i].second));
         }
         text_ += labels.empty() ? " " : "} ";
         text_ += std::isnan(value)   ? std::string("NaN")

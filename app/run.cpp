@@ -13,14 +13,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 
 #include "app/control_requests.h"
 #include "app/daemon.h"
 #include "app/exit_status.h"
 #include "app/inside_view.h"
-#include "app/journal.h"
 #include "app/load_or_explain.h"
 #include "app/log.h"
 #include "app/main_wait.h"
@@ -118,13 +115,6 @@ int run(const RunOptions& options) {
     }
     daemon.start(std::move(*configuration));
     return run(daemon, *wait, **inside);
-}
-
-void log_to_journal_or_terminal() {
-    auto logger = stderr_is_journal() ? std::make_shared<spdlog::logger>("tribus", journal_sink())
-                                      : spdlog::stderr_color_st("tribus");
-    logger->set_formatter(terminal_formatter());
-    spdlog::set_default_logger(std::move(logger));
 }
 
 }  // namespace

@@ -30,8 +30,8 @@ std::string fields_text(const std::vector<WrittenField>& fields) {
     for (const WrittenField& field : fields) {
         const std::string name = fields.size() > 1 ? field.name + " " : "";
         const std::string unit = field.unit.empty() || !field.number ? "" : " " + field.unit;
-        fmt::format_to(std::back_inserter(text), "{} {}{}{}", text.empty() ? "" : ",", name,
-                       field.number.value_or("not available"), unit);
+        text += fmt::format("{} {}{}{}", text.empty() ? "" : ",", name,
+                            field.number.value_or("not available"), unit);
     }
     return text;
 }
@@ -72,18 +72,17 @@ std::string answer_text(const SensorExchange& exchange, const ExplainedExchange&
 
 void append_address_text(std::string& text, std::size_t address, const SensorAddressCounts& counts,
                          const SensorTypes& types) {
-    auto out = std::back_inserter(text);
     if (counts.requests == 0) {
-        fmt::format_to(out, "address {}: free, {} probes\n", address, counts.probes);
+        text += fmt::format("address {}: free, {} probes\n", address, counts.probes);
         return;
     }
     const std::string type = counts.type ? name_of_type(*counts.type, types) : "type not seen";
-    fmt::format_to(out, "address {}: {}, {} requests, {} replies, {} misses", address, type,
-                   counts.requests, counts.replies, counts.misses);
+    text += fmt::format("address {}: {}, {} requests, {} replies, {} misses", address, type,
+                        counts.requests, counts.replies, counts.misses);
     if (const auto times = summary_of(counts.response_times)) {
-        fmt::format_to(out, ", answers after {} to {} us, median {} us",
-                       whole_microseconds(times->least), whole_microseconds(times->most),
-                       whole_microseconds(times->median));
+        text += fmt::format(", answers after {} to {} us, median {} us",
+                            whole_microseconds(times->least), whole_microseconds(times->most),
+                            whole_microseconds(times->median));
     }
     text += '\n';
 }
@@ -91,27 +90,26 @@ void append_address_text(std::string& text, std::size_t address, const SensorAdd
 }  // namespace
 
 void append_sensor_text_heading(std::string& text) {
-    fmt::format_to(std::back_inserter(text), "{:>12} {:>7} {:<8} {:>8}  {}\n", "t_us", "address",
-                   "asked", "after_us", "answer");
+    text += fmt::format("{:>12} {:>7} {:<8} {:>8}  {}\n", "t_us", "address", "asked", "after_us",
+                        "answer");
 }
 
 void append_sensor_text(std::string& text, const SensorExchange& exchange,
                         const SensorTypes& types) {
     const ExplainedExchange explained = explain(exchange, types);
     const bool asked = exchange.outcome != SensorOutcome::unasked;
-    fmt::format_to(std::back_inserter(text), "{:>12} {:>7} {:<8} {:>8}  {}{}{}\n",
-                   microseconds_or(exchange.asked.start, "-"), address_text(exchange.asked.frame),
-                   asked ? explained.asked : "-", microseconds_or(exchange.response_time, "-"),
-                   answer_text(exchange, explained), asked ? "" : ", but nobody asked",
-                   exchange.echoes > 0 ? "  (echo)" : "");
+    text += fmt::format(
+        "{:>12} {:>7} {:<8} {:>8}  {}{}{}\n", microseconds_or(exchange.asked.start, "-"),
+        address_text(exchange.asked.frame), asked ? explained.asked : "-",
+        microseconds_or(exchange.response_time, "-"), answer_text(exchange, explained),
+        asked ? "" : ", but nobody asked", exchange.echoes > 0 ? "  (echo)" : "");
 }
 
 void append_sensor_summary_text(std::string& text, const SensorTally& tally,
                                 const SensorConversation& conversation, const SensorTypes& types) {
     append_summary_text(text, tally.frames);
     const SensorCounts& counts = conversation.counts();
-    fmt::format_to(
-        std::back_inserter(text),
+    text += fmt::format(
         "{} requests, {} replies, {} misses ({} asked again at once), {} probes of free "
         "addresses\n"
         "{} discover, {} type, {} value, {} power-up frames, {} servo frames, {} echoes, "
@@ -140,12 +138,13 @@ void append_sensor_csv(std::string& text, const SensorExchange& exchange,
         numbers.push_back(field.number.value_or(""));
         units.push_back(field.unit);
     }
-    fmt::format_to(std::back_inserter(text), "{},{},{},{},{},{},{},{},{},{}\n",
-                   microseconds_or(exchange.asked.start, ""), exchange.asked.frame.address,
-                   explained.asked, explained.answer, microseconds_or(exchange.response_time, ""),
-                   explained.type, explained.data == nullptr ? "" : data_text(*explained.data),
-                   explained.raw ? fmt::format("{}", *explained.raw) : "", fmt::join(numbers, ";"),
-                   fmt::join(units, ";"));
+    text +=
+        fmt::format("{},{},{},{},{},{},{},{},{},{}\n", microseconds_or(exchange.asked.start, ""),
+                    exchange.asked.frame.address, explained.asked, explained.answer,
+                    microseconds_or(exchange.response_time, ""), explained.type,
+                    explained.data == nullptr ? "" : data_text(*explained.data),
+                    explained.raw ? fmt::format("{}", *explained.raw) : "", fmt::join(numbers, ";"),
+                    fmt::join(units, ";"));
 }
 
 }  // namespace tribus

@@ -45,6 +45,14 @@ install_packages() {
         apt-get -q install --yes --no-install-recommends $missing >&2
 }
 
+# How many compilers may run at once: one a processor, and 1.3 GiB of memory for each.
+compilers() {
+    processors=$(nproc)
+    fit=$(awk '/^MemAvailable:/ { print int($2 / 1300000) }' /proc/meminfo)
+    [ "$fit" -ge 1 ] || fit=1
+    [ "$fit" -lt "$processors" ] && echo "$fit" || echo "$processors"
+}
+
 # build ON|OFF TARGET...: with or without the tests.
 build() {
     tests=$1
@@ -52,5 +60,5 @@ build() {
     echo "Building tribus in $(pwd)/build (tests: $tests)" >&2
     cmake -S . -B build -G Ninja -DCMAKE_BUILD_TYPE=Release -DTRIBUS_TESTS="$tests" \
         ${CI:+-DTRIBUS_WERROR=ON} >&2
-    cmake --build build --target "$@" >&2
+    cmake --build build --parallel "$(compilers)" --target "$@" >&2
 }

@@ -163,7 +163,7 @@ class ChannelsDbcText {
   private:
     template <class... Values>
     void add(fmt::format_string<Values...> format, Values&&... values) {
-        fmt::format_to(std::back_inserter(text_), format, std::forward<Values>(values)...);
+        text_ += fmt::format(format, std::forward<Values>(values)...);
     }
 
     std::uint32_t id_of(const MessageText& message) const {
