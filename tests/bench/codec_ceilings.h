@@ -49,7 +49,7 @@ inline constexpr std::array kGarbageRows{
     garbage("SbusRandomByteByByte", "garbage_sbus_bytes", "random", 51, 63),
     garbage("IbusRandom", "garbage_ibus_read", "random", 14, 15),
     garbage("IbusLengths", "garbage_ibus_read", "20", 33, 32),
-    garbage("IbusHeaders", "garbage_ibus_read", "2040", 114, 141),
+    garbage("IbusHeaders", "garbage_ibus_read", "2040", 115, 141),
     garbage("IbusHeadersOfTheOtherKind", "garbage_ibus_read", "550501", 18, 24),
     garbage("Ibus2Shortest", "garbage_ibus_read", "08", 83, 100),
     garbage("Ibus2Longest", "garbage_ibus_read", "0825", 86, 121),

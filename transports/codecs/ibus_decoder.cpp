@@ -192,15 +192,17 @@ inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8
             continue;
         }
         if (checksum_holds(found.kind, bytes.subspan(at, found.length))) {
-            if (found.kind != Kind::ibus2) {
+            if (found.kind == Kind::ibus2) {
+                ++rejected_[kIbus2].count;
+            } else if (length_counts(found.length)) {
                 break;
             }
-            ++rejected_[kIbus2].count;
             at += found.length - 1;
         } else if (found.kind == Kind::servo) {
             ++rejected_[kChecksum].count;
         }
     }
+    skipped_bytes_ += at;
     position = at;
     return at < end ? found : Candidate{};
 }
@@ -349,12 +351,7 @@ bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, std::size_t start
 IbusDecoder::Outcome IbusDecoder::judge(const Window& window, std::span<const std::uint8_t>& read,
                                         Instant received, DecodedFrame& frame) {
     std::size_t position = window.start;
-    Candidate found = find_frame(window.bytes, window.end, window.damage, position);
-    while (found.kind != Kind::noise && found.whole && !length_counts(found.length)) {
-        position += found.length;
-        found = find_frame(window.bytes, window.end, window.damage, position);
-    }
-    skipped_bytes_ += position;
+    const Candidate found = find_frame(window.bytes, window.end, window.damage, position);
     if (found.kind == Kind::noise) {
         buffer_.pass(position, read);
         return Outcome::nothing;
