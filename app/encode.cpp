@@ -24,9 +24,9 @@ namespace tribus {
 namespace {
 
 /// A frame with 18 fractions and its details takes below 500 characters.
-constexpr std::size_t kLongestLine = std::size_t{64} * 1024;
+constexpr std::size_t kLongestJsonLine = std::size_t{64} * 1024;
 /// After so many lines that cannot be used the input is something else.
-constexpr unsigned kMostMistakes = 20;
+constexpr unsigned kMostJsonMistakes = 20;
 
 const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::binary},
                                                    {"hex", EncodeFormat::hex},
@@ -174,7 +174,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
                  EncodeFormat format, std::ostream& results, std::ostream& talk,
                  std::string_view interface) {
     const auto writer = make_frame_writer(use, format, interface, results);
-    std::vector<char> buffer(kLongestLine);
+    std::vector<char> buffer(kLongestJsonLine);
     unsigned mistakes = 0;
     bool too_long = false;
     for (unsigned number = 1; results.good(); ++number) {
@@ -187,7 +187,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
             mistake.text = fmt::format(
                 "a line of more than {} characters; this is no output of "
                 "decode --format json",
-                kLongestLine);
+                kLongestJsonLine);
         } else if (auto frame = parse_frame_json(*line); !frame) {
             mistake = frame.error();
         } else if (*frame) {
@@ -198,7 +198,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
             continue;
         }
         talk << fmt::format("{}:{}:{}: {}\n", name, number, mistake.column, mistake.text);
-        if (++mistakes == kMostMistakes || too_long) {
+        if (++mistakes == kMostJsonMistakes || too_long) {
             talk << "tribus: stopped, too much of the input cannot be used\n";
             break;
         }

@@ -27,7 +27,7 @@ constexpr Duration kAnswerPatience = std::chrono::seconds(5);
 /// A slow card takes a while for some hundred megabytes.
 constexpr Duration kDiskPatience = std::chrono::minutes(5);
 constexpr timespec kAskPause{.tv_sec = 0, .tv_nsec = 20'000'000};
-constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
+constexpr std::uintmax_t kBytesPerMib = std::uintmax_t{1024} * 1024;
 
 struct RecordOptions {
     std::string target;
@@ -85,7 +85,7 @@ int record(const RecordOptions& options) {
                             .file = options.out,
                             .force = options.force,
                             .time = {},
-                            .most_bytes = options.limit_mib * kMib};
+                            .most_bytes = options.limit_mib * kBytesPerMib};
     if (!options.time.empty()) {
         recording.time = parse_duration(options.time);
         if (!recording.time || *recording.time <= Duration::zero()) {

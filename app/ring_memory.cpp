@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Failed = tl::unexpected<std::string>;
 
-constexpr const char* kFolder = "recorder";
+constexpr const char* kRingFolder = "recorder";
 constexpr const char* kLeft = "recorder-left";
 /// What a process has begun to read.
 constexpr const char* kTaken = "recorder-taken";
@@ -128,7 +128,7 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     if (::flock(lock.get(), LOCK_EX | LOCK_NB) != 0) {
         return Failed(fmt::format("another daemon uses {}", runtime_directory.string()));
     }
-    const fs::path path = runtime_directory / kFolder;
+    const fs::path path = runtime_directory / kRingFolder;
     const fs::path left = runtime_directory / kLeft;
     std::error_code error;
     const fs::path taken = runtime_directory / kTaken;

@@ -13,7 +13,7 @@ namespace tribus {
 namespace {
 
 /// `systemctl status` shows one line; the log has everything.
-constexpr std::size_t kLongestLine = 400;
+constexpr std::size_t kLongestStatus = 400;
 
 std::string for_how_long(Duration time) {
     struct Step {
@@ -62,7 +62,7 @@ std::string one_line(std::string text) {
 std::string joined(const std::vector<std::string>& parts) {
     std::string text;
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        if (text.size() + parts[i].size() > kLongestLine) {
+        if (text.size() + parts[i].size() > kLongestStatus) {
             return text + fmt::format("; and {} more", parts.size() - i);
         }
         text += (text.empty() ? "" : "; ") + parts[i];

@@ -1,6 +1,5 @@
 #include "app/bench/bench.h"
 
-#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -21,6 +20,7 @@
 #include "app/bench/tester.h"
 #include "app/complain.h"
 #include "app/exit_status.h"
+#include "app/streams.h"
 #include "config/mistakes.h"
 #include "pipelines/realtime/scheduling.h"
 
@@ -112,11 +112,9 @@ bool write_plot(const std::string& path, const Report& report) {
     return true;
 }
 
-std::size_t terminal_columns() {
+std::size_t report_columns() {
     constexpr std::size_t kUsual = 80;
-    winsize size{};
-    const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
-    return known ? std::min<std::size_t>(size.ws_col, kMostColumns) : kUsual;
+    return std::min(terminal_columns().value_or(kUsual), kMostColumns);
 }
 
 /// What is under way, on a terminal only.
@@ -178,7 +176,7 @@ int run_bench(const BenchOptions& options) {
         return complain("interrupted", kInterruptedStatus);
     }
     fmt::print("{}", options.format == "json" ? bench::report_json(*report)
-                                              : bench::report_text(*report, terminal_columns()));
+                                              : bench::report_text(*report, report_columns()));
     std::fflush(stdout);
     if (!options.plot.empty() && !write_plot(options.plot, *report)) {
         return kExitFailed;

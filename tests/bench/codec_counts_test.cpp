@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::bench {
+namespace tribus::bench::codec_counts_test {
 
 /// How googletest shows a row.
 void PrintTo(const Row& row, std::ostream* out) {
@@ -76,4 +76,4 @@ INSTANTIATE_TEST_SUITE_P(Garbage, CodecCounts, testing::ValuesIn(kGarbageRows),
                          [](const auto& row) { return std::string(row.param.name); });
 
 }  // namespace
-}  // namespace tribus::bench
+}  // namespace tribus::bench::codec_counts_test

@@ -21,7 +21,7 @@
 #include "transports/codecs/dbc/signal.h"
 
 /// Frames that cantools decoded, with the DBC texts that describe them (dbc_vectors.json).
-namespace tribus {
+namespace tribus::dbc_vectors_test {
 namespace {
 
 using nlohmann::json;
@@ -172,4 +172,4 @@ TEST_F(DbcVectors, NativeValueTexts) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dbc_vectors_test

@@ -21,7 +21,7 @@
 
 /// The recordings of real receivers. Expected counts are those of the recordings' own README, which
 /// were found by another program.
-namespace tribus {
+namespace tribus::decode_captures_test {
 namespace {
 
 using nlohmann::json;
@@ -218,4 +218,4 @@ TEST_F(Captures, Ibus14IsTheSameAfterDecodingAndEncoding) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::decode_captures_test

@@ -13,7 +13,7 @@
 
 /// What a recorded 18-channel receiver costs on a DroneCAN bus: the program itself makes the
 /// frames, at the output's period.
-namespace tribus {
+namespace tribus::dronecan_bus_load_test {
 namespace {
 
 using test::BusBits;
@@ -84,4 +84,4 @@ TEST_F(BusLoadOfARecordedReceiver, At10MsIs100FdFramesASecondOf50And454Bits) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dronecan_bus_load_test

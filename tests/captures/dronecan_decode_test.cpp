@@ -21,7 +21,7 @@
 
 /// What `decode` says of the transfers and receive sequences that three independent
 /// implementations agree on (dronecan_vectors.json).
-namespace tribus {
+namespace tribus::dronecan_decode_test {
 namespace {
 
 using nlohmann::ordered_json;
@@ -215,4 +215,4 @@ TEST_F(DroneCanDecodeVectors, OfEverySequenceTheAcceptedTransfersAreShownAndTheO
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dronecan_decode_test

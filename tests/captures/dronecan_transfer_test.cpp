@@ -19,7 +19,7 @@
 
 /// The transfers and receive sequences that three independent codecs agreed on (see the recordings'
 /// own README).
-namespace tribus::dronecan {
+namespace tribus::dronecan::dronecan_transfer_test {
 namespace {
 
 using nlohmann::json;
@@ -182,4 +182,4 @@ TEST_F(DronecanVectors, AllSequencesAreReceivedAsTheSpecificationSays) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::dronecan_transfer_test

@@ -15,7 +15,7 @@
 #include "transports/codecs/dronecan/types.h"
 
 /// Payloads that three independent implementations agree on (dronecan_vectors.json).
-namespace tribus::dronecan {
+namespace tribus::dronecan::dronecan_types_test {
 namespace {
 
 using nlohmann::json;
@@ -136,4 +136,4 @@ TEST_F(DroneCanTypeVectors, EveryPayloadIsReadAsItsFieldsAndTheseAreWrittenAsThe
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::dronecan_types_test

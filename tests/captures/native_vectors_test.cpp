@@ -22,7 +22,7 @@
 
 /// The published frames of the native format and of AUTOSAR's profiles; the values in them were
 /// decoded by cantools (see the recordings' own README).
-namespace tribus {
+namespace tribus::native_vectors_test {
 namespace {
 
 using nlohmann::json;
@@ -234,4 +234,4 @@ TEST_F(NativeVectors, ProfilesGiveTheirExamples) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::native_vectors_test

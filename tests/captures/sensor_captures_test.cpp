@@ -21,7 +21,7 @@
 /// The recordings of a genuine receiver (FS-iA6B) with genuine sensors. Expected counts are those
 /// of the recordings' own README, which were found by another program, and of
 /// docs/protocols/ibus.md, "Sensor bus: timing".
-namespace tribus {
+namespace tribus::sensor_captures_test {
 namespace {
 
 using nlohmann::json;
@@ -188,4 +188,4 @@ TEST_F(SensorCaptures, ServoFramesOnTheSameWireHoldNoSensorFrame) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sensor_captures_test

@@ -17,7 +17,7 @@
 #include "transports/codecs/dronecan/rc.h"
 
 /// canbusload of can-utils, which counts stuff bits on its own, but those of classic frames only.
-namespace tribus::test {
+namespace tribus::test::can_bus_load_test {
 namespace {
 
 struct Load {
@@ -83,4 +83,4 @@ TEST_F(CanBusLoad, IsThatOfTheBitsThatTheTestsCountInRcInputOf18Channels) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_bus_load_test

@@ -14,7 +14,7 @@
 
 /// Clients that others wrote, on one bus with the built program: can-utils, and canmatrix with the
 /// DBC that is shipped (Debian: can-utils, python3-canmatrix).
-namespace tribus::test {
+namespace tribus::test::can_clients_test {
 namespace {
 
 using nlohmann::json;
@@ -336,4 +336,4 @@ TEST_F(Cansend, WrongFramesThatOnlyTheReaderHearsDoNotEndControl) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_clients_test

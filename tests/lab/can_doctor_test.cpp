@@ -6,7 +6,7 @@
 #include "tests/loopback/program.h"
 
 /// `tribus doctor` at CAN interfaces.
-namespace tribus::test {
+namespace tribus::test::can_doctor_test {
 namespace {
 
 ShellResult doctor(const std::string& interface) {
@@ -54,4 +54,4 @@ TEST(LabCanDoctor, ControllerInBusOffIsAProblem) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_doctor_test

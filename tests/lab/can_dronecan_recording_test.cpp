@@ -23,7 +23,7 @@
 
 /// A recorded 18-channel receiver at the i.Bus input of one program, DroneCAN to another one, SBUS
 /// servos there; a third node asks both who they are, and candump keeps all that is said.
-namespace tribus::test {
+namespace tribus::test::can_dronecan_recording_test {
 namespace {
 
 using nlohmann::json;
@@ -268,4 +268,4 @@ TEST_P(RecordedOverDroneCan, BothNodesSaySoAndAnswerInTheLogThatCarriesTheRecord
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_dronecan_recording_test

@@ -18,7 +18,7 @@
 #include "transports/codecs/dronecan/types.h"
 
 /// DroneCAN on a virtual bus: built programs, and nodes that the tests play.
-namespace tribus::test {
+namespace tribus::test::can_dronecan_test {
 namespace {
 
 using namespace dronecan;
@@ -246,4 +246,4 @@ recover = "300ms"
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_dronecan_test

@@ -16,7 +16,7 @@
 
 /// The shipped DBC examples as they are, but for the names of their devices. A gateway of the
 /// kernel carries what they send on can0 to can1, where they read it.
-namespace tribus::test {
+namespace tribus::test::can_examples_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -209,4 +209,4 @@ TEST_P(DbcExampleRuns, EndsInFailsafeWhenTheBusIsCutAndComesBack) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_examples_test

@@ -11,7 +11,7 @@
 #include "tests/loopback/program.h"
 
 /// That the laboratory's buses behave as the other tests expect of them.
-namespace tribus::test {
+namespace tribus::test::can_fixtures_test {
 namespace {
 
 constexpr std::chrono::milliseconds kSoon{200};
@@ -211,4 +211,4 @@ TEST(LabSlcan, CanBeUnpluggedAndPluggedAgain) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_fixtures_test

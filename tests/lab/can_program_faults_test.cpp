@@ -16,7 +16,7 @@
 #include "transports/codecs/can_channels.h"
 
 /// The built program and the faults of its own controller, of other senders, and of the set-up.
-namespace tribus::test {
+namespace tribus::test::can_program_faults_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -393,4 +393,4 @@ TEST_F(Flooded, ByItsOwnIdsTheProgramNeverShowsWrongSticksAndComesBack) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_program_faults_test

@@ -10,7 +10,7 @@
 #include "tests/lab/two_programs.h"
 
 /// Two built programs with a bus between them, and the faults that a bus can have.
-namespace tribus::test {
+namespace tribus::test::can_program_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -276,4 +276,4 @@ TEST_F(SlowBus, OldValuesNeverPassAsGoodAmongCompetingTrafficAndAfterAnOutage) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_program_test

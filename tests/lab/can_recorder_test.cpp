@@ -13,7 +13,7 @@
 #include "transports/links/recording.h"
 
 /// `record` and `replay` on a CAN bus.
-namespace tribus::test {
+namespace tribus::test::can_recorder_test {
 namespace {
 
 constexpr const char* kLog =
@@ -143,4 +143,4 @@ TEST_F(CanRecorder, HasBothDirectionsOfItsInterface) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_recorder_test

@@ -11,7 +11,7 @@
 
 /// A fresh configuration that wants other ids of an interface: its socket is opened beside the old
 /// one and takes its place while frames flow.
-namespace tribus::test {
+namespace tribus::test::can_reload_test {
 namespace {
 
 class BusReload : public TwoPrograms {
@@ -97,4 +97,4 @@ TEST_F(BusReload, TellsOfABusThatIsDownOnce) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_reload_test

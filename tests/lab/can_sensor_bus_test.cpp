@@ -22,7 +22,7 @@
 
 /// The shipped examples of the sensor bus, but for the names of their devices: from CAN to a
 /// receiver, from sensors to CAN, and both in a row.
-namespace tribus::test {
+namespace tribus::test::can_sensor_bus_test {
 namespace {
 
 constexpr unsigned kVoltage = 0xA1;
@@ -397,4 +397,4 @@ TEST_F(SensorBusExample, ABatteryOnOneBusCrossesTheSensorWireToAnotherBus) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_sensor_bus_test

@@ -13,7 +13,7 @@
 #include "transports/links/can_socket.h"
 
 /// The SocketCAN link while its bus fails, and afterwards.
-namespace tribus::test {
+namespace tribus::test::can_socket_faults_test {
 namespace {
 
 /// Records for the table of recovery times how long it took.
@@ -270,4 +270,4 @@ TEST(LabCanFaults, AnAdapterThatTakesNothingIsAStallAndItsQueueHoldsFewOldFrames
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_socket_faults_test

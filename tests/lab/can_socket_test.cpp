@@ -13,7 +13,7 @@
 #include "tests/lab/guest.h"
 
 /// The SocketCAN link on buses that work.
-namespace tribus::test {
+namespace tribus::test::can_socket_test {
 namespace {
 
 std::vector<std::uint32_t> ids(const std::vector<ReceivedCanFrame>& received) {
@@ -307,4 +307,4 @@ TEST(LabCanInterface, AControllerThatIsNotInBusOffCannotBeRestarted) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_socket_test

@@ -19,7 +19,7 @@
 
 /// The built program between a bus and SBUS servos, and a witness that judges each frame at the
 /// servos: was it ever sent, how old is it, is it marked?
-namespace tribus::test {
+namespace tribus::test::can_witness_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -244,4 +244,4 @@ TEST_P(WitnessedBus, RingOfThreeOldSnapshotsIsNotObeyed) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_witness_test

@@ -7,7 +7,7 @@
 
 /// The built program where time is the instructions that were carried out: an idle machine of one
 /// slow processor, whatever the host does.
-namespace tribus::test {
+namespace tribus::test::clock_response_test {
 namespace {
 
 BoundSettings fifteen_seconds() {
@@ -36,4 +36,4 @@ TEST(LabResponse, TakesLittleLongerThanAResponderThatOnlyReadsAndWrites) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::clock_response_test

@@ -11,7 +11,7 @@
 #include "transports/links/gpio_line.h"
 
 /// What an input tells of its line.
-namespace tribus::test {
+namespace tribus::test::gpio_input_test {
 namespace {
 
 /// Longer than any pause of the guest.
@@ -120,4 +120,4 @@ TEST(GpioInput, SaysThatItsChipIsGone) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::gpio_input_test

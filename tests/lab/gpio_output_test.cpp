@@ -10,7 +10,7 @@
 #include "transports/links/gpio_line.h"
 
 /// What an output does to its line.
-namespace tribus::test {
+namespace tribus::test::gpio_output_test {
 namespace {
 
 TEST(GpioOutput, SetsTheLevelOfItsLineAlone) {
@@ -104,4 +104,4 @@ TEST(GpioOutput, IsOpenedAnewOnAChipThatCameBack) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::gpio_output_test

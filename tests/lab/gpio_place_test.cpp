@@ -12,7 +12,7 @@
 #include "transports/links/gpio_line.h"
 
 /// How a line is found, and what is said where it cannot be had.
-namespace tribus::test {
+namespace tribus::test::gpio_place_test {
 namespace {
 
 using testing::AllOf;
@@ -129,4 +129,4 @@ TEST(GpioErrors, SayHowToGetThePermission) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::gpio_place_test

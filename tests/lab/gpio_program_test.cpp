@@ -9,7 +9,7 @@
 #include "tests/lab/shell.h"
 
 /// What lines ask of the built program, and what it shows on them.
-namespace tribus::test {
+namespace tribus::test::gpio_program_test {
 namespace {
 
 TEST_F(GpioProgram, LampAndAlarmFollowTheLink) {
@@ -216,4 +216,4 @@ TEST_F(GpioProgram, TakesOtherLinesAtAReload) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::gpio_program_test

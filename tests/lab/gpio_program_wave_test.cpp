@@ -8,7 +8,7 @@
 
 /// The wave of a `fresh` line of the built program: 100 ms, over frames each 20 ms. Judged by its
 /// edges alone, as the kernel traces them.
-namespace tribus::test {
+namespace tribus::test::gpio_program_wave_test {
 namespace {
 
 class GpioWave : public GpioProgram {
@@ -94,4 +94,4 @@ TEST_F(GpioWave, EndsWithoutAPortToWriteTo) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::gpio_program_wave_test

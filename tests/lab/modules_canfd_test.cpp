@@ -4,7 +4,7 @@
 
 #include "tests/lab/guest.h"
 
-namespace tribus::test {
+namespace tribus::test::modules_canfd_test {
 namespace {
 
 TEST(LabFdControllerPair, CarriesLongFramesWithBitRateSwitchBothWays) {
@@ -32,4 +32,4 @@ TEST(LabFdControllerPair, HasTheBitRatesThatItWasGiven) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::modules_canfd_test

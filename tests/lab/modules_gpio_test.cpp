@@ -12,7 +12,7 @@
 #include "transports/links/unique_fd.h"
 
 /// That the laboratory's simulated GPIO lines can be set and watched.
-namespace tribus::test {
+namespace tribus::test::modules_gpio_test {
 namespace {
 
 /// Asks for one line by the kernel's own interface, version 2.
@@ -73,4 +73,4 @@ TEST(LabGpioBank, GivesALineToOneProgramOnly) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::modules_gpio_test

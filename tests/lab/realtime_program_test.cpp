@@ -12,7 +12,7 @@
 #include "tests/loopback/loopback.h"
 
 /// The built program on the PREEMPT_RT kernel.
-namespace tribus::test {
+namespace tribus::test::realtime_program_test {
 namespace {
 
 /// Threads of the built program, wherever it runs on this machine.
@@ -71,4 +71,4 @@ TEST_F(LabRealtime, DataThreadRunsFirstInFirstOutWithMemoryLocked) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::realtime_program_test

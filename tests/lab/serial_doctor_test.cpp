@@ -7,7 +7,7 @@
 #include "tests/loopback/loopback.h"
 
 /// `tribus doctor` at ports with real drivers.
-namespace tribus::test {
+namespace tribus::test::serial_doctor_test {
 namespace {
 
 class LabDoctor : public Loopback {
@@ -109,4 +109,4 @@ TEST_F(LabDoctor, SaysWhoHasAPortOpen) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::serial_doctor_test

@@ -11,7 +11,7 @@
 #include "transports/links/serial_port.h"
 
 /// Line settings on real drivers: what a pty cannot show.
-namespace tribus::test {
+namespace tribus::test::serial_line_test {
 namespace {
 
 constexpr LineSettings kSbusFast{.baud = 200'000, .parity = Parity::even, .stop_bits = 2};
@@ -177,4 +177,4 @@ TEST(Lab16550, CarriesEveryByteValueBothWaysEvenAfterARefusal) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::serial_line_test

@@ -8,7 +8,7 @@
 #include "tests/loopback/loopback.h"
 
 /// The built program on real drivers: i.Bus in at a 16550, SBUS out at an FTDI adapter.
-namespace tribus::test {
+namespace tribus::test::serial_program_test {
 namespace {
 
 class LabProgram : public Loopback {
@@ -77,4 +77,4 @@ TEST_F(LabProgram, NamesThePortThatCannotDoSbus) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::serial_program_test

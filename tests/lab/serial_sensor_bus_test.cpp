@@ -9,7 +9,7 @@
 #include "tests/loopback/sensor_bus.h"
 
 /// The built program as sensors at an emulated UART.
-namespace tribus::test {
+namespace tribus::test::serial_sensor_bus_test {
 namespace {
 
 constexpr LineSettings kSensorLine{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
@@ -36,4 +36,4 @@ TEST_F(SensorUart, AnswersTheRecordedReceiverAsTheRecordedSensorsByteForByte) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::serial_sensor_bus_test

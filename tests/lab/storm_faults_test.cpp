@@ -23,7 +23,7 @@
 
 /// What a machine in the field goes through, one trouble at a time and then all at once, while four
 /// lines are translated and the first goes out on a CAN bus too.
-namespace tribus::test {
+namespace tribus::test::storm_faults_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -245,4 +245,4 @@ TEST_F(Storm, OfAllTroublesAtOnceEndsWithEveryLineInControl) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::storm_faults_test

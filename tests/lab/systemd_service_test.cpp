@@ -14,7 +14,7 @@
 
 /// The package in a fresh Debian with systemd: installed, at work on real drivers, supervised,
 /// confined, and removed. i.Bus in at a 16550, SBUS out at an FTDI adapter.
-namespace tribus::test {
+namespace tribus::test::systemd_service_test {
 namespace {
 
 const std::string kPackage = "/host" TRIBUS_PACKAGE;
@@ -379,4 +379,4 @@ TEST_F(RemovedPackage, HasStoppedAndLeavesNothingButConfigurationsOfItsOwner) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::systemd_service_test

@@ -12,7 +12,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::bench_test {
 namespace {
 
 /// Processes whose command line begins with the program under test.
@@ -99,4 +99,4 @@ TEST_F(Bench, KilledOutrightLeavesNoProcessEither) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::bench_test

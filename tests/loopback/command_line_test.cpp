@@ -9,7 +9,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::command_line_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -173,4 +173,4 @@ INSTANTIATE_TEST_SUITE_P(
                     Words{"demo", "--seconds", "0"}, Words{"simulate"}));
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::command_line_test

@@ -13,7 +13,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::demo_test {
 namespace {
 
 /// A terminal window of that size; the program finds it as its standard output.
@@ -130,4 +130,4 @@ INSTANTIATE_TEST_SUITE_P(Sizes, DemoInAWindow,
                          });
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::demo_test

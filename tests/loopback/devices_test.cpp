@@ -14,7 +14,7 @@
 #include "app/monitor_fields.h"
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::devices_test {
 namespace {
 
 /// Lets `sender` send until the servos see `wanted`, and returns all that they saw until then.
@@ -286,4 +286,4 @@ TEST_F(Loopback, LinkToADeviceThatIsNotThereIsWaitedFor) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::devices_test

@@ -9,7 +9,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::doctor_test {
 namespace {
 
 /// Runs until the program has ended, calling `meanwhile` again and again.
@@ -143,4 +143,4 @@ TEST_F(Doctor, RefusesTimesThatAreNone) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::doctor_test

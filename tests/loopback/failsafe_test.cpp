@@ -10,7 +10,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::failsafe_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -214,4 +214,4 @@ INSTANTIATE_TEST_SUITE_P(Signals, EndingSignal, testing::Values(SIGTERM, SIGINT)
                          });
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::failsafe_test

@@ -8,7 +8,7 @@
 
 /// Everything goes wrong at once, around the built program, and a witness judges each frame: was it
 /// ever sent, how old is it, is it marked?
-namespace tribus::test {
+namespace tribus::test::faults_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -95,4 +95,4 @@ TEST_F(WireFaults, all_at_once_make_nothing_old) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::faults_test

@@ -9,7 +9,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::heap_test {
 namespace {
 
 class HeapTrap : public Loopback {
@@ -162,4 +162,4 @@ to   = "fast"
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::heap_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/shell.h"
 
-namespace tribus::test {
+namespace tribus::test::help_test {
 namespace {
 
 std::string help_of(const std::string& command) {
@@ -55,4 +55,4 @@ TEST(Help, goes_on_under_the_text_of_an_option) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::help_test

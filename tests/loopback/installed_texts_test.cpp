@@ -8,7 +8,7 @@
 #include "tests/support/shell.h"
 
 /// What is installed beside the program, compared with what the program says itself.
-namespace tribus::test {
+namespace tribus::test::installed_texts_test {
 namespace {
 
 using Words = std::vector<std::string>;
@@ -107,4 +107,4 @@ TEST(ManualPage, of_the_configuration_has_every_table) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::installed_texts_test

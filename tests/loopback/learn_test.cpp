@@ -8,7 +8,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::learn_test {
 namespace {
 
 constexpr int kThrottle = 2;
@@ -139,4 +139,4 @@ TEST_F(Learn, LeadsAPersonThroughSwitchingOffAndOn) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::learn_test

@@ -6,7 +6,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::main_job_test {
 namespace {
 
 /// Sends `bytes` once and collects what the servos see until a good frame has these channels.
@@ -265,4 +265,4 @@ TEST_F(Loopback, BytesFromBeforeTheStartAreNeitherDecodedNorSentBack) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::main_job_test

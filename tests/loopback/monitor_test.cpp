@@ -16,7 +16,7 @@
 #include "app/control_socket.h"
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::monitor_test {
 namespace {
 
 class Monitored : public Loopback {
@@ -174,4 +174,4 @@ TEST_F(Monitored, ClientsThatDoNotReadDoNotHurt) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::monitor_test

@@ -11,7 +11,7 @@
 
 #include "tests/loopback/loopback.h"
 
-namespace tribus::test {
+namespace tribus::test::ordinary_user_test {
 namespace {
 
 /// Who has just installed it and may do nothing special: Debian's limits let 8 MiB be locked, and a
@@ -128,4 +128,4 @@ TEST_F(OrdinaryUser, IsRefusedWhereTheConfigurationRequiresRealTime) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::ordinary_user_test

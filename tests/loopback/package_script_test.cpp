@@ -5,7 +5,7 @@
 #include "tests/support/shell.h"
 
 /// What deploy/package.sh says before it builds anything.
-namespace tribus::test {
+namespace tribus::test::package_script_test {
 namespace {
 
 Ended package_script(const std::string& arguments) {
@@ -41,4 +41,4 @@ TEST(PackageScript, ItsHelpBeginsWithTheChoices) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::package_script_test

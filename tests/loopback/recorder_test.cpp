@@ -17,7 +17,7 @@
 #include "tests/loopback/loopback.h"
 #include "tests/support/shell.h"
 
-namespace tribus::test {
+namespace tribus::test::recorder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -391,4 +391,4 @@ TEST_F(Recorded, ARecordingWithoutTimesNeedsAPeriod) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::recorder_test

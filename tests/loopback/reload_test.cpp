@@ -20,7 +20,7 @@
 #include "app/ask_daemon.h"
 #include "tests/loopback/first_channel.h"
 
-namespace tribus::test {
+namespace tribus::test::reload_test {
 namespace {
 
 /// Another output for the receiver's channels.
@@ -318,4 +318,4 @@ TEST_F(ReloadsUnderLoad, AHundredInARowDelayNoFrameAndLeakNothing) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::reload_test

@@ -12,7 +12,7 @@
 
 /// The built program on sensor buses over ptys. A withheld answer is asked for again, as receivers
 /// do, so that a busy machine makes these tests slower, and nothing else.
-namespace tribus::test {
+namespace tribus::test::sensor_bus_test {
 namespace {
 
 constexpr unsigned kValueOf1 = 0xA1;
@@ -311,4 +311,4 @@ TEST_P(WrongSensorBus, EndsWithTheMessage) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::sensor_bus_test

@@ -13,7 +13,7 @@
 #include "tests/loopback/loopback.h"
 #include "transports/links/unique_fd.h"
 
-namespace tribus::test {
+namespace tribus::test::service_test {
 namespace {
 
 /// What a service manager gives its services, and what they tell it.
@@ -125,4 +125,4 @@ TEST_F(Service, RunsOnWithoutAServiceManager) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::service_test

@@ -13,7 +13,7 @@
 #include "tests/loopback/loopback.h"
 #include "tests/support/captures.h"
 
-namespace tribus::test {
+namespace tribus::test::simulate_test {
 namespace {
 
 using Json = nlohmann::json;
@@ -271,4 +271,4 @@ value = "battery.voltage"
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::simulate_test

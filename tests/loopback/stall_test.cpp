@@ -10,7 +10,7 @@
 #include "tests/loopback/witnessed.h"
 
 /// The program is stopped and goes on; its senders have gone on meanwhile.
-namespace tribus::test {
+namespace tribus::test::stall_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -178,4 +178,4 @@ power_on = "0ms"
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::stall_test

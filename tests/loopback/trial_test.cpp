@@ -9,7 +9,7 @@
 #include "app/ask_daemon.h"
 #include "tests/loopback/first_channel.h"
 
-namespace tribus::test {
+namespace tribus::test::trial_test {
 namespace {
 
 constexpr std::string_view kReversed = "[pipeline.main.channels]\n1 = { from = 1, reverse = true }";
@@ -275,4 +275,4 @@ TEST_F(Trial, DiffShowsWhatTheReloadThenDoesWithEighteenChannels) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::trial_test

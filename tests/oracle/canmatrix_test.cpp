@@ -23,7 +23,7 @@
 
 /// An independent reader of DBC judges ours: canmatrix (Debian: python3-canmatrix) reads the same
 /// random text and decodes the same random frames.
-namespace tribus {
+namespace tribus::canmatrix_test {
 namespace {
 
 using nlohmann::json;
@@ -272,4 +272,4 @@ TEST_P(Canmatrix, DecodesRandomFramesOfRandomTextsToTheSameValues) {
 INSTANTIATE_TEST_SUITE_P(Seeds, Canmatrix, testing::Values(1U, 2U, 3U));
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::canmatrix_test

@@ -18,7 +18,7 @@
 
 /// canmatrix (Debian: python3-canmatrix) reads what the protocol "sensors" sends with the DBC file
 /// that we ship: every type, at the ends and in the midst of its raw values.
-namespace tribus::test {
+namespace tribus::test::sensors_dbc_test {
 namespace {
 
 using nlohmann::json;
@@ -97,4 +97,4 @@ TEST(SensorsByCanmatrix, HaveTheNumbersOfTheirTypes) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::sensors_dbc_test

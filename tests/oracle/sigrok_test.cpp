@@ -19,7 +19,7 @@
 
 /// An independent reader judges what goes on the wire: the uart decoder of sigrok reads the
 /// waveform that `encode --format vcd` draws, and must see the bytes that `encode` puts out.
-namespace tribus {
+namespace tribus::sigrok_test {
 namespace {
 
 using test::run_in_shell;
@@ -179,4 +179,4 @@ TEST_F(Sigrok, DoesNotHearAnInvertedWireAsAStraightOne) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sigrok_test

@@ -13,7 +13,7 @@
 
 /// An independent reader judges the logs of CAN frames: tshark must see the ids, the data and the
 /// times that are in them.
-namespace tribus {
+namespace tribus::tshark_test {
 namespace {
 
 using test::Ended;
@@ -141,4 +141,4 @@ TEST_F(Tshark, SeesTheTimesOfALog) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::tshark_test

@@ -16,7 +16,7 @@
 #include "transports/codecs/can_channels.h"
 #include "transports/codecs/sbus.h"
 
-namespace tribus {
+namespace tribus::can_channels_test {
 namespace {
 
 using namespace can_channels;
@@ -326,4 +326,4 @@ TEST_P(TwoSenders, NeedOnlyOneToStopForTheOtherToBeHeard) {
 INSTANTIATE_TEST_SUITE_P(Formats, TwoSenders, testing::Range(std::size_t{0}, kCanFormats.size()));
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_channels_test

@@ -10,7 +10,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/ibus.h"
 
-namespace tribus {
+namespace tribus::codec_ibus_test {
 namespace {
 
 using test::append;
@@ -356,4 +356,4 @@ RC_GTEST_PROP(IbusEncoderProperty, EveryFrameHasAnEncodingThatDecodesToItsWholeM
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::codec_ibus_test

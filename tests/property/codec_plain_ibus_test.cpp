@@ -12,7 +12,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/ibus.h"
 
-namespace tribus::reference {
+namespace tribus::reference::codec_plain_ibus_test {
 namespace {
 
 using test::Bytes;
@@ -259,4 +259,4 @@ TEST(IbusBesidePlain, EveryPulseOfEveryChannelIsWrittenTheSame) {
 }
 
 }  // namespace
-}  // namespace tribus::reference
+}  // namespace tribus::reference::codec_plain_ibus_test

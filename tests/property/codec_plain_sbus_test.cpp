@@ -14,7 +14,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus.h"
 
-namespace tribus::reference {
+namespace tribus::reference::codec_plain_sbus_test {
 namespace {
 
 using test::Bytes;
@@ -276,4 +276,4 @@ RC_GTEST_PROP(SbusScaleProperty, AnyScaleReadsAndWritesAFrameAsItDoesEachValue, 
 }
 
 }  // namespace
-}  // namespace tribus::reference
+}  // namespace tribus::reference::codec_plain_sbus_test

@@ -20,7 +20,7 @@
 
 /// How many frames come through faults of the line, and how many that nobody sent, beside the
 /// decoders of flight controllers on the same bytes.
-namespace tribus::test {
+namespace tribus::test::codec_sbus_bound_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -293,4 +293,4 @@ TEST(SbusBound, APortThatDeliversInLumpsLosesFewFrames) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::codec_sbus_bound_test

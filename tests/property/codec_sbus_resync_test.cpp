@@ -12,7 +12,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus.h"
 
-namespace tribus {
+namespace tribus::codec_sbus_resync_test {
 namespace {
 
 using test::all_sticks;
@@ -201,4 +201,4 @@ TEST(SbusResyncProperty, TheFrameBehindADamagedOneComesWithItsLastByte) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::codec_sbus_resync_test

@@ -13,7 +13,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus.h"
 
-namespace tribus {
+namespace tribus::codec_sbus_test {
 namespace {
 
 using test::all_sticks;
@@ -210,4 +210,4 @@ RC_GTEST_PROP(SbusEncoderProperty, EveryFrameHasAnEncodingThatDecodes, ()) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::codec_sbus_test

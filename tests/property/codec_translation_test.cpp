@@ -7,7 +7,7 @@
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
 
-namespace tribus {
+namespace tribus::codec_translation_test {
 namespace {
 
 using test::feed;
@@ -78,4 +78,4 @@ TEST(TranslationProperty, WhatSbusCannotHoldComesBackAsItsEnd) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::codec_translation_test

@@ -13,7 +13,7 @@
 #include "transports/codecs/dbc/signal.h"
 
 /// Whatever a text holds, it is either refused at a place within it or safe to use.
-namespace tribus {
+namespace tribus::dbc_file_property_test {
 namespace {
 
 using test::Random;
@@ -243,4 +243,4 @@ TEST(DbcFileProperty, ManyBracketsAndQuotesAreRead) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dbc_file_property_test

@@ -11,7 +11,7 @@
 #include "transports/codecs/dbc/dbc.h"
 
 /// Random maps over random signals: what is encoded decodes to the same, to the signal's step.
-namespace tribus {
+namespace tribus::dbc_round_trip_test {
 namespace {
 
 using namespace test;
@@ -155,4 +155,4 @@ TEST(DbcRoundTrip, AnyFramesGiveWholeSnapshotsOrNone) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dbc_round_trip_test

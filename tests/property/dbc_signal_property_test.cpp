@@ -13,7 +13,7 @@
 #include "transports/codecs/dbc/signal.h"
 
 /// Every signal that fits into the longest frame: each start, each length, both byte orders.
-namespace tribus {
+namespace tribus::dbc_signal_property_test {
 namespace {
 
 using test::Bytes;
@@ -176,4 +176,4 @@ TEST(DbcLayoutProperty, AllFiniteFloatsGoBackToTheirBits) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dbc_signal_property_test

@@ -18,7 +18,7 @@
 #include "transports/codecs/dronecan/transfer.h"
 
 /// Whatever is on a bus, every frame of it is accounted for and every format can say it.
-namespace tribus {
+namespace tribus::dronecan_decode_property_test {
 namespace {
 
 using dronecan::TransferHead;
@@ -139,4 +139,4 @@ RC_GTEST_PROP(DroneCanDecode, WhereOneFrameIsLostOneTransferIsBrokenAndNoneIsUnt
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dronecan_decode_property_test

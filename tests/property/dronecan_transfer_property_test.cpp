@@ -18,7 +18,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::dronecan_transfer_property_test {
 namespace {
 
 using test::Bytes;
@@ -396,4 +396,4 @@ TEST(DronecanTransferProperty, AnyFramesAtAllAreJudgedAndNoPayloadIsTooLong) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::dronecan_transfer_property_test

@@ -17,7 +17,7 @@
 #include "transports/codecs/dronecan/types.h"
 
 /// Every data type with random values in all of its fields, and with random bytes.
-namespace tribus::dronecan {
+namespace tribus::dronecan::dronecan_types_property_test {
 namespace {
 
 using test::Bytes;
@@ -211,4 +211,4 @@ TEST(DroneCanTypesProperty, BytesThatAreAcceptedAreWrittenAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::dronecan_types_property_test

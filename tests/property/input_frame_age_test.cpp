@@ -15,7 +15,7 @@
 
 /// However long a decoder holds a frame back, and whatever makes it let go, an input knows when the
 /// frame's last byte was read.
-namespace tribus::test {
+namespace tribus::test::input_frame_age_test {
 namespace {
 
 constexpr std::size_t kMostRead = 64;
@@ -131,4 +131,4 @@ TEST(FrameAge, OfIbusIsThatOfItsLastByteWhateverTheLineDoes) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::input_frame_age_test

@@ -10,7 +10,7 @@
 #include "tests/sim/simulation.h"
 #include "tests/sim/stored_table.h"
 
-namespace tribus::test {
+namespace tribus::test::behaviour_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -96,4 +96,4 @@ TEST(Behaviour, loss_and_jitter_to_age_and_failsafe_delay_are_as_stored) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::behaviour_test

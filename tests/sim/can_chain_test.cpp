@@ -13,7 +13,7 @@
 #include "tests/sim/stored_table.h"
 #include "tests/support/heap_trap.h"
 
-namespace tribus::test {
+namespace tribus::test::can_chain_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -245,4 +245,4 @@ TEST(CanBehaviour, loss_and_format_to_published_snapshots_and_age_are_as_stored)
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_chain_test

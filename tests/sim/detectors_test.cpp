@@ -11,7 +11,7 @@
 #include "tests/sim/stored_table.h"
 
 /// Each detector alone against the loss that it is for, and with its off switch.
-namespace tribus::test {
+namespace tribus::test::detectors_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -122,4 +122,4 @@ TEST(Detectors, time_to_failsafe_and_back_of_each_is_as_stored) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::detectors_test

@@ -10,7 +10,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::dronecan_transfer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -64,4 +64,4 @@ TEST(DronecanTransfer, NeitherSideAllocatesOnceItIsMade) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::dronecan_transfer_test

@@ -13,7 +13,7 @@
 
 /// Each receiver of the reference loses its transmitter for ten seconds: `learn` studies it, its
 /// lines go into a configuration, and the whole engine runs over the same bytes.
-namespace tribus::test {
+namespace tribus::test::known_receivers_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -97,4 +97,4 @@ TEST(KnownReceiversTable, what_is_learned_of_each_and_its_times_are_as_stored) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::known_receivers_test

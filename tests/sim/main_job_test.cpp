@@ -6,7 +6,7 @@
 #include "tests/sim/simulation.h"
 #include "tests/support/heap_trap.h"
 
-namespace tribus::test {
+namespace tribus::test::main_job_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -150,4 +150,4 @@ TEST(HeapTrapTest, sees_an_allocation) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::main_job_test

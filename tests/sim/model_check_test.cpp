@@ -27,7 +27,7 @@
 /// few things. What the output does is held against what it may do by the history alone. States are
 /// told apart by what can be seen of them, capped where timers have run out; so short histories are
 /// all tried besides, whatever state they lead to.
-namespace tribus::test {
+namespace tribus::test::model_check_test {
 namespace {
 
 constexpr Duration kStep = std::chrono::milliseconds(10);
@@ -317,4 +317,4 @@ TEST_F(ModelCheck, EveryStateOfAMedian) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::model_check_test

@@ -13,7 +13,7 @@
 
 /// Random configurations, random receivers with random troubles: fail silent or fail explicit,
 /// never fail stale.
-namespace tribus::test {
+namespace tribus::test::never_stale_test {
 namespace {
 
 constexpr std::uint64_t kSeeds = 600;
@@ -100,4 +100,4 @@ TEST(NeverStale, no_world_that_broke_one_once_does_again) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::never_stale_test

@@ -16,7 +16,7 @@
 
 /// Recordings of real receivers, over and over, whose loss is simulated in each of the known ways,
 /// with the lines that were learned of that way.
-namespace tribus::test {
+namespace tribus::test::recorded_loss_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -93,4 +93,4 @@ INSTANTIATE_TEST_SUITE_P(Captures, RecordedLoss, testing::ValuesIn(kFlights), []
 });
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::recorded_loss_test

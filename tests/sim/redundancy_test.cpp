@@ -23,7 +23,7 @@
 
 /// Three receivers hear the same sticks, 5 us apart from each other in calibration; one of them
 /// fails in one way.
-namespace tribus::test {
+namespace tribus::test::redundancy_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -276,4 +276,4 @@ TEST(Redundancy, with_a_median_no_failure_of_one_changes_a_frame_by_more_than_th
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::redundancy_test

@@ -12,7 +12,7 @@
 #include "transports/codecs/sbus.h"
 
 /// A new configuration in the place of the running one, frame by frame.
-namespace tribus::test {
+namespace tribus::test::reload_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -382,4 +382,4 @@ to = "servos"
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::reload_test

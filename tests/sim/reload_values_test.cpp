@@ -10,7 +10,7 @@
 #include "tests/support/ibus_checksum.h"
 
 /// Sensor buses and values across a reload.
-namespace tribus::test {
+namespace tribus::test::reload_values_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -118,4 +118,4 @@ unit = "V"
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::reload_values_test

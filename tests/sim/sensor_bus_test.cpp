@@ -19,7 +19,7 @@
 
 /// Both roles of a sensor bus under virtual time: against a recorded receiver, against simulated
 /// sensors, and against each other.
-namespace tribus::test {
+namespace tribus::test::sensor_bus_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -308,4 +308,4 @@ TEST(SensorBus, NeitherRoleAllocatesOnceItIsMade) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::sensor_bus_test

@@ -126,11 +126,11 @@ inline std::uint64_t rejected(const DecoderReport& decoder, std::string_view cau
     return 0;
 }
 
-/// Good, with the first channels as listed, microseconds.
-inline ChannelFrame channels(const std::vector<double>& microseconds) {
+/// Good, with the first channels as listed, in us.
+inline ChannelFrame channels(const std::vector<double>& pulse_us) {
     ChannelFrame frame;
-    for (std::size_t channel = 0; channel < microseconds.size(); ++channel) {
-        frame.set(channel, Pulse::from_fractional_microseconds(microseconds[channel]));
+    for (std::size_t channel = 0; channel < pulse_us.size(); ++channel) {
+        frame.set(channel, Pulse::from_fractional_microseconds(pulse_us[channel]));
     }
     frame.frame_lost = frame.failsafe = false;
     return frame;

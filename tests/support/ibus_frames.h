@@ -50,7 +50,7 @@ inline constexpr std::string_view kIbus2Response =
     "06 f8 10 03 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 a3";
 
 /// Whole microseconds of each channel, -1 for one that is not present.
-inline std::vector<int> microseconds(const ChannelFrame& frame) {
+inline std::vector<int> whole_microseconds(const ChannelFrame& frame) {
     std::vector<int> values;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         const auto pulse = frame.channel(channel);

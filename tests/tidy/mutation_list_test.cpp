@@ -10,7 +10,7 @@
 #include "config/read_file.h"
 
 /// The list of tests/mutation stays true while the sources change.
-namespace tribus::test {
+namespace tribus::test::mutation_list_test {
 namespace {
 
 constexpr std::size_t kMostBytes = 1 << 20;
@@ -83,4 +83,4 @@ TEST(MutationList, names_tell_mutations_apart) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::mutation_list_test

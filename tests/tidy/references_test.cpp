@@ -19,7 +19,7 @@
 /// A link in a page: [text](target) or [text](target#anchor), relative to the page. A comment names
 /// a page by its path from the root or from its own folder, and sections by their headings in
 /// quotes: docs/laboratory.md, "What runs" and "Running it".
-namespace tribus::test {
+namespace tribus::test::references_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -347,4 +347,4 @@ TEST(References, a_dead_citation_is_found) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::references_test

@@ -11,7 +11,7 @@
 #include <vector>
 
 /// Rules of the house that no tool knows.
-namespace tribus::test {
+namespace tribus::test::tidy_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -143,6 +143,24 @@ TEST(Tidy, what_says_how_to_run_it_can_be_run) {
     EXPECT_GT(found, 10U);
 }
 
+/// Files of tests are compiled together, so names of one must not meet those of another.
+TEST(Tidy, a_file_of_tests_has_a_namespace_of_its_own_name) {
+    const fs::path tests = fs::path(TRIBUS_SOURCE_DIR) / "tests";
+    std::size_t seen = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(tests)) {
+        const std::string name = entry.path().stem().string();
+        if (entry.path().extension() != ".cpp" || !name.ends_with("_test")) {
+            continue;
+        }
+        ++seen;
+        std::ifstream file(entry.path());
+        const std::string text{std::istreambuf_iterator<char>(file), {}};
+        const std::regex own("\\nnamespace tribus[a-z_:]*::" + name + " \\{\\n");
+        EXPECT_TRUE(std::regex_search(text, own)) << entry.path() << ": namespace tribus::" << name;
+    }
+    EXPECT_GT(seen, 200U);
+}
+
 TEST(Tidy, no_source_file_is_longer_than_400_lines) {
     for (const SourceLine& line : lines_of(kProduct)) {
         EXPECT_NE(line.number, 401U) << line.file;
@@ -150,4 +168,4 @@ TEST(Tidy, no_source_file_is_longer_than_400_lines) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::tidy_test

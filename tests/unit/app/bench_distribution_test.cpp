@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::bench {
+namespace tribus::bench::bench_distribution_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -55,4 +55,4 @@ TEST(Median, IsTheMiddleOneOrTheMeanOfTheTwoMiddleOnes) {
 }
 
 }  // namespace
-}  // namespace tribus::bench
+}  // namespace tribus::bench::bench_distribution_test

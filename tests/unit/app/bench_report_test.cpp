@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace tribus::bench {
+namespace tribus::bench::bench_report_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -100,4 +100,4 @@ TEST(ReportJson, HasEveryFigureWithItsAnchorAndRatio) {
 }
 
 }  // namespace
-}  // namespace tribus::bench
+}  // namespace tribus::bench::bench_report_test

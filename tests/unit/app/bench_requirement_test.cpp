@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::bench {
+namespace tribus::bench::bench_requirement_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -68,4 +68,4 @@ TEST(ShortTime, RoundsUpIntoTheNextUnit) {
 }
 
 }  // namespace
-}  // namespace tribus::bench
+}  // namespace tribus::bench::bench_requirement_test

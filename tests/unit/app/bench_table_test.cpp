@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::bench {
+namespace tribus::bench::bench_table_test {
 namespace {
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -69,4 +69,4 @@ TEST(Reading, TellsBetterNearlyAndWorse) {
 }
 
 }  // namespace
-}  // namespace tribus::bench
+}  // namespace tribus::bench::bench_table_test

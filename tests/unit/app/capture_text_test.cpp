@@ -9,7 +9,7 @@
 
 #include "transports/links/recording.h"
 
-namespace tribus {
+namespace tribus::capture_text_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -131,4 +131,4 @@ TEST(CaptureText, keeps_all_bytes_of_an_fd_frame) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::capture_text_test

@@ -13,7 +13,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace tribus {
+namespace tribus::control_server_test {
 namespace {
 
 constexpr Duration kMs = std::chrono::milliseconds(1);
@@ -308,4 +308,4 @@ TEST_F(Control, OneWhoDoesNotReadTakesNothingFromOthers) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::control_server_test

@@ -10,7 +10,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-namespace tribus {
+namespace tribus::control_socket_test {
 namespace {
 
 SocketHomes homes(const std::string& runtime, const std::string& user, bool root) {
@@ -125,4 +125,4 @@ TEST_F(Listener, IsNotFoundWhereNobodyAnswers) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::control_socket_test

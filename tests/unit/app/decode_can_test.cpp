@@ -13,7 +13,7 @@
 #include "tests/support/tiny_can.h"
 #include "transports/links/recording.h"
 
-namespace tribus {
+namespace tribus::decode_can_test {
 namespace {
 
 using test::kOtherTinyCan;
@@ -208,4 +208,4 @@ TEST(DecodeCanStream, InterfaceThatNeverCameIsAFailure) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::decode_can_test

@@ -14,7 +14,7 @@
 #include "app/frame_json.h"
 #include "tests/support/outcome.h"
 
-namespace tribus {
+namespace tribus::decode_dronecan_test {
 namespace {
 
 using nlohmann::json;
@@ -276,4 +276,4 @@ TEST(DecodeDroneCan, ALogIsOneOfDroneCanIfMostOfItsTransfersAreWholeAndKnown) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::decode_dronecan_test

@@ -12,7 +12,7 @@
 #include "tests/support/outcome.h"
 #include "tests/support/shell.h"
 
-namespace tribus {
+namespace tribus::decode_sensor_test {
 namespace {
 
 using nlohmann::json;
@@ -214,4 +214,4 @@ TEST(DecodeSensorProgram, WhatDoesNotGoTogetherEndsWithTwo) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::decode_sensor_test

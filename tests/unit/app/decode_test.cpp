@@ -11,7 +11,7 @@
 #include "app/exit_status.h"
 #include "tests/support/outcome.h"
 
-namespace tribus {
+namespace tribus::decode_test {
 namespace {
 
 using test::Outcome;
@@ -231,4 +231,4 @@ TEST(Decode, StreamPrintsAFrameBeforeTheNextBytesAreRead) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::decode_test

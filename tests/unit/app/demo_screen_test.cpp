@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace tribus {
+namespace tribus::demo_screen_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -99,4 +99,4 @@ TEST(DemoScreen, durations_have_three_figures_at_most) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::demo_screen_test

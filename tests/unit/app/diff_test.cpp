@@ -7,7 +7,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::diff_test {
 namespace {
 
 const std::string kJob = main_job_with(0, "");
@@ -84,4 +84,4 @@ TEST(Diff, SaysWhatAReloadCannotDoWithoutAStop) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::diff_test

@@ -9,7 +9,7 @@
 #include "tests/support/streams.h"
 #include "transports/links/recording.h"
 
-namespace tribus {
+namespace tribus::dronecan_explainer_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -241,4 +241,4 @@ TEST(DroneCanExplainer, MoreSendersAndTypesThanThereIsRoomForAreCrowdedOutUntilO
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dronecan_explainer_test

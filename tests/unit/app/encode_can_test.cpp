@@ -8,7 +8,7 @@
 #include "tests/support/outcome.h"
 #include "tests/support/tiny_can.h"
 
-namespace tribus {
+namespace tribus::encode_can_test {
 namespace {
 
 using test::kTinyCan;
@@ -59,4 +59,4 @@ TEST(EncodeCan, TimeThatGoesBackIsReportedAndLeftOut) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::encode_can_test

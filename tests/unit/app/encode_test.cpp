@@ -9,7 +9,7 @@
 #include "app/exit_status.h"
 #include "tests/support/outcome.h"
 
-namespace tribus {
+namespace tribus::encode_test {
 namespace {
 
 using test::Outcome;
@@ -118,4 +118,4 @@ TEST(Encode, IbusChannelsSettingChoosesTheFrame) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::encode_test

@@ -16,7 +16,7 @@
 #include "config/load.h"
 #include "tests/support/temporary_folder.h"
 
-namespace tribus::test {
+namespace tribus::test::flight_recorder_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -107,4 +107,4 @@ TEST_F(FlightRecorderOf, one_port_with_memory_names_the_other_and_no_file_of_it)
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::flight_recorder_test

@@ -10,7 +10,7 @@
 
 #include "transports/registry/registry.h"
 
-namespace tribus {
+namespace tribus::frame_json_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -168,4 +168,4 @@ TEST(FrameJson, RefusesValuesThatNothingCanHold) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::frame_json_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::test {
+namespace tribus::test::frame_judge_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -53,4 +53,4 @@ TEST(FrameJudge, tells_once_why_the_link_was_lost_before_a_frame) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::frame_judge_test

@@ -6,7 +6,7 @@
 #include "app/graph_picture.h"
 #include "config/load.h"
 
-namespace tribus {
+namespace tribus::graph_test {
 namespace {
 
 constexpr const char* kConfig = R"([input.main]
@@ -97,4 +97,4 @@ TEST(GraphPicture, OfNothingIsAPicture) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::graph_test

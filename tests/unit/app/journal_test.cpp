@@ -14,7 +14,7 @@
 #include "tests/support/temporary_folder.h"
 #include "transports/links/unique_fd.h"
 
-namespace tribus {
+namespace tribus::journal_test {
 namespace {
 
 using namespace std::string_literals;
@@ -107,4 +107,4 @@ TEST_F(Journal, ThatIsNotThereCostsTheFieldsOnly) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::journal_test

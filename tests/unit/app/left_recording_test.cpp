@@ -20,7 +20,7 @@
 #include "tests/support/temporary_folder.h"
 #include "transports/links/recording.h"
 
-namespace tribus::test {
+namespace tribus::test::left_recording_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -245,4 +245,4 @@ TEST_F(LeftFolder, in_which_nothing_had_passed_is_refused) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::left_recording_test

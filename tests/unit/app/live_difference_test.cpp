@@ -9,7 +9,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::live_difference_test {
 namespace {
 
 const std::string kJob = main_job_with(0, "");
@@ -169,4 +169,4 @@ INSTANTIATE_TEST_SUITE_P(
                       "[input.receiver]\nprotocol = \"can\"\ninterface = \"can0\"\nfd = true\n"));
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::live_difference_test

@@ -9,7 +9,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// What all known receivers teach is in tests/sim/known_receivers_test.cpp.
-namespace tribus::test {
+namespace tribus::test::loss_study_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -43,7 +43,7 @@ int flown(Instant at) {
 }
 
 InputConfig ibus_input() {
-    return load_configuration(testing::main_job_with(0, ""), "t.toml")->inputs[0];
+    return load_configuration(test::main_job_with(0, ""), "t.toml")->inputs[0];
 }
 
 TEST(LossStudy, of_frames_that_never_came_sends_the_person_to_the_wire) {
@@ -126,4 +126,4 @@ TEST(LossStudy, uses_a_rule_that_the_configuration_has_already) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::loss_study_test

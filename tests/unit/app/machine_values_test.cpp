@@ -11,7 +11,7 @@
 
 #include "tests/support/shell.h"
 
-namespace tribus {
+namespace tribus::machine_values_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ TEST(ThisMachine, TellsItsUptimeAndMemory) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::machine_values_test

@@ -15,7 +15,7 @@
 #include "config/load.h"
 #include "tests/support/temporary_folder.h"
 
-namespace tribus {
+namespace tribus::metrics_test {
 namespace {
 
 constexpr const char* kConfig = R"([input.main]
@@ -230,4 +230,4 @@ TEST_F(MetricsSocket, AddressThatIsNoneIsRefused) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::metrics_test

@@ -8,7 +8,7 @@
 
 #include "app/monitor_keys.h"
 
-namespace tribus {
+namespace tribus::monitor_screen_test {
 namespace {
 
 using nlohmann::json;
@@ -265,4 +265,4 @@ TEST(MonitorKeys, OthersArePassedOver) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::monitor_screen_test

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace tribus::test {
+namespace tribus::test::object_text_test {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -47,4 +47,4 @@ TEST(ObjectText, of_no_member_is_an_object_still) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::object_text_test

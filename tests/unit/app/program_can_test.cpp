@@ -5,7 +5,7 @@
 #include "tests/support/shell.h"
 
 /// The built program over logs of CAN frames in the native format.
-namespace tribus {
+namespace tribus::program_can_test {
 namespace {
 
 using test::Ended;
@@ -219,4 +219,4 @@ TEST_F(ProgramCan, SettingsBesideThoseOfAConfigurationAreRefused) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::program_can_test

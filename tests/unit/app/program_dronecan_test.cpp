@@ -6,7 +6,7 @@
 #include "tests/support/shell.h"
 
 /// The built program over logs of a DroneCAN bus.
-namespace tribus {
+namespace tribus::program_dronecan_test {
 namespace {
 
 using test::Ended;
@@ -84,4 +84,4 @@ TEST_F(ProgramDroneCan, SeveralInterfacesNeedAName) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::program_dronecan_test

@@ -5,7 +5,7 @@
 #include "tests/support/shell.h"
 
 /// The built program, as a shell starts it: what only shows from outside.
-namespace tribus {
+namespace tribus::program_test {
 namespace {
 
 using test::Ended;
@@ -99,4 +99,4 @@ TEST(Program, HelpEndsWithZero) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::program_test

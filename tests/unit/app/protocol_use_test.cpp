@@ -10,7 +10,7 @@
 #include "tests/support/shell.h"
 #include "transports/registry/registry.h"
 
-namespace tribus {
+namespace tribus::protocol_use_test {
 namespace {
 
 std::string refusal(std::string_view name, const GivenSettings& given) {
@@ -138,4 +138,4 @@ TEST(ProtocolUse, DeviceSettingsAreNoOptions) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::protocol_use_test

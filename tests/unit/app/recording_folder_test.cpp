@@ -17,7 +17,7 @@
 #include "tests/support/temporary_folder.h"
 #include "transports/links/recording.h"
 
-namespace tribus::test {
+namespace tribus::test::recording_folder_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -231,4 +231,4 @@ TEST(RecordingPlan, that_is_damaged_is_none) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::recording_folder_test

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::sensor_conversation_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -221,4 +221,4 @@ TEST(SensorConversation, DiscoverTwiceAtTheEndIsAnAnswerUnlessTheRecorderHearsIt
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sensor_conversation_test

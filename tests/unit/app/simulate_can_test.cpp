@@ -7,7 +7,7 @@
 #include "tests/support/shell.h"
 
 /// `tribus simulate` with CAN on either side.
-namespace tribus {
+namespace tribus::simulate_can_test {
 namespace {
 
 using test::Ended;
@@ -161,4 +161,4 @@ TEST_F(SimulateCan, LogForASerialInputIsRefused) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::simulate_can_test

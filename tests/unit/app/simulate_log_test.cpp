@@ -7,7 +7,7 @@
 #include "tests/support/shell.h"
 
 /// What `tribus simulate` says beside its summary.
-namespace tribus {
+namespace tribus::simulate_log_test {
 namespace {
 
 using test::run_in_shell;
@@ -132,4 +132,4 @@ TEST_F(TwoSendersOfAMessage, AreNotSaidOfOne) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::simulate_log_test

@@ -25,7 +25,7 @@
 
 /// What the log says, also from one configuration to the next: of an appliance at work at ptys,
 /// with a log that looks when the test says so, at instants that the test says.
-namespace tribus::test {
+namespace tribus::test::state_log_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -282,4 +282,4 @@ TEST_F(StateLogOverAReload, CountsTheSilenceOfASensorBusFromItsStart) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::state_log_test

@@ -8,7 +8,7 @@
 
 #include "config/load.h"
 
-namespace tribus {
+namespace tribus::status_json_test {
 namespace {
 
 using nlohmann::json;
@@ -244,4 +244,4 @@ TEST(RateWindow, OfADataThreadThatStandsStillThereIsNoRate) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::status_json_test

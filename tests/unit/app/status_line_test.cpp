@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::test {
+namespace tribus::test::status_line_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -99,4 +99,4 @@ TEST(StatusLine, of_nothing_but_sensor_buses_says_that_it_runs) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::status_line_test

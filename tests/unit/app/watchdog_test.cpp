@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::test {
+namespace tribus::test::watchdog_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -117,4 +117,4 @@ TEST_F(WatchdogTest, one_who_feeds_all_inputs_has_no_outputs_to_be_late) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::watchdog_test

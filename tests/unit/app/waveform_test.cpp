@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::waveform_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -87,4 +87,4 @@ TEST(Waveform, RoundedStartBehindAFrameIsNoDelay) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::waveform_test

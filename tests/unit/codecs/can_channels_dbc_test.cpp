@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tribus {
+namespace tribus::can_channels_dbc_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,4 +100,4 @@ TEST(NativeDbc, FollowsTheIds) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_channels_dbc_test

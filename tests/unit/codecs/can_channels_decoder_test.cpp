@@ -11,7 +11,7 @@
 #include "tests/support/can_snapshots.h"
 #include "transports/codecs/can_channels.h"
 
-namespace tribus {
+namespace tribus::can_channels_decoder_test {
 namespace {
 
 using namespace can_channels;
@@ -397,4 +397,4 @@ TEST(CanChannelsDecoder, ASpoiltSnapshotIsNotBegunAgain) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_channels_decoder_test

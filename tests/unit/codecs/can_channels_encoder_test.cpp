@@ -11,7 +11,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/can_channels.h"
 
-namespace tribus {
+namespace tribus::can_channels_encoder_test {
 namespace {
 
 using namespace can_channels;
@@ -309,4 +309,4 @@ TEST(CanProtocol, MakesCodecsAsTheSettingsSay) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_channels_encoder_test

@@ -9,7 +9,7 @@
 #include "transports/codecs/can_channels.h"
 
 /// Old snapshots that something repeats in a ring, and a sender that is there a second time.
-namespace tribus {
+namespace tribus::can_channels_ring_test {
 namespace {
 
 using namespace test;
@@ -119,4 +119,4 @@ INSTANTIATE_TEST_SUITE_P(Formats, CanChannelsRing, testing::ValuesIn(kCanFormats
                          });
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_channels_ring_test

@@ -4,7 +4,7 @@
 #include "transports/codecs/can_channels.h"
 
 /// Two senders with the same ids, and one that another goes on as.
-namespace tribus {
+namespace tribus::can_channels_senders_test {
 namespace {
 
 using namespace test;
@@ -36,4 +36,4 @@ TEST(CanChannelsSenders, GoOnCountingWhereAnotherConfigurationTakesOver) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_channels_senders_test

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::counter_watch_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -242,4 +242,4 @@ TEST(CounterWatch, TwoSendersInTurnAreNeverBelieved) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::counter_watch_test

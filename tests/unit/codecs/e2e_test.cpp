@@ -7,7 +7,7 @@
 
 #include "tests/support/streams.h"
 
-namespace tribus {
+namespace tribus::e2e_test {
 namespace {
 
 using test::Bytes;
@@ -88,4 +88,4 @@ TEST(E2eProfile22, SeesEveryErrorOfOneToThreeBits) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::e2e_test

@@ -11,7 +11,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/ibus.h"
 
-namespace tribus {
+namespace tribus::ibus_encoder_test {
 namespace {
 
 using namespace test;
@@ -61,12 +61,12 @@ TEST(IbusEncoder, WritesEveryMicrosecondOfEveryChannel) {
         }
         const auto eighteen = decode_one(encoded(IbusEncoder(18), frame));
         ASSERT_TRUE(eighteen);
-        ASSERT_EQ(microseconds(*eighteen), expected);
+        ASSERT_EQ(whole_microseconds(*eighteen), expected);
         const auto fourteen = decode_one(encoded(IbusEncoder(14), frame));
         ASSERT_TRUE(fourteen);
         expected.resize(14);
         expected.resize(18, -1);
-        ASSERT_EQ(microseconds(*fourteen), expected);
+        ASSERT_EQ(whole_microseconds(*fourteen), expected);
     }
 }
 
@@ -137,4 +137,4 @@ TEST(IbusProtocol, LeavesTimeForAWholeFrame) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::ibus_encoder_test

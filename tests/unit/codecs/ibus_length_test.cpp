@@ -7,7 +7,7 @@
 #include "transports/codecs/ibus.h"
 
 /// A sender's i.Bus length does not change for one frame; and what a pause tells.
-namespace tribus {
+namespace tribus::ibus_length_test {
 namespace {
 
 using test::append;
@@ -141,4 +141,4 @@ TEST(IbusPauses, FramesInsideWhatLookedLikeALongerOneComeWithThePause) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::ibus_length_test

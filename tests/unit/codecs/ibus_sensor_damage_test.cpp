@@ -10,7 +10,7 @@
 #include "transports/codecs/ibus_sensor.h"
 
 /// What one disturbed byte costs on a sensor bus, at every place and of every kind.
-namespace tribus {
+namespace tribus::ibus_sensor_damage_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -113,4 +113,4 @@ TEST(SensorFrameParser, AByteThatIsAddedCostsOneExchange) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::ibus_sensor_damage_test

@@ -11,7 +11,7 @@
 
 #include "tests/support/sensor_wire.h"
 
-namespace tribus {
+namespace tribus::ibus_sensor_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -262,4 +262,4 @@ TEST(SensorFrameParser, FindsTheSameHoweverTheBytesAreCutIntoReads) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::ibus_sensor_test

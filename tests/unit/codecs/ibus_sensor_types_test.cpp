@@ -15,7 +15,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-namespace tribus {
+namespace tribus::ibus_sensor_types_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -305,4 +305,4 @@ TEST(WithSize, ItsOwnSizeAndThoseOfNoNumberChangeNothing) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::ibus_sensor_types_test

@@ -12,7 +12,7 @@
 #include "tests/support/ibus_frames.h"
 #include "tests/support/streams.h"
 
-namespace tribus {
+namespace tribus::ibus_test {
 namespace {
 
 using namespace test;
@@ -37,7 +37,7 @@ Bytes frame_of_words(std::span<const std::uint16_t> words) {
 
 std::optional<std::vector<int>> decode_hex(std::string_view hex) {
     const auto frame = decode_one(from_hex(hex));
-    return frame ? std::optional(microseconds(*frame)) : std::nullopt;
+    return frame ? std::optional(whole_microseconds(*frame)) : std::nullopt;
 }
 
 TEST(IbusDecoder, ReadsFourteenChannelsOfPublishedFrames) {
@@ -113,7 +113,8 @@ TEST(IbusDecoder, PutsEveryNibbleInItsChannel) {
             if (slot < 12) {
                 expected[14 + slot / 3] = static_cast<int>(nibble << (4 * (slot % 3)));
             }
-            ASSERT_EQ(microseconds(*frame), expected) << "slot " << slot << " nibble " << nibble;
+            ASSERT_EQ(whole_microseconds(*frame), expected)
+                << "slot " << slot << " nibble " << nibble;
         }
     }
 }
@@ -129,7 +130,7 @@ TEST(IbusDecoder, ReadsEveryValueOfEverySlot) {
         expected.resize(18, -1);
         const auto frame = decode_one(frame_of_words(words));
         ASSERT_TRUE(frame);
-        ASSERT_EQ(microseconds(*frame), expected);
+        ASSERT_EQ(whole_microseconds(*frame), expected);
     }
 }
 
@@ -140,7 +141,7 @@ TEST(IbusDecoder, ReadsShorterFramesOfEvenLength) {
         ASSERT_TRUE(frame) << count << " channels";
         std::vector<int> expected(count, 1234);
         expected.resize(18, -1);
-        EXPECT_EQ(microseconds(*frame), expected);
+        EXPECT_EQ(whole_microseconds(*frame), expected);
     }
 }
 
@@ -302,4 +303,4 @@ TEST(IbusDecoder, HasNothingToFinish) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::ibus_test

@@ -4,7 +4,7 @@
 
 #include "tests/support/streams.h"
 
-namespace tribus {
+namespace tribus::line_buffer_test {
 namespace {
 
 using test::Bytes;
@@ -185,4 +185,4 @@ TEST(LineBuffer, WhatIsKeptIsJudgedTogetherWithTheReadBehindIt) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::line_buffer_test

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-namespace tribus {
+namespace tribus::line_pauses_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -124,4 +124,4 @@ TEST(LinePauses, FramesTornForLongerThanAnyPortHoldsBytesBackShowNothingOfThePor
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::line_pauses_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::read_times_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -49,4 +49,4 @@ TEST(ReadTimes, OneLongReadIsOneTime) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::read_times_test

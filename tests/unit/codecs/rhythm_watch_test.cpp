@@ -9,7 +9,7 @@
 
 #include "tests/support/streams.h"
 
-namespace tribus {
+namespace tribus::rhythm_watch_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -88,4 +88,4 @@ TEST(RhythmWatch, remembers_what_it_saw) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::rhythm_watch_test

@@ -11,7 +11,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus.h"
 
-namespace tribus {
+namespace tribus::sbus_encoder_test {
 namespace {
 
 using namespace test;
@@ -150,4 +150,4 @@ TEST(SbusProtocol, LeavesTheSilenceThatReadersWaitFor) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sbus_encoder_test

@@ -8,7 +8,7 @@
 #include "transports/codecs/sbus.h"
 
 /// What a pause on the line tells of SBUS frames.
-namespace tribus {
+namespace tribus::sbus_pauses_test {
 namespace {
 
 using test::Bytes;
@@ -155,4 +155,4 @@ TEST(SbusPauses, BehindAResetAFrameNeedsItsProofAnew) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sbus_pauses_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace tribus {
+namespace tribus::sbus_scale_test {
 namespace {
 
 constexpr std::array<std::string_view, 5> kNames{"betaflight", "ardupilot", "px4", "frsky",
@@ -160,4 +160,4 @@ TEST(SbusScale, ASettingIsANameOrTwoPointsOrAbsent) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sbus_scale_test

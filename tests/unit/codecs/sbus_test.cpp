@@ -13,7 +13,7 @@
 #include "tests/support/sbus_streams.h"
 #include "tests/support/streams.h"
 
-namespace tribus {
+namespace tribus::sbus_test {
 namespace {
 
 using namespace test;
@@ -270,4 +270,4 @@ TEST(SbusDecoder, CountsADamagedByteAndNothingElse) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sbus_test

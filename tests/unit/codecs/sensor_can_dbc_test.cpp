@@ -15,7 +15,7 @@
 #include "tests/support/dbc_maps.h"
 #include "transports/codecs/dbc/value_reader.h"
 
-namespace tribus {
+namespace tribus::sensor_can_dbc_test {
 namespace {
 
 using namespace test;
@@ -154,4 +154,4 @@ TEST(SensorsDbc, SignalsOfOtherTypesAreAbsent) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sensor_can_dbc_test

@@ -11,7 +11,7 @@
 #include "core/value_board.h"
 #include "tests/support/dbc_maps.h"
 
-namespace tribus {
+namespace tribus::sensor_can_test {
 namespace {
 
 using namespace test;
@@ -175,4 +175,4 @@ TEST(SensorsProtocol, NeedsTheRawValuesOfItsBusAndNoPipeline) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::sensor_can_test

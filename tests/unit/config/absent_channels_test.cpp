@@ -7,7 +7,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::absent_channels_test {
 namespace {
 
 std::vector<std::string> remarks_on(std::string_view text) {
@@ -76,4 +76,4 @@ TEST(MapsOfAbsentChannels, AreNoneOfADroneCanInput) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::absent_channels_test

@@ -10,7 +10,7 @@
 #include "config/load.h"
 #include "tests/unit/config/examples.h"
 
-namespace tribus::testing {
+namespace tribus::test::any_bytes_test {
 namespace {
 
 /// Loads, or says where and why not, in one line each.
@@ -107,4 +107,4 @@ TEST(AnyBytes, AThousandWrongLinesGetABoundedAnswer) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::any_bytes_test

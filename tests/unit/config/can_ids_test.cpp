@@ -10,7 +10,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// On one CAN interface every id has one sender.
-namespace tribus::testing {
+namespace tribus::test::can_ids_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -152,4 +152,4 @@ TEST(CanIds, OutputsOfOtherInterfacesDoNotCount) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::can_ids_test

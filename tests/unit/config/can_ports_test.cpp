@@ -15,7 +15,7 @@
 #include "transports/codecs/can_channels.h"
 
 /// Inputs and outputs with protocol "can" as a user writes them.
-namespace tribus::testing {
+namespace tribus::test::can_ports_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -356,4 +356,4 @@ TEST(CanEffective, LoadsAgainAndMeansTheSame) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::can_ports_test

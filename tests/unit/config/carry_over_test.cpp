@@ -8,7 +8,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// What goes on when a configuration takes the place of another.
-namespace tribus::testing {
+namespace tribus::test::carry_over_test {
 namespace {
 
 std::string replaced(std::string text, std::string_view what, std::string_view with) {
@@ -162,4 +162,4 @@ TEST(CarryOver, KeepsNoSensorBusNorItsValuesWhereATypeOfSensorChanged) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::carry_over_test

@@ -16,7 +16,7 @@
 #include "tests/unit/config/examples.h"
 
 /// The keys of protocol "dbc" as a user writes them, with the file that they name.
-namespace tribus::testing {
+namespace tribus::test::dbc_settings_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -325,4 +325,4 @@ INSTANTIATE_TEST_SUITE_P(All, DbcExampleCarries,
                                            Carried{"rover-command.toml", 2, 5}));
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::dbc_settings_test

@@ -11,7 +11,7 @@
 #include "config/load.h"
 #include "config/parse_toml.h"
 
-namespace tribus::testing {
+namespace tribus::test::depth_test {
 namespace {
 
 std::string repeated(std::string_view text, std::size_t count) {
@@ -126,4 +126,4 @@ TEST(Depth, OfListsAndTablesInEachOtherIsLimitedToo) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::depth_test

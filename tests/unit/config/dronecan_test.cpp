@@ -11,7 +11,7 @@
 #include "config/effective.h"
 #include "config/load.h"
 
-namespace tribus {
+namespace tribus::dronecan_test {
 namespace {
 
 constexpr std::string_view kReceiver = R"([input.receiver]
@@ -277,4 +277,4 @@ TEST(DroneCanConfiguration, PutsTheNodeOnThePortOfItsInterface) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::dronecan_test

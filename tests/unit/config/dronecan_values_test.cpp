@@ -10,7 +10,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// Values of messages on DroneCAN as a user writes them.
-namespace tribus::testing {
+namespace tribus::test::dronecan_values_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -96,4 +96,4 @@ TEST(DroneCanValues, RefuseKeysOfOtherSources) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::dronecan_values_test

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace tribus::testing {
+namespace tribus::test {
 
 inline std::filesystem::path config_folder() {
     return std::filesystem::path(TRIBUS_SOURCE_DIR) / "config";
@@ -30,4 +30,4 @@ inline std::string content_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-}  // namespace tribus::testing
+}  // namespace tribus::test

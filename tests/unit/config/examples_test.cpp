@@ -4,7 +4,7 @@
 #include "tests/unit/config/examples.h"
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::examples_test {
 namespace {
 
 TEST(Examples, AllAreValid) {
@@ -191,4 +191,4 @@ below = 1050
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::examples_test

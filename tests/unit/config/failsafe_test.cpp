@@ -6,7 +6,7 @@
 #include "config/load.h"
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::failsafe_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -116,4 +116,4 @@ TEST(Failsafe, APresetBesideAnotherActionIsKeptForLater) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::failsafe_test

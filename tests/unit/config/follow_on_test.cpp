@@ -2,7 +2,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::follow_on_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -101,4 +101,4 @@ TEST(FollowOn, ALongListThatIsNeverClosedCostsOneMistake) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::follow_on_test

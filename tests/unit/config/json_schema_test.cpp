@@ -7,7 +7,7 @@
 
 #include "tests/unit/config/examples.h"
 
-namespace tribus::testing {
+namespace tribus::test::json_schema_test {
 namespace {
 
 TEST(JsonSchema, IsTheCommittedFile) {
@@ -59,4 +59,4 @@ for name in files:
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::json_schema_test

@@ -9,7 +9,7 @@
 #include "config/values.h"
 #include "transports/registry/registry.h"
 
-namespace tribus::testing {
+namespace tribus::test::keys_test {
 namespace {
 
 void collect(std::span<const Key> keys, std::vector<Key>& all) {
@@ -108,4 +108,4 @@ TEST(KeyTable, ShapingAndSourceKeysAreChannelKeys) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::keys_test

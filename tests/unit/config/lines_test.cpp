@@ -6,7 +6,7 @@
 
 /// [gpio.NAME]: what it means, and what is said of its mistakes. Lines stand behind the nine lines
 /// of the main job, from line 10 on.
-namespace tribus::testing {
+namespace tribus::test::lines_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -265,4 +265,4 @@ TEST(MoreLinesThanAWordHasBits, AreAMistake) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::lines_test

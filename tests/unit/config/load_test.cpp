@@ -7,7 +7,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::load_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -232,4 +232,4 @@ TEST(Load, RefusesAFileOfAbsurdLength) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::load_test

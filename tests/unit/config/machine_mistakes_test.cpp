@@ -8,7 +8,7 @@
 #include "config/values.h"
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::machine_mistakes_test {
 namespace {
 
 std::vector<std::string> lines_of(const std::vector<Mistake>& mistakes) {
@@ -76,4 +76,4 @@ TEST(InterfaceName, ThatCannotBeOneIsAMistake) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::machine_mistakes_test

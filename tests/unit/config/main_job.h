@@ -12,7 +12,7 @@
 
 #include "config/load.h"
 
-namespace tribus::testing {
+namespace tribus::test {
 
 /// A valid configuration of nine lines that tests spoil one line of.
 inline constexpr std::array<std::string_view, 9> kMainJob{
@@ -67,4 +67,4 @@ inline std::ostream& operator<<(std::ostream& out, const Spoilt& spoilt) {
     return out << spoilt.name;
 }
 
-}  // namespace tribus::testing
+}  // namespace tribus::test

@@ -2,7 +2,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::mistakes_in_channels_test {
 namespace {
 
 class MistakeInChannels : public ::testing::TestWithParam<Spoilt> {};
@@ -161,4 +161,4 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInChannels, ::testing::ValuesIn(kMista
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::mistakes_in_channels_test

@@ -2,7 +2,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::mistakes_in_failsafe_test {
 namespace {
 
 class MistakeInFailsafe : public ::testing::TestWithParam<Spoilt> {};
@@ -85,4 +85,4 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInFailsafe, ::testing::ValuesIn(kMista
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::mistakes_in_failsafe_test

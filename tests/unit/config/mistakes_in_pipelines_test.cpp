@@ -2,7 +2,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::mistakes_in_pipelines_test {
 namespace {
 
 class MistakeInPipelines : public ::testing::TestWithParam<Spoilt> {};
@@ -78,4 +78,4 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInPipelines, ::testing::ValuesIn(kMist
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::mistakes_in_pipelines_test

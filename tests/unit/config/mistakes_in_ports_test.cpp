@@ -2,7 +2,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::mistakes_in_ports_test {
 namespace {
 
 class MistakeInPorts : public ::testing::TestWithParam<Spoilt> {};
@@ -239,4 +239,4 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInPorts, ::testing::ValuesIn(kMistakes
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::mistakes_in_ports_test

@@ -2,7 +2,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::mistakes_in_syntax_test {
 namespace {
 
 class MistakeInSyntax : public ::testing::TestWithParam<Spoilt> {};
@@ -71,4 +71,4 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInSyntax, ::testing::ValuesIn(kMistake
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::mistakes_in_syntax_test

@@ -2,7 +2,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-namespace tribus::testing {
+namespace tribus::test::mistakes_in_tables_test {
 namespace {
 
 class MistakeInTables : public ::testing::TestWithParam<Spoilt> {};
@@ -84,4 +84,4 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInTables, ::testing::ValuesIn(kMistake
                          [](const auto& mistake) { return std::string(mistake.param.name); });
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::mistakes_in_tables_test

@@ -5,7 +5,7 @@
 #include <array>
 #include <string>
 
-namespace tribus::testing {
+namespace tribus::test::nearest_test {
 namespace {
 
 TEST(SlipsBetween, CountsLettersTooManyTooFewWrongAndSwapped) {
@@ -46,4 +46,4 @@ TEST(Nearest, DoesNotCompareWordsOfAbsurdLength) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::nearest_test

@@ -12,7 +12,7 @@
 
 #include "config/parse_toml.h"
 
-namespace tribus::testing {
+namespace tribus::test::read_tree_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -164,4 +164,4 @@ TEST_F(ReadTree, RefusesAPathThatIsNoText) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::read_tree_test

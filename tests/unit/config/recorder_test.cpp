@@ -7,7 +7,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// [recorder]
-namespace tribus::testing {
+namespace tribus::test::recorder_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -68,4 +68,4 @@ TEST(RecorderTable, is_a_table) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::recorder_test

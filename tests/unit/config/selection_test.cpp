@@ -7,7 +7,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// How a pipeline chooses among its inputs, and how its outputs leave failsafe.
-namespace tribus::testing {
+namespace tribus::test::selection_test {
 namespace {
 
 /// Three inputs, one output; `lines` in [pipeline.main], which starts in line 14.
@@ -167,4 +167,4 @@ TEST(HandoverOfOneInput, is_a_mistake) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::selection_test

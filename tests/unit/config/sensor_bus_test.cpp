@@ -12,7 +12,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// Sensor buses, their types and named values as a user writes them.
-namespace tribus::testing {
+namespace tribus::test::sensor_bus_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -290,4 +290,4 @@ TEST_F(SensorBusConfiguration, CarriesNoValuesWhereNothingAsksForThem) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::sensor_bus_test

@@ -6,7 +6,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// What an input's detectors are, and what may be said of them.
-namespace tribus::testing {
+namespace tribus::test::supervision_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -119,4 +119,4 @@ INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInSupervision, ::testing::ValuesIn(kMi
                          [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::supervision_test

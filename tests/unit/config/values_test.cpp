@@ -6,7 +6,7 @@
 #include <chrono>
 #include <optional>
 
-namespace tribus::testing {
+namespace tribus::test::values_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -38,4 +38,4 @@ TEST(ParseSlew, TakesMicrosecondsASecondOnly) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::values_test

@@ -6,7 +6,7 @@
 
 #include "tests/unit/core/arrivals.h"
 
-namespace tribus::test {
+namespace tribus::test::arrival_clock_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -125,4 +125,4 @@ TEST(ArrivalClock, lateness_is_forgotten_where_frames_come_on_the_beat_again) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::arrival_clock_test

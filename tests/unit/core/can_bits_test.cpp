@@ -8,7 +8,7 @@
 
 #include "core/can_frame.h"
 
-namespace tribus::test {
+namespace tribus::test::can_bits_test {
 namespace {
 
 CanFrame frame_of(std::uint32_t id, std::uint8_t length, bool extended, bool fd = false) {
@@ -70,4 +70,4 @@ TEST(CanBits, FdFrameWithoutBitRateSwitchIsAllAtTheNominalRate) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::can_bits_test

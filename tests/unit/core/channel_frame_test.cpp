@@ -5,7 +5,7 @@
 #include <chrono>
 #include <optional>
 
-namespace tribus {
+namespace tribus::channel_frame_test {
 namespace {
 
 constexpr Pulse kPulse = Pulse::from_microseconds(1234);
@@ -102,4 +102,4 @@ TEST(ChannelFrame, RemovedAndNeverSetAreTheSameContent) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::channel_frame_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::last_word_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -56,4 +56,4 @@ TEST(LastWord, shares_its_limit_and_tells_what_others_had_swallowed) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::last_word_test

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-namespace tribus {
+namespace tribus::line_settings_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -67,4 +67,4 @@ TEST(Time, LaterAddsAndStopsAtNever) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::line_settings_test

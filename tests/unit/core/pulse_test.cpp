@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace tribus {
+namespace tribus::pulse_test {
 namespace {
 
 constexpr std::int32_t kLeast = -32768;
@@ -76,4 +76,4 @@ TEST(Pulse, OrdersByWidth) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::pulse_test

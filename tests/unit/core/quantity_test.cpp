@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace tribus {
+namespace tribus::quantity_test {
 namespace {
 
 using std::chrono::hours;
@@ -108,4 +108,4 @@ TEST(ParseDuration, RoundsToWholeNanoseconds) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::quantity_test

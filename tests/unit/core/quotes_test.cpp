@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::quotes_test {
 namespace {
 
 TEST(Quotes, StandAroundTheText) {
@@ -44,4 +44,4 @@ TEST(Quotes, NamesStandInARow) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::quotes_test

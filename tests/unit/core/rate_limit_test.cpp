@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::rate_limit_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -18,4 +18,4 @@ TEST(RateLimit, lets_a_burst_through_and_then_tells_how_many_it_swallowed) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::rate_limit_test

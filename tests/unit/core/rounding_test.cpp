@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::rounding_test {
 namespace {
 
 TEST(NearestWhole, IsThatOfTheMathematicsLibraryAroundEveryHalf) {
@@ -26,4 +26,4 @@ TEST(NearestWhole, HoldsWhereADoubleHasNoHalvesAnyMore) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::rounding_test

@@ -6,7 +6,7 @@
 
 #include "tests/unit/core/arrivals.h"
 
-namespace tribus::test {
+namespace tribus::test::schedule_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -396,4 +396,4 @@ TEST(ScheduleAfterAReload, with_a_shorter_period_does_not_wait_for_the_old_deadl
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::schedule_test

@@ -8,7 +8,7 @@
 #include <ostream>
 #include <string_view>
 
-namespace tribus {
+namespace tribus::unit_test {
 namespace {
 
 struct Converted {
@@ -102,4 +102,4 @@ TEST(KnownUnit, HasTheSpellingsOfDbcFiles) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::unit_test

@@ -5,7 +5,7 @@
 #include <chrono>
 #include <optional>
 
-namespace tribus {
+namespace tribus::value_board_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -55,4 +55,4 @@ TEST_F(ValueBoardOfTwo, HasNoNumberOnceItsSourceSaysSo) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::value_board_test

@@ -17,7 +17,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tribus {
+namespace tribus::can_interface_test {
 namespace {
 
 using Bytes = std::vector<std::byte>;
@@ -322,4 +322,4 @@ TEST(CanInterfaceQuery, RefusesNamesThatNoInterfaceCanHave) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_interface_test

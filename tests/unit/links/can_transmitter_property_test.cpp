@@ -9,7 +9,7 @@
 
 #include "transports/links/can_transmitter.h"
 
-namespace tribus {
+namespace tribus::can_transmitter_property_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -134,4 +134,4 @@ RC_GTEST_PROP(CanTransmitterProperty,
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_transmitter_property_test

@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-namespace tribus {
+namespace tribus::can_transmitter_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -361,4 +361,4 @@ TEST_F(CanTransmitterTest, ErrorLevelsAreShownButDoNotHinder) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_transmitter_test

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace tribus {
+namespace tribus::can_wire_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -208,4 +208,4 @@ TEST(PlausibleArrivalTest, WithoutAStampItIsAsOldAsItCanBe) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::can_wire_test

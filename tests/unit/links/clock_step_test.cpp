@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::clock_step_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -38,4 +38,4 @@ TEST(ClockStepTest, IsUnknownBeforeTheFirstLook) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::clock_step_test

@@ -12,7 +12,7 @@
 
 #include "transports/links/memory_link.h"
 
-namespace tribus {
+namespace tribus::faulty_link_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -325,4 +325,4 @@ TEST(CanFaultInjectorTest, LosesAboutAsManyFramesAsAsked) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::faulty_link_test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::gpio_place_test {
 namespace {
 
 std::string error_of(std::string_view text) {
@@ -97,4 +97,4 @@ TEST(GpioPlaceTest, RefusesAnOffsetBeyondAllNumbers) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::gpio_place_test

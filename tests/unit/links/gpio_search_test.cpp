@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::gpio_search_test {
 namespace {
 
 /// Of a chip with these names of lines.
@@ -186,4 +186,4 @@ INSTANTIATE_TEST_SUITE_P(
                 "the kernel refuses it: Cannot allocate memory"}));
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::gpio_search_test

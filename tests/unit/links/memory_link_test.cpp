@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-namespace tribus {
+namespace tribus::memory_link_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -142,4 +142,4 @@ TEST(MemoryLinkTest, IsLostBothWaysAndTakesUnreadBytesWithIt) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::memory_link_test

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace tribus {
+namespace tribus::parity_marks_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -125,4 +125,4 @@ TEST(ParityMarksTest, NothingIsWrittenBeyondAFullReception) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::parity_marks_test

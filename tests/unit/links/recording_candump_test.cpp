@@ -11,7 +11,7 @@
 #include "transports/links/recording.h"
 #include "transports/links/recording_writer.h"
 
-namespace tribus {
+namespace tribus::recording_candump_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -284,4 +284,4 @@ INSTANTIATE_TEST_SUITE_P(CandumpWriter, CandumpWords,
                                          "123##3000102030405060708090A0B"));
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::recording_candump_test

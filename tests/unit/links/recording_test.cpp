@@ -11,7 +11,7 @@
 
 #include "transports/links/recording_writer.h"
 
-namespace tribus {
+namespace tribus::recording_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -234,4 +234,4 @@ TEST(RecordingWriter, TimedLinesHaveWholeMicroseconds) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::recording_test

@@ -26,7 +26,7 @@
 
 #include "transports/links/unique_fd.h"
 
-namespace tribus {
+namespace tribus::serial_port_test {
 namespace {
 
 using ::testing::IsSubstring;
@@ -432,4 +432,4 @@ TEST(SerialPortOpenTest, ADeviceThatIsNoTerminalIsNoSerialDevice) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::serial_port_test

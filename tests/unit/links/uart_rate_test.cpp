@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-namespace tribus {
+namespace tribus::uart_rate_test {
 namespace {
 
 using ::testing::IsSubstring;
@@ -235,4 +235,4 @@ TEST(UartRateTest, ExtremeRatesAreJudgedWithoutOverflow) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::uart_rate_test

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace tribus {
+namespace tribus::unique_fd_test {
 namespace {
 
 bool open_now(int fd) {
@@ -47,4 +47,4 @@ TEST(UniqueFdTest, OwnsNothingUnlessGiven) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::unique_fd_test

@@ -14,7 +14,7 @@
 #include "transports/codecs/sbus.h"
 
 /// For tests of the engine with CAN.
-namespace tribus::test {
+namespace tribus::test::on_can {
 
 inline constexpr Duration kPeriod = milliseconds(10);
 inline constexpr Duration kTimeout = milliseconds(100);
@@ -149,4 +149,4 @@ class Bench final : public OutputObserver {
     int number_ = 0;
 };
 
-}  // namespace tribus::test
+}  // namespace tribus::test::on_can

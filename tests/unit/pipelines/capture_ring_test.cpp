@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-namespace tribus {
+namespace tribus::capture_ring_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -201,4 +201,4 @@ TEST(CaptureRing, PieceOfTheOtherKindOfPortCannotBeRecorded) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::capture_ring_test

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace tribus {
+namespace tribus::channel_map_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -227,4 +227,4 @@ TEST(ChannelMap, a_slew_does_not_begin_anew_where_what_was_said_lacks_its_channe
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::channel_map_test

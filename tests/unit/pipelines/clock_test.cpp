@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::clock_test {
 namespace {
 
 TEST(AsTimespec, IsWholeSecondsAndTheRest) {
@@ -62,4 +62,4 @@ TEST(Clock, counts_the_time_in_which_the_machine_was_suspended) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::clock_test

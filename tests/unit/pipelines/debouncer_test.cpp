@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::test {
+namespace tribus::test::debouncer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -87,4 +87,4 @@ TEST(Debouncer, WithoutATimeBelievesEveryLevel) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::debouncer_test

@@ -6,7 +6,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// Nobody reads and writes for a while: the thread is stopped, or starved, or the machine sleeps.
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_absence_test {
 namespace {
 
 constexpr FailsafeSettings kHoldsLong{.hold = 10s, .recover = 500ms};
@@ -100,4 +100,4 @@ TEST_F(Absence, lets_no_frame_go_on_across_bytes_that_were_thrown_away) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_absence_test

@@ -4,7 +4,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// What an output says of channels that nobody sent: its presets, 988 us on channel 3, else 1500.
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_absent_channels_test {
 namespace {
 
 /// A frame of one channel (docs/protocols/ibus.md, "Variants": receivers may send any even length
@@ -100,4 +100,4 @@ TEST(AbsentChannels, that_a_map_names_are_told_of_and_others_not) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_absent_channels_test

@@ -8,8 +8,10 @@
 
 #include "tests/unit/pipelines/can_bench.h"
 
-namespace tribus::test {
+namespace tribus::test::engine_can_output_test {
 namespace {
+
+using namespace on_can;
 
 using namespace std::chrono_literals;
 
@@ -225,4 +227,4 @@ TEST(EngineForeignSender, does_not_reach_the_other_outputs_of_the_pipeline) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::engine_can_output_test

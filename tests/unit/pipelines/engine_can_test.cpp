@@ -6,8 +6,10 @@
 
 #include "tests/unit/pipelines/can_bench.h"
 
-namespace tribus::test {
+namespace tribus::test::engine_can_test {
 namespace {
+
+using namespace on_can;
 
 using namespace std::chrono_literals;
 
@@ -219,4 +221,4 @@ TEST_F(EngineCanIds, inputs_tell_what_they_want_and_outputs_what_they_send) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::engine_can_test

@@ -5,7 +5,7 @@
 /// What GPIO lines ask of an engine and what it shows on them, with a receiver whose frames come
 /// each 8 ms, an SBUS output each 10 ms, a timeout of 100 ms and the default failsafe: holding for
 /// 300 ms, back after 500 ms.
-namespace tribus::test {
+namespace tribus::test::engine_lines_test {
 namespace {
 
 using namespace serial;
@@ -288,4 +288,4 @@ TEST(FreshData, IsNotWhatTheReceiverMarksLost) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::engine_lines_test

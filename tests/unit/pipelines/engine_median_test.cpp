@@ -6,7 +6,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// Who has a vote in a median, and who loses it for how long.
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_median_test {
 namespace {
 
 /// Receivers side by side that feed one output by their median.
@@ -104,4 +104,4 @@ TEST(Handover, forgets_the_position_of_a_channel_that_was_lost) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_median_test

@@ -6,7 +6,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// Frames that do not leave: an output that cannot send says so, whatever its inputs say.
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_obstacle_test {
 namespace {
 
 /// Under control from 0 ms on, with a lamp and an alarm.
@@ -125,4 +125,4 @@ TEST_F(ObstacleOfASilentOne, stays_while_its_device_is_gone) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_obstacle_test

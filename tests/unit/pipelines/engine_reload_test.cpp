@@ -6,7 +6,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// What an output goes on with when another engine takes the place of the running one.
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_reload_test {
 namespace {
 
 OutputCarry all_but_channels() {
@@ -138,4 +138,4 @@ TEST(ReloadOfAnOutput, reads_the_handover_channel_anew_where_the_inputs_to_pick_
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_reload_test

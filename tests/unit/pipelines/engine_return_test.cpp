@@ -3,7 +3,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// What an output says when control begins, passes and returns.
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_return_test {
 namespace {
 
 TEST(ControlThatReturns, leads_a_channel_with_a_slew_from_its_preset) {
@@ -61,4 +61,4 @@ TEST(SelectionFreshest, prefers_the_first_of_two_that_are_equally_fresh) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_return_test

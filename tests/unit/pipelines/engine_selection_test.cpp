@@ -9,7 +9,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// Which of several inputs an output follows, how it changes over, and how it returns.
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_selection_test {
 namespace {
 
 OutputSettings output_with(SelectionMode mode, std::size_t inputs) {
@@ -367,4 +367,4 @@ TEST(ForcedFailsafe, ends_control_at_once_and_gives_it_back_after_recovery) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_selection_test

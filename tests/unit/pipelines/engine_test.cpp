@@ -9,7 +9,7 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-namespace tribus::test::serial {
+namespace tribus::test::serial::engine_test {
 namespace {
 
 TEST(EngineFailsafe, before_the_first_good_frame_an_output_is_in_failsafe) {
@@ -232,4 +232,4 @@ TEST(EngineCounts, device_losses_and_frames_are_counted) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::engine_test

@@ -10,7 +10,7 @@
 #include "pipelines/realtime/clock.h"
 #include "transports/links/unique_fd.h"
 
-namespace tribus {
+namespace tribus::exact_wait_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -49,4 +49,4 @@ TEST_P(ExactWait, does_not_return_before_a_timeout_that_is_no_whole_millisecond)
 INSTANTIATE_TEST_SUITE_P(Kernels, ExactWait, testing::Values(true, false));
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::exact_wait_test

@@ -4,7 +4,7 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-namespace tribus::test::serial {
+namespace tribus::test::serial::health_watch_test {
 namespace {
 
 std::vector<InputSettings> one_input() {
@@ -105,4 +105,4 @@ TEST_F(HealthOfAReceiver, TellsWhetherAnOutputIsInFailsafe) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::health_watch_test

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::histogram_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -113,4 +113,4 @@ TEST(Histogram, a_bucket_of_the_last_minute_that_is_full_stays_full) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::histogram_test

@@ -9,7 +9,7 @@
 #include "tests/unit/pipelines/engine_bench.h"
 
 /// Who reads a line knows when, and its decoder is told of the pauses.
-namespace tribus::test::serial {
+namespace tribus::test::serial::input_pauses_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -117,4 +117,4 @@ TEST(InputPauses, AReloadIsNoPause) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::input_pauses_test

@@ -10,7 +10,7 @@
 
 /// A decoder holds a frame back that lacks its proof. Its values are as old as its bytes all the
 /// same.
-namespace tribus::test::serial {
+namespace tribus::test::serial::input_test {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -87,4 +87,4 @@ TEST(FrameAge, OutlastsAReloadBetweenAFrameAndItsProof) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::input_test

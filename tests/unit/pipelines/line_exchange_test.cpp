@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace tribus::test {
+namespace tribus::test::line_exchange_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -72,4 +72,4 @@ TEST_F(LineExchangeOfTwoOutputs, IsAsFreshAsTheStalestOutput) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::line_exchange_test

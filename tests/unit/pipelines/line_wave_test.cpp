@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus::test {
+namespace tribus::test::line_wave_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -85,4 +85,4 @@ TEST(Blinking, IsOnAndOffTwiceASecond) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::line_wave_test

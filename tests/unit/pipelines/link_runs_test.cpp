@@ -3,7 +3,7 @@
 #include "tests/unit/pipelines/supervised_link.h"
 
 /// When a run of good frames begins, when a loss does, and what a reload makes of both.
-namespace tribus::test::link {
+namespace tribus::test::link::link_runs_test {
 namespace {
 
 constexpr PulseRange kUsual{Pulse::from_microseconds(900), Pulse::from_microseconds(2100)};
@@ -82,4 +82,4 @@ TEST(LinkAfterAReload, that_watches_for_standing_still_from_now_on_counts_from_n
 }
 
 }  // namespace
-}  // namespace tribus::test::link
+}  // namespace tribus::test::link::link_runs_test

@@ -7,7 +7,7 @@
 
 #include "tests/unit/pipelines/supervised_link.h"
 
-namespace tribus::test::link {
+namespace tribus::test::link::link_supervisor_test {
 namespace {
 
 TEST(LinkCause, of_a_link_without_a_byte_is_never_seen) {
@@ -338,4 +338,4 @@ TEST(ChannelsMissing, counts_anew_where_another_channel_is_away_than_before) {
 }
 
 }  // namespace
-}  // namespace tribus::test::link
+}  // namespace tribus::test::link::link_supervisor_test

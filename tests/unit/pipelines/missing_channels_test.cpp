@@ -3,7 +3,7 @@
 #include "tests/unit/pipelines/supervised_link.h"
 
 /// A sender that leaves out channels which it had.
-namespace tribus::test::link {
+namespace tribus::test::link::missing_channels_test {
 namespace {
 
 constexpr SupervisionSettings kMeantAfterHalfASecond{.fewer_channels_after = 500ms};
@@ -68,4 +68,4 @@ TEST(MissingChannels, of_frames_without_any_are_never_meant) {
 }
 
 }  // namespace
-}  // namespace tribus::test::link
+}  // namespace tribus::test::link::missing_channels_test

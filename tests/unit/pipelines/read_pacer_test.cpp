@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::read_pacer_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -128,4 +128,4 @@ TEST(ReadPacer, never_waits_longer_than_a_frame_takes) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::read_pacer_test

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <thread>
 
-namespace tribus {
+namespace tribus::snapshot_test {
 namespace {
 
 /// An input is never seen, and not good, before the data thread has said so.
@@ -42,4 +42,4 @@ TEST(SnapshotTest, a_reader_never_sees_half_of_a_value) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::snapshot_test

@@ -9,7 +9,7 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-namespace tribus::test::serial {
+namespace tribus::test::serial::value_engine_test {
 namespace {
 
 /// A receiver and a servo output, each with channel 1 and whether all is well as values, beside a
@@ -147,4 +147,4 @@ TEST(ValueOfAMessage, IsReadOnOverAReloadByTheReaderThatTheMessageHas) {
 }
 
 }  // namespace
-}  // namespace tribus::test::serial
+}  // namespace tribus::test::serial::value_engine_test

@@ -6,7 +6,7 @@
 #include "app/doctor/can_judge.h"
 #include "tests/support/kernel_tree.h"
 
-namespace tribus::doctor {
+namespace tribus::doctor::can_test {
 namespace {
 
 using Ids = std::vector<std::string>;
@@ -111,4 +111,4 @@ TEST(CanOfADoctor, is_told_from_other_networks_by_its_type) {
 }
 
 }  // namespace
-}  // namespace tribus::doctor
+}  // namespace tribus::doctor::can_test

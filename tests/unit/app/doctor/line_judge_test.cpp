@@ -11,7 +11,7 @@
 #include "tests/support/recorded_lines.h"
 #include "transports/codecs/sbus.h"
 
-namespace tribus::doctor {
+namespace tribus::doctor::line_judge_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -311,4 +311,4 @@ TEST(LineJudge, counts_the_flags_of_sbus) {
 }
 
 }  // namespace
-}  // namespace tribus::doctor
+}  // namespace tribus::doctor::line_judge_test

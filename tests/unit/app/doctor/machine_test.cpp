@@ -8,7 +8,7 @@
 #include "app/doctor/machine_judge.h"
 #include "tests/support/kernel_tree.h"
 
-namespace tribus::doctor {
+namespace tribus::doctor::machine_test {
 namespace {
 
 class MachineOfADoctor : public testing::Test {
@@ -136,4 +136,4 @@ TEST_F(MachineOfADoctor, modem_manager_is_told) {
 }
 
 }  // namespace
-}  // namespace tribus::doctor
+}  // namespace tribus::doctor::machine_test

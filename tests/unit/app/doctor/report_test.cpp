@@ -11,7 +11,7 @@
 #include "app/doctor/line_advice.h"
 #include "config/load.h"
 
-namespace tribus::doctor {
+namespace tribus::doctor::report_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -226,4 +226,4 @@ TEST(DoctorsReport, is_one_object_for_programs) {
 }
 
 }  // namespace
-}  // namespace tribus::doctor
+}  // namespace tribus::doctor::report_test

@@ -9,7 +9,7 @@
 #include "app/doctor/serial_judge.h"
 #include "tests/support/kernel_tree.h"
 
-namespace tribus::doctor {
+namespace tribus::doctor::serial_test {
 namespace {
 
 class SerialPorts : public testing::Test {
@@ -327,4 +327,4 @@ TEST_F(SerialPorts, hindrances_of_a_port_that_nobody_asked_for_are_advice) {
 }
 
 }  // namespace
-}  // namespace tribus::doctor
+}  // namespace tribus::doctor::serial_test

@@ -10,7 +10,7 @@
 #include "transports/codecs/dbc/checksum.h"
 #include "transports/codecs/dbc/dbc.h"
 
-namespace tribus {
+namespace tribus::decoder_test {
 namespace {
 
 using namespace test;
@@ -294,4 +294,4 @@ TEST(DbcDecoder, FrameLostLastsNoLongerThanTheSenderSaysSo) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::decoder_test

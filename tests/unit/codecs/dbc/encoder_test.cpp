@@ -9,7 +9,7 @@
 #include "transports/codecs/dbc/checksum.h"
 #include "transports/codecs/dbc/dbc.h"
 
-namespace tribus {
+namespace tribus::encoder_test {
 namespace {
 
 using namespace test;
@@ -339,4 +339,4 @@ TEST(DbcEncoder, WhatBecomesFrameLostIsToldBeforeTheCycleEnds) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::encoder_test

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::file_test {
 namespace {
 
 using std::chrono::microseconds;
@@ -420,4 +420,4 @@ TEST(DbcFile, FindsNothingByAnUnknownName) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::file_test

@@ -9,7 +9,7 @@
 
 #include "tests/support/dbc_maps.h"
 
-namespace tribus {
+namespace tribus::map_test {
 namespace {
 
 using namespace test;
@@ -359,4 +359,4 @@ TEST(DbcMap, SaysThatAFileHasNoMessageAtAll) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::map_test

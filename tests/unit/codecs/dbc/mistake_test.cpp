@@ -6,7 +6,7 @@
 #include "transports/codecs/dbc/file.h"
 
 /// What a DBC text must not say, and what the person reads who has to mend it.
-namespace tribus {
+namespace tribus::mistake_test {
 namespace {
 
 /// "line:column: text", or "" if there is no mistake.
@@ -217,4 +217,4 @@ TEST(DbcMistake, StatementWithoutItsEndBeforeAnother) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::mistake_test

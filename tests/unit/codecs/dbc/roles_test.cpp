@@ -9,7 +9,7 @@
 
 #include "tests/support/dbc_maps.h"
 
-namespace tribus {
+namespace tribus::roles_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -141,4 +141,4 @@ INSTANTIATE_TEST_SUITE_P(
               "only"}));
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::roles_test

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace tribus {
+namespace tribus::signal_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -245,4 +245,4 @@ TEST(DbcPresence, ASignalOfAnUnknownPageIsNeverThereNorIsWhatItSelects) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::signal_test

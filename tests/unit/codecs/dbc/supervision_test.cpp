@@ -10,7 +10,7 @@
 
 /// What a decoder believes of several messages, and of senders that stop, restart, hang, or are
 /// two.
-namespace tribus {
+namespace tribus::supervision_test {
 namespace {
 
 using namespace test;
@@ -368,4 +368,4 @@ TEST(DbcDecoder, AMessageRefusedForLongLeavesNoSnapshotOfTheOther) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::supervision_test

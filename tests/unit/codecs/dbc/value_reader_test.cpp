@@ -11,7 +11,7 @@
 
 #include "tests/support/dbc_maps.h"
 
-namespace tribus {
+namespace tribus::value_reader_test {
 namespace {
 
 using namespace test;
@@ -198,4 +198,4 @@ TEST(DbcValueReader, NamesTheMessagesThatThereAre) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::value_reader_test

@@ -15,7 +15,7 @@
 #include "transports/codecs/protocol.h"
 
 /// Named values in the messages of an output.
-namespace tribus {
+namespace tribus::value_test {
 namespace {
 
 using namespace test;
@@ -305,4 +305,4 @@ TEST(DbcValueMistakes, TheCodeMustFitAndTheNameBeText) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::value_test

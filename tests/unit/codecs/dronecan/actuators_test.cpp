@@ -12,7 +12,7 @@
 
 #include "tests/support/dronecan_frames.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::actuators_test {
 namespace {
 
 using namespace test;
@@ -383,4 +383,4 @@ TEST(ActuatorOutput, SaysNothingInTheNameOfNobody) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::actuators_test

@@ -5,7 +5,7 @@
 
 #include "transports/codecs/dronecan/bits.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::bits_test {
 namespace {
 
 /// The worked example of the specification, "Byte order and bit order": 0xbeda in 12 bits, -1 in 3,
@@ -53,4 +53,4 @@ TEST(DroneCanBits, BeyondTheEndThereIsNothingAndItIsToldToTheEnd) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::bits_test

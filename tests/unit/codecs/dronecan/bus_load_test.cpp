@@ -17,7 +17,7 @@
 #include "transports/codecs/dronecan/rc.h"
 
 /// What RCInput costs on a bus, against the table of docs/protocols/can.md, "Bus load".
-namespace tribus::dronecan {
+namespace tribus::dronecan::bus_load_test {
 namespace {
 
 using namespace test;
@@ -127,4 +127,4 @@ TEST(BusLoadOfRcInput, EighteenChannelsAreOneFdFrameOf48BytesThatLoadsABusAsTheT
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::bus_load_test

@@ -6,7 +6,7 @@
 
 #include "transports/codecs/dronecan/float16.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::float16_test {
 namespace {
 
 constexpr std::uint32_t kAll = 0x10000;
@@ -75,4 +75,4 @@ TEST(Float16, WhatIsTooSmallBecomesZeroOfItsSign) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::float16_test

@@ -17,7 +17,7 @@
 
 /// Payloads with an origin elsewhere are from dronecan_vectors.json, where three implementations
 /// agree on them.
-namespace tribus::dronecan {
+namespace tribus::dronecan::known_payloads_test {
 namespace {
 
 using test::from_hex;
@@ -126,4 +126,4 @@ TEST(DroneCanKnownPayloads, EveryKindAndIdIsOnlyOnceInTheList) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::known_payloads_test

@@ -11,7 +11,7 @@
 #include "transports/codecs/dronecan/rc.h"
 
 /// Old messages that something repeats in a ring, and nodes that send what cannot be read.
-namespace tribus::dronecan {
+namespace tribus::dronecan::old_messages_test {
 namespace {
 
 using namespace test;
@@ -143,4 +143,4 @@ TEST(RcInputDecoder, ANodeThatSendsMessagesWithoutChannelsDoesNotLockOutAGoodOne
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::old_messages_test

@@ -11,7 +11,7 @@
 
 /// What is refused, what is saturated, and where lengths of arrays are. The vectors
 /// (tests/captures/dronecan_types_test.cpp) have what is sent as it should be.
-namespace tribus::dronecan {
+namespace tribus::dronecan::payload_test {
 namespace {
 
 using test::Bytes;
@@ -207,4 +207,4 @@ TEST(DroneCanPayload, TheLongestIsKnown) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::payload_test

@@ -12,7 +12,7 @@
 
 #include "tests/support/dronecan_frames.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::rc_test {
 namespace {
 
 using namespace test;
@@ -390,4 +390,4 @@ TEST(RcInput, GoesThroughEncoderAndDecoderUnchangedToTheMicrosecond) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::rc_test

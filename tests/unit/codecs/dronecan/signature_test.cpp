@@ -11,7 +11,7 @@
 
 /// A signature is right only if the name, the fields, their types, their order and everything that
 /// is nested are those of the DSDL file.
-namespace tribus::dronecan {
+namespace tribus::dronecan::signature_test {
 namespace {
 
 struct TypeFact {
@@ -140,4 +140,4 @@ TEST(DroneCanSignature, ArraysOfFixedSizeAndOfAnySizeDiffer) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::signature_test

@@ -13,7 +13,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::transfer_receiver_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -283,4 +283,4 @@ TEST_F(DronecanReceiver, OutlivesBeingMoved) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::transfer_receiver_test

@@ -13,7 +13,7 @@
 
 #include "tests/support/streams.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::transfer_test {
 namespace {
 
 using test::Bytes;
@@ -222,4 +222,4 @@ TEST(DronecanIds, WhatCannotBeDronecanHasNoHead) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::transfer_test

@@ -14,7 +14,7 @@
 #include "tests/support/dronecan_frames.h"
 #include "transports/codecs/dronecan/types.h"
 
-namespace tribus::test {
+namespace tribus::test::value_reader_test {
 namespace {
 
 using namespace dronecan;
@@ -258,4 +258,4 @@ INSTANTIATE_TEST_SUITE_P(All, EveryValueMessage, testing::ValuesIn(kValueMessage
                          });
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::value_reader_test

@@ -12,7 +12,7 @@
 
 #include "tests/support/dronecan_frames.h"
 
-namespace tribus::dronecan {
+namespace tribus::dronecan::node_test {
 namespace {
 
 using namespace test;
@@ -377,4 +377,4 @@ TEST(DroneCanNode, KeepsItsSecondsHoweverLateItsTurns) {
 }
 
 }  // namespace
-}  // namespace tribus::dronecan
+}  // namespace tribus::dronecan::node_test

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace tribus {
+namespace tribus::echo_canceller_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -103,4 +103,4 @@ TEST(EchoCanceller, HearsTheEchoBehindACollision) {
 }
 
 }  // namespace
-}  // namespace tribus
+}  // namespace tribus::echo_canceller_test

@@ -10,7 +10,7 @@
 
 #include "tests/unit/pipelines/sensor_bus/sensor_bus_bench.h"
 
-namespace tribus::test::sensor_bus {
+namespace tribus::test::sensor_bus::receiver_role_test {
 namespace {
 
 constexpr Duration kSlot = 7700us;
@@ -348,4 +348,4 @@ TEST_F(ReceiverRoleAtAWire, KeepsASensorThatAnswersBeforeItHasMissedTooOftenInAR
 }
 
 }  // namespace
-}  // namespace tribus::test::sensor_bus
+}  // namespace tribus::test::sensor_bus::receiver_role_test

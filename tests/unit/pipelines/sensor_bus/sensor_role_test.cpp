@@ -6,7 +6,7 @@
 
 #include "tests/unit/pipelines/sensor_bus/sensor_bus_bench.h"
 
-namespace tribus::test::sensor_bus {
+namespace tribus::test::sensor_bus::sensor_role_test {
 namespace {
 
 constexpr Duration kSlot = 7700us;
@@ -294,4 +294,4 @@ TEST_F(SensorRoleOfTwo, GivesAnAnswerThatIsDueAfterAReload) {
 }
 
 }  // namespace
-}  // namespace tribus::test::sensor_bus
+}  // namespace tribus::test::sensor_bus::sensor_role_test

@@ -1,0 +1,21 @@
+# Read by ctest when it starts: makes an entry of each suite in a program of googletest, named
+# PROGRAM.SUITE. A process for each single test would cost more than most tests do.
+
+# add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS)
+function(add_suites name program seconds)
+    if(NOT EXISTS "${program}")
+        add_test(${name} "${program}")
+        return()
+    endif()
+    execute_process(COMMAND "${program}" --gtest_list_tests
+        OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
+    string(REGEX REPLACE " *#[^\n]*" "" listing "${listing}")
+    string(REPLACE "\n" ";" lines "${listing}")
+    foreach(line IN LISTS lines)
+        if(line MATCHES "^([^ ]+)\\.$")
+            add_test("${name}.${CMAKE_MATCH_1}" "${program}" --gtest_brief=1
+                "--gtest_filter=${CMAKE_MATCH_1}.*")
+            set_tests_properties("${name}.${CMAKE_MATCH_1}" PROPERTIES TIMEOUT ${seconds})
+        endif()
+    endforeach()
+endfunction()
