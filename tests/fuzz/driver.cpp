@@ -32,7 +32,7 @@ constexpr const char* kFailureFile = "fuzz-failure.bin";
 
 const Bytes* current = nullptr;
 
-/// Only what a signal handler may call.
+/// Calls only functions that are allowed in a signal handler.
 void save_current(int number) {
     const int file = ::open(kFailureFile, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (file >= 0 && current != nullptr && ::write(file, current->data(), current->size()) >= 0) {

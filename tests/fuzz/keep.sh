@@ -2,8 +2,8 @@
 # Adds to the seeds in tests/fuzz/corpus:
 #     tests/fuzz/keep.sh [TARGET...]       what tests/fuzz/run.sh found
 #     tests/fuzz/keep.sh TARGET FILE...    these files, such as an input that broke a promise
-# Of what run.sh left in build-sanitize/corpus it adds as few inputs as reach the same code, and
-# only short ones.
+# The first form takes from build-sanitize/corpus only short inputs, and only as many as are needed
+# to reach the same code.
 set -eu
 . "$(dirname "$0")/seeds.sh"
 

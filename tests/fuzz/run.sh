@@ -9,7 +9,7 @@ cd "$(dirname "$0")/../.."
 
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-# llvm-14 has what turns addresses into lines.
+# llvm-14 translates addresses into lines.
 # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
 install_packages $build_packages $test_libraries clang-14 libclang-rt-14-dev llvm-14
 cmake --preset sanitize >&2
