@@ -1,7 +1,7 @@
 #!/bin/sh
-# Which lines and branches of the product the tests reach: tests/coverage.sh
+# Shows which lines and branches of the product the tests reach: tests/coverage.sh
 # Builds in build-coverage, runs the suites that need no laboratory, and prints the shares of each
-# folder; build-coverage/report/index.html shows them line by line.
+# folder. build-coverage/report/index.html shows each line.
 cd "$(dirname "$0")/.."
 . deploy/prepare.sh
 

@@ -1,9 +1,9 @@
 #!/bin/sh
 # Runs tests with a sanitizer: tests/sanitize.sh threads|addresses [FILTER [SUITE...]]
-# threads: data races, in the tests of what the threads share and in the built program over ptys.
+# threads: data races, in the tests of data that threads share and in the built program over ptys.
 # addresses: wrong addresses and undefined behaviour, in the tests that need no laboratory.
-# FILTER is as googletest has it. What a sanitizer says of any process is kept in the folder reports
-# of the build, and is a failure.
+# FILTER is a filter of googletest. Any report of a sanitizer about any process is a failure; it is
+# kept in the folder reports of the build.
 cd "$(dirname "$0")/.."
 . deploy/prepare.sh
 

@@ -13,12 +13,12 @@
 
 namespace tribus::test {
 
-/// One row of the table, from one run.
+/// One row of the table, measured in one run.
 struct Figure {
     std::string row;
     double value = 0;
     double bound = 0;
-    /// What the machine's own noise allows on top: the anchor over itself, at least 1.
+    /// Factor that the machine's noise allows: the ratio of two runs of the anchor, at least 1.
     double allowance = 1;
     std::string note{};
 };
@@ -28,14 +28,14 @@ using Refused = tl::unexpected<std::string>;
 
 struct BoundSettings {
     std::string program;     ///< `tribus`
-    std::string heap_trap;   ///< loaded into it where allocations are counted
-    std::optional<int> cpu;  ///< what relay and product are pinned to
+    std::string heap_trap;   ///< preloaded into the program to count allocations
+    std::optional<int> cpu;  ///< processor for relay and product
     int priority = 80;
-    Duration length = std::chrono::seconds(15);  ///< of each ratio, each run
-    bool all_frames = false;                     ///< a million where frames are counted
+    Duration length = std::chrono::seconds(15);  ///< of each ratio in each run
+    bool all_frames = false;                     ///< a million frames where they are counted
 };
 
-/// The product in real time, as it is measured.
+/// Settings for the product in real time.
 inline bench::ApplianceSettings appliance(const BoundSettings& settings) {
     bench::ApplianceSettings appliance;
     appliance.program = settings.program;
@@ -44,21 +44,21 @@ inline bench::ApplianceSettings appliance(const BoundSettings& settings) {
     return appliance;
 }
 
-/// Some rows that are measured together.
+/// Rows of the table that are measured together.
 struct Bound {
     std::string_view name;
     std::string_view says;
-    bool ratio = false;  ///< the median of several runs counts; else one run is exact
+    bool ratio = false;  ///< the median of several runs counts; otherwise one run is exact
     Figures (*measure)(const BoundSettings&) = nullptr;
 };
 
-/// Those that are ratios of times.
+/// Bounds that are ratios of times.
 std::vector<Bound> time_bounds();
-/// Those of a sensor bus, ratios and times.
+/// Bounds of a sensor bus: ratios and times.
 std::vector<Bound> response_bounds();
-/// Those that are instructions.
+/// Bounds in instructions.
 std::vector<Bound> instruction_bounds();
-/// Those that are other counts.
+/// Bounds that are other counts.
 std::vector<Bound> count_bounds();
 
 }  // namespace tribus::test

@@ -13,9 +13,9 @@
 #include "pipelines/realtime/clock.h"
 #include "tests/bench/bound.h"
 
-/// Prints what real time must reach beside what it reaches on this machine. Ratios are the median
-/// of several runs, each with its anchor run twice and judged by that; a time never makes this
-/// program fail.
+/// Prints a table of the bounds in real time and what this machine reaches. A ratio is the median
+/// of several runs. Each run measures its anchor twice, which shows the noise. A time never makes
+/// this program fail.
 namespace tribus::test {
 namespace {
 
@@ -44,7 +44,7 @@ ProcessorTimes read_processor_times() {
     return times;
 }
 
-/// Waits until little else runs; how busy the machine was in the last second, in percent.
+/// Waits until little else runs. Returns how busy the machine was in the last second, in percent.
 double wait_for_quiet(Duration patience) {
     constexpr double kQuietPercent = 6;
     const Instant end = monotonic_now() + patience;
@@ -59,7 +59,7 @@ double wait_for_quiet(Duration patience) {
     return busy;
 }
 
-/// The same row of all runs as one.
+/// Returns the median of one row over all runs.
 Figure median_figure(const std::vector<std::vector<Figure>>& runs, std::size_t row) {
     std::vector<double> values;
     std::vector<double> allowances;

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
-/// What is counted, and how many instructions it may take at most. A ceiling is the figure that was
-/// reached, rounded up; README.md has it beside the bound that is the goal.
+/// What is counted, and the upper limit of its instructions. A ceiling is the figure that was
+/// reached, rounded up. README.md shows it next to the bound that is the goal.
 namespace tribus::bench {
 
 inline constexpr std::size_t kGarbageBlock = 32;
@@ -16,7 +16,7 @@ struct Row {
     double most_x86 = 0;
     double most_arm = 0;
     std::string_view pattern = "random";
-    std::size_t bytes_a_unit = 1;  ///< 1 where the count is one of frames
+    std::size_t bytes_a_unit = 1;  ///< 1 if the count is one of frames
 };
 
 inline constexpr std::array kFrameRows{

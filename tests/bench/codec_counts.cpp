@@ -10,7 +10,8 @@
 namespace tribus::bench {
 namespace {
 
-/// The first number that `command` prints behind `mark`, or the number of lines that start with it.
+/// Returns the first number that `command` prints after `mark`, or the number of lines that start
+/// with `mark`.
 std::optional<std::uint64_t> run(const std::string& command, std::string_view mark, bool lines) {
     std::FILE* const pipe = ::popen((command + " 2>&1").c_str(), "r");
     if (pipe == nullptr) {

@@ -10,7 +10,7 @@
 
 namespace tribus::bench::codec_counts_test {
 
-/// How googletest shows a row.
+/// Name of a row in googletest's output.
 void PrintTo(const Row& row, std::ostream* out) {
     *out << row.name;
 }
@@ -24,7 +24,7 @@ bool on_ci() {
 
 class CodecCounts : public testing::TestWithParam<Row> {
   protected:
-    /// On the build server nothing may be left out.
+    /// Returns whether the machine can count. On the build server no count may be skipped.
     static bool ready(Machine machine) {
         const std::string what = missing(machine);
         if (!what.empty() && on_ci()) {
@@ -39,7 +39,7 @@ TEST_P(CodecCounts, StaysBelowItsCeilingOnX86) {
         GTEST_SKIP() << missing(Machine::x86);
     }
     const auto measured = cost(Machine::x86, GetParam());
-    ASSERT_TRUE(measured) << "the count went wrong";
+    ASSERT_TRUE(measured) << "the counting run failed";
     RecordProperty("instructions", std::to_string(*measured));
     EXPECT_LE(*measured, GetParam().most_x86);
 }
@@ -49,7 +49,7 @@ TEST_P(CodecCounts, StaysBelowItsCeilingOnArm) {
         GTEST_SKIP() << missing(Machine::arm);
     }
     const auto measured = cost(Machine::arm, GetParam());
-    ASSERT_TRUE(measured) << "the count went wrong";
+    ASSERT_TRUE(measured) << "the counting run failed";
     RecordProperty("instructions", std::to_string(*measured));
     EXPECT_LE(*measured, GetParam().most_arm);
 }
@@ -65,8 +65,8 @@ TEST_P(GarbageCounts, AreLinear) {
     }
     const auto first = cost(Machine::x86, GetParam(), 256, 512, 1024);
     const auto twice = cost(Machine::x86, GetParam(), 512, 1024, 1024);
-    ASSERT_TRUE(first && twice) << "the count went wrong";
-    // Random bytes differ from block to block; where they cost little, that shows.
+    ASSERT_TRUE(first && twice) << "the counting run failed";
+    // Random bytes differ from block to block, which shows where they cost little.
     EXPECT_NEAR(*twice, *first, std::max(0.05 * *first, 1.0));
 }
 

@@ -67,7 +67,7 @@ Figures lost_frames(const BoundSettings& settings) {
     if (!subject) {
         return Refused(subject.error());
     }
-    // A little more, since those of the warm-up do not count.
+    // A few frames more, because those of the warm-up do not count.
     const std::uint64_t frames = settings.all_frames ? 1'005'000 : 50'000;
     const TesterPriority priority;
     const LatencyResult result =
@@ -86,7 +86,7 @@ std::string content_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The data thread, by its name.
+/// Finds the data thread by its name.
 std::filesystem::path data_thread(pid_t process) {
     const std::filesystem::path tasks = fmt::format("/proc/{}/task", process);
     for (const auto& task : std::filesystem::directory_iterator(tasks)) {
@@ -97,7 +97,7 @@ std::filesystem::path data_thread(pid_t process) {
     return {};
 }
 
-/// Minor and major faults of a process or thread, from its `stat`.
+/// Returns the minor and major page faults of a process or thread, read from its `stat`.
 std::uint64_t faults_of(const std::filesystem::path& stat) {
     std::string text = content_of(stat);
     text.erase(0, text.rfind(')') + 1);
@@ -112,7 +112,7 @@ std::uint64_t faults_of(const std::filesystem::path& stat) {
     return minor + major;
 }
 
-/// Frames, then none until the output has gone through its failsafe, then garbage, then frames.
+/// Sends frames, then nothing until the output is in failsafe, then garbage, then frames again.
 void disturb(Lane& lane, std::mt19937& random) {
     constexpr int kFrames = 100;
     constexpr int kGarbageReads = 100;
@@ -170,7 +170,7 @@ Figures allocations(const BoundSettings& settings) {
          .bound = 0}};
 }
 
-/// The sum under "calls" in strace's table, and the table.
+/// Returns the sum of the column "calls" in strace's table, and the single calls as text.
 std::pair<double, std::string> calls_of_table(const std::string& table) {
     double calls = 0;
     std::string kinds;
@@ -183,7 +183,7 @@ std::pair<double, std::string> calls_of_table(const std::string& table) {
         double count = 0;
         std::string name;
         if (words >> share >> seconds >> each >> count >> name) {
-            // A column of errors stands between where there were any.
+            // If there were errors, their column stands before the name.
             std::string last;
             name = words >> last ? last : name;
             if (name != "total") {
@@ -195,7 +195,7 @@ std::pair<double, std::string> calls_of_table(const std::string& table) {
     return {calls, kinds};
 }
 
-/// System calls of the data thread for so many frames.
+/// Counts the system calls of the data thread while it handles `frames` frames.
 tl::expected<std::pair<double, std::string>, std::string> calls_for(Subject& subject, int frames) {
     const int table = ::memfd_create("calls", 0);
     const std::string thread = data_thread(subject.process().id()).filename();
@@ -246,7 +246,7 @@ Figures system_calls(const BoundSettings& settings) {
         figures.push_back({.row = first ? "system calls a frame" : "and for each further output",
                            .value = each - with_one_output,
                            .bound = first ? 3.0 : 1.0,
-                           .allowance = 1.01,  // the odd wake-up for the figures
+                           .allowance = 1.01,  // some wake-ups for the figures
                            .note = fmt::format("of {} frames: {}", kMany, many->second)});
         with_one_output = each;
     }

@@ -15,15 +15,15 @@
 
 /// count_codecs WORKLOAD UNITS PREPARED [PATTERN]
 ///
-/// Works through UNITS of the PREPARED units, which are made before that: the difference between
-/// two runs with other UNITS is nothing but the work. Prints nothing, for that would count as well.
-/// A unit is a frame, or kGarbageBlock bytes of garbage. PATTERN is repeated hexadecimal digits
-/// ("2040"), with "!!" for a byte that the line damaged, or "random".
+/// Works through UNITS units. PREPARED units are made before, so the difference between two runs
+/// with other UNITS is only the work. Prints nothing, because printing would be counted. A unit is
+/// a frame, or kGarbageBlock bytes of garbage. PATTERN is repeated hexadecimal digits ("2040"),
+/// with "!!" for a byte that the line damaged, or "random".
 namespace tribus {
 namespace {
 
 constexpr std::size_t kGarbageBlock = 32;
-/// As much as the engine reads at once.
+/// Largest number of bytes that the engine reads at once.
 constexpr std::size_t kLargestRead = 256;
 constexpr std::size_t kIbusLength = 32;
 constexpr std::size_t kIbusBody = 30;
@@ -37,7 +37,7 @@ struct Work {
     bool about(std::string_view word) const { return workload.find(word) != workload.npos; }
 };
 
-/// What is computed goes here, so that no compiler leaves the computing out.
+/// Receives the results, so that the compiler cannot leave out the computation.
 volatile std::uint64_t sink = 0;
 
 class Random {
@@ -73,7 +73,8 @@ std::vector<std::uint8_t> sbus_frames(std::size_t count) {
     return bytes;
 }
 
-/// 18 channels, none absent: a high nibble in every third of the slots stands for 988 us at least.
+/// 18 channels, none absent: a high nibble in every third slot gives channels 15 to 18 at least 988
+/// us.
 std::vector<std::uint8_t> ibus_frames(std::size_t count) {
     Random random;
     std::vector<std::uint8_t> bytes(count * kIbusLength);

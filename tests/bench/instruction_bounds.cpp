@@ -20,7 +20,7 @@ namespace {
 
 using namespace bench;
 
-/// On x86; what the same takes on ARM is in the note.
+/// Counts on x86. The note has the count on ARM.
 tl::expected<Figure, std::string> counted(const Row& row, const std::string& text, double bound) {
     const auto x86 = cost(Machine::x86, row);
     if (!x86) {
@@ -56,7 +56,7 @@ Figures codecs(const BoundSettings& /*settings*/) {
     return figures;
 }
 
-/// The worst of all streams, and how many of them are beyond the bound.
+/// Returns the worst of all streams. The note has the number of streams beyond the bound.
 Figures garbage(const BoundSettings& /*settings*/) {
     constexpr double kBound = 110;
     if (const std::string what = missing(Machine::x86); !what.empty()) {
@@ -79,7 +79,7 @@ Figures garbage(const BoundSettings& /*settings*/) {
     return std::vector{worst};
 }
 
-/// Of all threads of `tribus run`, from the start to the end.
+/// Counts the instructions of all threads of `tribus run` from start to end.
 tl::expected<std::uint64_t, std::string> instructions_of_run(std::uint64_t frames) {
     ApplianceSettings ours;
     ours.program = TRIBUS_PROGRAM;

@@ -31,16 +31,17 @@ namespace {
 
 using namespace bench;
 
-/// Of a genuine receiver (docs/protocols/ibus.md, "Sensor bus: timing").
+/// Slot of a genuine receiver (docs/protocols/ibus.md, "Sensor bus: timing").
 constexpr Duration kSlot = std::chrono::microseconds(7700);
-/// The receiver's rhythm is learnt, and caches are warm.
+/// Slots until the product knows the rhythm of the receiver and the caches are warm.
 constexpr int kWarmUpSlots = 100;
 
-// The value of address 1: asked, and answered with raw 1.
+// The request for the value of address 1, and the answer with raw value 1.
 constexpr std::array<std::uint8_t, 4> kRequest{0x04, 0xA1, 0x5A, 0xFF};
 constexpr std::array<std::uint8_t, 6> kReply{0x06, 0xA1, 0x01, 0x00, 0x57, 0xFF};
 
-/// Does not return but for what cannot be had.
+/// Answers requests until the process is killed. Returns only if something that it needs is
+/// missing.
 int respond(const std::string& device, const BoundSettings& settings) {
     const int descriptor = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
     termios line{};
@@ -56,7 +57,7 @@ int respond(const std::string& device, const BoundSettings& settings) {
     const sched_param parameters{.sched_priority = settings.priority};
     if (descriptor < 0 || ::mlockall(MCL_CURRENT | MCL_FUTURE) != 0 ||
         ::sched_setscheduler(0, SCHED_FIFO, &parameters) != 0) {
-        std::perror("no real-time scheduling for the bare responder");
+        std::perror("the bare responder gets no real-time scheduling");
         return 1;
     }
     pollfd wait{.fd = descriptor, .events = POLLIN, .revents = 0};
@@ -72,7 +73,7 @@ int respond(const std::string& device, const BoundSettings& settings) {
     return 1;
 }
 
-/// Who answers at the near end of a pty.
+/// A process that answers at the near end of a pty.
 struct Responder {
     Pty wire;
     Process process;
@@ -116,7 +117,7 @@ tl::expected<Responder, std::string> product(const BoundSettings& settings,
     return Responder{std::move(*wire), std::move(*process)};
 }
 
-/// From behind the write of the request to behind the read of the first byte.
+/// Returns the time from the end of the write of the request until the first byte was read.
 std::optional<Duration> ask(const Responder& responder) {
     const int wire = responder.wire.master.get();
     std::array<std::uint8_t, 64> buffer{};
@@ -138,10 +139,10 @@ std::optional<Duration> ask(const Responder& responder) {
     return right ? std::optional(answered - asked) : std::nullopt;
 }
 
-/// A receiver asks by its crystal: what this machine made late is none of its slots.
+/// A request that this machine sends later than this is not counted: a real receiver is on time.
 constexpr Duration kTesterLate = std::chrono::microseconds(300);
 
-/// Asks each of them in each slot, at its own place in it.
+/// Asks each responder once in each slot, at evenly spaced times.
 void ask_in_slots(std::vector<Responder>& responders, Duration length) {
     const auto slots = static_cast<int>(length / kSlot) + kWarmUpSlots;
     const Duration step = kSlot / static_cast<std::int64_t>(responders.size());
@@ -156,7 +157,7 @@ void ask_in_slots(std::vector<Responder>& responders, Duration length) {
             const bool tester_late = monotonic_now() - next > kTesterLate;
             next += step;
             const auto time = ask(responder);
-            // A request that came late by its rhythm is withheld an answer, as it should be.
+            // The product rightly withholds the answer to a request that is out of rhythm.
             if (slot < kWarmUpSlots || tester_late) {
                 continue;
             }

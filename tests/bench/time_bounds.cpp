@@ -31,7 +31,7 @@ RelaySettings relay(const BoundSettings& settings, RelaySettings::Waits waits, b
             .cpu = fifo ? settings.cpu : std::nullopt};
 }
 
-/// Starts and warms up all of them, then measures all in each period.
+/// Starts and warms up all subjects, then measures all of them in each period.
 tl::expected<std::vector<LatencyResult>, std::string> measure_together(
     std::vector<tl::expected<Subject, std::string>> subjects, Duration length) {
     std::vector<Subject*> ready;
@@ -118,7 +118,7 @@ Figures age_of_data(const BoundSettings& settings) {
     return figures;
 }
 
-/// From cyclictest's histogram: lines of microseconds, rounded down, and how often.
+/// Reads cyclictest's histogram: lines of microseconds, rounded down, and counts.
 Distribution read_histogram(int file) {
     std::string text(1 << 20, '\0');
     const ssize_t count = ::pread(file, text.data(), text.size(), 0);
@@ -245,7 +245,8 @@ Figures scaling(const BoundSettings& settings) {
                                 .note = note(3, 2)}};
 }
 
-/// From the start of a program until something comes out of it, while frames go in.
+/// Returns the time from the start of a program until it writes something, while frames are sent to
+/// it.
 template <class Start>
 tl::expected<Duration, std::string> time_to_first_frame(Start start) {
     constexpr Duration kSendEvery = std::chrono::microseconds(200);
@@ -256,7 +257,7 @@ tl::expected<Duration, std::string> time_to_first_frame(Start start) {
     }
     Instant next_send = before;
     while (monotonic_now() - before < std::chrono::seconds(10) && !interrupted()) {
-        // Without a near end that is open, waiting for the far one returns at once.
+        // While the near end is not open, a wait for the far end returns at once.
         std::array<std::uint8_t, 64> buffer{};
         if (::read(subject->lane().out_descriptor(), buffer.data(), buffer.size()) > 0) {
             return monotonic_now() - before;

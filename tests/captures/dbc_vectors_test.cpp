@@ -20,7 +20,7 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
 
-/// Frames that cantools decoded, with the DBC texts that describe them (dbc_vectors.json).
+/// Frames that cantools decoded, and the DBC texts that describe them (dbc_vectors.json).
 namespace tribus::dbc_vectors_test {
 namespace {
 
@@ -45,12 +45,12 @@ class DbcVectors : public testing::Test {
     json vectors_;
 };
 
-/// Floats that JSON has no number for are strings: "nan", "inf", "-inf".
+/// Reads a number. Floats without a JSON number are strings: "nan", "inf", "-inf".
 double number(const json& value) {
     return value.is_string() ? std::stod(value.get<std::string>()) : value.get<double>();
 }
 
-/// Within what rounding once more, in another order, may cost.
+/// Compares two values. They may differ by what one more rounding, in another order, may cost.
 void expect_same(double ours, double theirs, double magnitude, std::string_view name) {
     if (std::isnan(theirs)) {
         EXPECT_TRUE(std::isnan(ours)) << name;
@@ -70,7 +70,7 @@ void expect_raw(const DbcSignal& signal, std::uint64_t bits, const json& expecte
     expect_same(raw, number(expected), 0, signal.name);
 }
 
-/// Exactly the listed signals are in the frame, and they mean what is listed.
+/// Checks that exactly the listed signals are in the frame, with the listed values.
 void expect_decoded(const DbcMessage& message, const Bytes& data, const json& vector) {
     const json& physical = vector.at("phys");
     std::size_t found = 0;
@@ -92,7 +92,7 @@ void expect_decoded(const DbcMessage& message, const Bytes& data, const json& ve
     EXPECT_EQ(found, physical.size());
 }
 
-/// What was decoded, written into an empty frame and a full one, stands as it stood.
+/// Checks that writing the decoded values into an empty and a full frame restores the same bits.
 void expect_encoded(const DbcMessage& message, const Bytes& data) {
     Bytes empty(data.size(), 0x00);
     Bytes full(data.size(), 0xFF);
@@ -103,7 +103,7 @@ void expect_encoded(const DbcMessage& message, const Bytes& data) {
         if (!present(message, signal, data) || std::isnan(physical)) {
             continue;
         }
-        // Above 2^53 a double does not tell neighbours apart.
+        // A double cannot hold every integer above 2^53.
         if (signal.kind != DbcValueKind::integer || signal.bit_length <= 53) {
             EXPECT_EQ(layout.bits_from_physical(physical), bits) << signal.name;
         }

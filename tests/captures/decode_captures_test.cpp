@@ -19,8 +19,8 @@
 #include "tests/support/captures.h"
 #include "transports/links/recording.h"
 
-/// The recordings of real receivers. Expected counts are those of the recordings' own README, which
-/// were found by another program.
+/// Recordings of real receivers. The README of the recordings has the expected counts, which
+/// another program found.
 namespace tribus::decode_captures_test {
 namespace {
 
@@ -76,7 +76,7 @@ void expect_no_reject(const json& summary) {
     }
 }
 
-/// The CSV without its first and its last two columns: channels only.
+/// Returns the CSV without its first and its last two columns: only channels.
 std::string channel_columns(const std::string& csv) {
     std::string columns;
     std::istringstream text(csv);
@@ -97,7 +97,7 @@ TEST_F(Captures, Ibus18HasNoRejectAndTheTimesOfItsBursts) {
     const Decoded result = decoded_json("ibus_servo18_afhds3.timed.txt", "ibus");
     EXPECT_EQ(result.frames.size(), 1231U);
     expect_no_reject(result.summary);
-    EXPECT_EQ(result.summary["skipped_bytes"], 2);  // the tail of a frame in front
+    EXPECT_EQ(result.summary["skipped_bytes"], 2);  // end of a frame that started earlier
     EXPECT_EQ(result.frames.front()["t_us"], 1146);
     EXPECT_EQ(result.frames.back()["t_us"], 4922137);
 }

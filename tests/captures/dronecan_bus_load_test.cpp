@@ -11,8 +11,8 @@
 #include "tests/support/shell.h"
 #include "transports/links/recording.h"
 
-/// What a recorded 18-channel receiver costs on a DroneCAN bus: the program itself makes the
-/// frames, at the output's period.
+/// Load of a DroneCAN bus by a recorded 18-channel receiver. The program itself makes the frames,
+/// at the period of its output.
 namespace tribus::dronecan_bus_load_test {
 namespace {
 
@@ -25,7 +25,7 @@ struct Second {
 
 class BusLoadOfARecordedReceiver : public testing::Test {
   protected:
-    /// Of the whole seconds in which the receiver sends.
+    /// Returns the load in each whole second in which the receiver sends.
     std::map<std::chrono::seconds::rep, Second> seconds(const std::string& lines) {
         folder_.write("bus.toml",
                       "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyAMA2\"\n"
@@ -73,8 +73,8 @@ TEST_F(BusLoadOfARecordedReceiver, At20MsIsHalfOfThat) {
     }
 }
 
-/// 57 and 519 bits at most (docs/protocols/can.md, "Bus load"); as many zeros as there are get a
-/// stuff bit each five.
+/// The upper limits are 57 and 519 bits (docs/protocols/can.md, "Bus load"). The many zeros of
+/// these frames get a stuff bit every five bits.
 TEST_F(BusLoadOfARecordedReceiver, At10MsIs100FdFramesASecondOf50And454Bits) {
     for (const auto& [number, second] : seconds("fd = true\n")) {
         EXPECT_EQ(second.frames, 100U) << number;

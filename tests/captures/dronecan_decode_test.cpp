@@ -19,7 +19,7 @@
 #include "tests/support/captures.h"
 #include "tests/support/outcome.h"
 
-/// What `decode` says of the transfers and receive sequences that three independent
+/// Output of `decode` for the transfers and receive sequences that three independent
 /// implementations agree on (dronecan_vectors.json).
 namespace tribus::dronecan_decode_test {
 namespace {
@@ -62,7 +62,7 @@ Outcome decoded(const std::string& log, DecodeFormat format) {
     });
 }
 
-/// All but the summary.
+/// Returns all objects except the summary.
 std::vector<ordered_json> transfers_in(const std::string& log) {
     std::vector<ordered_json> found;
     for (const std::string& line : decoded(log, DecodeFormat::json).lines()) {
@@ -83,8 +83,8 @@ std::string in_lower_case(std::string text) {
     return text;
 }
 
-/// The values of the file as `decode` writes them: there, integers beyond what JSON readers agree
-/// on are texts ("0xDEADBEEF"), and hex has capital letters.
+/// Returns a value of the file as `decode` writes it: integers too large for some JSON readers as
+/// text ("0xDEADBEEF"), and hex in capital letters.
 ordered_json as_written(const std::string& name, const ordered_json& value) {
     if (value.is_object() || value.is_array()) {
         ordered_json written = value;
@@ -104,7 +104,7 @@ std::string scalar_text(const ordered_json& value) {
     return value.is_number_float() ? fmt::format("{}", value.get<double>()) : value.dump();
 }
 
-/// Every `name value` that text must have.
+/// Adds every `name value` that the text must have.
 void add_named_values(const ordered_json& value, const std::string& name,
                       std::vector<std::string>& named) {
     const bool list = value.is_array() && (value.empty() || !value.front().is_object());
@@ -177,7 +177,8 @@ TEST_F(DroneCanDecodeVectors, EveryTransferIsOneLineOfTextWithItsTypeAndTheNames
 
 using Reasons = std::vector<std::string>;
 
-/// Why a transfer of a sequence is not accepted; of the others all are.
+/// Reasons why transfers of a sequence are refused. In all other sequences every transfer is
+/// accepted.
 const std::map<std::string, Reasons> kBroken{{"bad_crc_middle", {"bad_crc"}},
                                              {"payload_bit_flip", {"bad_crc"}},
                                              {"missing_second_frame", {"frames_missing"}},

@@ -17,8 +17,8 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-/// The transfers and receive sequences that three independent codecs agreed on (see the recordings'
-/// own README).
+/// Transfers and receive sequences that three independent codecs agree on (README of the
+/// recordings).
 namespace tribus::dronecan::dronecan_transfer_test {
 namespace {
 

@@ -22,7 +22,7 @@ using nlohmann::json;
 using test::Bytes;
 using test::from_hex;
 
-/// The values of the file, found by the names that the descriptions have.
+/// Reads the values of the file, which has the names of the type descriptions.
 class FromJson {
   public:
     template <class T>
@@ -48,7 +48,7 @@ class FromJson {
     }
 
   private:
-    /// Integers beyond what JSON readers agree on are texts: "0xDEADBEEF".
+    /// Integers too large for some JSON readers are texts: "0xDEADBEEF".
     template <unsigned kBits, Cast kCast, class Value>
     static void element(Unsigned<kBits, kCast>, const json& from, Value& value) {
         value =

@@ -20,8 +20,8 @@
 #include "transports/codecs/can_channels.h"
 #include "transports/codecs/e2e.h"
 
-/// The published frames of the native format and of AUTOSAR's profiles; the values in them were
-/// decoded by cantools (see the recordings' own README).
+/// Published frames of the native format and of AUTOSAR's profiles. cantools decoded the values in
+/// them (README of the recordings).
 namespace tribus::native_vectors_test {
 namespace {
 
@@ -76,14 +76,15 @@ CanChannelsOrigin origin_in(const json& vector, double age_step) {
             .age = static_cast<std::uint16_t>(value(vector, "Age") / age_step + 0.5)};
 }
 
-/// What the wire holds where a DBC, which knows no "not available", says so many microseconds.
+/// Returns the raw value on the wire for the microseconds that a DBC states. A DBC does not know
+/// "not available".
 std::uint16_t raw_in(const json& vector, const PulseScale& scale, std::size_t number) {
     const double offset = scale.offset_eighths / 8.0;
     const double raw = (value(vector, channel_name(number)) - offset) * 8 / scale.step_eighths;
     return static_cast<std::uint16_t>(raw);
 }
 
-/// The frame written anew from the values, read again, and compared with them.
+/// Writes the frame from its values, reads it again and compares the two.
 template <class View, class Parse>
 Bytes rewritten(const View& view, const CanChannelsFormat& format, const json& vector,
                 Parse parse) {
@@ -137,7 +138,7 @@ TEST_F(NativeVectors, HaveTheDataIdsOfTheFormat) {
     }
 }
 
-/// The frames of one snapshot, resealed with another counter.
+/// Returns the frames of one snapshot, with another counter and new CRCs.
 test::CanFrames snapshot_frames(const json& vectors, std::size_t first, bool fd, unsigned counter) {
     test::CanFrames frames;
     for (std::size_t at = first; at < first + kIds; ++at) {
@@ -153,7 +154,7 @@ test::CanFrames snapshot_frames(const json& vectors, std::size_t first, bool fd,
         std::ranges::copy(data, frame.data.begin());
         const Field counter_field = fd ? kFdCounter : kCounter;
         const unsigned own = get(frame.bytes(), counter_field);
-        // The CRC and the counter make room for others.
+        // Clears the CRC and the counter before new ones are written.
         frame.data[0] = 0;
         frame.data[1] &= fd ? 0x00 : 0xF0;
         frame.data[2] = fd ? std::uint8_t{0} : frame.data[2];
@@ -164,7 +165,7 @@ test::CanFrames snapshot_frames(const json& vectors, std::size_t first, bool fd,
     return frames;
 }
 
-/// What the decoder makes of one snapshot after two before it that were like it.
+/// Checks the third of three like snapshots: the first two prove the sender.
 void expect_decoded(const json& vectors, std::size_t first, bool fd) {
     CanChannelsDecoder decoder({.fd = fd});
     std::vector<ChannelFrame> published;

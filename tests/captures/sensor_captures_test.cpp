@@ -18,9 +18,9 @@
 #include "tests/support/captures.h"
 #include "transports/links/recording.h"
 
-/// The recordings of a genuine receiver (FS-iA6B) with genuine sensors. Expected counts are those
-/// of the recordings' own README, which were found by another program, and of
-/// docs/protocols/ibus.md, "Sensor bus: timing".
+/// Recordings of a genuine receiver (FS-iA6B) with genuine sensors. The expected counts are those
+/// of the README of the recordings, which another program found, and of docs/protocols/ibus.md,
+/// "Sensor bus: timing".
 namespace tribus::sensor_captures_test {
 namespace {
 
@@ -77,14 +77,15 @@ void expect_complete(const json& summary, int frames) {
     }
 }
 
-/// Genuine sensors answer 0.62 to 0.64 ms after the end of the request; to a hundredth.
+/// Genuine sensors answer 0.62 to 0.64 ms after the end of the request, with a tolerance of 0.01
+/// ms.
 void expect_response_of_genuine_sensors(const json& address) {
     EXPECT_GE(address["response_us"]["least"], 615);
     EXPECT_LE(address["response_us"]["most"], 645);
 }
 
-/// Each miss at one of `addresses` is followed by the same request in the next slot, and that is
-/// answered.
+/// Checks that after each miss at one of `addresses` the same request follows in the next slot and
+/// is answered.
 void expect_misses_asked_again(const std::vector<json>& exchanges, const std::set<int>& addresses,
                                int count) {
     int misses = 0;
@@ -139,7 +140,7 @@ TEST_F(SensorCaptures, OneSensorIsExplainedUpToTheCutAtTheEnd) {
     expect_misses_asked_again(result.exchanges, {1}, 7);
 }
 
-// The first sensor hides its answers from the wire behind it, but passes the requests on.
+// The first sensor passes requests on, but keeps its answers off the wire behind it.
 TEST_F(SensorCaptures, BehindTheFirstSensorOnlyItsRequestsAreSeen) {
     const Decoded result = decoded("ibus_sensor_ia6b_tap_between.timed.txt");
     expect_complete(result.summary, 967);

@@ -13,7 +13,8 @@
 namespace tribus::fuzz {
 namespace {
 
-/// One input of each kind that reads CAN, and what speaks to it; those of DBC are in the examples.
+/// One input of each kind that reads CAN, and outputs that send to them. The DBC inputs are
+/// examples.
 constexpr const char* kConfiguration = R"(
 [input.classic]
 protocol = "can"
@@ -118,7 +119,7 @@ const Bus& bus() {
     return made;
 }
 
-/// Mostly an id that somebody listens to.
+/// Returns a frame, mostly with an id that a decoder reads.
 CanFrame frame_from(Input& input, std::span<const CanIdMatch> wanted) {
     CanFrame frame;
     const std::uint8_t kind = input.byte();
@@ -139,8 +140,8 @@ CanFrame frame_from(Input& input, std::span<const CanIdMatch> wanted) {
     return frame;
 }
 
-/// A snapshot as its sender puts it into frames, each of which may be lost, repeated or changed:
-/// no frame made by chance has the checksum that it needs.
+/// Returns the frames of a snapshot as its sender makes them. Each may be lost, repeated or
+/// changed. No random frame would have the right checksum.
 std::vector<CanFrame> spoken_by(CanEncoder& speaker, Input& input, Instant now) {
     ChannelFrame snapshot;
     const std::uint8_t choice = input.byte();
@@ -170,8 +171,8 @@ std::vector<CanFrame> spoken_by(CanEncoder& speaker, Input& input, Instant now) 
 }  // namespace
 }  // namespace tribus::fuzz
 
-/// Any frames of a bus: a decoder gives whole snapshots with values that a pulse can have, and its
-/// counters only grow.
+/// Any frames of a bus: a decoder returns whole snapshots with values that a pulse can have, and
+/// its counters only grow.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus;
     using fuzz::require;

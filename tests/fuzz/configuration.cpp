@@ -11,10 +11,10 @@
 
 namespace {
 
-/// Where the files of DBC are that examples name.
+/// The folder of the DBC files that examples name.
 constexpr const char* kFile = TRIBUS_SOURCE_DIR "/config/examples/fuzz.toml";
 
-/// What is left out there is the timeout, and `check` says so.
+/// Replaces a missing run by the timeout, as `check` prints it.
 std::vector<tribus::InputConfig> with_runs(std::vector<tribus::InputConfig> inputs) {
     for (tribus::InputConfig& input : inputs) {
         auto& supervision = input.supervision;
@@ -30,8 +30,8 @@ bool means_the_same(const tribus::Configuration& a, const tribus::Configuration&
            a.values == b.values && a.dronecan == b.dronecan;
 }
 
-/// Chance alone makes nothing deep. So the byte 1, which no text has, stands with the two behind it
-/// for one of these, up to 25,500 times.
+/// Random input makes nothing deep. So the byte 1, which no text contains, stands with the two
+/// bytes after it for one of these repeated up to 25,500 times.
 std::string with_depth(std::string_view text) {
     constexpr std::array<std::string_view, 12> kDeeper{
         "a.",  "\"a\".", "a . ",     "[",       "{ a = ",    "[[",
@@ -56,8 +56,8 @@ std::string with_depth(std::string_view text) {
 
 }  // namespace
 
-/// A configuration is refused with mistakes that each have a text, or an engine can be built of it,
-/// and what `check` prints of it means the same.
+/// A configuration is refused with mistakes that each have a text, or an engine can be built from
+/// it, and what `check` prints of it means the same.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus;
     using fuzz::require;

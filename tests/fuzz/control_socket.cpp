@@ -12,7 +12,7 @@
 namespace tribus::fuzz {
 namespace {
 
-/// What a daemon listens on, with one client at a time.
+/// The socket of a daemon, with one client at a time.
 class Served {
   public:
     Served() : path_("/tmp/tribus-fuzz-" + std::to_string(::getpid())) {
@@ -25,7 +25,8 @@ class Served {
         });
     }
 
-    /// All that the server says to a client that says this and then no more.
+    /// Returns everything that the server sends to a client that sends this request and nothing
+    /// more.
     std::string answers(std::span<const std::uint8_t> request) {
         auto client = connect_local(path_);
         require(client.has_value(), "a client can connect");
@@ -46,7 +47,7 @@ class Served {
     }
 
   private:
-    /// Longer than any client is let wait for the next status.
+    /// More turns than any client has to wait for the next status.
     static constexpr int kTurns = 200;
 
     void serve() {
@@ -73,8 +74,8 @@ class Served {
 }  // namespace
 }  // namespace tribus::fuzz
 
-/// Whatever is asked: the answers are whole objects, one a line, and whoever asked is let go; the
-/// metrics answer is a response of HTTP.
+/// For any request the answers are whole objects, one a line, and the client is let go. The answer
+/// with metrics is an HTTP response.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus;
     using fuzz::require;

@@ -68,8 +68,8 @@ void read_ring(std::span<const std::uint8_t> image, bool can) {
 
 }  // namespace
 
-/// What a process that crashed left in memory: its plan, or the ring of a port, is refused, or what
-/// is written of it stays in one folder and can be read.
+/// Files that a crashed process left in memory: its plan, or the ring of a port, is refused, or the
+/// recording made from it stays in one folder and can be read.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     fuzz::Input input({data, size});
     const std::size_t kind = input.below(3);

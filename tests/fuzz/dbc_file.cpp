@@ -5,8 +5,8 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
 
-/// A DBC text is refused with a place in it, or every signal of it can be read from and written
-/// into a message.
+/// A DBC text is refused with a place in it, or each of its signals can be read from a message and
+/// written into one.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus;
     using fuzz::require;

@@ -16,11 +16,13 @@
 
 #include "tests/fuzz/fuzz.h"
 
-/// Runs a target without libFuzzer: every file of the given folders as it is, then so many inputs
-/// that are made of them by chance. The same seed gives the same inputs. What breaks a promise is
-/// left in a file.
+/// Runs a target without libFuzzer: first every seed as it is, then N inputs made from the seeds at
+/// random. The same `--seed` gives the same inputs. An input that breaks a promise is left in a
+/// file.
 ///
-///     TARGET [--runs N] [--seed N] FILE_OR_FOLDER...
+///     TARGET [--runs N] [--seed N] PATH...
+///
+/// A path is a file with one seed, a folder of such files, or a packed file of seeds (*.seeds).
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -30,7 +32,7 @@ constexpr const char* kFailureFile = "fuzz-failure.bin";
 
 const Bytes* current = nullptr;
 
-/// Only what a signal handler may call.
+/// Calls only functions that are allowed in a signal handler.
 void save_current(int number) {
     const int file = ::open(kFailureFile, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (file >= 0 && current != nullptr && ::write(file, current->data(), current->size()) >= 0) {
@@ -46,18 +48,72 @@ void run(const Bytes& input) {
     LLVMFuzzerTestOneInput(input.data(), input.size());
 }
 
-Bytes read(const std::filesystem::path& path) {
+/// Ends the program, because fewer seeds than there should be are a weaker test.
+[[noreturn]] void refuse(const std::string& place, std::string_view mistake) {
+    std::fprintf(stderr, "%s: %.*s\n", place.c_str(), static_cast<int>(mistake.size()),
+                 mistake.data());
+    std::exit(2);
+}
+
+std::string read(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
-    Bytes bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-    bytes.resize(std::min(bytes.size(), kLongestInput));
+    std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    if (!file) {
+        refuse(path, "cannot be read");
+    }
     return bytes;
 }
 
-void add_seeds(std::vector<Bytes>& seeds, const std::filesystem::path& path) {
-    if (!std::filesystem::is_directory(path)) {
-        seeds.push_back(read(path));
-        return;
+/// The bytes of pairs of hexadecimal digits, or nothing if the text is something else.
+Bytes bytes_of_hex(std::string_view text) {
+    constexpr std::string_view kDigits = "0123456789ABCDEF";
+    Bytes bytes;
+    for (; text.size() >= 2; text.remove_prefix(2)) {
+        const std::size_t high = kDigits.find(text[0]);
+        const std::size_t low = kDigits.find(text[1]);
+        if (high == std::string_view::npos || low == std::string_view::npos) {
+            return {};
+        }
+        bytes.push_back(static_cast<std::uint8_t>(high << 4U | low));
     }
+    return text.empty() ? bytes : Bytes{};
+}
+
+/// Adds the seeds of a packed file, which tests/fuzz/seeds.sh writes.
+void add_packed(std::vector<Bytes>& seeds, const std::filesystem::path& path) {
+    const std::string text = read(path);
+    if (!text.ends_with('\n')) {
+        refuse(path, "is empty or its last line is cut off; restore it from git");
+    }
+    std::string_view name_before;
+    std::string_view rest = text;
+    for (int number = 1; !rest.empty(); ++number) {
+        const std::string place = path.string() + ":" + std::to_string(number);
+        const std::string_view line = rest.substr(0, rest.find('\n'));
+        rest.remove_prefix(line.size() + 1);
+        const std::string_view name = line.substr(0, line.find(' '));
+        const Bytes bytes = bytes_of_hex(line.substr(std::min(name.size() + 1, line.size())));
+        if (name.empty() || bytes.empty()) {
+            refuse(place,
+                   "is not a name, a space and pairs of the digits 0-9 and A-F; "
+                   "restore the line from git");
+        }
+        if (name <= name_before) {
+            refuse(place,
+                   "its name is there twice, or the lines are not sorted; "
+                   "sort them: LC_ALL=C sort -u -o FILE FILE");
+        }
+        seeds.push_back(bytes);
+        name_before = name;
+    }
+}
+
+void add_file(std::vector<Bytes>& seeds, const std::filesystem::path& path) {
+    const std::string bytes = read(path);
+    seeds.emplace_back(bytes.begin(), bytes.end());
+}
+
+void add_folder(std::vector<Bytes>& seeds, const std::filesystem::path& path) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(path)) {
         if (entry.is_regular_file()) {
@@ -66,7 +122,17 @@ void add_seeds(std::vector<Bytes>& seeds, const std::filesystem::path& path) {
     }
     std::ranges::sort(files);
     for (const auto& file : files) {
-        seeds.push_back(read(file));
+        add_file(seeds, file);
+    }
+}
+
+void add_seeds(std::vector<Bytes>& seeds, const std::filesystem::path& path) {
+    if (std::filesystem::is_directory(path)) {
+        add_folder(seeds, path);
+    } else if (path.extension() == ".seeds") {
+        add_packed(seeds, path);
+    } else {
+        add_file(seeds, path);
     }
 }
 
@@ -144,7 +210,8 @@ int main(int argc, char** argv) {
     for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL}) {
         std::signal(number, save_current);
     }
-    for (const Bytes& input : seeds) {
+    for (Bytes& input : seeds) {
+        input.resize(std::min(input.size(), kLongestInput));
         run(input);
     }
     Mutator mutator(seeds, seed);

@@ -20,8 +20,8 @@ constexpr Duration kTimeout = std::chrono::milliseconds(100);
 constexpr Duration kHold = std::chrono::milliseconds(200);
 constexpr Duration kPeriod = std::chrono::milliseconds(10);
 
-/// Inputs of three kinds, of which each output may have any; the modes of selection are what
-/// differs. Presets are values that no test sends.
+/// Inputs of three kinds. Each output may follow any of them. Only the selection mode differs. No
+/// test sends the values of the presets.
 std::string configuration_text(std::string_view mode) {
     return R"(
 [input.ibus]
@@ -80,8 +80,8 @@ bool is_preset(const ChannelFrame& frame) {
 constexpr std::size_t kMostSteps = 400;
 constexpr std::size_t kMostBytesOfStep = 64;
 
-/// Hears what outputs write, with decoders of its own, and knows when inputs were last told
-/// anything good, by decoders of its own.
+/// Reads what outputs write, and records when inputs last received good values, both with decoders
+/// of its own.
 class Witness final : public OutputObserver {
   public:
     explicit Witness(const Configuration& configuration) : configuration_(configuration) {
@@ -104,7 +104,7 @@ class Witness final : public OutputObserver {
         ear.read_at.insert(ear.read_at.end(), bytes.size(), at);
         listen(ear, bytes, at);
     }
-    /// A frame that waited for what follows it may come out behind the damage.
+    /// A frame that waited for the bytes after it may come out after the damage.
     void damaged(std::size_t input, Instant at) {
         Ear& ear = ears_[input];
         if (ear.pauses->before(1, at, ear.serial->waiting())) {
@@ -131,7 +131,7 @@ class Witness final : public OutputObserver {
         std::optional<ChannelFrame> frame;
         if (!sent.bytes.empty()) {
             frame = latest_of(readers_[output], sent.bytes, at);
-            // A reader that is in step finds each frame; the first ones bring it into step.
+            // A reader that is in step finds each frame. The first frames bring it into step.
             readers_[output].frames += frame ? 1U : 0U;
             require(frame || readers_[output].frames == 0, "every frame that is written is valid");
         }
@@ -154,9 +154,9 @@ class Witness final : public OutputObserver {
     struct Ear {
         std::unique_ptr<Decoder> serial;
         std::unique_ptr<CanDecoder> can;
-        std::optional<LinePauses> pauses;  ///< of an input's line
+        std::optional<LinePauses> pauses;  ///< pauses of an input's line
         std::size_t frames = 0;
-        std::vector<Instant> read_at;  ///< each byte
+        std::vector<Instant> read_at;  ///< when each byte was read
     };
     static Ear make_ear(const Protocol& protocol, const SettingValues& settings) {
         Ear ear;
@@ -213,7 +213,7 @@ struct OneDamaged {
     bool operator[](std::size_t /*position*/) const { return true; }
 };
 
-/// Plays what the input says to one engine; each step is an operation, its time and its data.
+/// Performs the steps in the input on one engine. Each step is an operation, its time and its data.
 class Play {
   public:
     Play(const Configuration& configuration, Input& script)
@@ -257,7 +257,7 @@ class Play {
     }
 
   private:
-    /// Up to 64 ms each.
+    /// Advances time by up to 64 ms.
     void advance(std::uint8_t quarters_of_ms) {
         const std::size_t before = witness_.turns();
         const Duration time = std::chrono::microseconds(quarters_of_ms) * 250;
@@ -269,7 +269,7 @@ class Play {
                 "no more turns than periods have passed");
     }
 
-    /// Twice as long as timeout and hold.
+    /// Lasts twice as long as timeout and hold.
     void be_silent() {
         for (int i = 0; i < 10; ++i) {
             advance(0xFF);
@@ -324,7 +324,7 @@ class Play {
             loop_->receive(input, kByte, OneDamaged{}, loop_->now());
         }
     }
-    /// The witness hears it first: what is written at once may already be of it.
+    /// The witness receives it first, because the engine may write its values at once.
     void say(std::size_t input, std::span<const std::uint8_t> bytes) {
         witness_.heard(input, bytes, loop_->now());
         struct Undamaged {
@@ -349,8 +349,8 @@ class Play {
 }  // namespace
 }  // namespace tribus::fuzz
 
-/// Whatever reaches the inputs, whenever: outputs write valid frames only, say nothing as good that
-/// no input has said for longer than it may, take no turn too many, and allocate nothing.
+/// Whatever reaches the inputs at any time: outputs write only valid frames, mark values as stale
+/// once no input has sent them for too long, take no turn too many, and allocate nothing.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus::fuzz;
     static const auto loaded = configurations();

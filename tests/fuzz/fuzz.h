@@ -8,11 +8,12 @@
 #include <span>
 #include <string_view>
 
-/// What the targets share. Each target is one function, `LLVMFuzzerTestOneInput`: any bytes in, and
-/// it aborts where a promise is broken. libFuzzer calls it, or driver.cpp where there is none.
+/// Shared code of the targets. Each target is one function, `LLVMFuzzerTestOneInput`, which takes
+/// any bytes and aborts if a promise is broken. libFuzzer calls it, or driver.cpp without
+/// libFuzzer.
 namespace tribus::fuzz {
 
-/// The promise in words, for whoever finds it broken.
+/// `promise` is the text for whoever finds it broken.
 inline void require(bool kept, const char* promise) {
     if (!kept) {
         std::fprintf(stderr, "broken: %s\n", promise);
@@ -20,7 +21,7 @@ inline void require(bool kept, const char* promise) {
     }
 }
 
-/// Takes decisions off the front of the input; when that is used up all are 0.
+/// Takes decisions from the front of the input. When the input is used up, all further ones are 0.
 class Input {
   public:
     explicit Input(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
@@ -42,7 +43,7 @@ class Input {
         return word;
     }
     std::size_t below(std::size_t limit) { return byte() % limit; }
-    /// So many, or what there is.
+    /// Takes `count` bytes, or all that are left.
     std::span<const std::uint8_t> take(std::size_t count) {
         const auto taken = bytes_.first(std::min(count, bytes_.size()));
         bytes_ = bytes_.subspan(taken.size());

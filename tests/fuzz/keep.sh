@@ -1,30 +1,42 @@
 #!/bin/sh
-# Keeps what fuzzing has found worth it: tests/fuzz/keep.sh [TARGET...]
-# Adds to the seeds in tests/fuzz/corpus as few inputs of build-sanitize/corpus as reach what those
-# reach, short ones only; their names are their hashes. After tests/fuzz/run.sh.
+# Adds to the seeds in tests/fuzz/corpus:
+#     tests/fuzz/keep.sh [TARGET...]       what tests/fuzz/run.sh found
+#     tests/fuzz/keep.sh TARGET FILE...    these files, such as an input that broke a promise
+# The first form takes from build-sanitize/corpus only short inputs, and only as many as are needed
+# to reach the same code.
 set -eu
-cd "$(dirname "$0")/../.."
+. "$(dirname "$0")/seeds.sh"
 
+print_size() {
+    awk -v target="$1" '{ bytes += length($2) / 2 }
+        END { print target ": " NR " seeds, " bytes " bytes" }' "$corpus/$1.seeds"
+}
+
+if [ $# -gt 1 ] && [ -f "$2" ]; then
+    add_seeds "$@"
+    print_size "$1"
+    exit
+fi
+
+cd "$(dirname "$0")/../.."
 longest=1024
 build=build-sanitize
-[ $# -gt 0 ] || set -- serial_decoders can_decoders dbc_file configuration recording \
-    crash_recording control_socket monitor engine
+# shellcheck disable=SC2046 # a list of words
+[ $# -gt 0 ] || set -- $(fuzz_targets)
 for target in "$@"; do
-    case $target in
-        dbc_file) seeds="config/examples deploy/can" ;;
-        configuration) seeds="config/examples" ;;
-        *) seeds="" ;;
-    esac
+    require_target "$target"
+done
+for target in "$@"; do
     all=$build/kept/$target
-    rm -rf "$all"
-    mkdir -p "$all"
-    find "tests/fuzz/corpus/$target" $seeds -maxdepth 1 -type f -exec cp {} "$all" \;
-    ls "$all" >"$build/kept/$target.before"
+    unpack_seeds "$target" "$all"
+    for folder in $(seed_folders "$target"); do
+        find "$folder" -maxdepth 1 -type f -exec cp {} "$all" \;
+    done
+    find "$all" -type f >"$all.before"
     $build/tests/fuzz/fuzz_"$target" -merge=1 -use_counters=0 -max_len=$longest "$all" \
         "$build/corpus/$target" >"$build/$target.merge.log" 2>&1
-    ls "$all" | grep -vxFf "$build/kept/$target.before" | while read -r name; do
-        cp "$all/$name" "tests/fuzz/corpus/$target/$name"
-    done
-    echo "$target: $(find "tests/fuzz/corpus/$target" -type f | wc -l) seeds," \
-        "$(cat "tests/fuzz/corpus/$target"/* | wc -c) bytes"
+    added=$(find "$all" -type f | grep -vxFf "$all.before" || true)
+    # shellcheck disable=SC2086 # libFuzzer's names are hashes
+    add_seeds "$target" $added
+    print_size "$target"
 done

@@ -11,7 +11,7 @@
 
 namespace {
 
-/// Ends of lines and the sequences that erase and place; colours are off.
+/// Allows line ends and the escape sequences that erase and position. Colours are off.
 bool is_text_and_own_escapes(std::string_view screen) {
     constexpr unsigned char kBlank = 0x20;
     for (std::size_t i = 0; i < screen.size(); ++i) {
@@ -21,7 +21,7 @@ bool is_text_and_own_escapes(std::string_view screen) {
         if (static_cast<unsigned char>(rest.front()) < kBlank && !own) {
             return false;
         }
-        // U+0080 to U+009F: a terminal may obey these as it obeys an escape and a letter.
+        // U+0080 to U+009F: a terminal may take these for an escape and a letter.
         if (rest.size() > 1 && rest[0] == '\xC2' && static_cast<unsigned char>(rest[1]) < 0xA0) {
             return false;
         }
@@ -31,8 +31,8 @@ bool is_text_and_own_escapes(std::string_view screen) {
 
 }  // namespace
 
-/// Whatever answers on a socket, and whatever keys are pressed: a monitor shows no more lines than
-/// there is room for, and nothing of it reaches the terminal but text and our own escapes.
+/// Whatever answers on the socket, and whatever keys are pressed: a monitor shows no more lines
+/// than fit, and only text and our own escape sequences reach the terminal.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus;
     using fuzz::require;

@@ -1,19 +1,20 @@
 #!/bin/sh
 # Looks for inputs that break a promise: tests/fuzz/run.sh [SECONDS] [TARGET...]
-# Each target so long (default 60), with the address and undefined-behaviour sanitizers. What is
-# found is left in build-sanitize/found/TARGET; what reaches new code is kept in
-# build-sanitize/corpus/TARGET for the next time.
+# SECONDS is for each target (default 60). The address and undefined-behaviour sanitizers are on.
+# Inputs that break a promise are left in build-sanitize/found/TARGET, inputs that reach new code in
+# build-sanitize/corpus/TARGET, where the next run starts.
+. "$(dirname "$0")/seeds.sh"
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh
 
 seconds=${1:-60}
 [ $# -eq 0 ] || shift
-# llvm-14 has what turns addresses into lines.
+# llvm-14 translates addresses into lines.
 # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
 install_packages $build_packages $test_libraries clang-14 libclang-rt-14-dev llvm-14
 cmake --preset sanitize >&2
-[ $# -gt 0 ] || set -- serial_decoders can_decoders dbc_file configuration recording \
-    crash_recording control_socket monitor engine
+# shellcheck disable=SC2046 # a list of words
+[ $# -gt 0 ] || set -- $(fuzz_targets)
 build=build-sanitize
 for target in "$@"; do
     cmake --build $build --target fuzz_"$target" >&2
@@ -21,17 +22,14 @@ done
 
 failed=""
 for target in "$@"; do
-    case $target in
-        dbc_file) seeds="config/examples deploy/can" ;;
-        configuration) seeds="config/examples" ;;
-        *) seeds="" ;;
-    esac
+    seeds=$build/seeds/$target
+    unpack_seeds "$target" "$seeds"
     echo "Fuzzing $target for $seconds s" >&2
     mkdir -p "$build/corpus/$target" "$build/found/$target"
-    # shellcheck disable=SC2086 # a list of words
-    $build/tests/fuzz/fuzz_"$target" -max_total_time="$seconds" -timeout=10 -max_len=8192 \
-        -print_final_stats=1 -artifact_prefix="$build/found/$target/" \
-        "$build/corpus/$target" "tests/fuzz/corpus/$target" $seeds >"$build/$target.log" 2>&1 ||
+    # shellcheck disable=SC2046 # a list of words
+    $build/tests/fuzz/fuzz_"$target" -max_total_time="$seconds" -timeout=10 \
+        -max_len="$longest_input" -print_final_stats=1 -artifact_prefix="$build/found/$target/" \
+        "$build/corpus/$target" "$seeds" $(seed_folders "$target") >"$build/$target.log" 2>&1 ||
         failed="$failed $target"
     grep -E 'INITED|DONE|^broken|runtime error|^SUMMARY|Test unit' "$build/$target.log" || true
 done

@@ -9,7 +9,7 @@
 namespace tribus::fuzz {
 namespace {
 
-/// The serial protocols that can be read.
+/// Returns the serial protocols that can be read.
 std::vector<const Protocol*> readable() {
     std::vector<const Protocol*> found;
     for (const Protocol* protocol : protocols()) {
@@ -20,7 +20,7 @@ std::vector<const Protocol*> readable() {
     return found;
 }
 
-/// Settings as the command line's defaults have them, or another choice where there are some.
+/// Returns the default settings of the command line, or other choices where there are some.
 SettingValues settings_of(const Protocol& protocol, Input& input) {
     SettingValues values;
     for (const Setting& setting : protocol.settings) {
@@ -46,13 +46,13 @@ struct Found {
     }
 };
 
-/// What was on the wire, and which bytes of it came with a parity or framing error.
+/// Bytes of a wire, and which of them came with a parity or framing error.
 struct Line {
     std::vector<std::uint8_t> bytes;
     std::vector<bool> damaged;
 };
 
-/// In pieces of at most that many bytes.
+/// Decodes in pieces of at most `piece` bytes.
 Found decode(Decoder& decoder, const Line& line, std::size_t piece) {
     Found found;
     for (std::size_t at = 0; at < line.bytes.size();) {
@@ -91,8 +91,8 @@ void require_places(const Found& found, std::size_t size) {
     require(found.skipped <= size, "no more was skipped than received");
 }
 
-/// No input made by chance has the checksum that it needs, so they are put where what stands there
-/// can be the beginning of a frame.
+/// No random input has the right checksum, so checksums are put where the bytes before can be a
+/// frame.
 void put_checksums(std::vector<std::uint8_t>& bytes, bool sensors) {
     const auto length_at = [&](std::size_t at) -> std::size_t {
         const std::size_t first = bytes[at];
@@ -114,7 +114,7 @@ void put_checksums(std::vector<std::uint8_t>& bytes, bool sensors) {
     }
 }
 
-/// What follows in the input, with checksums or without, and up to three damaged bytes.
+/// Returns the rest of the input, with checksums or without, and up to three damaged bytes.
 Line line_from(Input& input, bool sensors) {
     const std::uint8_t choice = input.byte();
     std::vector<std::size_t> places(choice / 2 % 4);
@@ -155,8 +155,8 @@ void decode_sensor_frames(std::span<const std::uint8_t> bytes, std::size_t piece
 }  // namespace
 }  // namespace tribus::fuzz
 
-/// Bytes of a wire: the same frames come out however reads cut them, each within what came, none
-/// over another.
+/// Bytes of a wire: the same frames come out however reads cut them. Each frame is within the
+/// received bytes, and no two overlap.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus::fuzz;
     Input input({data, size});

@@ -1,12 +1,12 @@
 #!/bin/sh
-# Builds two drivers that Debian's kernel comes without, out of Debian's source of that kernel,
-# into the modules of a guest:
-#   gpio-sim   simulated GPIO banks; with irq_sim, which it needs and Debian's kernel lacks too
-#   ctucanfd   the CTU CAN FD controller, the emulator's only one for CAN FD
+# Builds two drivers that Debian's kernel lacks, from Debian's source of that kernel, into the
+# modules of a guest:
+#   gpio-sim   simulated GPIO banks, with irq_sim, which gpio-sim needs and Debian's kernel lacks too
+#   ctucanfd   the CTU CAN FD controller, the only one of the emulator for CAN FD
 #
 #   tests/lab/build_modules.sh KERNEL_FOLDER
 #
-# The headers are unpacked, not installed.
+# The headers are unpacked and not installed.
 set -eu
 PATH=$PATH:/usr/sbin:/sbin # depmod
 
@@ -29,7 +29,7 @@ apt-get -q download "linux-headers-$version" "$common" "linux-kbuild-$series" \
 for package in linux-headers-*.deb linux-kbuild-*.deb; do
     dpkg-deb -x "$package" .
 done
-# It names the other half of the headers by where they are installed.
+# The file names the other half of the headers by their installed path.
 echo "include $work/usr/src/$common/Makefile" >"usr/src/linux-headers-$version/Makefile"
 
 dpkg-deb --fsys-tarfile linux-source-*.deb |
@@ -38,7 +38,7 @@ dpkg-deb --fsys-tarfile linux-source-*.deb |
         '*/drivers/gpio/gpiolib.h' '*/kernel/irq/irq_sim.c' '*/drivers/net/can/ctucanfd/*'
 mv drivers/gpio/gpio-sim.c gpio/sim.c
 mv drivers/gpio/gpiolib.h kernel/irq/irq_sim.c gpio/
-# The kernel keeps irq_to_desc to itself; this is the same to a module.
+# The kernel does not export irq_to_desc. For a module this does the same.
 sed -i 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/' gpio/irq_sim.c
 mv drivers/net/can/ctucanfd/*.[ch] can/
 printf '%s\n' 'obj-m := gpio-sim.o' 'gpio-sim-y := sim.o irq_sim.o' >gpio/Kbuild

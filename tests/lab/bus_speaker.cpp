@@ -52,7 +52,8 @@ constexpr std::size_t kDbcMessages = 4;
 constexpr std::size_t kChannelsEach = 4;
 constexpr unsigned kChannelBits = 12;
 
-/// Four channels of 12 bits and 4 bits of counter, Intel: the first stands in the lowest bits.
+/// Four channels of 12 bits and a counter of 4 bits in Intel order: the first is in the lowest
+/// bits.
 class DbcSpeaker final : public BusSpeaker {
   public:
     std::vector<CanFrame> frames(const Sticks& sticks) override {

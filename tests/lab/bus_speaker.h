@@ -11,25 +11,25 @@
 
 namespace tribus::test {
 
-/// A healthy sender of sixteen channels on a CAN bus, whose counter goes on by one each time.
+/// A healthy sender of sixteen channels on a CAN bus. Its counter increases by one each time.
 class BusSpeaker {
   public:
     virtual ~BusSpeaker() = default;
-    /// The frames of one snapshot, in the order in which they are sent.
+    /// Returns the frames of one snapshot in the order in which they are sent.
     virtual std::vector<CanFrame> frames(const Sticks& sticks) = 0;
 };
 
-/// What an input needs to read it. Tests are named for `name`.
+/// Configuration of an input that reads this sender. Tests are named after `name`.
 struct BusLanguage {
     std::string name;
     std::string input;   ///< lines of the table `[input.bus]` without its interface
-    std::string tables;  ///< that follow it
+    std::string tables;  ///< tables that follow it
     std::unique_ptr<BusSpeaker> (*speaker)() = nullptr;
 };
 
-/// The native format, DroneCAN's RCInput, and a DBC file of four messages with a counter in each.
+/// The native format, DroneCAN's RCInput, and a DBC file of four messages, each with a counter.
 const std::vector<BusLanguage>& bus_languages();
-/// The DBC file, `rc.dbc`, into the folder of the configuration.
+/// Writes the DBC file `rc.dbc` into the folder of the configuration.
 void write_counted_dbc(const std::filesystem::path& folder);
 
 }  // namespace tribus::test

@@ -20,23 +20,23 @@
 namespace tribus::test {
 namespace {
 
-// Where run_guest puts the two cards.
+// PCI slots of the two cards in run_guest.
 constexpr std::string_view kNearSlot = "0000:00:12.0";
 constexpr std::string_view kFarSlot = "0000:00:13.0";
 constexpr std::string_view kFdSlot = "0000:00:14.0";
-// What a frame is in the kernel. A token bucket that holds just one paces every frame.
+// Size of a frame in the kernel. A token bucket of one frame paces every frame.
 constexpr unsigned kClassicBytes = 16;
 constexpr unsigned kFdBytes = 72;
-// As a driver's default.
+// The default of a CAN driver.
 constexpr std::string_view kQueueFrames = "10";
-// As good as nothing: a classic frame takes 16 seconds.
+// Almost no rate: a classic frame takes 16 seconds.
 constexpr unsigned kStalledRate = 8;
 
 std::filesystem::path card(std::string_view slot) {
     return std::filesystem::path("/sys/bus/pci/devices") / slot;
 }
 
-/// The interfaces of a card, in order, once its driver has made them.
+/// Returns the interfaces of a card in order, once its driver has made them.
 std::vector<std::string> interfaces_of(std::string_view slot, std::size_t count) {
     require_guest();
     std::vector<std::string> names;
@@ -58,8 +58,8 @@ std::string interface_of(std::string_view slot) {
     return interfaces_of(slot, 1).front();
 }
 
-/// A queue sleeps until the time that it worked out at its old rate, unless something comes in.
-/// What comes in here is no CAN frame, and the interface drops it.
+/// A queue sleeps until a time that it calculated with its old rate, unless a packet arrives. This
+/// one is no CAN frame, so the interface drops it.
 void wake_queue(const std::string& interface) {
     const UniqueFd packets(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, 0));
     sockaddr_ll address{};
@@ -67,7 +67,7 @@ void wake_queue(const std::string& interface) {
     address.sll_ifindex = static_cast<int>(interface_index(interface));
     const char nothing = 0;
     const auto* any = reinterpret_cast<const sockaddr*>(&address);
-    // Refused where the queue is full, which wakes it just so.
+    // If the queue is full, the packet is refused, but it still wakes the queue.
     ::sendto(packets.get(), &nothing, sizeof(nothing), 0, any, sizeof(address));
 }
 
@@ -116,7 +116,7 @@ void VirtualBus::create() {
 PacedBus::PacedBus(unsigned bits_per_second, Kind kind, const std::string& name)
     : kind_(kind), rate_(bits_per_second), near_(name + "0"), far_(name + "1") {
     const std::string mtu = std::to_string(kind_ == Kind::fd ? kFdBytes : kClassicBytes);
-    // Neither end comes up before it knows the other one.
+    // Neither end can be up before it knows the other one.
     shell("printf '%s\\n' 'link add dev " + near_ + " mtu " + mtu + " type vxcan peer name " +
           far_ + " mtu " + mtu + "' 'link set dev " + near_ + " up' 'link set dev " + far_ +
           " up' | ip -batch -");
@@ -139,8 +139,8 @@ void PacedBus::flow() const {
 
 void PacedBus::set_rate(const std::string& end, unsigned bits_per_second) const {
     const unsigned burst = (kind_ == Kind::fd ? kFdBytes : kClassicBytes) + 1;
-    // The first command sets the length of the inner queue to its own limit, so the second one
-    // follows each time.
+    // The first command sets the inner queue to its own length, so the second one must follow each
+    // time.
     shell("printf '%s\\n' 'qdisc replace dev " + end + " root handle 1: tbf rate " +
           std::to_string(bits_per_second) + "bit burst " + std::to_string(burst) +
           " limit 10000' 'qdisc replace dev " + end + " parent 1:1 handle 2: pfifo limit " +

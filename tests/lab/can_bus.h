@@ -4,8 +4,8 @@
 
 namespace tribus::test {
 
-/// A virtual bus without a rate: every socket on it sees what the others send. Comes up at once,
-/// takes FD frames, and is gone with its object.
+/// A virtual bus without a bit rate: every socket on it sees what the others send. It is up at
+/// once, accepts FD frames and is removed with its object.
 class VirtualBus {
   public:
     explicit VirtualBus(const std::string& name = "vcan0");
@@ -16,9 +16,9 @@ class VirtualBus {
     const std::string& name() const { return name_; }
     void down() const;
     void up() const;
-    /// The interface vanishes, as a USB adapter that is pulled...
+    /// Removes the interface, like a USB adapter that is unplugged.
     void remove();
-    /// ...and comes back, with another index.
+    /// Creates the interface again, with another index.
     void create();
 
   private:
@@ -26,11 +26,11 @@ class VirtualBus {
     bool there_ = false;
 };
 
-/// A bus of two nodes with a bit rate: a vxcan pair, whose both ends send no faster than the rate
-/// and queue ten frames, as a controller does; the eleventh gets ENOBUFS. A classic frame takes
-/// 128 bits and one of FD 576, whatever is in it, since the queue counts the kernel's bytes
-/// (docs/laboratory.md, "CAN: what the drivers do"). What it cannot show: arbitration,
-/// acknowledgement, errors.
+/// A bus of two nodes with a bit rate: a vxcan pair. Both ends send no faster than the rate and
+/// queue ten frames, as a controller does; the eleventh gets ENOBUFS. Every classic frame takes 128
+/// bits and every FD frame 576 bits, because the queue counts the kernel's bytes
+/// (docs/laboratory.md, "CAN: what the drivers do"). It does not show arbitration, acknowledgement
+/// or errors.
 class PacedBus {
   public:
     enum class Kind { classic, fd };
@@ -43,8 +43,8 @@ class PacedBus {
 
     const std::string& near() const { return near_; }
     const std::string& far() const { return far_; }
-    /// Stops what `near` sends, as a bus where nobody acknowledges: after one more frame the
-    /// others stay in the queue, until `flow`.
+    /// Stops what `near` sends, like a bus without acknowledgement. One more frame is sent, the
+    /// others stay in the queue until `flow`.
     void stall() const;
     void flow() const;
 
@@ -57,8 +57,8 @@ class PacedBus {
     std::string far_;
 };
 
-/// Two emulated SJA1000 controllers with Debian's own driver (kvaser_pci) on one bus; classic CAN,
-/// in a guest only. They are up. What it cannot show: bus errors, bus-off, a bit rate on the wire
+/// Two emulated SJA1000 controllers with Debian's own driver (kvaser_pci) on one bus, both up.
+/// Classic CAN, in a guest only. It does not show bus errors, bus-off or a bit rate on the wire
 /// (docs/laboratory.md, "CAN: what the drivers do").
 class ControllerPair {
   public:
@@ -68,13 +68,15 @@ class ControllerPair {
     ControllerPair& operator=(const ControllerPair&) = delete;
     ~ControllerPair();
 
-    /// Names of the interfaces, as can0; those of `near` may change when it is plugged again.
+    /// Names of the interfaces, such as can0. The name of `near` may change when it is plugged in
+    /// again.
     const std::string& near() const { return near_; }
     const std::string& far() const { return far_; }
-    /// Takes the card of `near` out of the machine, and puts it back, up again.
+    /// Takes the card of `near` out of the machine, then puts it back and sets it up again.
     void unplug();
     void plug();
-    /// Down, set with other words of `ip link set ... type can`, up.
+    /// Sets the interface down, configures it with other options of `ip link set ... type can`, and
+    /// sets it up.
     void configure(const std::string& interface, unsigned bits_per_second,
                    const std::string& options) const;
 
@@ -85,9 +87,9 @@ class ControllerPair {
     std::string options_;
 };
 
-/// Two emulated CTU CAN FD controllers on one bus, up, with bit rates of 1 and 4 Mbit/s; in a guest
-/// of the full tier only. Neither bus errors nor states (docs/laboratory.md, "CAN: what the drivers
-/// do").
+/// Two emulated CTU CAN FD controllers on one bus, up, with bit rates of 1 and 4 Mbit/s. In a guest
+/// of the full tier only. They show neither bus errors nor states (docs/laboratory.md, "CAN: what
+/// the drivers do").
 class FdControllerPair {
   public:
     FdControllerPair();
@@ -105,7 +107,7 @@ class FdControllerPair {
 
 void set_link_up(const std::string& interface);
 void set_link_down(const std::string& interface);
-/// Number of the interface; 0 if there is none.
+/// Index of the interface, or 0 if there is none.
 unsigned interface_index(const std::string& interface);
 
 }  // namespace tribus::test

@@ -16,7 +16,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/rc.h"
 
-/// canbusload of can-utils, which counts stuff bits on its own, but those of classic frames only.
+/// Compares with canbusload of can-utils, which also counts stuff bits, but only of classic frames.
 namespace tribus::test::can_bus_load_test {
 namespace {
 
@@ -27,7 +27,7 @@ struct Load {
     bool operator==(const Load&) const = default;
 };
 
-/// The sum of its lines, one a second: " vcan0@1000000     3     408    192   0%".
+/// Returns the sum of its lines, one a second: " vcan0@1000000     3     408    192   0%".
 Load shown(const std::string& output) {
     Load sum;
     std::istringstream words(output);

@@ -12,15 +12,15 @@
 #include "tests/lab/candump.h"
 #include "tests/lab/two_programs.h"
 
-/// Clients that others wrote, on one bus with the built program: can-utils, and canmatrix with the
-/// DBC that is shipped (Debian: can-utils, python3-canmatrix).
+/// Other programs on one bus with the built program: can-utils, and canmatrix with the shipped DBC
+/// file (Debian: can-utils, python3-canmatrix).
 namespace tribus::test::can_clients_test {
 namespace {
 
 using nlohmann::json;
 using std::chrono::milliseconds;
 
-/// Microseconds of the channels, as a client shows them.
+/// Channels in microseconds as the other program shows them.
 using Shown = std::vector<double>;
 
 Shown shown(const Sticks& sticks) {
@@ -35,7 +35,7 @@ std::vector<Shown> shown(const std::vector<Sticks>& rows) {
     return all;
 }
 
-/// Both ends of what SBUS can carry, each channel with a value of its own, and usual sticks.
+/// Both limits of SBUS, each channel with a value of its own, and usual sticks.
 std::vector<Sticks> stick_positions() {
     Sticks ascending;
     Sticks odd;
@@ -48,7 +48,7 @@ std::vector<Sticks> stick_positions() {
     return {sticks_with_first(1001), Sticks(18, 880), Sticks(18, 2159), ascending, odd, crossed};
 }
 
-/// Without repetitions.
+/// Adds a value unless it equals the last one.
 template <class Value>
 void add_if_new(std::vector<Value>& values, const Value& value) {
     if (values.empty() || values.back() != value) {
@@ -56,8 +56,8 @@ void add_if_new(std::vector<Value>& values, const Value& value) {
     }
 }
 
-/// A line of `candump -L`, as "(1436509052.249713) vcan0 305##1AABB", in the form that
-/// canmatrix_decode.py reads: id and data.
+/// Converts a line of `candump -L` such as "(1436509052.249713) vcan0 305##1AABB" for
+/// canmatrix_decode.py: id and data.
 std::string id_and_data(const std::string& line) {
     const std::size_t start = line.rfind(' ') + 1;
     const std::size_t mark = line.find('#', start);
@@ -66,7 +66,7 @@ std::string id_and_data(const std::string& line) {
     return std::to_string(id) + " " + line.substr(mark + (fd ? 3 : 1));
 }
 
-/// The good snapshots in a log, as canmatrix decodes them, without repetitions.
+/// Returns the good snapshots in a log as canmatrix decodes them, without repetitions.
 std::vector<Shown> seen_by_canmatrix(const std::string& folder, const std::string& log) {
     std::ofstream frames(folder + "/frames");
     std::istringstream lines(log);
@@ -75,7 +75,7 @@ std::vector<Shown> seen_by_canmatrix(const std::string& folder, const std::strin
     }
     frames.close();
     const std::string source = TRIBUS_SOURCE_DIR;
-    // Debian's own python3: another one in front of it does not see Debian's packages.
+    // Debian's interpreter: another python3 earlier in PATH would not find Debian's packages.
     shell("/usr/bin/python3 " + source + "/tests/oracle/canmatrix_decode.py " + source +
           "/deploy/can/native.dbc " + folder + "/frames >" + folder + "/decoded");
     std::vector<Shown> snapshots;
@@ -103,7 +103,7 @@ std::vector<Shown> seen_by_canmatrix(const std::string& folder, const std::strin
     return snapshots;
 }
 
-/// The same as `tribus decode` prints them.
+/// Returns the good snapshots as `tribus decode` prints them.
 std::vector<Shown> seen_by_decode(const std::string& output) {
     std::vector<Shown> snapshots;
     std::istringstream lines(output);
@@ -136,8 +136,8 @@ struct LogCase {
 
 class CandumpLog : public CanClient, public testing::WithParamInterface<LogCase> {
   protected:
-    /// What `candump -L` writes while the receiver goes through the sticks, each until the servos
-    /// have it.
+    /// Returns what `candump -L` writes while the receiver sends each row of sticks until the
+    /// servos have it.
     std::string record(const std::vector<Sticks>& rows) {
         Candump candump(folder(), "vcan0");
         const BusJob job{.format = GetParam().format};
@@ -182,7 +182,8 @@ TEST_P(CandumpLog, HasTheSticksForDecode) {
 
 class Canplayer : public CanClient {
   protected:
-    /// A log in which each row of sticks stays for so many snapshots, 10 ms apart.
+    /// Returns a log in which each row of sticks is repeated in `repetitions` snapshots, 10 ms
+    /// apart.
     std::string encoded_log(const std::vector<Sticks>& rows, int repetitions) {
         std::string lines;
         int snapshot = 0;
@@ -243,8 +244,8 @@ TEST_F(Canplayer, MovesTheServosAsTheEncodedLogSaysAndItsEndIsFailsafe) {
 
 class Cansend : public CanClient {
   protected:
-    /// Each frame thrice, in the midst of a stream: whatever passes as good afterwards is what the
-    /// receiver says, and the programs live. Gives what the servos saw.
+    /// Sends each frame three times in the middle of a stream. Good frames must still have the
+    /// receiver's sticks, and the programs must go on. Returns what the servos saw.
     std::vector<SbusSight> send_amid_stream(const std::string& interface,
                                             const std::vector<std::string>& frames) {
         EXPECT_TRUE(carry_until_control());
@@ -260,7 +261,7 @@ class Cansend : public CanClient {
             }
             EXPECT_EQ(client.end(), 0) << frames[i / 3] << client.errors();
         }
-        // So that whatever is to be logged has been.
+        // Gives the programs time to log.
         carry(milliseconds(500));
         const SbusSight sticks = sbus_sight_of(sticks_with_first(1234));
         EXPECT_TRUE(std::ranges::all_of(all, [&](const SbusSight& sight) {
@@ -269,7 +270,7 @@ class Cansend : public CanClient {
         EXPECT_TRUE(carry_until_control());
         return all;
     }
-    /// The frames are taken as another sender of the same ids.
+    /// Checks that the frames are reported as those of another sender with the same ids.
     void expect_named(const std::string& format, const std::vector<std::string>& frames) {
         const BusJob job{.format = format};
         Program& sender = start_sender(job);
@@ -320,7 +321,7 @@ TEST_F(Cansend, RemoteAndExtendedFramesAndClassicIdsAreNoneOfOursOnFd) {
     expect_not_named(kFd, {"305#R", "00000305##1DEADBEEF", "300#0102030405060708"});
 }
 
-/// The sender, behind a gateway, does not hear them.
+/// The sender is behind a gateway and does not receive these frames.
 TEST_F(Cansend, WrongFramesThatOnlyTheReaderHearsDoNotEndControl) {
     const VirtualBus far("vcan1");
     shell("modprobe can-gw && cangw -A -s vcan0 -d vcan1 -e");

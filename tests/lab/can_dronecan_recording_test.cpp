@@ -21,8 +21,8 @@
 #include "tests/lab/two_programs.h"
 #include "transports/codecs/dronecan/types.h"
 
-/// A recorded 18-channel receiver at the i.Bus input of one program, DroneCAN to another one, SBUS
-/// servos there; a third node asks both who they are, and candump keeps all that is said.
+/// A recorded 18-channel receiver at the i.Bus input of one program, DroneCAN to another program,
+/// SBUS servos there. A third node asks both for their node information, and candump logs the bus.
 namespace tribus::test::can_dronecan_recording_test {
 namespace {
 
@@ -33,7 +33,7 @@ constexpr dronecan::NodeId kSender = 42;
 constexpr dronecan::NodeId kReader = 43;
 constexpr dronecan::NodeId kTool = 127;
 
-/// Whether the wanted ones stand among `rows` in their order, one row perhaps for several of them.
+/// Returns whether `rows` contain all of `wanted` in order. One row may match several of them.
 template <class Row, class Wanted, class Same>
 testing::AssertionResult in_order(std::span<const Row> rows, const std::vector<Wanted>& wanted,
                                   Same same) {
@@ -70,7 +70,7 @@ class RecordedOverDroneCan : public TwoPrograms, public testing::WithParamInterf
     }
     std::string errors() const { return sender_->errors() + reader_->errors(); }
 
-    /// What the servos see until `done` says so of a frame, while the receiver does what it does.
+    /// Returns what the servos see until `done` returns true for a frame.
     template <class Done>
     std::vector<SbusSight> listen_until(Done done) {
         std::vector<SbusSight> seen;
@@ -116,7 +116,7 @@ class RecordedOverDroneCan : public TwoPrograms, public testing::WithParamInterf
         expect_clean_end(*reader_);
     }
 
-    /// The good ones, without repetitions.
+    /// Returns the good frames without repetitions.
     static std::vector<SbusSight> good_positions(const std::vector<SbusSight>& seen) {
         std::vector<SbusSight> good;
         for (const SbusSight& sight : seen) {
@@ -143,8 +143,8 @@ TEST_P(RecordedOverDroneCan, SticksComeOutInTheirOrderAndNoneThatWasNotRecorded)
     start();
     const auto positions = good_positions(play_to_the_end());
     EXPECT_TRUE(in_order(std::span<const SbusSight>(positions_), positions, same_channels));
-    // The recording has 378 positions in a row; a machine that stands still nearly all the time
-    // lets a tenth through.
+    // The recording has 378 positions. Even a machine that is stalled most of the time lets a tenth
+    // of them through.
     EXPECT_GT(positions.size(), 37U);
     EXPECT_EQ(servos().strays(), 0U);
     end();
@@ -159,15 +159,15 @@ TEST_P(RecordedOverDroneCan, EndsInFailsafeAfterTimeoutAndHoldAndComesBackAfterR
     ASSERT_NE(failsafe, seen.end());
     EXPECT_TRUE(std::all_of(seen.begin(), failsafe, [&](const SbusSight& sight) {
         return same_channels(sight, positions_.back());
-    })) << "the last sticks are held";
+    })) << "other sticks than the last ones are held";
     EXPECT_TRUE(std::any_of(seen.begin(), failsafe, [](const SbusSight& sight) {
         return sight.frame_lost;
-    })) << "and marked";
+    })) << "held sticks are not marked";
     Sticks presets(18, 1500);
     presets[0] = 1000;
     presets[2] = 988;
     EXPECT_TRUE(same_channels(*failsafe, sbus_sight_of(presets)));
-    // A frame of either program speaks for the period behind it.
+    // A frame of either program counts for the period after it.
     expect_failsafe_time(failsafe->seen - silent_since, milliseconds(10 + 7));
 
     const auto back = Clock::now();
@@ -180,7 +180,7 @@ TEST_P(RecordedOverDroneCan, EndsInFailsafeAfterTimeoutAndHoldAndComesBackAfterR
     end();
 }
 
-/// What `tribus decode` says of a log of candump.
+/// Output of `tribus decode` for a log of candump.
 struct Explained {
     std::vector<json> transfers;
     json summary;

@@ -17,7 +17,7 @@
 #include "tests/lab/two_programs.h"
 #include "transports/codecs/dronecan/types.h"
 
-/// DroneCAN on a virtual bus: built programs, and nodes that the tests play.
+/// DroneCAN on a virtual bus: built programs, and nodes that the tests simulate.
 namespace tribus::test::can_dronecan_test {
 namespace {
 
@@ -49,7 +49,7 @@ TEST_F(DroneCan, TellsTheFailsafeOfTheReceiver) {
     Program& sender = start_sender(kJob);
     Program& reader = start_reader(kJob);
     ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
-    // Nothing is sent to the i.Bus input any more.
+    // The i.Bus input gets no more frames.
     EXPECT_TRUE(eventually([&] {
         const auto seen = servos().listen();
         return std::ranges::any_of(seen, [](const SbusSight& sight) { return sight.failsafe; });
@@ -72,7 +72,7 @@ TEST_F(DroneCan, FallsSilentWhileAnotherNodeHasItsId) {
     EXPECT_TRUE(carry_until_failsafe());
     EXPECT_NE(sender.errors().find("another DroneCAN node has the id 42 too"), std::string::npos)
         << sender.errors();
-    EXPECT_TRUE(carry_until_control()) << "not back after 5 s of silence";
+    EXPECT_TRUE(carry_until_control()) << "no control after 5 s of silence";
     expect_clean_end(sender);
     expect_clean_end(reader);
 }
@@ -107,7 +107,7 @@ TEST_F(DroneCan, SaysThatItIsThereAndAnswersWhoItIs) {
     expect_clean_end(sender);
 }
 
-/// The id that a program says that it has.
+/// Returns the node id that a program reports as its own.
 std::optional<NodeId> own_id(const Program& program) {
     const std::string errors = program.errors();
     const std::string words = "this program is DroneCAN node ";
@@ -117,13 +117,13 @@ std::optional<NodeId> own_id(const Program& program) {
                : std::optional(static_cast<NodeId>(std::stoi(errors.substr(at + words.size()))));
 }
 
-/// Plays the allocator: gives ids from `next` on, one to each unique id (docs/protocols/can.md,
-/// "DroneCAN: nodes").
+/// Simulates the allocator: assigns ids from `next` on, one for each unique id
+/// (docs/protocols/can.md, "DroneCAN: nodes").
 class Allocator {
   public:
     Allocator(const std::string& interface, NodeId next) : bus_(interface), next_(next) {}
 
-    /// Answers what has come; the ids that it has given.
+    /// Answers the requests that have come. Returns the ids assigned so far.
     const std::map<std::vector<std::uint8_t>, NodeId>& serve() {
         for (const CanSight& sight : bus_.receive_all()) {
             const auto heard = ear_.take(sight.frame);

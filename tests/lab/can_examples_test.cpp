@@ -14,14 +14,14 @@
 #include "tests/lab/guest.h"
 #include "tests/loopback/loopback.h"
 
-/// The shipped DBC examples as they are, but for the names of their devices. A gateway of the
-/// kernel carries what they send on can0 to can1, where they read it.
+/// The shipped DBC examples, with only the names of the devices changed. A gateway in the kernel
+/// carries what they send on can0 to can1, where they read it.
 namespace tribus::test::can_examples_test {
 namespace {
 
 using std::chrono::milliseconds;
 
-/// What stands in two bytes of a frame, low byte first.
+/// A value in two bytes of a frame, low byte first.
 struct Mark {
     std::uint32_t id = 0;
     std::size_t byte = 0;
@@ -31,12 +31,12 @@ struct Mark {
 
 struct DbcExample {
     std::string name;
-    /// SBUS channels, from 0, and how many SBUS steps (0.625 us) they may be off: half a step of
-    /// the format and the rounding to SBUS.
+    /// SBUS channels, counted from 0, and how many SBUS steps (0.625 us) they may be off: half a
+    /// step of the format plus the rounding to SBUS.
     std::map<std::size_t, int> sticks;
-    /// SBUS channels, from 0, that are on or off.
+    /// SBUS channels, counted from 0, that are on or off.
     std::vector<std::size_t> switches;
-    /// What the frames say without a receiver; absent: there are none.
+    /// Mark in the frames while there is no receiver. If absent, no frames are sent then.
     std::optional<Mark> failsafe;
 };
 
@@ -82,7 +82,7 @@ class DbcExampleRuns : public Loopback, public testing::WithParamInterface<DbcEx
         return run(folder() / (name + ".toml"));
     }
 
-    /// Sticks and switches all over their range, other ones for each number.
+    /// Returns sticks and switches over their whole range, different for each number.
     static SbusSight position(int number) {
         SbusSight sight;
         for (const auto& [channel, most_off] : GetParam().sticks) {
@@ -132,7 +132,7 @@ class DbcExampleRuns : public Loopback, public testing::WithParamInterface<DbcEx
             return seen;
         });
     }
-    /// Nothing for a while, or frames that say failsafe.
+    /// Returns whether the bus is silent for a while, or its frames are marked failsafe.
     bool bus_says_failsafe() {
         const auto& mark = GetParam().failsafe;
         if (!mark) {

@@ -10,7 +10,7 @@
 #include "tests/lab/guest.h"
 #include "tests/loopback/program.h"
 
-/// That the laboratory's buses behave as the other tests expect of them.
+/// Checks that the laboratory's buses behave as the other tests expect.
 namespace tribus::test::can_fixtures_test {
 namespace {
 
@@ -23,7 +23,7 @@ TEST(LabVirtualBus, CarriesClassicAndFdFrames) {
     const CanFrame classic = make_frame(0x123, {1, 2, 3, 4, 5, 6, 7, 8});
     CanFrame fd = make_frame(0x12345678, std::vector<std::uint8_t>(64, 0xA5), true);
     fd.bit_rate_switch = true;
-    // One after the other: frames from two processors may overtake each other.
+    // One frame at a time: frames from two processors may overtake each other.
     ASSERT_EQ(sender.send(classic), 0);
     const auto first = receiver.receive();
     ASSERT_EQ(sender.send(fd), 0);
@@ -80,7 +80,7 @@ TEST(LabPacedBus, TakesAsLongAsItsBitRateSays) {
         ASSERT_TRUE(sight) << number;
         latest = sight->seen;
     }
-    // 128 bits a frame: 1.024 ms. The first one goes at once.
+    // 128 bits a frame take 1.024 ms. The first frame is sent at once.
     EXPECT_GT(latest - start, std::chrono::microseconds(1024 * (kFrames - 2)));
 }
 

@@ -25,7 +25,7 @@ namespace tribus::test {
 
 using namespace std::chrono_literals;
 
-/// The ids that the link sends: 0x300 to 0x303.
+/// Ids that the link sends: 0x300 to 0x303.
 inline constexpr std::uint32_t kFirstSent = 0x300;
 inline constexpr std::size_t kSnapshotFrames = 4;
 
@@ -33,7 +33,7 @@ inline CanIdMatch standard_id(std::uint32_t id, std::uint32_t mask = kMostStanda
     return {.id = id, .mask = mask, .extended = false};
 }
 
-/// Reads 0x123, sends kFirstSent and its three followers.
+/// Reads 0x123 and sends the four ids from kFirstSent on.
 inline CanSocketSettings usual_settings() {
     return {.wanted = {standard_id(0x123)}, .sent = {standard_id(kFirstSent, 0x7FC)}, .fd = false};
 }
@@ -49,19 +49,19 @@ inline Instant now() {
     return Instant(std::chrono::steady_clock::now().time_since_epoch());
 }
 
-/// When the frame of a snapshot was offered: its data is that instant.
+/// Time when the frame of a snapshot was offered. The frame's data is this time.
 inline Instant offered_at(const CanFrame& frame) {
     std::int64_t nanoseconds = 0;
     std::memcpy(&nanoseconds, frame.data.data(), sizeof nanoseconds);
     return Instant(Duration(nanoseconds));
 }
 
-/// Does with one link what the program's loop does with all: waits, reads, polls.
+/// Does for one link what the program's loop does for all links: waits, reads, polls.
 class LinkDriver {
   public:
     explicit LinkDriver(CanSocket& link) : link_(link) {}
 
-    /// Offers a snapshot of the instant.
+    /// Offers a snapshot that contains the present time.
     WriteStatus write(std::size_t frames = kSnapshotFrames, std::size_t lane = 0) {
         const Instant at = now();
         std::vector<CanFrame> snapshot;
@@ -79,7 +79,7 @@ class LinkDriver {
         return status;
     }
 
-    /// One wake, at the latest after `most`.
+    /// Waits for one event, at most for `most`, and handles it.
     void step(Duration most) {
         const Instant limit = std::min(due_, now() + most);
         const auto wait = std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -115,7 +115,7 @@ class LinkDriver {
     bool run_until_state(CanBusState state) {
         return run_until([&] { return link_.status().state == state; });
     }
-    /// Offers a snapshot every 7 ms and returns what became of each.
+    /// Offers a snapshot every 7 ms and returns the result of each.
     std::vector<WriteStatus> stream_for(Duration time, std::size_t frames = kSnapshotFrames) {
         std::vector<WriteStatus> fates;
         for (const Instant end = now() + time; now() < end;) {

@@ -15,13 +15,13 @@
 #include "tests/lab/two_programs.h"
 #include "transports/codecs/can_channels.h"
 
-/// The built program and the faults of its own controller, of other senders, and of the set-up.
+/// The built program with faults of its own controller, of other senders and of the configuration.
 namespace tribus::test::can_program_faults_test {
 namespace {
 
 using std::chrono::milliseconds;
 
-/// A frame as an SLCAN adapter hears it, as `t3008001122...`.
+/// Returns the frame in a line of an SLCAN adapter such as `t3008001122...`.
 std::optional<CanFrame> frame_of(const std::string& line) {
     if (!line.starts_with('t') || line.size() < 5) {
         return std::nullopt;
@@ -33,7 +33,7 @@ std::optional<CanFrame> frame_of(const std::string& line) {
     return make_frame(static_cast<std::uint32_t>(std::stoul(line.substr(1, 3), nullptr, 16)), data);
 }
 
-/// The first channel of a classic frame of the native format, in microseconds.
+/// Returns the first channel of a classic frame of the native format in microseconds.
 int first_channel_us(const CanFrame& frame) {
     const bool tail = frame.id == can_channels::kDefaultBaseId + can_channels::kTailIndex;
     const int raw =
@@ -41,7 +41,7 @@ int first_channel_us(const CanFrame& frame) {
     return 476 + raw / 2;
 }
 
-/// The sender has an SLCAN adapter.
+/// The sending program has an SLCAN adapter.
 class SlcanSender : public TwoPrograms {
   protected:
     static constexpr int kOldUs = 1234;
@@ -49,7 +49,7 @@ class SlcanSender : public TwoPrograms {
 
     Program& start_on_adapter() { return start_sender({.sender_interface = adapter_.name()}); }
 
-    /// The receiver has all sticks at one position, so that each frame on the bus shows it.
+    /// The receiver sends the same position on all sticks, so that each CAN frame shows it.
     void stream_for(int us, milliseconds time) {
         repeater_.change(ibus_bytes(Sticks(18, us)));
         const auto end = Clock::now() + time;
@@ -76,7 +76,7 @@ class SlcanSender : public TwoPrograms {
     std::ptrdiff_t count_heard(int us, std::size_t known) const {
         return std::ranges::count(frames_heard(known), us, first_channel_us);
     }
-    /// Snapshots with this position that a reader would obey.
+    /// Returns the number of snapshots with this position that a reader would accept.
     std::size_t good_snapshots(int us, std::size_t known) const {
         CanChannelsDecoder decoder;
         Instant received{};
@@ -102,7 +102,7 @@ TEST_F(SlcanSender, SendsNothingInBusOffAndNothingOldAfterIt) {
     ASSERT_TRUE(stream_until_heard(kOldUs)) << sender.errors();
     adapter_.bus_off();
     EXPECT_TRUE(sender.says("interface " + adapter_.name() + ": bus-off"));
-    // A frame that was on its way.
+    // A frame may have been on its way.
     stream_for(kOldUs, milliseconds(100));
     const std::size_t known = adapter_.heard().size();
     stream_for(kOldUs, milliseconds(1500));
@@ -116,7 +116,7 @@ TEST_F(SlcanSender, SendsNothingInBusOffAndNothingOldAfterIt) {
     expect_clean_end(sender);
 }
 
-/// The driver and its line hold a frame each, which nobody can take back.
+/// The driver and its line each hold one frame, which nobody can take back.
 TEST_F(SlcanSender, SendsTwoOldFramesAtMostAfterThreeSecondsWithoutAcknowledge) {
     Program& sender = start_on_adapter();
     ASSERT_TRUE(stream_until_heard(kOldUs)) << sender.errors();
@@ -133,7 +133,7 @@ TEST_F(SlcanSender, SendsTwoOldFramesAtMostAfterThreeSecondsWithoutAcknowledge) 
     expect_clean_end(sender);
 }
 
-/// What the adapter hears goes on to the reader, as on a bus.
+/// The frames that the adapter gets are passed on to the reader, as on a bus.
 class SlcanFault : public TwoPrograms {
   protected:
     Program& start_on_adapter() { return start_sender({.sender_interface = adapter_.name()}); }
@@ -189,14 +189,14 @@ TEST_F(SlcanFault, AdapterPulledOutAndPutBackEndsInFailsafeAndComesBack) {
     expect_times(expect_failsafe_and_recovery(
         "sender's adapter pulled out, put back", [&] { adapter_.unplug(); },
         [&] { adapter_.plug(); }));
-    EXPECT_EQ(adapter_.name(), name) << "a name that the configuration does not know";
+    EXPECT_EQ(adapter_.name(), name) << "the interface got another name";
     EXPECT_TRUE(sender.says("interface " + name + ": is gone"));
     EXPECT_TRUE(sender.says("interface " + name + ": is back"));
     expect_clean_end(sender);
     expect_clean_end(reader);
 }
 
-/// What the log says of an interface at the start, and what to do.
+/// Log messages about an interface at the start, and their advice.
 class CanStartLog : public TwoPrograms {};
 
 TEST_F(CanStartLog, AdvisesToRestartAfterBusOff) {
@@ -243,8 +243,8 @@ to = "bus"
         << refused.errors();
 }
 
-/// Two outputs and an input of one program on one interface, and the same at the other end: the
-/// first output goes round by the other program and comes back to the input.
+/// One program has two outputs and an input on one interface, and so has the other program. What
+/// the first output sends comes back to the input through the other program.
 TEST_F(TwoPrograms, SeveralOutputsAndAnInputShareAnInterface) {
     const VirtualBus bus;
     FarEnd& other_wire = device("other_servos");
@@ -327,7 +327,7 @@ class Flood {
   public:
     explicit Flood(const CanFrame& frame)
         : frame_(frame), thread_([this](const std::stop_token& stop) { run(stop); }) {}
-    /// Waits until it has sent that many.
+    /// Waits until the node has sent `count` frames.
     bool sent(std::uint64_t count) const {
         return eventually([&] { return sent_ >= count; });
     }
@@ -348,7 +348,8 @@ class Flooded : public TwoPrograms {
   protected:
     static constexpr milliseconds kTime{3000};
 
-    /// Everything that passes as good while the flood lasts is what the receiver says.
+    /// Checks that every good frame during the flood has the receiver's sticks. Returns their
+    /// number.
     std::size_t count_good() {
         std::size_t good = 0;
         for (const SbusSight& sight : carry_for(kTime)) {

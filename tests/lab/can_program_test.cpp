@@ -9,14 +9,14 @@
 #include "tests/lab/recorded_receiver.h"
 #include "tests/lab/two_programs.h"
 
-/// Two built programs with a bus between them, and the faults that a bus can have.
+/// Two built programs with a bus between them, and faults of the bus.
 namespace tribus::test::can_program_test {
 namespace {
 
 using std::chrono::milliseconds;
 
-/// The sticks of every tenth row, so that a slow machine has them through in seconds; the stick
-/// movements of the capture are far slower.
+/// Returns the sticks of every tenth row, so that a slow machine needs only seconds. The sticks of
+/// the capture move much more slowly.
 std::vector<Sticks> some_sticks() {
     const auto all = recorded_sticks();
     std::vector<Sticks> some;
@@ -121,7 +121,7 @@ TEST_F(BusFault, InterfaceThatVanishesEndsInFailsafeAndComesBack) {
     expect_clean_end(reader);
 }
 
-/// A gateway in between that changes a bit of each payload, as a bad controller driver would.
+/// A gateway flips a bit in each payload, as a bad controller driver would.
 TEST_F(BusFault, CorruptedFramesEndInFailsafeAndComeBack) {
     const VirtualBus near("vcan0");
     const VirtualBus far("vcan1");
@@ -189,15 +189,15 @@ TEST_F(BusFault, ControllerCardPulledOutAndPutBackEndsInFailsafeAndComesBack) {
     expect_clean_end(reader);
 }
 
-/// What a bus of 125 kbit/s shows of a stick that moves with every frame, among other traffic.
+/// A bus of 125 kbit/s with other traffic, and a stick that moves with every frame.
 class SlowBus : public TwoPrograms {
   protected:
     PacedBus bus_{125'000};
     BusJob job_{.sender_interface = bus_.near(), .reader_interface = bus_.far()};
     std::vector<Clock::time_point> sent_ = std::vector<Clock::time_point>(1000);
 
-    /// Moves the first stick a microsecond a frame, from 1001 us up, and notes when; 12 ms apart,
-    /// so that values do not come round before everything of them has passed.
+    /// Moves the first stick up from 1001 us by a microsecond a frame and notes the time. Steps are
+    /// 12 ms apart, so a value does not occur again before all its frames have passed.
     void move_stick() {
         const auto now = Clock::now();
         if (now - moved_ < milliseconds(12)) {
@@ -208,7 +208,7 @@ class SlowBus : public TwoPrograms {
         sent_[static_cast<std::size_t>(step_)] = now;
         receiver().send(ibus_bytes(sticks_with_first(1000 + step_)));
     }
-    /// How old the stick of a frame was when the servos saw it.
+    /// Returns how old the stick of a frame was when the servos saw it.
     milliseconds age_of(const SbusSight& sight) const {
         for (int step = 1; step <= 900; ++step) {
             if (sbus_raw(1000 + step) == sight.raw[0]) {
@@ -236,7 +236,7 @@ TEST_F(SlowBus, OldValuesNeverPassAsGoodAmongCompetingTrafficAndAfterAnOutage) {
         const auto end = Clock::now() + time;
         while (Clock::now() < end) {
             move_stick();
-            // Two in five of the frames that the bus can take.
+            // Uses two fifths of the frames that the bus can carry.
             if (Clock::now() >= next_other) {
                 next_other = Clock::now() + std::chrono::microseconds(2500);
                 competitor.send(other);
@@ -254,9 +254,9 @@ TEST_F(SlowBus, OldValuesNeverPassAsGoodAmongCompetingTrafficAndAfterAnOutage) {
         return good > 100;
     })) << sender.errors()
         << reader.errors();
-    // By the timeouts 900 ms, which tests under virtual time hold exactly (CanChainTest). An
-    // emulated machine that has to wait for its host adds up to a second; the values of the outage
-    // are older.
+    // The timeouts allow 900 ms, which tests under virtual time check exactly (CanChainTest). An
+    // emulated machine that waits for its host adds up to a second. Values from the outage would be
+    // older.
     constexpr milliseconds kOutage{5000};
     const milliseconds bound = kOutage / 2;
     EXPECT_LT(oldest, bound);

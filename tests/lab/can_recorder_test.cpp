@@ -75,7 +75,7 @@ TEST_F(CanRecording, AnInterfaceThatIsNotThereIsNamed) {
     EXPECT_NE(record.errors().find("nocan7: "), std::string::npos) << record.errors();
 }
 
-/// A daemon with CAN, and a disk of its own for recordings.
+/// A daemon with CAN, and a separate disk for its recordings.
 class CanRecorder : public CanRecording {
   protected:
     CanRecorder() { std::filesystem::create_directory(folder() / "recordings"); }
@@ -124,7 +124,7 @@ TEST_F(CanRecorder, OnAReadOnlyDiskGoesOnWithout) {
     expect_clean_end(program);
 }
 
-/// What came in and what went out of a running daemon, with one zero.
+/// The recording has what the daemon received and what it sent, in one time scale.
 TEST_F(CanRecorder, HasBothDirectionsOfItsInterface) {
     Program& program = run_recorder();
     Repeater repeater(receiver_, ibus_bytes(sticks_with_first(1234)));

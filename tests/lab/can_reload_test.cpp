@@ -9,14 +9,14 @@
 #include "tests/lab/raw_can.h"
 #include "tests/lab/two_programs.h"
 
-/// A fresh configuration that wants other ids of an interface: its socket is opened beside the old
-/// one and takes its place while frames flow.
+/// A new configuration needs other ids of an interface. Its socket is opened in addition to the old
+/// one and replaces it while frames flow.
 namespace tribus::test::can_reload_test {
 namespace {
 
 class BusReload : public TwoPrograms {
   protected:
-    /// Has a side read its configuration anew, and lets frames flow meanwhile.
+    /// Makes one program reload its configuration while frames flow.
     void reload(Program& side, const std::string& name, const std::string& text) {
         write_config(text, name);
         const std::size_t before = count_of("reloaded", side.errors());
@@ -45,7 +45,7 @@ TEST_F(BusReload, AReaderThatWantsFurtherIdsLosesNoFrameForIt) {
                                       "device = \"@tail\"\n[pipeline.tail]\n"
                                       "from = [\"spare\", \"bus\"]\nto = \"tail\"\n"});
     reload(reader_, "reader.toml", further);
-    // The second pipeline hears the first one's frames by the new socket.
+    // The second pipeline receives the first one's frames on the new socket.
     ServoBank tail(tail_);
     EXPECT_TRUE(carry_until([&](const SbusSight&) {
         const auto seen = tail.listen();

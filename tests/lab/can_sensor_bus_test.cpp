@@ -20,8 +20,8 @@
 #include "transports/codecs/dbc/value_reader.h"
 #include "transports/codecs/dronecan/types.h"
 
-/// The shipped examples of the sensor bus, but for the names of their devices: from CAN to a
-/// receiver, from sensors to CAN, and both in a row.
+/// The shipped examples of the sensor bus, with only the names of the devices changed: from CAN to
+/// a receiver, from sensors to CAN, and both in a row.
 namespace tribus::test::can_sensor_bus_test {
 namespace {
 
@@ -31,10 +31,10 @@ constexpr unsigned kTemperature = 0xA3;
 constexpr std::uint8_t kTemperatureType = 0x01;
 constexpr std::uint8_t kVoltageType = 0x03;
 constexpr std::uint8_t kCurrentType = 0x05;
-/// Without an answer by then, nobody means to give one.
+/// Slots without an answer after which no answer is expected.
 constexpr int kSilentSlots = 20;
 
-/// The message of telemetry.dbc, by hand: 24 bits of mV, 24 of mA, a byte of degC from -50 on.
+/// The message of telemetry.dbc, encoded by hand: 24 bits of mV, 24 of mA, 8 of degC from -50 on.
 CanFrame battery(int millivolts, int milliamperes, int temperature) {
     const auto byte = [](int value, unsigned shift) {
         return static_cast<std::uint8_t>(static_cast<unsigned>(value) >> shift & 0xFFU);
@@ -47,7 +47,7 @@ constexpr int kNoProbe = 205;
 
 class SensorBusExample : public Loopback {
   protected:
-    /// `changes`: what stands there, and what takes its place.
+    /// Starts an example with changes: each pair is a text in it and the replacement.
     Program& run_example(const std::string& name,
                          const std::vector<std::pair<std::string, std::string>>& changes) {
         const std::filesystem::path examples =
@@ -66,7 +66,7 @@ class SensorBusExample : public Loopback {
         std::ofstream(folder() / (name + ".toml")) << text;
         return run(folder() / (name + ".toml"));
     }
-    /// An emulated machine has its pauses, so answers may be as late as can be.
+    /// An emulated machine has pauses, so answers may be as late as the setting allows.
     Program& run_telemetry(const FarEnd& wire, const std::string& example = "telemetry") {
         return run_example(example, {{"/dev/ttyAMA4", wire.path()},
                                      {"\"can0\"", "\"vcan0\""},
@@ -83,7 +83,7 @@ class SensorBusExample : public Loopback {
 
 class Telemetry : public SensorBusExample {
   protected:
-    /// The battery says this until the receiver reads that.
+    /// Sends the battery's message until the receiver reads this raw value.
     testing::AssertionResult shows(const CanFrame& says, unsigned request, int raw) {
         const Bytes wanted = value_reply(request & 0xFU, raw);
         Bytes seen;
@@ -96,7 +96,7 @@ class Telemetry : public SensorBusExample {
                    ? testing::AssertionSuccess()
                    : testing::AssertionFailure() << testing::PrintToString(seen);
     }
-    /// The battery says this, or nothing, while the receiver asks in vain.
+    /// Checks that no request is answered, while the battery sends the message if there is one.
     testing::AssertionResult is_silent(unsigned request, const CanFrame* says = nullptr) {
         for (int slot = 0; slot < kSilentSlots; ++slot) {
             if (says != nullptr) {
@@ -148,7 +148,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Extreme{"LastThatFit", battery(327'670, 655'350, -40), 32'767, 65'535, 0},
                     Extreme{"FirstTooHigh", battery(327'680, 655'360, 204), 32'767, 65'535, 2440},
                     Extreme{"LastThatFitBelow", battery(-327'670, 0, -39), -32'767, 0, 10},
-                    // -32768 is the code for "not available", which no number becomes.
+                    // -32768 is the code for "not available". No number is converted to it.
                     Extreme{"FirstTooLow", battery(-327'680, -1, -41), -32'767, 0, 0},
                     Extreme{"Highest", battery(0x7FFFFF, 0x7FFFFF, 204), 32'767, 65'535, 2440},
                     Extreme{"Lowest", battery(-0x800000, -0x800000, -50), -32'767, 0, 0}),
@@ -174,7 +174,7 @@ TEST_F(Telemetry, DisappearsWhenTheMessageStopsAndComesBackWithIt) {
         EXPECT_TRUE(receiver_.ask_until(kVoltage, value_reply(1, -0x8000))) << program_.errors();
         EXPECT_TRUE(is_silent(kCurrent));
         EXPECT_TRUE(is_silent(kTemperature));
-        EXPECT_EQ(receiver_.ask_until_answered(0x82), sensor_frame(0x82)) << "it is still there";
+        EXPECT_EQ(receiver_.ask_until_answered(0x82), sensor_frame(0x82)) << "it is not found";
         EXPECT_EQ(receiver_.ask_until_answered(kVoltage), value_reply(1, -0x8000));
     }
     expect_clean_end(program_);
@@ -227,15 +227,15 @@ TEST_F(SensorBusExample, DevicesOnDroneCanAppearAsSensorsAndAreNotShownWhenTheyA
     dronecan::GnssFix2 fix;
     fix.sats_used = 7;
     EXPECT_TRUE(shows(0xA5, 7 << 8, fix));
-    EXPECT_TRUE(receiver.ask(0xA6).empty()) << "there is no fix yet";
+    EXPECT_TRUE(receiver.ask(0xA6).empty()) << "a position without a fix";
     fix.status = dronecan::GnssFix2::kStatus3dFix;
     fix.ned_velocity = {3, 4, 0};
     EXPECT_TRUE(shows(0xA6, 500, fix));
-    EXPECT_TRUE(eventually([&] { return receiver.ask(0xA6).empty(); })) << "a GPS that went silent";
+    EXPECT_TRUE(eventually([&] { return receiver.ask(0xA6).empty(); })) << "the GPS is silent";
     expect_clean_end(program);
 }
 
-/// What frames on a bus say of one message of a DBC file.
+/// Reads one message of a DBC file from a bus.
 class Listener {
   public:
     Listener(const std::string& interface, const std::filesystem::path& file,
@@ -244,8 +244,8 @@ class Listener {
 
     using Wanted = std::function<bool(const ValueReading&)>;
 
-    /// Waits until the latest frame says that of a signal, or patience ends; calls `meanwhile`
-    /// again and again.
+    /// Waits until the latest frame has the wanted value of a signal, or kPatience is over. Calls
+    /// `meanwhile` repeatedly.
     testing::AssertionResult hears(const std::string& signal, const Wanted& wanted,
                                    const std::function<void()>& meanwhile) {
         ValueReading latest;
@@ -363,7 +363,7 @@ TEST_F(SensorBusExample, ProbesHaveTheLayoutThatIsDescribed) {
         ASSERT_EQ(frame.length, 8);
         EXPECT_EQ(frame.data[0], kVoltageType);
         EXPECT_EQ(frame.data[1] & 0x0E, 0);
-        EXPECT_EQ(frame.data[1] >> 4, static_cast<int>(i % 16)) << "the counter";
+        EXPECT_EQ(frame.data[1] >> 4, static_cast<int>(i % 16)) << "the counter is wrong";
         EXPECT_EQ((Bytes{frame.data.begin() + 4, frame.data.begin() + 8}),
                   (Bytes{0xFE, 0xFF, 0xFF, 0xFF}));
     }

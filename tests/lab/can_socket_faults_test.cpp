@@ -12,11 +12,11 @@
 #include "tests/lab/guest.h"
 #include "transports/links/can_socket.h"
 
-/// The SocketCAN link while its bus fails, and afterwards.
+/// The SocketCAN link during and after failures of its bus.
 namespace tribus::test::can_socket_faults_test {
 namespace {
 
-/// Records for the table of recovery times how long it took.
+/// Records the time for the table of recovery times.
 void record(Duration time) {
     testing::Test::RecordProperty("recovery_us", static_cast<int>(time / 1us));
 }
@@ -25,7 +25,7 @@ std::ptrdiff_t count(const std::vector<WriteStatus>& fates, WriteStatus fate) {
     return std::ranges::count(fates, fate);
 }
 
-/// Offers until a snapshot is taken, and how long that took.
+/// Offers snapshots until one is accepted. Returns how long that took.
 Duration time_to_next_written(LinkDriver& driver) {
     const Instant start = now();
     EXPECT_TRUE(driver.run_until([&] { return driver.write() == WriteStatus::written; }));
@@ -68,7 +68,7 @@ TEST(LabCanFaults, AnInterfaceThatGoesDownAndUpWorksAgainWithTheSameSocket) {
     ASSERT_TRUE(driver.run_until_state(CanBusState::down));
     EXPECT_EQ(driver.counts().downs, 1U);
     EXPECT_EQ(driver.write(), WriteStatus::unavailable);
-    listener.receive_all();  // its own notice that the bus is down
+    listener.receive_all();  // its own message that the bus is down
     listener.receive_all();
     bus.up();
     record(time_to_next_written(driver));
@@ -144,7 +144,7 @@ TEST(LabCanFaults, ADeviceThatIsRemovedIsLostAndCanBeOpenedAgain) {
     EXPECT_EQ(driver.write(), WriteStatus::lost);
     EXPECT_FALSE(CanSocket::open(bus.name(), usual_settings()));
     bus.create();
-    EXPECT_EQ(driver.write(), WriteStatus::lost) << "it is another device now";
+    EXPECT_EQ(driver.write(), WriteStatus::lost) << "the removed device is another one now";
     link = open_link(bus.name());
     LinkDriver again(*link);
     EXPECT_EQ(again.write(), WriteStatus::written);
@@ -208,7 +208,7 @@ TEST(LabCanFaults, InBusOffNothingIsSentUntilTheControllerIsRestarted) {
     EXPECT_EQ(count(fates, WriteStatus::unavailable), std::ssize(fates));
     EXPECT_EQ(driver.status().state, CanBusState::bus_off);
     EXPECT_EQ(adapter.heard().size(), heard);
-    EXPECT_EQ(driver.counts().sent, sent) << "the kernel would take it and swallow it";
+    EXPECT_EQ(driver.counts().sent, sent) << "a frame was sent that the kernel drops";
 
     set_link_down(adapter.name());
     set_link_up(adapter.name());
@@ -259,7 +259,7 @@ TEST(LabCanFaults, AnAdapterThatTakesNothingIsAStallAndItsQueueHoldsFewOldFrames
     const auto sent = driver.counts().sent;
     const Instant stalled = monotonic_now();
     driver.stream_for(500ms);
-    // On a busy machine that takes long enough for a probe now and then.
+    // On a busy machine this takes long enough for some probes.
     const auto probes = 1 + (monotonic_now() - stalled) / CanTransmitter::kProbePeriod;
     EXPECT_LE(driver.counts().sent, sent + static_cast<std::uint64_t>(probes));
     EXPECT_EQ(driver.counts().queue_full, 0U);

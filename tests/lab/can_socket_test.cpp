@@ -12,7 +12,7 @@
 #include "tests/lab/can_link_driver.h"
 #include "tests/lab/guest.h"
 
-/// The SocketCAN link on buses that work.
+/// The SocketCAN link on buses without faults.
 namespace tribus::test::can_socket_test {
 namespace {
 
@@ -39,7 +39,7 @@ TEST(LabCanSocket, SendsAWholeSnapshotAtOnceWhereTheBusHasNoRate) {
         EXPECT_EQ(sight->frame.id, id);
     }
     driver.run_for(50ms);
-    EXPECT_TRUE(driver.received().empty()) << "own frames are not received ones";
+    EXPECT_TRUE(driver.received().empty()) << "the link received its own frames";
     EXPECT_EQ(driver.status().state, CanBusState::ready);
 }
 
@@ -61,7 +61,7 @@ TEST(LabCanSocket, AControllerGetsOneFrameAndTheNextWhenItHasSentIt) {
     }
 }
 
-// One frame a snapshot: the emulated bus has no rate, and overruns the emulated receiver with two.
+// One frame a snapshot: the emulated bus has no rate, and two frames overrun the emulated receiver.
 TEST(LabCanSocket, AControllerCarriesAStreamWithoutLoss) {
     const ControllerPair pair;
     RawCan listener(pair.far());
@@ -130,7 +130,7 @@ TEST(LabCanSocket, WhatArrivesOnACrowdedBusIsNeverOld) {
     }
     EXPECT_GT(arrived, 10U);
     EXPECT_GT(driver.counts().queue_full, 0U);
-    // 50 ms until it is handed over at the latest, ten frames of 1.024 ms before it in the queue,
+    // At most 50 ms until the frame is queued, then ten frames of 1.024 ms before it in the queue,
     // and the test's own time.
     EXPECT_LT(oldest, 50ms + 10 * 1024us + 40ms);
     RecordProperty("oldest_us", static_cast<int>(oldest / 1us));
@@ -177,7 +177,7 @@ TEST(LabCanSocket, KnowsWhenAFrameArrivedAlthoughItIsReadLate) {
     RawCan sender(bus.name());
     const auto link = open_link(bus.name());
     LinkDriver driver(*link);
-    // The kernel begins to stamp frames a while after the first socket has asked for it.
+    // The kernel begins to stamp frames only some time after the first socket has asked for stamps.
     driver.run_for(500ms);
     ASSERT_EQ(sender.send(make_frame(0x123, {})), 0);
     ASSERT_TRUE(driver.run_until([&] { return driver.received().size() == 1; }));
@@ -225,7 +225,7 @@ TEST(LabCanSocket, WhatASocketHasNoRoomForIsCounted) {
     driver.run_for(100ms);
     EXPECT_GT(driver.counts().receive_overflows, 0U);
     EXPECT_EQ(driver.counts().received + driver.counts().receive_overflows, kFlood + 1);
-    // 50 ms of a bus that is full of the shortest frames.
+    // A bus full of the shortest frames for 50 ms.
     EXPECT_GT(driver.counts().received, 500U);
 }
 

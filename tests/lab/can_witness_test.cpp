@@ -17,14 +17,14 @@
 #include "tests/loopback/loopback.h"
 #include "tests/loopback/witness.h"
 
-/// The built program between a bus and SBUS servos, and a witness that judges each frame at the
-/// servos: was it ever sent, how old is it, is it marked?
+/// The built program between a bus and SBUS servos. A witness checks each frame at the servos: was
+/// it ever sent, how old is it, is it marked?
 namespace tribus::test::can_witness_test {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// For its life the clock that people set is that much off. The steady one is not.
+/// Shifts the wall clock during the object's lifetime. The steady clock stays as it is.
 class ClockStep {
   public:
     explicit ClockStep(std::chrono::seconds step) : step_(step) {
@@ -54,8 +54,8 @@ class WitnessedBus : public Loopback, public testing::WithParamInterface<BusLang
 
     ~WitnessedBus() override { std::cout << "witness: " << to_text(witness_.testimony()) << "\n"; }
 
-    /// Without `recover` and `power_on`: nothing but the judgement of what comes in keeps old
-    /// values away.
+    /// Starts the program without `recover` and `power_on`, so that only the check of received
+    /// frames keeps old values away.
     Program& begin() {
         write_counted_dbc(folder());
         Program& program =
@@ -104,7 +104,7 @@ power_on = "0ms"
         });
     }
 
-    /// The three latest snapshots, again and again.
+    /// Repeats the three latest snapshots.
     void repeat_old_ones() {
         sender_ = Sender::ring;
         ring_at_ = 0;
@@ -121,7 +121,7 @@ power_on = "0ms"
     }
 
     VirtualBus bus_;
-    /// Opened again where the interface is a new one.
+    /// Opened again after the interface was created again.
     std::optional<RawCan> wire_{"vcan0"};
 
   private:
@@ -146,7 +146,7 @@ power_on = "0ms"
     }
 
     FarEnd& servos_ = device("servos");
-    /// A frame may be as old as its input's timeout, and speaks for one period.
+    /// A frame may be as old as the input's timeout, and counts for one period.
     Witness witness_{0, kTimeout + kPeriod};
     std::unique_ptr<BusSpeaker> speaker_ = GetParam().speaker();
     std::vector<std::vector<CanFrame>> latest_ = std::vector<std::vector<CanFrame>>(kRing);
@@ -158,7 +158,8 @@ power_on = "0ms"
 INSTANTIATE_TEST_SUITE_P(Languages, WitnessedBus, testing::ValuesIn(bus_languages()),
                          [](const auto& language) { return language.param.name; });
 
-/// After the longest of them the socket is full: it holds the oldest frames, the newest were lost.
+/// After the longest of the stops the socket is full: it has the oldest frames, the newest were
+/// lost.
 TEST_P(WitnessedBus, StoppedProgramSendsNothingOldWhenItGoesOn) {
     Program& program = begin();
     for (const auto stall : std::array{200ms, 450ms, 1000ms, 2500ms, 300ms}) {
@@ -172,7 +173,7 @@ TEST_P(WitnessedBus, StoppedProgramSendsNothingOldWhenItGoesOn) {
     expect_clean_end(program);
 }
 
-/// The kernel's stamps of waiting frames then say another age than they have.
+/// The kernel's time stamps of waiting frames then give a wrong age.
 TEST_P(WitnessedBus, StoppedProgramSendsNothingOldThoughTheClockIsStepped) {
     Program& program = begin();
     for (const auto step : std::array{-17s, 17s, -1s, 1s}) {

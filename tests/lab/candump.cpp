@@ -8,7 +8,7 @@
 
 namespace tribus::test {
 
-// Its socket has room for seconds of a busy bus, for an emulated machine stands still now and then.
+// The socket has room for seconds of a busy bus, because an emulated machine stalls now and then.
 Candump::Candump(const std::filesystem::path& folder, const std::string& interface)
     : program_(folder, {"-L", "-r", "4194304", interface}, {.executable = "/usr/bin/candump"}) {
     EXPECT_TRUE(eventually([] {

@@ -7,14 +7,14 @@
 
 namespace tribus::test {
 
-/// `candump -L` of can-utils at work on one interface: hears all frames from its construction on.
+/// Runs `candump -L` of can-utils on one interface. It logs all frames after the construction.
 class Candump {
   public:
-    /// Create it before sockets of the test that hear everything, too: it is known to listen when
-    /// the kernel has such a socket.
+    /// Create it before any socket of the test that receives everything: such a socket in the
+    /// kernel shows that candump is ready.
     Candump(const std::filesystem::path& folder, const std::string& interface);
 
-    /// Ends it; the log of all that was on the bus.
+    /// Ends candump. Returns the log of everything that was on the bus.
     std::string log();
 
   private:

@@ -5,8 +5,8 @@
 #include "app/bench/distribution.h"
 #include "tests/bench/response_times.h"
 
-/// The built program where time is the instructions that were carried out: an idle machine of one
-/// slow processor, whatever the host does.
+/// The built program in a guest whose time is the number of executed instructions: an idle machine
+/// with one slow processor, whatever the host does.
 namespace tribus::test::clock_response_test {
 namespace {
 

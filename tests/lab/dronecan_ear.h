@@ -13,7 +13,7 @@
 #include "transports/codecs/dronecan/payload.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-/// Nodes of DroneCAN that the tests play.
+/// DroneCAN nodes that the tests simulate.
 namespace tribus::test {
 
 inline void send(RawCan& bus, const std::vector<CanFrame>& frames) {
@@ -22,7 +22,7 @@ inline void send(RawCan& bus, const std::vector<CanFrame>& frames) {
     }
 }
 
-/// Puts the transfers of one type together that it hears.
+/// Assembles the received transfers of one type.
 template <class Message>
 class Ear {
   public:
@@ -43,7 +43,7 @@ class Ear {
     Instant now_ = kStart;
 };
 
-/// Everything that comes until `done` says so of a message.
+/// Receives messages until `done` returns true for one. Returns false when kPatience is over.
 template <class Message, class Done>
 bool hear_until(RawCan& bus, Done done) {
     Ear<Message> ear;

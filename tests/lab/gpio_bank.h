@@ -7,13 +7,13 @@
 
 namespace tribus::test {
 
-/// A simulated GPIO chip of eight lines (gpio-sim), gone with its object.
+/// A simulated GPIO chip of eight lines (gpio-sim). It is removed with its object.
 class GpioBank {
   public:
     struct Settings {
-        std::string name = "lab";                 ///< not that of another bank
-        std::map<unsigned, std::string> names{};  ///< of lines, by offset
-        std::optional<unsigned> hogged{};         ///< a line that the kernel keeps, as "lab-hog"
+        std::string name = "lab";                 ///< different for each bank
+        std::map<unsigned, std::string> names{};  ///< names of lines by offset
+        std::optional<unsigned> hogged{};         ///< a line that the kernel reserves as "lab-hog"
     };
 
     GpioBank() : GpioBank(Settings{}) {}
@@ -22,14 +22,14 @@ class GpioBank {
     GpioBank& operator=(const GpioBank&) = delete;
     ~GpioBank();
 
-    /// As "gpiochip0".
+    /// Name of the chip, such as "gpiochip0".
     const std::string& chip() const { return chip_; }
     std::string path() const { return "/dev/" + chip_; }
-    /// What an oscilloscope at the line would show.
+    /// Level of the line as an oscilloscope would show it.
     std::string level(unsigned line) const;
     /// Drives a line that is an input.
     void pull(unsigned line, bool up) const;
-    /// Pulls the chip out, and puts it back, perhaps as another one.
+    /// Removes the chip. `put_back` puts it back, perhaps as another one.
     void remove();
     void put_back();
 

@@ -10,16 +10,16 @@
 #include "tests/support/heap_trap.h"
 #include "transports/links/gpio_line.h"
 
-/// What an input tells of its line.
+/// State and events that an input reports of its line.
 namespace tribus::test::gpio_input_test {
 namespace {
 
 /// Longer than any pause of the guest.
 constexpr int kLongMilliseconds = 20000;
-/// Enough for an edge that is on its way.
+/// Enough time for an edge that is on its way.
 constexpr int kShortMilliseconds = 200;
 
-/// What poll says of the descriptor, 0 if nothing.
+/// Returns the events that poll reports for the descriptor, or 0 if there are none.
 int events_within(const GpioInput& input, int milliseconds) {
     pollfd line{.fd = input.descriptor(), .events = POLLIN, .revents = 0};
     return ::poll(&line, 1, milliseconds) > 0 ? line.revents : 0;
@@ -62,7 +62,7 @@ TEST(GpioInput, ForgetsAllEdgesSoFarInOneRead) {
     const GpioBank bank;
     const auto input = GpioInput::open({bank.chip(), 2U}, false, GpioBias::as_is);
     ASSERT_TRUE(input) << input.error();
-    // More than the kernel keeps, each one seen before the next comes.
+    // More edges than the kernel queues. Each one is seen before the next one comes.
     for (int edge = 0; edge < 41; ++edge) {
         bank.pull(2, edge % 2 == 0);
         EXPECT_EQ(events_within(**input, kLongMilliseconds), POLLIN);

@@ -9,7 +9,7 @@
 #include "tests/support/heap_trap.h"
 #include "transports/links/gpio_line.h"
 
-/// What an output does to its line.
+/// Effects of an output on its line.
 namespace tribus::test::gpio_output_test {
 namespace {
 

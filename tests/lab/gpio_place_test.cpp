@@ -11,7 +11,7 @@
 #include "tests/lab/gpio_bank.h"
 #include "transports/links/gpio_line.h"
 
-/// How a line is found, and what is said where it cannot be had.
+/// How a line is found, and the messages if it cannot be opened.
 namespace tribus::test::gpio_place_test {
 namespace {
 

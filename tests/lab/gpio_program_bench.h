@@ -11,11 +11,11 @@
 
 namespace tribus::test {
 
-/// The built program with a receiver and servos on ptys and the lines of a simulated chip, which
-/// have the names L0 to L7. An output frame each 20 ms, for a guest is slow.
+/// The built program with a receiver and servos on ptys, and a simulated chip whose lines are named
+/// L0 to L7. The output period is 20 ms, because a guest is slow.
 class GpioProgram : public Loopback {
   protected:
-    /// The main job with `input` for its input, and further tables.
+    /// The main job with `input` lines for its input, and further tables.
     std::string config(const std::string& tables, const std::string& input = "timeout = \"5s\"",
                        const std::string& name = "tribus.toml") {
         return write_config("[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n" +
@@ -31,21 +31,21 @@ class GpioProgram : public Loopback {
                "\"\n" + more + "\n";
     }
 
-    /// With a library that lets one of its threads hang when told so (hang_preload.cpp).
+    /// Starts the program with a library that can make one of its threads hang (hang_preload.cpp).
     Program start_to_hang(const std::string& file) {
         return Program(
             folder(),
             {std::string("LD_PRELOAD=") + TRIBUS_HANG_PRELOAD, TRIBUS_PROGRAM, "run", file},
             {.executable = "/usr/bin/env"});
     }
-    /// A thread of it spins.
+    /// Returns whether a thread of the program uses the processor all the time.
     static bool spins(const Program& program) {
         const auto used_before = program.used_time();
         return eventually(
             [&] { return program.used_time() - used_before > std::chrono::milliseconds(300); });
     }
 
-    /// Lets the receiver send until `done`.
+    /// Sends frames to the program until `done` returns true.
     bool while_sending(const std::function<bool()>& done) {
         return eventually([&] {
             repeater_.send_if_due();
@@ -55,7 +55,7 @@ class GpioProgram : public Loopback {
     bool is(int number, const std::string& level) const {
         return bank_.level(static_cast<unsigned>(number)) == level;
     }
-    /// The servos' frames since the last call: whether the latest one is as wanted.
+    /// Reads the servos' frames. Returns whether the latest one is as wanted.
     bool latest(const std::function<bool(const SbusSight&)>& wanted) {
         for (const SbusSight& sight : servos_.listen()) {
             latest_ = sight;

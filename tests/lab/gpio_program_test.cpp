@@ -8,7 +8,7 @@
 #include "tests/lab/gpio_program_bench.h"
 #include "tests/lab/shell.h"
 
-/// What lines ask of the built program, and what it shows on them.
+/// Lines as inputs and outputs of the built program.
 namespace tribus::test::gpio_program_test {
 namespace {
 
@@ -17,7 +17,7 @@ TEST_F(GpioProgram, LampAndAlarmFollowTheLink) {
                                       "[pipeline.main.failsafe]\nhold = \"0s\"\n",
                                   "timeout = \"300ms\""));
     EXPECT_TRUE(eventually([&] { return is(0, "0") && is(1, "1"); })) << "at the start";
-    EXPECT_TRUE(while_sending([&] { return is(0, "1") && is(1, "0"); })) << "under control";
+    EXPECT_TRUE(while_sending([&] { return is(0, "1") && is(1, "0"); })) << "in control";
     EXPECT_TRUE(eventually([&] { return is(0, "0") && is(1, "1"); })) << "after a loss";
     EXPECT_TRUE(while_sending([&] { return is(0, "1") && is(1, "0"); })) << "back";
     expect_clean_end(program);
@@ -40,7 +40,7 @@ TEST_F(GpioProgram, ForcesFailsafeWithinOneFrame) {
         run(config(line("stop", 0, "force_failsafe", "debounce = \"0s\"\nbias = \"pull_down\"") +
                    "[pipeline.main.failsafe]\nrecover = \"0s\"\n"));
     EXPECT_TRUE(gains_control()) << program.errors();
-    // So that no frame is on its way when the line moves.
+    // No frame may be on its way when the line changes.
     program.signal(SIGSTOP);
     EXPECT_TRUE(eventually([&] { return servos_.listen().empty(); }));
     bank_.pull(0, true);
@@ -55,7 +55,7 @@ TEST_F(GpioProgram, ForcesFailsafeWithinOneFrame) {
         }
         return false;
     }));
-    EXPECT_LE(good, 2U) << "the one that was due, and one period";
+    EXPECT_LE(good, 2U) << "more than the frame that was due and one period";
     EXPECT_TRUE(program.says("output servos: in failsafe, as somebody wants it"));
     bank_.pull(0, false);
     heard_ = false;
@@ -74,7 +74,7 @@ TEST_F(GpioProgram, ForcesFailsafeAlthoughItsMainThreadHangs) {
     bank_.pull(0, true);
     EXPECT_TRUE(is_in_failsafe());
     EXPECT_EQ(count_of("in failsafe, as somebody wants it", program.errors()), 0U)
-        << "nobody is left who says so";
+        << "the main thread, which logs this, does not hang";
 }
 
 TEST_F(GpioProgram, IsInFailsafeFromTheFirstFrameIfThatIsForcedAtTheStart) {
@@ -173,7 +173,7 @@ TEST_F(GpioProgram, HoldsTheInverterFromStartToEnd) {
     const auto levels = trace.levels();
     EXPECT_FALSE(levels.empty());
     EXPECT_EQ(std::count(levels.begin(), levels.end(), "0"), 0);
-    EXPECT_TRUE(is(3, "0")) << "given back";
+    EXPECT_TRUE(is(3, "0")) << "the line was not released";
 }
 
 TEST_F(GpioProgram, GoesOnWithALampThatWasPulledOutAndPutBack) {
@@ -181,7 +181,7 @@ TEST_F(GpioProgram, GoesOnWithALampThatWasPulledOutAndPutBack) {
     EXPECT_TRUE(while_sending([&] { return is(0, "1"); }));
     bank_.remove();
     EXPECT_TRUE(program.says("line lamp (L0): is gone; waiting for it")) << program.errors();
-    EXPECT_TRUE(gains_control()) << "frames do not need lamps";
+    EXPECT_TRUE(gains_control()) << "no control without the lamp";
     bank_.put_back();
     EXPECT_TRUE(program.says("line lamp (L0): is back")) << program.errors();
     EXPECT_TRUE(while_sending([&] { return is(0, "1"); }));

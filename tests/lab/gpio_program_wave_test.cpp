@@ -6,8 +6,8 @@
 
 #include "tests/lab/gpio_program_bench.h"
 
-/// The wave of a `fresh` line of the built program: 100 ms, over frames each 20 ms. Judged by its
-/// edges alone, as the kernel traces them.
+/// The square wave of a `fresh` line of the built program: 100 ms, with frames every 20 ms. Only
+/// the edges that the kernel traces count.
 namespace tribus::test::gpio_program_wave_test {
 namespace {
 
@@ -21,8 +21,8 @@ class GpioWave : public GpioProgram {
         const auto start = Clock::now();
         return while_sending([&] { return trace_.edges_after(start) >= 10; });
     }
-    /// The edges from `event` on, which has just happened, when 20 periods more have passed. A
-    /// wave that runs has 40 then.
+    /// Returns the number of edges from `event` on. `event` has just happened; the function waits
+    /// for 20 periods, in which a running wave has 40 edges.
     std::size_t edges_after(Clock::time_point event) const {
         const timespec pause{.tv_sec = 2, .tv_nsec = 0};
         ::nanosleep(&pause, nullptr);
@@ -36,7 +36,7 @@ class GpioWave : public GpioProgram {
 
 TEST_F(GpioWave, RunsUnderControlOnly) {
     Program& program = run(config(gate()));
-    EXPECT_EQ(edges_after({}), 0U) << "before the first frame";
+    EXPECT_EQ(edges_after({}), 0U) << "edges before the first frame";
     EXPECT_TRUE(runs()) << program.errors();
     expect_clean_end(program);
 }
@@ -65,10 +65,10 @@ TEST_F(GpioWave, EndsWithinTwoPeriodsOfADataThreadThatHangs) {
     EXPECT_TRUE(runs()) << program.errors();
     program.signal(SIGUSR2);
     EXPECT_LE(edges_after(Clock::now()), kTwoPeriods);
-    EXPECT_TRUE(program.runs()) << "the process itself lives on";
+    EXPECT_TRUE(program.runs()) << "the process itself has ended";
     servos_.listen();
     EXPECT_TRUE(spins(program));
-    EXPECT_TRUE(servos_.listen().empty()) << "without a frame";
+    EXPECT_TRUE(servos_.listen().empty()) << "a frame was sent";
 }
 
 TEST_F(GpioWave, EndsWithinTwoPeriodsOfAFailsafeThatIsMeant) {

@@ -39,7 +39,7 @@ std::vector<Event> events() {
 
 LevelTrace::LevelTrace() {
     shell("mountpoint -q " + kTracing + " || mount -t tracefs none " + kTracing);
-    // The clock of steady_clock. That clears the trace too.
+    // Uses the clock of steady_clock. This also clears the trace.
     write_kernel_file(kTracing + "/trace_clock", "mono");
     shell(": >" + kTracing + "/trace");
     write_kernel_file(kTracing + "/events/gpio/gpio_value/enable", "1");

@@ -7,7 +7,8 @@
 
 namespace tribus::test {
 
-/// Each level that the kernel sets an output to while it lives, of whatever line, by its own trace.
+/// Levels to which the kernel sets outputs of any line during the object's lifetime, from its
+/// trace.
 class LevelTrace {
   public:
     LevelTrace();
@@ -16,7 +17,7 @@ class LevelTrace {
     ~LevelTrace();
 
     std::vector<std::string> levels() const;
-    /// When the level changed. Of one line only.
+    /// Times of the level changes. Only if one line is traced.
     std::vector<std::chrono::steady_clock::time_point> edges() const;
     std::size_t edges_after(std::chrono::steady_clock::time_point instant) const;
 };

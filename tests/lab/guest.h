@@ -1,6 +1,6 @@
 #pragma once
 
-// All that a test in a guest of the laboratory (run_guest) can lay hands on.
+// Everything that a test in a guest of the laboratory (run_guest) can use.
 
 // IWYU pragma: begin_exports
 #include "tests/lab/can_bus.h"

@@ -1,6 +1,7 @@
-# What prepare.sh and prepare_board.sh share; sourced, not run.
+# Functions for prepare.sh and prepare_board.sh. Sourced, not run.
 
-# put_modules ROOT VERSION FOLDER MODULE...: with those that they need, in the order of loading.
+# put_modules ROOT VERSION FOLDER MODULE...: copies the modules and those that they need, in the
+# order of loading.
 put_modules() {
     from=$1
     version=$2

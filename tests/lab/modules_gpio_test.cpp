@@ -11,11 +11,11 @@
 #include "tests/lab/gpio_bank.h"
 #include "transports/links/unique_fd.h"
 
-/// That the laboratory's simulated GPIO lines can be set and watched.
+/// Checks that the laboratory's simulated GPIO lines can be set and read.
 namespace tribus::test::modules_gpio_test {
 namespace {
 
-/// Asks for one line by the kernel's own interface, version 2.
+/// Requests one line with the kernel's own interface, version 2.
 UniqueFd request_line(const GpioBank& bank, unsigned line, std::uint64_t direction) {
     const UniqueFd chip(::open(bank.path().c_str(), O_RDWR | O_CLOEXEC));
     EXPECT_TRUE(chip.valid()) << bank.path() << ": " << std::strerror(errno);

@@ -1,11 +1,12 @@
 #!/bin/sh
-# Prepares a guest with the processor of a board, for run_board: Debian's kernel and libraries for it,
-# unpacked into a folder and never installed. They are those that its programs are linked with, too.
+# Prepares a guest with the processor of a board for run_board: Debian's kernel and libraries for
+# that processor, unpacked into a folder and never installed. Programs for the board are linked with
+# these libraries, too.
 #
 #   tests/lab/prepare_board.sh arm64|armhf FOLDER
 #
-# FOLDER/sysroot has the files, FOLDER/vmlinuz and FOLDER/initrd.gz boot. What dpkg-shlibdeps has to know
-# of the libraries stands in FOLDER/sysroot/DEBIAN. Does nothing where that is there.
+# FOLDER/sysroot has the files; FOLDER/vmlinuz and FOLDER/initrd.gz boot. FOLDER/sysroot/DEBIAN has
+# what dpkg-shlibdeps needs to know of the libraries. Does nothing if that is there.
 architecture=$1
 folder=$2
 here=$(cd "$(dirname "$0")" && pwd)
@@ -28,8 +29,8 @@ mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 root=$folder/sysroot
 as_root rm -rf "$root"
-# Without the security updates: nothing of this is shipped, and the mirrors' list of them for armhf is
-# not the one that was signed.
+# No security updates: nothing of this is shipped, and on the mirrors the list for armhf differs
+# from the signed one.
 # shellcheck disable=SC2016,SC2086,SC2154 # $1 is the hook's; lists of words, from deploy/prepare.sh
 as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
     --include="libc6-dev,libstdc++-12-dev,libgpiod2,bash,busybox-static,$kernel" \
@@ -54,6 +55,6 @@ mkdir "$start/bin" "$start/modules"
 cp "$root/bin/busybox" "$start/bin"
 cp "$here/guest_init" "$start/init"
 put_modules "$root" "$version" "$start/modules" virtio_pci 9pnet_virtio 9p overlay
-# Some hundred MB that nothing here needs.
+# Removes some hundred MB that the guest does not need.
 rm -rf "${root:?}/boot" "$root/lib/modules/$version"
 pack_initrd "$start" "$folder/initrd.gz"

@@ -87,7 +87,7 @@ RawCan::RawCan(const std::string& interface, const RawCanSettings& settings)
     address.can_family = AF_CAN;
     address.can_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
     EXPECT_NE(address.can_ifindex, 0) << "no interface " << interface;
-    // The type that the interface of sockets asks for.
+    // The type that the socket interface requires.
     const auto* any = reinterpret_cast<const sockaddr*>(&address);
     EXPECT_EQ(::bind(fd_.get(), any, sizeof(address)), 0) << interface << std::strerror(errno);
 }

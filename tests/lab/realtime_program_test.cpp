@@ -15,7 +15,7 @@
 namespace tribus::test::realtime_program_test {
 namespace {
 
-/// Threads of the built program, wherever it runs on this machine.
+/// Returns the threads of every process of the built program on this machine.
 std::vector<pid_t> threads_of_program() {
     std::vector<pid_t> threads;
     std::error_code none;

@@ -9,21 +9,21 @@
 
 namespace tribus::test {
 
-/// The sticks of the recording of a FlySky AFHDS3 receiver, 18 channels each 4 ms for 5 s (origin
-/// in the README of the captures); none where the captures are missing.
+/// Returns the sticks in the recording of a FlySky AFHDS3 receiver, 18 channels every 4 ms for 5 s
+/// (origin in the README of the captures). Returns none if the captures are missing.
 std::vector<Sticks> recorded_sticks();
 
-/// That receiver: sends what it was recorded to send, when it did.
+/// Replays that receiver with the recorded times.
 class RecordedReceiver {
   public:
-    /// `captures` has the recordings.
+    /// The recordings are in the folder of the captures.
     explicit RecordedReceiver(FarEnd& wire);
 
-    /// From the first burst on.
+    /// Starts with the first burst.
     void start();
     void send_due();
     bool ended() const { return next_ >= bursts_.size(); }
-    /// Before the latest burst was handed over.
+    /// Time just before the latest burst was sent.
     Clock::time_point latest() const { return latest_; }
 
   private:

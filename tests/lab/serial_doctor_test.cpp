@@ -12,9 +12,10 @@ namespace {
 
 class LabDoctor : public Loopback {
   protected:
-    /// What it says of `device` while `sender` repeats a frame; it has to end with `status`.
+    /// Returns what doctor prints about `device` while `sender` repeats a frame. It must exit with
+    /// `status`.
     std::string said_of(const std::string& device, Uart& sender, const Bytes& frame, int status) {
-        // Else the kernel echoes what comes before the program has set the port.
+        // Otherwise the kernel echoes what comes before the program has set up the port.
         { const Uart raw(device, kIbus); }
         Program& program = start({"doctor", device, "--for", "1s"});
         auto latest = Clock::time_point{};
@@ -41,13 +42,13 @@ TEST_F(LabDoctor, HearsSbusAtAnFtdiAdapter) {
     EXPECT_TRUE(has(said, ": USB adapter, FTDI")) << said;
     EXPECT_TRUE(has(said, "takes    i.Bus, SBUS (through an inverter)")) << said;
     EXPECT_TRUE(has(said, "hears    SBUS, 16 channels and 2 switches, 100000 baud 8E2")) << said;
-    EXPECT_EQ(sender.receive(), Bytes{}) << "it wrote";
+    EXPECT_EQ(sender.receive(), Bytes{}) << "doctor wrote to the wire";
 }
 
 TEST_F(LabDoctor, AsksAnFtdiAdapterForItsShortTimer) {
     const std::string device = ftdi_adapter(1);
     Uart sender(ftdi_adapter(2), kIbus);
-    // As after it was plugged in.
+    // The state after the adapter was plugged in.
     unplug_usb(1);
     plug_usb(1);
     const std::string said =
@@ -62,13 +63,13 @@ TEST_F(LabDoctor, HearsIbusAtA16550ThatCannotDoSbus) {
     EXPECT_TRUE(has(said, "takes    i.Bus, sensor bus")) << said;
     EXPECT_TRUE(has(said, "cannot   SBUS (asked for 100000 baud")) << said;
     EXPECT_TRUE(has(said, "hears    i.Bus, 18 channels, 115200 baud 8N1")) << said;
-    EXPECT_EQ(sender.receive(), Bytes{}) << "it wrote";
+    EXPECT_EQ(sender.receive(), Bytes{}) << "doctor wrote to the wire";
 }
 
 TEST_F(LabDoctor, HearsNothingAtA16550ThatCannotDoSbusWhereNobodySends) {
     Uart sender(uart_16550(2), kIbus);
     {
-        // What a test before sent may still be on its way.
+        // Bytes from the previous test may still be on their way.
         Uart drained(uart_16550(1), kIbus);
         auto latest = Clock::now();
         EXPECT_TRUE(eventually([&] {

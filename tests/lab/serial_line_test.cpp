@@ -10,7 +10,7 @@
 #include "tests/loopback/program.h"
 #include "transports/links/serial_port.h"
 
-/// Line settings on real drivers: what a pty cannot show.
+/// Line settings on real drivers, which a pty cannot show.
 namespace tribus::test::serial_line_test {
 namespace {
 
@@ -48,7 +48,7 @@ Bytes receive(SerialPort& port, std::size_t count) {
     return all;
 }
 
-/// What a test before sent may still be on its way through the emulator.
+/// Bytes from the previous test may still be on their way through the emulator.
 void wait_for_silence(SerialPort& port, Uart& far_end) {
     using Clock = std::chrono::steady_clock;
     constexpr std::chrono::milliseconds kSilence{300};
@@ -89,7 +89,7 @@ TEST(LabFtdi, KeepsTheLineSettingsOfIbus) {
     EXPECT_EQ(seen.baud, 115'200U);
     EXPECT_FALSE(seen.parity || seen.two_stop_bits);
     lines.expect("parity N, data bits 8, stop bits 1");
-    // The adapter's nearest: 3 MHz divided by 26.
+    // The nearest rate of the adapter: 3 MHz divided by 26.
     lines.expect("baud rate 115384");
 }
 
@@ -138,7 +138,7 @@ TEST(LabFtdi, ThatIsInUseIsRefused) {
 TEST(Lab16550, ThatCannotDo100000BaudIsRefusedWithTheRateThatItWouldRunAt) {
     const std::string device = uart_16550(1);
     const std::string why = refusal(device, kSbus);
-    // The driver says 100000 and programs divisor 1 of 1.8432 MHz / 16 (docs/protocols/sbus.md,
+    // The driver reports 100000 and programs divisor 1 of 1.8432 MHz / 16 (docs/protocols/sbus.md,
     // "Serial port: bit rate").
     EXPECT_TRUE(why.starts_with(device + ": asked for 100000 baud, but the port runs at 115200"))
         << why;

@@ -20,7 +20,7 @@ class LabProgram : public Loopback {
     }
 };
 
-/// Sends an i.Bus frame every few milliseconds until the SBUS frame with its channels has come.
+/// Sends an i.Bus frame every few milliseconds until the SBUS frame with its channels arrives.
 bool passes(Uart& receiver, Uart& servos, const Sticks& sticks) {
     const Bytes ibus = ibus_bytes(sticks);
     const Bytes sbus = sbus_bytes(sbus_sight_of(sticks));
@@ -53,7 +53,7 @@ TEST_F(LabProgram, TranslatesIbusToSbusBetweenRealPorts) {
 TEST_F(LabProgram, GoesOnAfterItsAdapterWasUnpluggedAndPluggedAgain) {
     Uart receiver(uart_16550(2), kIbus);
     Uart servos(ftdi_adapter(2), kSbus);
-    // A link as udev keeps under /dev/serial/by-id, since the adapter's number may change.
+    // A link as udev makes it under /dev/serial/by-id, because the adapter's number may change.
     const std::string adapter = folder() / "adapter";
     std::filesystem::create_symlink(ftdi_adapter(1), adapter);
     Program& program = run(config(uart_16550(1), adapter));

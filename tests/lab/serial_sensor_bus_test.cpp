@@ -13,7 +13,7 @@ namespace tribus::test::serial_sensor_bus_test {
 namespace {
 
 constexpr LineSettings kSensorLine{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
-/// An emulated machine has its pauses, in which requests wait.
+/// An emulated machine has pauses, in which requests wait.
 constexpr std::chrono::milliseconds kSlot{20};
 
 class SensorUart : public Loopback {};

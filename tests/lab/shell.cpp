@@ -37,7 +37,7 @@ constexpr int kBySignal = 128;
     ::_exit(kBySignal - 1);
 }
 
-/// Reads to the end, or for as long as the command may take.
+/// Reads until the end, or until the time for the command is over.
 std::string read_output(int fd) {
     const auto end = std::chrono::steady_clock::now() + kMostTime;
     std::string output;
@@ -73,7 +73,7 @@ ShellResult run_shell(const std::string& command) {
     input.reset();
     ShellResult result;
     result.output = read_output(output.get());
-    // Whatever is left of it: nothing if it has ended.
+    // Kills what is left of it; if it has ended, nothing happens.
     ::kill(-pid, SIGKILL);
     int status = 0;
     ::waitpid(pid, &status, 0);

@@ -37,9 +37,9 @@ void make_raw(int fd) {
 }  // namespace
 
 SlcanAdapter::SlcanAdapter() {
-    // The kernel puts the interface among the host's own, whatever the network namespace.
+    // The kernel creates the interface in the host's network namespace, whatever the test's own is.
     require_guest();
-    // A line discipline is not loaded by the kernel itself on every distribution.
+    // Not every distribution lets the kernel load a line discipline by itself.
     run_shell("modprobe slcan");
     plug();
 }
@@ -62,7 +62,7 @@ void SlcanAdapter::plug() {
     ASSERT_EQ(::ioctl(slave_.get(), SIOCGIFNAME, &interface), 0) << std::strerror(errno);
     name_ = interface.ifr_name;
     blocked_ = false;
-    // Before the interface comes up: the driver waits until its commands have been taken.
+    // Before the interface is set up, because the driver waits until its commands have been read.
     listener_ = std::jthread([this](const std::stop_token& stop) { listen(stop); });
     shell("ip link set dev " + name_ + " up type can bitrate 1000000");
 }
@@ -72,7 +72,7 @@ void SlcanAdapter::unplug() {
         return;
     }
     blocked_ = false;
-    // A driver that still has something to say waits for a listener.
+    // A driver that still has something to send waits for a listener.
     run_shell("ip link set dev " + name_ + " down");
     listener_ = std::jthread();
     master_ = UniqueFd();

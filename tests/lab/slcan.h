@@ -11,42 +11,42 @@
 
 namespace tribus::test {
 
-/// A CAN adapter that speaks SLCAN, played by the test on the master of a pty, with the kernel's
-/// own driver (slcan) in between: the one controller whose faults can be had at will
-/// (docs/laboratory.md, "CAN: what the drivers do").
+/// A CAN adapter with the SLCAN protocol, simulated by the test on the master of a pty, with the
+/// kernel's own driver (slcan) in between. It is the only controller whose faults a test can
+/// trigger (docs/laboratory.md, "CAN: what the drivers do").
 ///
-/// Classic CAN. Not the same as real hardware: in bus-off the kernel takes frames and drops them,
+/// Classic CAN. It differs from real hardware: in bus-off the kernel accepts frames and drops them,
 /// restart-ms is not supported (`set_link_down` and `set_link_up` restart it), and nothing is
 /// acknowledged unless the test says so.
 class SlcanAdapter {
   public:
-    /// Attached, with a bit rate of 1 Mbit/s, and up.
+    /// Attaches the adapter with a bit rate of 1 Mbit/s and sets it up.
     SlcanAdapter();
     SlcanAdapter(const SlcanAdapter&) = delete;
     SlcanAdapter& operator=(const SlcanAdapter&) = delete;
     ~SlcanAdapter();
 
-    /// Name of its interface, as can2.
+    /// Name of its interface, such as can2.
     const std::string& name() const { return name_; }
 
-    /// Says something as the adapter, without the carriage return at its end.
+    /// Sends a line as the adapter. `line` has no carriage return at its end.
     void say(const std::string& line);
     void error_warning() { say("sw100000"); }
     void error_passive() { say("sp130000"); }
     void bus_off() { say("sb255000"); }
     void error_active() { say("sa000000"); }
     void missing_acknowledge() { say("e1a"); }
-    /// A frame of another node: `t1232AABB` is id 123 with two bytes.
+    /// Sends a frame of another node: `t1232AABB` is id 123 with two bytes.
     void frame(const std::string& line) { say(line); }
 
-    /// What the driver has sent so far: the set-up ("C", "S8", "O"), then frames as `t1232AABB`;
-    /// without the first lines, if so many are known already.
+    /// Returns the lines that the driver has sent so far: the set-up ("C", "S8", "O"), then frames
+    /// such as `t1232AABB`. Leaves out the first `known` lines.
     std::vector<std::string> heard(std::size_t known = 0) const;
-    /// The adapter stops taking frames (a dead bus), and goes on.
+    /// Stops accepting frames, like a dead bus. `unblock` accepts them again.
     void block() { blocked_ = true; }
     void unblock() { blocked_ = false; }
 
-    /// The adapter is pulled out: its interface vanishes. And plugged in again, as after `new`.
+    /// Unplugs the adapter: its interface vanishes. `plug` plugs it in again, as if it were new.
     void unplug();
     void plug();
 

@@ -21,19 +21,19 @@
 #include "tests/loopback/loopback.h"
 #include "tests/soak/line.h"
 
-/// What a machine in the field goes through, one trouble at a time and then all at once, while four
-/// lines are translated and the first goes out on a CAN bus too.
+/// Troubles of a machine in the field, one at a time and then all at once. Meanwhile four lines are
+/// translated, and the first one also goes out on a CAN bus.
 namespace tribus::test::storm_faults_test {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// A process of its own that does nothing else, and is gone with its object.
+/// A process that causes one trouble. It is killed with its object.
 class Nuisance {
   public:
     explicit Nuisance(const std::function<void()>& body) : pid_(::fork()) {
         if (pid_ == 0) {
-            // Not with the harness's priority, and the first one that the kernel may kill.
+            // Without the priority of the test, and the first one for the kernel to kill.
             const sched_param usual{};
             ::sched_setscheduler(0, SCHED_OTHER, &usual);
             std::ofstream("/proc/self/oom_score_adj") << 1000;
@@ -53,7 +53,7 @@ class Nuisance {
     pid_t pid_;
 };
 
-/// In KiB, as in /proc/meminfo.
+/// Available memory in KiB, from /proc/meminfo.
 long available_memory() {
     std::ifstream file("/proc/meminfo");
     std::string name;
@@ -64,8 +64,8 @@ long available_memory() {
     return kib;
 }
 
-/// Takes all but what nearly nothing can live with, and uses it again and again, so that pages of
-/// programs and files have to go.
+/// Uses nearly all memory, again and again, so that the kernel must drop pages of programs and
+/// files.
 void use_up_memory() {
     constexpr long kLeftKib = 8 * 1024;
     constexpr std::size_t kStep = 4U << 20U;
@@ -99,7 +99,7 @@ class Storm : public Loopback {
         }
         text += "[output.bus]\nprotocol = \"can\"\ninterface = \"" + adapter_.name() +
                 "\"\n[pipeline.bus]\nfrom = \"receiver0\"\nto = \"bus\"\n";
-        // Far ends are no part of the troubles: they keep time whatever the machine does.
+        // Far ends are no part of the troubles: they are on time whatever the machine does.
         const sched_param below_the_daemon{.sched_priority = 10};
         ::sched_setscheduler(0, SCHED_FIFO, &below_the_daemon);
         ::mlockall(MCL_CURRENT | MCL_FUTURE);
@@ -130,7 +130,8 @@ class Storm : public Loopback {
         }
         return sum;
     }
-    /// Every line, and the bus, in the next second; and nothing that was a lie so far.
+    /// Checks that every line and the bus are in control in the next second, and that no frame so
+    /// far was wrong.
     void expect_control() {
         std::vector<std::uint64_t> before;
         for (const SoakLine& line : lines_) {
@@ -147,7 +148,7 @@ class Storm : public Loopback {
         }
         EXPECT_GT(adapter_.heard().size(), heard) << daemon_->errors();
     }
-    /// Timeout, hold and recover are over.
+    /// Waits until timeout, hold and recover are over.
     void calm_down() { translate(3s); }
 
     void take_the_bus_away() { adapter_.bus_off(); }
@@ -183,7 +184,7 @@ TEST_F(Storm, ThatLeavesNoMemoryCostsNoLineItsControl) {
     const std::uint64_t before = marked();
     {
         const Nuisance hog(use_up_memory);
-        // As long as there is less and less of it: on a busy machine that takes a while.
+        // Waits while the memory still shrinks, which takes a while on a busy machine.
         long least = available_memory();
         auto end = Clock::now() + kPatience;
         while (available_memory() > 32 * 1024 && Clock::now() < end) {
@@ -193,7 +194,7 @@ TEST_F(Storm, ThatLeavesNoMemoryCostsNoLineItsControl) {
             }
             translate(100ms);
         }
-        EXPECT_LE(available_memory(), 32 * 1024) << "the memory was not used up";
+        EXPECT_LE(available_memory(), 32 * 1024) << "there is still free memory";
         translate(3s);
     }
     EXPECT_EQ(marked(), before);
@@ -214,7 +215,7 @@ TEST_F(Storm, OfNoiseAtLineRateCostsOnlyTheLineThatHasIt) {
     lines_[2].babble(Clock::now() + 3s);
     translate(3s);
     EXPECT_EQ(lines_[3].testimony().marked, before);
-    EXPECT_GT(lines_[2].testimony().marked, 0U) << "noise passed for control";
+    EXPECT_GT(lines_[2].testimony().marked, 0U) << "noise was taken for control";
     calm_down();
     expect_control();
     expect_clean_end(*daemon_);

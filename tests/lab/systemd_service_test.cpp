@@ -12,8 +12,8 @@
 #include "tests/loopback/program.h"
 #include "tests/loopback/wire.h"
 
-/// The package in a fresh Debian with systemd: installed, at work on real drivers, supervised,
-/// confined, and removed. i.Bus in at a 16550, SBUS out at an FTDI adapter.
+/// The package in a fresh Debian with systemd: installed, running on real drivers, supervised,
+/// confined and removed. i.Bus in at a 16550, SBUS out at an FTDI adapter.
 namespace tribus::test::systemd_service_test {
 namespace {
 
@@ -22,7 +22,7 @@ const std::string kUnit = "tribus@servos.service";
 const std::filesystem::path kConfigurations = "/etc/tribus";
 const std::filesystem::path kDropIns = "/run/systemd/system";
 
-/// As `eventually`, for what takes a process to ask: in a guest that is dear.
+/// Like `eventually`, but for conditions that need a process, which takes long in a guest.
 template <class Done>
 bool in_time(Done done) {
     const auto end = Clock::now() + 4 * kPatience;
@@ -56,13 +56,13 @@ bool becomes(const std::string& name, const std::string& value, const std::strin
     return in_time([&] { return property(name, unit) == value; });
 }
 
-/// The time, as journalctl takes it.
+/// Returns the time in the format of journalctl.
 std::string now_for_journal() {
     const std::string seconds = shell("date +%s.%6N");
     return "@" + seconds.substr(0, seconds.find('\n'));
 }
 
-/// One whose receiver and servos are the far ends of the guest's wires.
+/// The installed package, with a receiver and servos at the far ends of the guest's wires.
 class InstalledPackage : public testing::Test {
   protected:
     static void SetUpTestSuite() { install(); }
@@ -84,7 +84,7 @@ class InstalledPackage : public testing::Test {
                        ftdi_adapter(1) +
                        "\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n" + channels);
     }
-    /// Of this test.
+    /// Returns the journal since the start of this test.
     std::string journal(const std::string& options = "", const std::string& unit = kUnit) const {
         return shell("journalctl --sync; journalctl -q -o cat --since=" + begin_ + " -u " + unit +
                      " " + options);
@@ -94,8 +94,8 @@ class InstalledPackage : public testing::Test {
         shell("systemctl daemon-reload");
     }
 
-    /// Sends an i.Bus frame every few milliseconds until the SBUS frame with `out` on channel 1,
-    /// under control, has come.
+    /// Sends an i.Bus frame every few milliseconds until an SBUS frame in control has `out_us` on
+    /// channel 1.
     bool carries(int in_us, int out_us) {
         const Bytes ibus = ibus_bytes(sticks_with_first(in_us));
         const Bytes sbus = sbus_bytes(sbus_sight_of(sticks_with_first(out_us)));
@@ -124,7 +124,7 @@ class InstalledService : public InstalledPackage {
   protected:
     InstalledService() { shell("systemctl start " + kUnit); }
 
-    /// With the library that lets a thread hang on a signal.
+    /// Restarts the service with the library that makes a thread hang on a signal.
     static void restart_with_hang_preload() {
         std::filesystem::copy_file("/host" TRIBUS_HANG_PRELOAD, "/usr/local/lib/hang.so",
                                    std::filesystem::copy_options::overwrite_existing);
@@ -200,7 +200,7 @@ TEST_F(InstalledService, TellsTheJournalWhatEachEntryIsAbout) {
 }
 
 TEST_F(InstalledService, TranslatesOnAReadOnlyRoot) {
-    // As after an error of the disk, whoever has files open.
+    // As after a disk error, even though programs have files open.
     shell("systemctl stop " + kUnit + "; echo u > /proc/sysrq-trigger");
     EXPECT_TRUE(in_time([] { return run_shell("touch /var/lib/anything").status != 0; }));
     shell("systemctl start " + kUnit);
@@ -277,7 +277,7 @@ TEST_F(InstalledService, LivesOnWhileItsPackageIsUpgraded) {
     EXPECT_TRUE(carries(1200, 1200)) << journal();
 }
 
-/// An instance with another program in its place, which tries what it must not do.
+/// An instance that runs another program, which tries what is forbidden.
 class Sandbox : public testing::Test {
   protected:
     static void SetUpTestSuite() {
@@ -361,7 +361,7 @@ TEST_F(CanExamples, BringABusUp) {
     })) << shell("ip link show can0");
 }
 
-/// The last, for it takes the package away.
+/// This test is the last one, because it removes the package.
 class RemovedPackage : public InstalledPackage {};
 
 TEST_F(RemovedPackage, HasStoppedAndLeavesNothingButConfigurationsOfItsOwner) {
@@ -374,7 +374,7 @@ TEST_F(RemovedPackage, HasStoppedAndLeavesNothingButConfigurationsOfItsOwner) {
                     "-not -path '/host/*' -not -path '/var/log/*' | sort"),
               "/etc/tribus\n");
     EXPECT_EQ(shell("ls /etc/tribus"), "servos.toml\n");
-    // As other packages do: a number that was given to a user is not given to the next.
+    // As with other packages: the number of a removed user must not be given to another user.
     shell("id tribus");
 }
 

@@ -12,7 +12,7 @@ milliseconds since(Clock::time_point start, Clock::time_point at) {
     return std::chrono::duration_cast<milliseconds>(at - start);
 }
 
-/// The laboratory keeps what stands in its folder of results; recovery.md is made from it.
+/// Adds a row to a file in the laboratory's folder of results. recovery.md is made from that file.
 void add_to_table(const std::string& name, milliseconds frame_lost, milliseconds failsafe,
                   milliseconds control) {
     if (std::filesystem::is_directory("/lab")) {

@@ -12,19 +12,19 @@
 #include "tests/lab/guest.h"
 #include "tests/loopback/loopback.h"
 
-/// The main job with a bus in between: one program reads an i.Bus receiver and sends on CAN, a
-/// second one reads CAN and drives SBUS servos.
+/// The main job with a bus in between: one program reads an i.Bus receiver and sends on CAN,
+/// another one reads CAN and drives SBUS servos.
 namespace tribus::test {
 
-/// How the two sides are set up. Times are long enough for an emulated machine that another
-/// program keeps busy.
+/// Configuration of the two sides. The times are long enough for an emulated machine on a busy
+/// host.
 struct BusJob {
     std::string sender_interface = "vcan0";
     std::string reader_interface = "vcan0";
-    std::string format = "protocol = \"can\"";  ///< lines that both sides have
-    std::string sender_lines{};                 ///< of the sender's output alone
-    std::string sender_tables{};                ///< tables that the sender has besides
-    std::string reader_tables{};                ///< and the reader
+    std::string format = "protocol = \"can\"";  ///< lines of both sides
+    std::string sender_lines{};                 ///< lines of the sender's output
+    std::string sender_tables{};                ///< further tables of the sender
+    std::string reader_tables{};                ///< further tables of the reader
 };
 
 inline std::ostream& operator<<(std::ostream& out, const BusJob& job) {
@@ -45,32 +45,31 @@ class TwoPrograms : public Loopback {
     Program& start_sender(const BusJob& job);
     Program& start_reader(const BusJob& job);
 
-    /// Sends i.Bus frames at a receiver's rate, and collects what the servos see, until `done` says
-    /// so of a frame; false if patience ends first.
+    /// Sends i.Bus frames at a receiver's rate and reads what the servos see until `done` returns
+    /// true for a frame. Returns false when kPatience is over.
     bool carry_until(const std::function<bool(const SbusSight&)>& done);
     bool carry_until_control();
     bool carry_until_failsafe();
-    /// Goes on for so long and gives all that the servos saw.
+    /// Goes on for this time and returns all that the servos saw.
     std::vector<SbusSight> carry_for(std::chrono::milliseconds time);
 
-    /// What a fault did to the servos, from the moment of the fault on, and of its end.
+    /// Effects of a fault at the servos, measured from the fault and from its end.
     struct Outcome {
         std::chrono::milliseconds to_frame_lost{};
         std::chrono::milliseconds to_failsafe{};
         std::chrono::milliseconds to_control{};
     };
-    /// Brings the fault about, waits for the failsafe, ends it, waits for control. A frame
-    /// that passes as good with other sticks than the receiver's fails the test. Adds a line to the
-    /// table.
+    /// Causes the fault, waits for failsafe, ends the fault and waits for control. The test fails
+    /// if a good frame has other sticks than the receiver's. Adds a line to the table.
     Outcome expect_failsafe_and_recovery(const std::string& name,
                                          const std::function<void()>& fault,
                                          const std::function<void()>& end_of_fault);
-    /// Not sooner than the times that are set; how much later is told by the table, for an emulated
-    /// machine stands still now and then.
+    /// Checks that nothing happens earlier than configured. The table shows how much later it
+    /// happens; there is no limit, because an emulated machine stalls now and then.
     static void expect_times(const Outcome& outcome);
-    /// From the last frame that was sent to the servos' failsafe: timeout and hold, and not sooner
-    /// than the periods for which the frames on the way speak. An emulated machine that stands
-    /// still may add seconds.
+    /// Checks the time from the last sent frame to the servos' failsafe: timeout plus hold, minus
+    /// at most the periods for which the frames on the way count. A stalled emulated machine may
+    /// add seconds.
     static void expect_failsafe_time(Clock::duration since_last_frame,
                                      std::chrono::milliseconds periods);
 

@@ -1,6 +1,6 @@
 #include "tests/lab/uart.h"
 
-// <termios.h> knows neither termios2 nor BOTHER and cannot stand beside this header.
+// <termios.h> has neither termios2 nor BOTHER and conflicts with this header.
 #include <asm/termbits.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -21,14 +21,14 @@
 namespace tribus::test {
 namespace {
 
-// As run_guest has it.
+// The path in run_guest.
 constexpr const char* kTraceFile = "/lab/trace";
 
 std::filesystem::path usb_device(int port) {
     return "/sys/bus/usb/devices/1-" + std::to_string(port);
 }
 
-/// The one entry of `folder` that begins with `beginning`, once it and its node are there.
+/// Returns the only entry of `folder` that begins with `beginning`, once it and its node exist.
 std::string device_in(const std::filesystem::path& folder, const std::string& beginning) {
     require_guest();
     std::string node;

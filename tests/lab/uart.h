@@ -16,7 +16,7 @@ using Bytes = std::vector<std::uint8_t>;
 inline constexpr LineSettings kSbus{.baud = 100'000, .parity = Parity::even, .stop_bits = 2};
 inline constexpr LineSettings kIbus{.baud = 115'200, .parity = Parity::none, .stop_bits = 1};
 
-/// The line settings of a serial device as its driver tells them (TCGETS2).
+/// Line settings of a serial device as its driver reports them (TCGETS2).
 struct LineSeen {
     std::uint32_t baud = 0;
     bool parity = false;
@@ -25,39 +25,40 @@ struct LineSeen {
 };
 LineSeen line_of(int descriptor);
 
-/// A serial device of the guest in the test's own hand: the far end of a wire at whose near end
-/// the program works. Written again for the tests, independent of the program's SerialPort.
+/// A serial device of the guest that the test opens itself: the far end of a wire to the program.
+/// Written for the tests and independent of the program's SerialPort.
 class Uart {
   public:
-    /// Raw, non-blocking; the test fails if it cannot be opened.
+    /// Opens the device raw and non-blocking. The test fails if that fails.
     Uart(const std::string& device, const LineSettings& settings);
 
-    /// Sends all of it, waiting for room.
+    /// Sends all bytes and waits for room if necessary.
     void send(std::span<const std::uint8_t> bytes);
-    /// What has come in since the last call; does not wait.
+    /// Returns what has arrived since the last call. Does not wait.
     Bytes receive();
-    /// Waits for so many bytes; what has come in when patience ends.
+    /// Waits for `count` bytes. Returns what has arrived when kPatience is over.
     Bytes receive(std::size_t count);
 
   private:
     UniqueFd fd_;
 };
 
-/// Devices of the guest (run_guest), numbered 1 and 2 by where they are plugged, as /dev/ttyUSB0;
-/// waits until their driver has made them. 1 is wired to 2 of the same kind.
+/// Path of a device of the guest (run_guest), such as /dev/ttyUSB0. Devices are numbered 1 and 2 by
+/// where they are plugged in; 1 is wired to 2 of the same kind. Waits until the driver has made the
+/// device.
 std::string ftdi_adapter(int usb_port);
 std::string uart_16550(int number);
 
-/// Pulls an adapter out of its USB port, as far as its driver can tell, and puts it back.
+/// Unplugs an adapter from its USB port, as its driver sees it, and plugs it in again.
 void unplug_usb(int usb_port);
 void plug_usb(int usb_port);
 
-/// What the drivers have programmed into the emulated ports since this object was made: the
-/// emulator's own trace.
+/// The settings that the drivers programmed into the emulated ports since the object was made, from
+/// the emulator's trace.
 class ProgrammedLines {
   public:
     ProgrammedLines();
-    /// Waits until the trace has this text; the test fails if patience ends.
+    /// Waits until the trace contains `text`. The test fails when kPatience is over.
     void expect(const std::string& text) const;
 
   private:

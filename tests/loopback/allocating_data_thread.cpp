@@ -6,12 +6,12 @@
 #include <string_view>
 #include <thread>
 
-// Does under the data thread's name what the data thread must not: the proof that the heap trap
-// bites. The argument says what.
+// Does what the data thread must not do, in a thread with its name: this proves that the heap trap
+// works. The argument selects what it does.
 
 namespace {
 
-/// Keeps the compiler from leaving out an allocation that nobody uses.
+/// Keeps the compiler from removing an unused allocation.
 void* volatile kept = nullptr;
 
 struct alignas(256) WideBlock {

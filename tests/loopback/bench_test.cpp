@@ -15,7 +15,7 @@
 namespace tribus::test::bench_test {
 namespace {
 
-/// Processes whose command line begins with the program under test.
+/// Returns the number of processes whose command line begins with the program under test.
 std::size_t programs_at_work() {
     namespace fs = std::filesystem;
     std::size_t count = 0;

@@ -16,7 +16,7 @@
 namespace tribus::test::demo_test {
 namespace {
 
-/// A terminal window of that size; the program finds it as its standard output.
+/// A terminal window of this size, which is the program's standard output.
 struct Window {
     std::size_t columns;
     std::size_t rows;
@@ -26,7 +26,8 @@ std::ostream& operator<<(std::ostream& out, const Window& window) {
     return out << window.columns << " columns, " << window.rows << " rows";
 }
 
-/// What shows on the screen of one line: without colours and other escape sequences, in characters.
+/// Returns the number of characters of a line that are visible, without colours and escape
+/// sequences.
 std::size_t visible_width(const std::string& line) {
     static const std::regex escapes("\x1b\\[[0-9;?]*[A-Za-z]");
     std::size_t width = 0;
@@ -54,13 +55,13 @@ TEST_F(Demo, WithoutATerminalPrintsPlainLinesAndASummaryWithoutALostFrame) {
     EXPECT_EQ(program.end(), 0) << program.errors();
     const std::string output = program.output();
     EXPECT_EQ(count_of("lost:     0\n", output), 1U) << output;
-    EXPECT_EQ(count_of("\x1b", output), 0U) << "control characters in plain lines";
+    EXPECT_EQ(count_of("\x1b", output), 0U) << "there are control characters in plain lines";
     EXPECT_GE(count_of("  radio up ", output), 2U) << output;
     EXPECT_EQ(count_of("latency, receiver's write to servos' read: p50 ", output), 1U) << output;
     expect_no_allocation(program);
 }
 
-/// The link drops after 6 s and is back 1.5 s later.
+/// The demo drops the link after 6 s for 1.5 s.
 TEST_F(Demo, RecoversFromTheDroppedLink) {
     Program& program = start({"demo", "--seconds", "9"});
     EXPECT_EQ(program.end(), 0) << program.errors();
@@ -75,7 +76,7 @@ TEST_F(Demo, RecoversFromTheDroppedLink) {
 
 class DemoInAWindow : public Demo, public testing::WithParamInterface<Window> {
   protected:
-    /// What the program shows until it ends; at the third picture a user presses `key`.
+    /// Returns what the program shows until it ends. At the third picture a user presses `key`.
     std::string show(Program& program, FarEnd& terminal, std::uint8_t key) {
         std::string shown;
         bool pressed = false;
@@ -107,7 +108,7 @@ TEST_P(DemoInAWindow, KeepsToTheWindowAndEndsByCtrlCWithASummary) {
     EXPECT_EQ(program.end(), 0) << program.errors() << shown;
 
     const std::size_t leave = shown.find("\x1b[?1049l");
-    ASSERT_NE(leave, std::string::npos) << "the other screen stays";
+    ASSERT_NE(leave, std::string::npos) << "the alternate screen stays";
     const std::vector<std::string> pictures = split(shown.substr(0, leave), "\x1b[H");
     ASSERT_GE(pictures.size(), 4U);
     for (std::size_t i = 1; i < pictures.size(); ++i) {
@@ -117,7 +118,7 @@ TEST_P(DemoInAWindow, KeepsToTheWindowAndEndsByCtrlCWithASummary) {
             EXPECT_LE(visible_width(line), GetParam().columns) << line;
         }
     }
-    EXPECT_LT(shown.rfind("\x1b[?25l"), shown.rfind("\x1b[?25h")) << "no cursor left";
+    EXPECT_LT(shown.rfind("\x1b[?25l"), shown.rfind("\x1b[?25h")) << "the cursor stays hidden";
     EXPECT_EQ(count_of("lost:     0\r\n", shown.substr(leave)), 1U) << shown.substr(leave);
     expect_no_allocation(program);
 }

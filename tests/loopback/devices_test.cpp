@@ -17,7 +17,7 @@
 namespace tribus::test::devices_test {
 namespace {
 
-/// Lets `sender` send until the servos see `wanted`, and returns all that they saw until then.
+/// Sends until the servos see `wanted`. Returns everything that they saw until then.
 std::vector<SbusSight> feed_until(Repeater& sender, ServoBank& servos, const SbusSight& wanted) {
     std::vector<SbusSight> seen;
     EXPECT_TRUE(eventually([&] {
@@ -56,7 +56,7 @@ TEST_F(Loopback, InputDeviceThatIsPulledAndPluggedInWorksAgain) {
     const std::vector<SbusSight> seen = feed_until(repeater, servos, after);
     EXPECT_TRUE(std::none_of(seen.begin(), seen.end(), [&](const SbusSight& sight) {
         return same_channels(sight, before);
-    })) << "values from before the loss";
+    })) << "values from before the loss came out";
     EXPECT_EQ(servos.strays(), 0U);
     expect_clean_end(program);
 }
@@ -119,8 +119,8 @@ TEST_F(Loopback, ProgramEndsInOrderWhileEveryDeviceIsGone) {
     expect_clean_end(program);
 }
 
-/// A hang-up is reported until it is dealt with: whoever only notes it spins, at real-time
-/// priority.
+/// The kernel reports a hang-up until it is handled. A program that only notes it would loop at
+/// real-time priority.
 TEST_F(Loopback, DevicesThatAreGoneCostNoProcessorTime) {
     FarEnd& receiver = device("receiver");
     FarEnd& servo_wire = device("servos");
@@ -276,7 +276,7 @@ TEST_F(Loopback, OutputDeviceThatIsMissingAtTheStartIsWaitedFor) {
     expect_clean_end(program);
 }
 
-/// A link under /dev/serial/by-id whose adapter is just going, or one to nowhere.
+/// A link under /dev/serial/by-id whose adapter is just being removed, or one with no target.
 TEST_F(Loopback, LinkToADeviceThatIsNotThereIsWaitedFor) {
     device("servos");
     std::filesystem::create_symlink(folder() / "nothing", folder() / "receiver");

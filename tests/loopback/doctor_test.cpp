@@ -12,7 +12,7 @@
 namespace tribus::test::doctor_test {
 namespace {
 
-/// Runs until the program has ended, calling `meanwhile` again and again.
+/// Waits for the end of the program and calls `meanwhile` repeatedly. Returns the exit status.
 int end_of(Program& program, const std::function<void()>& meanwhile) {
     EXPECT_TRUE(eventually([&] {
         meanwhile();
@@ -26,15 +26,16 @@ class Doctor : public Loopback {
     Program& visit(const FarEnd& wire, const std::string& format = "text") {
         return start({"doctor", wire.path(), "--for", "1s", "--format", format});
     }
-    /// What it says of a wire on which this frame is repeated; it has to end with `status`.
+    /// Returns what doctor prints about a wire on which this frame is repeated. It must exit with
+    /// `status`.
     std::string said_of(const Bytes& frame, int status, const std::string& format = "text") {
         FarEnd& wire = device("port");
-        // Else the kernel sends back what comes before the program is there.
+        // Otherwise the kernel echoes what arrives before the program has opened the device.
         EXPECT_EQ(std::system(("stty -F " + wire.path() + " raw -echo").c_str()), 0);
         Repeater repeater(wire, frame);
         Program& program = visit(wire, format);
         EXPECT_EQ(end_of(program, [&] { repeater.send_if_due(); }), status) << program.output();
-        EXPECT_EQ(wire.receive(), Bytes{}) << "it wrote";
+        EXPECT_EQ(wire.receive(), Bytes{}) << "doctor wrote to the wire";
         return program.output();
     }
 };

@@ -41,7 +41,7 @@ Phase phase_of(const SbusSight& sight) {
 
 class Failsafe : public Loopback {
   protected:
-    /// Lets the receiver send until the servos are under control, and a little longer.
+    /// Sends until the servos are in control, and a little longer.
     void gain_control() {
         int good = 0;
         ASSERT_TRUE(eventually([&] {
@@ -52,7 +52,7 @@ class Failsafe : public Loopback {
             return good >= 10;
         }));
     }
-    /// The servos' frames until `enough` of them were seen in that phase.
+    /// Returns the servos' frames until `enough` of them were seen in this phase.
     std::vector<SbusSight> listen_until(Phase phase, int enough, bool sending = false) {
         std::vector<SbusSight> seen;
         int count = 0;
@@ -94,7 +94,7 @@ TEST_F(Failsafe, FollowsALossByMarkedFramesThenPresets) {
 
     EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end(), [](const auto& a, const auto& b) {
         return phase_of(a) < phase_of(b);
-    })) << "control, then frame-lost, then failsafe, and never back";
+    })) << "the order is not control, frame-lost, failsafe";
     const auto first = [&](Phase phase) {
         return std::find_if(seen.begin(), seen.end(),
                             [&](const SbusSight& sight) { return phase_of(sight) == phase; });
@@ -102,16 +102,16 @@ TEST_F(Failsafe, FollowsALossByMarkedFramesThenPresets) {
     const auto holding = first(Phase::holding);
     const auto failsafe = first(Phase::failsafe);
     ASSERT_TRUE(holding != seen.end() && failsafe != seen.end());
-    // Never sooner than configured; a frame speaks for the period behind it.
+    // Never earlier than configured. A frame counts for the period after it.
     EXPECT_GE(holding->seen - last_sent, kTimeout - kPeriod);
     EXPECT_GE(failsafe->seen - last_sent, kTimeout + kHold - kPeriod);
-    // Never more marked or unmarked frames than fit into the time: the program's own pace counts,
-    // not this machine's. Unmarked ones may have waited for as long as the receiver may pause.
+    // No more marked or unmarked frames than fit into the time. This counts the program's own pace,
+    // not this machine's. Unmarked frames may have waited for as long as the receiver may pause.
     EXPECT_LE(holding - seen.begin(), 2 * kTimeout / kPeriod + 2);
     EXPECT_LE(failsafe - holding, kHold / kPeriod + 2);
     EXPECT_TRUE(std::all_of(holding, failsafe, [&](const SbusSight& sight) {
         return same_channels(sight, sbus_sight_of(sticks_));
-    })) << "the last values are held";
+    })) << "other values than the last ones are held";
     EXPECT_TRUE(std::all_of(failsafe, seen.end(), [&](const SbusSight& sight) {
         return sight.frame_lost && same_channels(sight, presets());
     }));
@@ -134,7 +134,7 @@ TEST_F(Failsafe, ReturnsControlAfterAnUnbrokenRunOfTheRecoverTime) {
     EXPECT_GE(good->seen - back, kRecover);
     EXPECT_TRUE(std::all_of(seen.begin(), good, [](const SbusSight& sight) {
         return sight.failsafe && same_channels(sight, presets());
-    })) << "presets until control is back";
+    })) << "values other than presets came before control";
     EXPECT_TRUE(same_channels(*good, sbus_sight_of(sticks_)));
     EXPECT_TRUE(program.says("output servos: under control", 2));
     expect_clean_end(program);
@@ -172,7 +172,7 @@ recover = "100ms"
     EXPECT_TRUE(eventually([&] {
         heard = hears() ? Clock::now() : heard;
         return Clock::now() - heard > milliseconds(500);
-    })) << "no end of the frames";
+    })) << "frames do not stop";
     EXPECT_TRUE(eventually(sends_and_hears)) << "control did not come back";
     expect_clean_end(program);
 }
@@ -199,7 +199,7 @@ TEST_P(EndingSignal, LetsTheLastFramesSayFailsafe) {
     EXPECT_TRUE(program.says("stopped"));
     const auto first = std::find_if(seen.begin(), seen.end(),
                                     [](const SbusSight& sight) { return sight.failsafe; });
-    // One may be lost on a wire.
+    // One frame may be lost on a wire.
     EXPECT_GE(seen.end() - first, 2);
     EXPECT_TRUE(std::all_of(first, seen.end(), [](const SbusSight& sight) {
         return sight.failsafe && sight.frame_lost && same_channels(sight, presets());

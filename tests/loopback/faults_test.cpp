@@ -6,15 +6,15 @@
 
 #include "tests/loopback/witnessed.h"
 
-/// Everything goes wrong at once, around the built program, and a witness judges each frame: was it
-/// ever sent, how old is it, is it marked?
+/// Many faults happen at once around the built program. A witness checks each frame: was it ever
+/// sent, how old is it, is it marked?
 namespace tribus::test::faults_test {
 namespace {
 
 using namespace std::chrono_literals;
 
 constexpr auto kTimeout = 100ms;
-/// A frame of SBUS has no checksum. Of all that are hurt, so few may be taken for whole.
+/// An SBUS frame has no checksum. At most one of this many damaged frames may pass for a good one.
 constexpr std::uint64_t kHurtForOneWrong = 50;
 
 class WireFaults : public Witnessed {
@@ -57,7 +57,7 @@ TEST_F(WireFaults, in_each_tenth_frame_make_nothing_old_and_hardly_a_frame_that_
     expect_clean_end(program);
 }
 
-/// Both halves are of frames, but of different ones.
+/// Both halves belong to frames, but to different ones.
 TEST_F(WireFaults, of_a_receiver_that_is_pulled_in_a_frame_and_comes_back_in_another_make_none) {
     Program& program = begin_hurting(2, 0);
     for (int replug = 0; replug < 6; ++replug) {
@@ -74,7 +74,7 @@ TEST_F(WireFaults, of_a_receiver_that_is_pulled_in_a_frame_and_comes_back_in_ano
     expect_clean_end(program);
 }
 
-/// Hurt frames, stops of the program, receivers that fall silent or are pulled in a frame.
+/// Damaged frames, stops of the program, receivers that fall silent or are unplugged in a frame.
 TEST_F(WireFaults, all_at_once_make_nothing_old) {
     Program& program = begin_hurting(6, 0.05);
     for (int round = 0; round < 6; ++round) {

@@ -6,16 +6,16 @@
 
 namespace tribus::test {
 
-/// A receiver sends 1100 us on channel 1; what the servos get tells which configuration runs.
+/// A receiver sends 1100 us on channel 1. The servos' value shows which configuration runs.
 class FirstChannel : public Loopback {
   protected:
-    /// Lets the receiver send until a good frame of the servos has `first_us`.
+    /// Sends until the servos get a good frame whose first channel is `first_us`.
     void expect_first_channel(int first_us) {
         EXPECT_TRUE(eventually([&] {
             repeater_.send_if_due();
             const auto seen = servos_.listen();
             return !seen.empty() && seen.back().good() && seen.back().raw[0] == sbus_raw(first_us);
-        })) << "channel 1 never was "
+        })) << "channel 1 was never "
             << first_us;
     }
 

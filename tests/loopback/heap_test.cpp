@@ -48,7 +48,7 @@ TEST_F(HeapTrap, LetsAProgramPassWhoseDataThreadDoesNotAllocate) {
 
 class NoAllocation : public Loopback {
   protected:
-    /// Both ways of both protocols at once.
+    /// Configuration with both directions of both protocols at once.
     std::string both_ways() {
         return write_config(main_job("timeout = \"100ms\"", "", R"([pipeline.main.failsafe]
 hold = "20ms"
@@ -94,7 +94,8 @@ to = "controller"
         })) << "servos "
             << servos_good << ", controller " << reader_good;
     }
-    /// Noise, marks of parity errors and a flood, as a wrong bit rate or a loose plug makes them.
+    /// Sends noise, marks of parity errors and a flood, as a wrong bit rate or a loose plug
+    /// produces them.
     void send_garbage() {
         std::mt19937 random(20);
         for (int round = 0; round < 40; ++round) {
@@ -136,7 +137,7 @@ TEST_F(NoAllocation, OverDropoutsGarbageAndDevicesThatGoAndCome) {
     expect_clean_end(program);
 }
 
-/// Nobody reads the servos' wire until the kernel takes no more.
+/// Nobody reads the servos' wire until the kernel accepts no more.
 TEST_F(NoAllocation, WhileAnOutputIsStuck) {
     FarEnd& fast = device("fast");
     Program& program = run(write_config(R"(

@@ -7,7 +7,7 @@
 
 #include "tests/support/shell.h"
 
-/// What is installed beside the program, compared with what the program says itself.
+/// Compares the installed files with what the program itself prints.
 namespace tribus::test::installed_texts_test {
 namespace {
 
@@ -26,7 +26,7 @@ bool has(const Words& words, const std::string& word) {
     return std::ranges::find(words, word) != words.end();
 }
 
-/// What bash offers for the last of the words of a command line.
+/// Returns what bash offers for the last word of a command line.
 Words offered(const std::string& line) {
     const Ended ended = run_in_shell("export TRIBUS; bash -c '. " TRIBUS_SOURCE_DIR
                                      "/deploy/completions/tribus.bash; COMP_WORDS=(\"$TRIBUS\" " +

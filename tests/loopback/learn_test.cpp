@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kThrottle = 2;
 
-/// Every stick from one end to the other.
+/// Moves every stick from one end to the other.
 Sticks moving(int step) {
     Sticks sticks(14, 1500);
     for (std::size_t stick = 0; stick < 4; ++stick) {
@@ -34,7 +34,7 @@ Sticks throttle_at(int us) {
 
 class Learn : public Loopback {
   protected:
-    /// 4 s of moving, 2 s of nothing, 4 s without the transmitter, 2 s with it; a frame each 10 ms.
+    /// 4 s of movement, 2 s still, 4 s without the transmitter, 2 s with it; one frame every 10 ms.
     std::string recording(const Sticks& lost) {
         std::string text = "# t_us bytes\n";
         for (int step = 0; step < 1200; ++step) {

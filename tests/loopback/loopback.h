@@ -17,8 +17,8 @@
 
 namespace tribus::test {
 
-/// The built program over ptys, in a folder of its own. No test judges by a time that a busy
-/// machine can exceed: they wait for events, and compare orders and least times.
+/// The built program over ptys, in a folder of its own. No test checks a time that a busy machine
+/// can exceed. Tests wait for events and compare orders and minimum times.
 class Loopback : public testing::Test {
   protected:
     Loopback() {
@@ -30,7 +30,7 @@ class Loopback : public testing::Test {
     const std::filesystem::path& folder() const { return folder_; }
     FarEnd& device(const std::string& name) { return devices_.emplace_back(folder_ / name); }
 
-    /// `text` with each `@name` that stands for a device as its path.
+    /// Writes `text` with the path of the device in place of each `@name`.
     std::string write_config(const std::string& text, const std::string& name = "tribus.toml") {
         std::string filled = text;
         for (std::size_t at = filled.find('@'); at != std::string::npos; at = filled.find('@')) {
@@ -51,8 +51,8 @@ class Loopback : public testing::Test {
         return programs_.emplace_back(folder_, arguments, settings);
     }
 
-    /// Every test of `run` ends so: the program leaves when told to, and its data thread has not
-    /// allocated.
+    /// Every test of `run` ends with this: the program exits when told to, and its data thread has
+    /// not allocated.
     static void expect_clean_end(Program& program) {
         EXPECT_TRUE(program.runs());
         program.signal(SIGTERM);
@@ -73,7 +73,7 @@ class Loopback : public testing::Test {
     std::deque<Program> programs_;
 };
 
-/// A receiver that repeats one frame at about a receiver's rate, whenever it is asked to.
+/// A receiver that repeats one frame at about a receiver's rate whenever it is called.
 class Repeater {
   public:
     Repeater(FarEnd& wire, Bytes frame) : wire_(wire), frame_(std::move(frame)) {}
@@ -85,7 +85,7 @@ class Repeater {
             wire_.send(frame_);
         }
     }
-    /// Before the latest frame was handed over.
+    /// Time just before the latest frame was sent.
     Clock::time_point latest() const { return latest_; }
     void change(Bytes frame) { frame_ = std::move(frame); }
 
@@ -106,7 +106,7 @@ inline std::string main_job(std::string_view input = "", std::string_view output
     return text + std::string(pipeline) + "\n";
 }
 
-/// So long that no busy machine makes a stream look lost.
+/// A timeout so long that no stream looks lost on a busy machine.
 inline constexpr std::string_view kPatientInput = "timeout = \"5s\"";
 
 }  // namespace tribus::test

@@ -9,7 +9,7 @@
 namespace tribus::test::main_job_test {
 namespace {
 
-/// Sends `bytes` once and collects what the servos see until a good frame has these channels.
+/// Sends `bytes` once and returns what the servos see until a good frame has these channels.
 std::vector<SbusSight> send_and_collect(FarEnd& receiver, const Bytes& bytes, ServoBank& servos,
                                         const SbusSight& wanted) {
     std::vector<SbusSight> seen;
@@ -32,7 +32,7 @@ TEST_F(Loopback, EighteenIbusChannelsComeOutAsExactSbusValues) {
     const Sticks sticks{880,  885,  988,  1000, 1012, 1100, 1250, 1499, 1500,
                         1501, 1750, 1900, 2000, 2012, 2100, 2159, 2000, 1000};
     SbusSight expected;
-    // Each is the nearest to (us - 880) * 8 / 5, worked out by hand (docs/protocols/sbus.md,
+    // Each value is the nearest to (us - 880) * 8 / 5, calculated by hand (docs/protocols/sbus.md,
     // "Scales").
     expected.raw = {0,   8,   173,  192,  211,  352,  592,  990,
                     992, 994, 1392, 1632, 1792, 1811, 1952, 2046};
@@ -42,8 +42,8 @@ TEST_F(Loopback, EighteenIbusChannelsComeOutAsExactSbusValues) {
     expect_clean_end(program);
 }
 
-/// Bytes to which a terminal gives a meaning: interrupt, end of file, line ends, XON and XOFF,
-/// erase, and 0xFF, which the kernel doubles where it marks parity errors.
+/// Bytes with a meaning for a terminal: interrupt, end of file, line ends, XON and XOFF, erase, and
+/// 0xFF, which the kernel doubles if it marks parity errors.
 TEST_F(Loopback, BytesThatMeanSomethingToATerminalPassUnchanged) {
     FarEnd& receiver = device("receiver");
     ServoBank servos(device("servos"));
@@ -53,7 +53,7 @@ TEST_F(Loopback, BytesThatMeanSomethingToATerminalPassUnchanged) {
          0x50F},
         {0x5FF, 0x6FF, 0x4FF, 0x7FF, 0x5FF, 0x6FF, 0x4FF, 0x7FF, 0x5FF, 0x6FF, 0x4FF, 0x7FF, 0x5FF,
          0x6FF},
-        // Slot 1 is ff ff, slot 2 ff d0: beside each other, and in front of a zero nibble.
+        // Slot 1 is ff ff and slot 2 is ff d0: 0xFF after 0xFF, and before a zero nibble.
         {0xFFF, 0x0FF, 1500, 1500, 1500, 1500, 1500, 1500, 1500, 1500, 1500, 1500, 1500, 1500,
          0x5DF, 1600, 2000, 1000},
     };
@@ -84,7 +84,7 @@ TEST_F(Loopback, EveryFrameSentAfterTheOneBeforeItCameOutComesOutInOrder) {
         }
     }
     EXPECT_TRUE(std::equal(changes.begin(), changes.end(), sent.begin(), sent.end(), same_channels))
-        << changes.size() << " different frames came out, in this or another order";
+        << changes.size() << " different frames came out, perhaps in another order";
     EXPECT_EQ(servos.strays(), 0U);
     expect_clean_end(program);
 }
@@ -108,7 +108,7 @@ TEST_F(Loopback, OfABurstTheNewestFrameComesOutAndNoneIsQueued) {
     }
     older.erase(sbus_raw(1000));
     older.erase(sbus_raw(1600));
-    // The kernel may hand the burst over in two parts.
+    // The kernel may deliver the burst in two parts.
     EXPECT_LE(older.size(), 1U);
     std::vector<SbusSight> later;
     eventually([&] {
@@ -195,7 +195,7 @@ to   = "controller"
         }
         return seen.size() >= 20;
     }));
-    // Nothing but its own frames: no echo of what came in.
+    // Only its own frames, no echo of the input.
     EXPECT_EQ(std::count(seen.begin(), seen.end(), swapped), std::ssize(seen));
     EXPECT_EQ(reader.strays(), 0U);
     expect_clean_end(program);

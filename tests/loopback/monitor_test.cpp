@@ -26,7 +26,7 @@ class Monitored : public Loopback {
         arguments.insert(arguments.begin(), {"monitor", "--socket", socket()});
         return start(arguments);
     }
-    /// The latest whole object that a monitor has printed.
+    /// Returns the latest complete object that a monitor has printed.
     static nlohmann::json latest(const Program& monitor) {
         const std::string text = monitor.output();
         const std::size_t end = text.rfind('\n');
@@ -59,8 +59,8 @@ TEST_F(Monitored, TellsWhatComesInAndWhatGoesOut) {
     expect_clean_end(program);
 }
 
-/// Figures are written down ten times a second, mostly in the moment in which a frame comes; the
-/// objects are told at any time between two frames.
+/// The daemon publishes figures ten times a second, mostly at the moment when a frame comes. The
+/// monitor prints objects at any time between two frames.
 TEST_F(Monitored, TellsHowOldTheNewestFrameIs) {
     Program& program = run(config_);
     Program& watching = monitor({"--format", "json", "--period", "50ms"});
@@ -145,7 +145,7 @@ TEST_F(Monitored, ASecondDaemonOnAGivenSocketIsRefused) {
     expect_clean_end(first);
 }
 
-/// Sixteen who never read, and one who sends garbage without end.
+/// Sixteen clients never read, and one sends garbage without end.
 TEST_F(Monitored, ClientsThatDoNotReadDoNotHurt) {
     Program& program = run(config_);
     std::deque<UniqueFd> clients;

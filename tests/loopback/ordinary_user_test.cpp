@@ -14,15 +14,15 @@
 namespace tribus::test::ordinary_user_test {
 namespace {
 
-/// Who has just installed it and may do nothing special: Debian's limits let 8 MiB be locked, and a
-/// thread's stack is 8 MiB by default.
+/// A user who has just installed the program and has no special rights. Debian's limit for locked
+/// memory is 8 MiB, and so is the default stack of a thread.
 class OrdinaryUser : public Loopback {
   protected:
     OrdinaryUser() {
         namespace fs = std::filesystem;
         fs::permissions(folder(),
                         fs::perms::owner_all | fs::perms::group_all | fs::perms::others_all);
-        // The build folder may be one that nobody else may enter.
+        // Other users may have no access to the build folder.
         fs::copy_file(TRIBUS_PROGRAM, program_);
     }
     FarEnd& own_device(const std::string& name) {
@@ -51,7 +51,7 @@ TEST_F(OrdinaryUser, RunsTheDemo) {
         << program.errors();
 }
 
-/// As containers and older systems have it.
+/// Containers and older systems have such a limit.
 TEST_F(OrdinaryUser, RunsTheDemoWhereNearlyNothingMayBeLockedAndIsToldSo) {
     for (const std::size_t most : {std::size_t{64} << 10U, std::size_t{0}}) {
         Program& program = start_as_user({"demo", "--seconds", "1"}, most);
@@ -89,13 +89,13 @@ TEST_F(OrdinaryUser, RunsAConfigurationAndIsToldOnceWhatOfRealTimeThereIsNot) {
     EXPECT_EQ(program.end(), 0) << program.errors();
 }
 
-/// Where memory that comes later were locked too, it could not be had.
+/// If memory that is allocated later were locked too, the reload would fail.
 TEST_F(OrdinaryUser, TakesMoreMemoryAtAReloadThanMayBeLocked) {
     own_device("receiver");
     own_device("servos");
     Program& program = start_as_user({"run", write_config(main_job(kPatientInput))});
     ASSERT_TRUE(program.says("started")) << program.errors();
-    // For each of the two ports 16 MiB.
+    // 16 MiB for each of the two ports.
     write_config("[recorder]\nmemory = 16384\ndirectory = \"@recordings\"\n" +
                  main_job(kPatientInput));
     program.signal(SIGHUP);
@@ -105,7 +105,7 @@ TEST_F(OrdinaryUser, TakesMoreMemoryAtAReloadThanMayBeLocked) {
     EXPECT_EQ(program.end(), 0) << program.errors();
 }
 
-/// What the data path touches is a few MiB: the limit is enough for it.
+/// The data path uses a few MiB, so the limit is enough for it.
 TEST_F(OrdinaryUser, HasWhatTheDataPathTouchesInMemory) {
     own_device("receiver");
     own_device("servos");

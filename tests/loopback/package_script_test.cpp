@@ -4,7 +4,7 @@
 
 #include "tests/support/shell.h"
 
-/// What deploy/package.sh says before it builds anything.
+/// Messages of deploy/package.sh before it builds anything.
 namespace tribus::test::package_script_test {
 namespace {
 

@@ -75,7 +75,7 @@ void become_ordinary_user(rlim_t most_locked_bytes) {
         (::setgroups(0, nullptr) != 0 || ::setgid(kUser) != 0 || ::setuid(kUser) != 0)) {
         ::_exit(kCannotStart);
     }
-    // Another account has lost it.
+    // A change of account clears this setting, so it is set again.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
 
@@ -114,7 +114,7 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
         redirect(STDOUT_FILENO, settings.terminal, O_RDWR);
         ::ioctl(STDOUT_FILENO, TIOCSCTTY, 0);
     }
-    // Where its control socket goes, so that tests at the same time do not meet.
+    // Folder of the control socket, so that tests that run at the same time do not share it.
     const std::string runtime = settings.runtime_directory.empty()
                                     ? std::filesystem::path(output_file_).parent_path().string()
                                     : settings.runtime_directory;
@@ -165,7 +165,7 @@ std::chrono::nanoseconds Program::used_time() const {
     clockid_t clock{};
     timespec used{};
     if (::clock_getcpuclockid(pid_, &clock) != 0 || ::clock_gettime(clock, &used) != 0) {
-        throw std::runtime_error("no process to ask");
+        throw std::runtime_error("the program has no process");
     }
     return std::chrono::seconds(used.tv_sec) + std::chrono::nanoseconds(used.tv_nsec);
 }
@@ -187,7 +187,7 @@ long Program::memory_kib(const std::string& line) const {
     const std::string status = content_of("/proc/" + std::to_string(pid_) + "/status");
     const std::size_t at = status.find(line + ":");
     if (at == std::string::npos) {
-        throw std::runtime_error("no process to ask");
+        throw std::runtime_error("the program has no process");
     }
     return std::stol(status.substr(at + line.size() + 1));
 }

@@ -12,11 +12,11 @@
 
 namespace tribus::test {
 
-/// How long a test waits for an event before it fails: far longer than any event takes on a loaded
-/// machine.
+/// Time that a test waits for an event before it fails. It is far longer than any event takes on a
+/// busy machine.
 inline constexpr std::chrono::seconds kPatience{15};
 
-/// Calls `done` every few milliseconds until it is true; false if patience ends first.
+/// Calls `done` every few milliseconds until it returns true. Returns false when kPatience is over.
 template <class Done>
 bool eventually(Done done) {
     const auto end = std::chrono::steady_clock::now() + kPatience;
@@ -30,28 +30,29 @@ bool eventually(Done done) {
     return true;
 }
 
-/// Debian's account `nobody`, and its group.
+/// Debian's account `nobody` and its group.
 inline constexpr uid_t kOrdinaryUser = 65534;
 
-/// Whether the program runs with the heap trap; not where a sanitizer has the heap.
+/// Returns whether the program runs with the heap trap, which a sanitizer makes impossible.
 bool heap_trap_works();
 
 struct ProgramSettings {
     std::string executable = TRIBUS_PROGRAM;
     /// A tty that becomes its controlling terminal, standard input and standard output.
     std::string terminal = {};
-    /// As a service manager gives one; empty: the test's folder.
+    /// Runtime directory, as from a service manager. If empty: the test's folder.
     std::string runtime_directory = {};
-    /// An account without rights, with Debian's limits: 8 MiB of locked memory and of stack, no
-    /// real-time priority. Without the heap trap. Where the tests have no root, their own account.
+    /// Runs under an account without rights, with Debian's limits (8 MiB of locked memory and of
+    /// stack, no real-time priority) and without the heap trap. If the tests do not run as root:
+    /// their own account.
     bool ordinary_user = false;
-    std::size_t most_locked_bytes = 8 << 20;  ///< of an ordinary user
+    std::size_t most_locked_bytes = 8 << 20;  ///< limit of an ordinary user
 };
 
-/// A program at work, with the heap trap. Never outlives its object, nor the test.
+/// A running program, with the heap trap. It is killed with its object, and when the test dies.
 class Program {
   public:
-    /// Output goes to files in `folder`.
+    /// Starts the program. Its output goes to files in `folder`.
     Program(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
             const ProgramSettings& settings = {});
     Program(const Program&) = delete;
@@ -60,19 +61,19 @@ class Program {
 
     void signal(int number) const;
     bool runs();
-    /// Processor time that it has used so far.
+    /// Processor time used so far.
     std::chrono::nanoseconds used_time() const;
-    /// How many descriptors it has open, without those of files that it opens for a moment now and
-    /// then: the fewest of several looks.
+    /// Number of open descriptors. The lowest of several counts is returned, because the program
+    /// opens some files only for a moment.
     std::ptrdiff_t open_descriptors() const;
-    /// A line of /proc/PID/status, such as "VmRSS", in KiB.
+    /// Value in KiB of a line of /proc/PID/status, such as "VmRSS".
     long memory_kib(const std::string& line) const;
-    /// Waits for its end; the exit status, or 128 and the signal that ended it.
+    /// Waits for the end. Returns the exit status, or 128 plus the signal that ended the program.
     std::optional<int> end();
 
     std::string output() const;
     std::string errors() const;
-    /// Waits until standard error has `text` so many times.
+    /// Waits until standard error contains `text` `times` times.
     bool says(const std::string& text, std::size_t times = 1) const;
 
   private:
@@ -86,7 +87,7 @@ class Program {
     std::optional<int> ended_;
 };
 
-/// How often `part` stands in `text`.
+/// Returns how often `text` contains `part`.
 std::size_t count_of(const std::string& part, const std::string& text);
 
 }  // namespace tribus::test

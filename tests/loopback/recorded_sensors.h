@@ -17,12 +17,12 @@
 #include "tests/loopback/sensor_bus.h"
 #include "tests/support/captures.h"
 
-/// The recorded talk between a genuine receiver and its two sensors, to be had again with the
-/// program as the sensors.
+/// The recorded requests of a genuine receiver and the answers of its two sensors. The program
+/// takes the place of the sensors.
 namespace tribus::test {
 
-/// The speed sensor at 1 stood still and the voltage sensor at 2 had an open input: 0 rpm and
-/// -0.01 V in all 634 answers. For behind [sensor_bus.telemetry].
+/// Sensors for after [sensor_bus.telemetry]. The speed sensor at address 1 stood still, and the
+/// voltage sensor at 2 had an open input: 0 rpm and -0.01 V in all 634 answers.
 inline constexpr std::string_view kRecordedSensors = R"(
 [[sensor_bus.telemetry.sensor]]
 type  = "rotation_speed"
@@ -39,13 +39,13 @@ unit     = "V"
 )";
 
 struct RecordedExchange {
-    unsigned request = 0;  ///< its second byte
-    /// Empty where nobody ever answered, to the probes of address 3. Of a request that its sensor
-    /// missed, what it answered at other times.
+    unsigned request = 0;  ///< second byte of the request
+    /// Empty for the probes of address 3, which nobody ever answered. If the sensor missed this
+    /// request, its answer to the same request at other times.
     Bytes answer;
 };
 
-/// The first `count` of the 652 requests, in their order.
+/// Returns the first `count` of the 652 requests in their order.
 inline std::vector<RecordedExchange> recorded_exchanges(std::size_t count) {
     std::ifstream file(capture("ibus_sensor_ia6b_2sensors.timed.txt"));
     EXPECT_TRUE(file) << kNoCaptures;
@@ -77,8 +77,8 @@ inline std::vector<RecordedExchange> recorded_exchanges(std::size_t count) {
     return exchanges;
 }
 
-/// Has the talk with the program. A withheld answer is asked for again, as the receiver does; no
-/// more than half of them may be.
+/// Repeats the exchanges with the program. Like the receiver it repeats a request without an
+/// answer. At most half of the answers may be missing at first.
 inline void expect_recorded_answers(Asker& receiver,
                                     const std::vector<RecordedExchange>& exchanges) {
     std::map<unsigned, Bytes> answers;
@@ -95,9 +95,9 @@ inline void expect_recorded_answers(Asker& receiver,
         ASSERT_EQ(answer, recorded);
     }
     for (const Bytes& frame : receiver.frames()) {
-        ASSERT_EQ(frame, answers[frame[1]]) << "nobody asked for that";
+        ASSERT_EQ(frame, answers[frame[1]]) << "an answer without a request";
     }
-    EXPECT_LE(receiver.frames().size(), receiver.requests()) << "it spoke unasked";
+    EXPECT_LE(receiver.frames().size(), receiver.requests()) << "more answers than requests";
     EXPECT_EQ(receiver.strays(), 0U);
     testing::Test::RecordProperty("answered_at_once", static_cast<int>(at_once));
     EXPECT_GE(at_once, wanted / 2) << "of " << wanted;

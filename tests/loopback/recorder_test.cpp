@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// In memory, as the runtime directory of a service is.
+/// A folder in memory, like the runtime directory of a service.
 class RuntimeFolder {
   public:
     RuntimeFolder() {
@@ -61,7 +61,7 @@ std::vector<TimedLine> timed_lines(const fs::path& path) {
     return found;
 }
 
-/// In the order of the lines, each that is like the one before left out.
+/// Returns the lines in order, without a line that equals the one before.
 std::vector<std::string> changes_in(const std::vector<TimedLine>& lines) {
     std::vector<std::string> changes;
     for (const TimedLine& line : lines) {
@@ -98,8 +98,8 @@ class Recorded : public Loopback {
         std::sort(folders.begin(), folders.end());
         return folders;
     }
-    /// Each value is sent again and again until the servos have it, and for several periods of
-    /// theirs: which of two values within one period they get is chance.
+    /// Sends each value until the servos have it, and then for several of their periods: two values
+    /// within one period would leave it to chance which one they get.
     bool drive(const std::vector<int>& firsts) {
         constexpr auto kLeast = std::chrono::milliseconds(40);
         return std::ranges::all_of(firsts, [&](int first) {
@@ -140,7 +140,7 @@ TEST_F(Recorded, AFailsafeIsWrittenAndASimulationOfItSaysTheSame) {
     EXPECT_EQ(simulated.status, 0) << simulated.output;
     const auto real = changes_in(timed_lines(recording / "output-servos.txt"));
     const auto again = changes_in(timed_lines(recording / "simulated-servos.txt"));
-    // Failsafe, nine values, the last one marked as lost, failsafe.
+    // Failsafe, nine values, the last one marked frame-lost, failsafe.
     EXPECT_GE(real.size(), 12U);
     ASSERT_LE(real.size(), again.size());
     EXPECT_EQ(real, std::vector<std::string>(
@@ -167,7 +167,7 @@ TEST_F(Recorded, WhatAKilledProcessKnewIsWrittenByTheNext) {
     EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-left"));
 }
 
-/// The count of each piece of the first port's ring says more than a piece holds: byte 21 of 64.
+/// The byte count of each piece in the first port's ring exceeds a piece: it is byte 21 of 64.
 TEST_F(Recorded, ADamagedRingStopsNoStart) {
     const std::string config = config_with("");
     Program& killed = run_service(config);
@@ -189,7 +189,8 @@ TEST_F(Recorded, ADamagedRingStopsNoStart) {
     EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-left"));
 }
 
-/// In the place of the plan it would be waited for, and the recorder's folder is anything too.
+/// The program would wait for a FIFO in place of the plan. A FIFO in the recorder's folder is worse
+/// than any other file.
 TEST_F(Recorded, AFifoThatWasLeftStopsNoStart) {
     fs::create_directory(runtime_.path() / "recorder");
     ASSERT_EQ(::mkfifo((runtime_.path() / "recorder" / "plan.json").c_str(), 0600), 0);
@@ -203,7 +204,7 @@ TEST_F(Recorded, AFifoThatWasLeftStopsNoStart) {
     expect_clean_end(second);
 }
 
-/// Whoever ended while reading it may have ended by it.
+/// A process that ended while it read a file may have crashed because of the file.
 TEST_F(Recorded, WhatAProcessHadBegunToReadIsNotReadAgain) {
     const std::string config = config_with("");
     Program& killed = run_service(config);
@@ -295,7 +296,7 @@ TEST_F(Recorded, AReloadGoesOnRecording) {
     expect_clean_end(program);
 }
 
-/// What `replay` sends and `record` writes is the same, with the same gaps.
+/// `record` writes what `replay` sends, with the same gaps.
 TEST_F(Recorded, AReplayIsRecordedAsItWas) {
     const fs::path sent = folder() / "sent.txt";
     {
@@ -326,7 +327,7 @@ TEST_F(Recorded, AReplayIsRecordedAsItWas) {
     EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
 }
 
-/// A name that was mistyped must not cost somebody's own link.
+/// A mistyped name must not destroy somebody else's link.
 TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
     const fs::path sent = folder() / "sent.txt";
     std::ofstream(sent) << "# t_us  bytes\n0 20 40 dc 05\n";
@@ -340,7 +341,7 @@ TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
     Program& replay = start({"replay", sent, "--to", "pty", "--link", link});
     ASSERT_TRUE(eventually([&] { return fs::is_symlink(fs::symlink_status(link)); }));
     ASSERT_TRUE(eventually([&] { return !replay.output().empty(); }));
-    // The same target under the same name, but somebody else's.
+    // The same target under the same name, but made by somebody else.
     const fs::path target = fs::read_symlink(link);
     const fs::path other = folder() / "other";
     fs::create_symlink(target, other);
@@ -350,7 +351,7 @@ TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
     EXPECT_EQ(fs::read_symlink(link), target);
 }
 
-/// A new file may get the inode of the link that was removed.
+/// A new file may get the inode of the removed link.
 TEST_F(Recorded, AReplayLeavesAloneAFileThatTookThePlaceOfItsLink) {
     const fs::path sent = folder() / "sent.txt";
     std::ofstream(sent) << "# t_us  bytes\n0 20 40 dc 05\n";

@@ -23,12 +23,12 @@
 namespace tribus::test::reload_test {
 namespace {
 
-/// Another output for the receiver's channels.
+/// A second output for the receiver's channels.
 constexpr std::string_view kTail =
     "[output.tail]\nprotocol = \"sbus\"\ndevice = \"@tail\"\nperiod = \"7ms\"\n"
     "[pipeline.tail]\nfrom = \"receiver\"\nto = \"tail\"\n";
 
-/// 8 signals each in so many messages.
+/// Writes a file of many messages with 8 signals each.
 void write_large_dbc(const std::filesystem::path& path) {
     constexpr int kMessages = 25'000;
     std::ofstream file(path);
@@ -86,7 +86,7 @@ TEST_F(Reload, RefusesAConfigurationFileThatIsGoneAndGoesOn) {
     expect_clean_end(program);
 }
 
-/// Nobody ever writes to it: whoever waited for that would wait for ever.
+/// Nobody ever writes to the pipe: a program that reads it would wait for ever.
 TEST_F(Reload, RefusesAPipeInThePlaceOfTheFileAndGoesOn) {
     const std::string path = write_config(main_job(kPatientInput));
     Program& program = run(path);
@@ -99,7 +99,7 @@ TEST_F(Reload, RefusesAPipeInThePlaceOfTheFileAndGoesOn) {
     expect_clean_end(program);
 }
 
-/// As often as a program in a loop can say so.
+/// A loop sends the signal as often as it can.
 TEST_F(Reload, AStormOfSignalsKeepsNothingFromItsTurn) {
     Program& program = run(write_config(main_job(kPatientInput)));
     std::atomic<bool> over{false};
@@ -124,7 +124,7 @@ TEST_F(Reload, AStormOfSignalsKeepsNothingFromItsTurn) {
     storm.join();
 }
 
-/// Reading it takes several seconds: this is 6 times 11 MB.
+/// Reading the files takes several seconds: 6 times 11 MB.
 TEST_F(Reload, OfLargeFilesKeepsNothingWaiting) {
     Program& program = run(write_config(main_job(kPatientInput)));
     expect_first_channel(1100);
@@ -146,7 +146,7 @@ TEST_F(Reload, OfLargeFilesKeepsNothingWaiting) {
     EXPECT_EQ(program.end(), 0) << program.errors();
     EXPECT_NE(program.errors().find("stopped"), std::string::npos) << program.errors();
     EXPECT_EQ(program.errors().find("reload refused"), std::string::npos)
-        << "the files had been read before it answered and ended: the test shows nothing\n"
+        << "the files were read before the answer and the end: this shows nothing\n"
         << program.errors();
 }
 
@@ -164,7 +164,7 @@ TEST_F(Reload, RefusesAConfigurationWhoseDeviceIsMissingAndGoesOn) {
     expect_clean_end(program);
 }
 
-/// A loose plug and an impatient hand: the outputs that are left must not die of it.
+/// A device is unplugged during a reload: the remaining outputs must go on.
 TEST_F(Reload, WhileADeviceIsGoneDoesNotEndTheProgram) {
     Program& program = run(write_config(main_job("timeout = \"2s\"")));
     expect_first_channel(1100);
@@ -201,14 +201,14 @@ TEST_F(Reload, OpensAndClosesWhatIsNewAndWhatIsGone) {
     EXPECT_TRUE(program.says("reloaded", 2));
     const auto last = tail.listen();
     ASSERT_FALSE(last.empty());
-    EXPECT_TRUE(last.back().failsafe) << "it was left without its last frames";
+    EXPECT_TRUE(last.back().failsafe) << "the output's last frames are missing";
     EXPECT_EQ(program.open_descriptors(), descriptors);
     expect_first_channel(1100);
     EXPECT_EQ(count_of("output servos: in failsafe", program.errors()), 0U);
     expect_clean_end(program);
 }
 
-/// A device cannot be open twice, so only that port has a gap.
+/// A device cannot be opened twice, so this port has a gap.
 TEST_F(Reload, OpensADeviceAnewWhoseLineSettingsChanged) {
     Program& program = run(write_config(main_job(kPatientInput)));
     expect_first_channel(1100);
@@ -218,7 +218,7 @@ TEST_F(Reload, OpensADeviceAnewWhoseLineSettingsChanged) {
     expect_first_channel(1100);
     repeater_.change(ibus_bytes(sticks_with_first(1300)));
     expect_first_channel(1300);
-    EXPECT_EQ(count_of("is back", program.errors()), 0U) << "it has never been gone";
+    EXPECT_EQ(count_of("is back", program.errors()), 0U) << "the device was never gone";
     expect_clean_end(program);
 }
 
@@ -233,14 +233,14 @@ TEST_F(Reload, WithAStopSaysSoWhereTheSchedulingChanges) {
     expect_clean_end(program);
 }
 
-/// Half of the time a reload every 60 ms or so, between two configurations with an output that
-/// comes and goes and another map, half of the time none; in turns, so that both see the same
-/// machine.
+/// Half of the time there is a reload about every 60 ms, between two configurations with another
+/// map and an output that comes and goes. Half of the time there is none. The two alternate, so
+/// that both see the same machine.
 class ReloadsUnderLoad : public Reload {
   protected:
     using Gap = std::chrono::nanoseconds;
 
-    /// Feeds the receiver for a turn and returns the longest time between two frames.
+    /// Feeds the receiver for one turn. Returns the longest time between two frames.
     Gap longest_gap(int reloads_so_far, bool reload) {
         if (reload) {
             const bool with_tail = reloads_so_far % 2 == 1;
@@ -304,7 +304,7 @@ TEST_F(ReloadsUnderLoad, AHundredInARowDelayNoFrameAndLeakNothing) {
     std::printf("memory after %d and %d reloads: VmRSS %ld and %ld KiB, VmData %ld and %ld KiB\n",
                 kWarmUp, kReloads, memory[0], program_->memory_kib("VmRSS"), memory[1],
                 program_->memory_kib("VmData"));
-    EXPECT_EQ(marked_, 0U) << "frames that were not fresh control";
+    EXPECT_EQ(marked_, 0U) << "some frames were not fresh and in control";
     EXPECT_EQ(servos_.strays(), 0U);
     EXPECT_LT(median(with), 2 * median(without));
     EXPECT_EQ(program_->open_descriptors(), descriptors);

@@ -15,7 +15,7 @@ namespace tribus::test {
 namespace {
 
 constexpr std::chrono::microseconds kSlot{7700};
-/// So soon a thread notices that it is to end.
+/// Time within which a thread notices that it must end.
 constexpr std::chrono::milliseconds kIdle{10};
 constexpr std::size_t kShortest = 4;
 constexpr std::size_t kLongest = 18;
@@ -42,7 +42,7 @@ void wait_readable(std::initializer_list<int> descriptors, std::chrono::nanoseco
                         .tv_nsec = rest.count() % 1'000'000'000};
     ::ppoll(ready.data(), ready.size(), &wait, nullptr);
     if (std::ranges::any_of(ready, [](const pollfd& one) { return one.revents == POLLHUP; })) {
-        // Nobody has the device open, which does not wait.
+        // Nobody has the device open, so the wait returns at once.
         const timespec pause{.tv_sec = 0, .tv_nsec = 1'000'000};
         ::nanosleep(&pause, nullptr);
     }
@@ -95,7 +95,7 @@ Asker::Asker(FarEnd& wire, FarWires wires)
       wires_(wires),
       slot_(kSlot) {}
 
-/// Whether a frame came; waits a little for one.
+/// Waits a little for a frame. Returns whether one came.
 bool Asker::listen() {
     const timespec pause{.tv_sec = 0, .tv_nsec = 100'000};
     ::nanosleep(&pause, nullptr);

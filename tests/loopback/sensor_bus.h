@@ -15,52 +15,52 @@
 #include "tests/loopback/wire.h"
 #include "tests/support/far_end.h"
 
-/// The far ends of a sensor bus, written again for the tests and independent of the program's codec
+/// The far ends of a sensor bus, written for the tests and independent of the program's codec
 /// (docs/protocols/ibus.md, "Sensor bus: frames" and "Sensor bus: timing").
 namespace tribus::test {
 
-/// The second byte of a frame says who is asked for what: 0x81, 0x91, 0xA1 are discover, type and
-/// value of address 1.
+/// Returns a frame. Its second byte has the command and the address: 0x81, 0x91, 0xA1 are discover,
+/// type and value of address 1.
 Bytes sensor_frame(unsigned command_and_address, const Bytes& data = {});
 
-/// Of a value with two bytes.
+/// Returns the reply with a value of two bytes.
 Bytes value_reply(unsigned address, int raw);
 
-/// Cuts frames off the front of `bytes`. The others stay there, but for such that begin none, which
-/// are dropped and counted.
+/// Moves complete frames out of the front of `bytes`. Bytes that begin no frame are dropped and
+/// counted in `strays`; the others stay.
 std::vector<Bytes> cut_sensor_frames(Bytes& bytes, std::size_t& strays);
 
 enum class FarWires {
-    one,  ///< what the program sends comes back to it
+    one,  ///< the program receives what it sends
     two,
 };
 
-/// A receiver at the far end, which asks one thing in each of its slots.
+/// A receiver at the far end, which sends one request in each of its slots.
 class Asker {
   public:
-    /// How it is joined to the wire; neither waits.
+    /// Access to the wire; neither function waits.
     struct Port {
         std::function<void(const Bytes&)> send;
         std::function<Bytes()> receive;
     };
-    /// With slots of 7.7 ms.
+    /// Has slots of 7.7 ms.
     Asker(FarEnd& wire, FarWires wires);
     Asker(Port port, FarWires wires, std::chrono::milliseconds slot)
         : port_(std::move(port)), wires_(wires), slot_(slot) {}
 
-    /// One slot, or more: asks, and waits until the slot is over, or until an answer to
-    /// the request is there. Empty where none came.
+    /// Sends a request, and waits until the slot is over or the answer is there. Returns an empty
+    /// answer if none came.
     Bytes ask(unsigned command_and_address);
-    /// Asks again until an answer comes, since a program that was held up withholds one; empty if
-    /// patience ends first.
+    /// Repeats the request until an answer comes, because a program that was delayed withholds one.
+    /// Returns an empty answer if kPatience ends first.
     Bytes ask_until_answered(unsigned command_and_address);
-    /// Asks until the answer is this one.
+    /// Repeats the request until the answer is this one.
     bool ask_until(unsigned command_and_address, const Bytes& answer);
 
-    /// What stands on the wire in front of each request, as where a receiver joins its two ports.
+    /// Sets bytes to send before each request, as from a receiver that joins its two ports.
     void send_before(Bytes bytes) { before_ = std::move(bytes); }
 
-    /// Every frame that ever came, in its order, also such that came later than its slot.
+    /// All frames in the order of arrival, including those that came after their slot.
     const std::vector<Bytes>& frames() const { return frames_; }
     std::size_t requests() const { return requests_; }
     std::size_t strays() const { return strays_; }
@@ -79,8 +79,8 @@ class Asker {
     Clock::time_point slot_end_{};
 };
 
-/// Sensors at the far end, from address 1 on, which answer as long as they live. All that they do
-/// in a thread of their own excludes the calls.
+/// Sensors at the far end, from address 1 on, which answer during the object's lifetime. Their
+/// thread locks out the member functions while it works.
 class SensorString {
   public:
     struct Sensor {
@@ -95,9 +95,9 @@ class SensorString {
     void set(std::vector<Sensor> sensors);
     void pull();
     void plug_in();
-    /// How often a request came, by its second byte.
+    /// Number of requests with this second byte.
     std::size_t asked(unsigned command_and_address) const;
-    /// Bytes of the program that were no request.
+    /// Bytes from the program that were no request.
     std::size_t strays() const;
 
   private:
@@ -114,8 +114,8 @@ class SensorString {
     std::jthread thread_;
 };
 
-/// A wire between two devices of the program, as long as it lives: what one sends comes out at the
-/// other, and on a single wire at itself as well.
+/// A wire between two devices of the program. Each receives what the other sends, and on a single
+/// wire also what it sends itself.
 class Joint {
   public:
     Joint(FarEnd& a, FarEnd& b, FarWires wires);

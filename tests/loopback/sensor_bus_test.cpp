@@ -10,8 +10,8 @@
 #include "tests/loopback/recorded_sensors.h"
 #include "tests/loopback/sensor_bus.h"
 
-/// The built program on sensor buses over ptys. A withheld answer is asked for again, as receivers
-/// do, so that a busy machine makes these tests slower, and nothing else.
+/// The built program on sensor buses over ptys. A request without an answer is repeated, as
+/// receivers do, so a busy machine only makes these tests slower.
 namespace tribus::test::sensor_bus_test {
 namespace {
 
@@ -29,7 +29,7 @@ std::string sensor(const std::string& type, const std::string& value) {
     return "[[sensor_bus.telemetry.sensor]]\ntype = \"" + type + "\"\nvalue = \"" + value + "\"\n";
 }
 
-/// The appliance as sensors at @sensors; the tables of its sensors follow.
+/// The program as sensors at @sensors. The tables of its sensors follow.
 std::string telemetry(FarWires wires, const std::string& more = "") {
     return "[sensor_bus.telemetry]\ndevice = \"@sensors\"\nrole = \"sensor\"\n" +
            wires_line(wires) + more;
@@ -84,8 +84,8 @@ TEST_P(SensorBus, TakesTheFirstDiscoveredAddressInADaisyChain) {
     expect_clean_end(program);
 }
 
-/// A receiver's servo and sensor port joined at one UART: each slot brings a servo frame, then a
-/// request.
+/// The servo and sensor ports of a receiver are joined at one UART: each slot has a servo frame and
+/// then a request.
 TEST_P(SensorBus, SharesItsDeviceWithServoFrames) {
     ServoBank servos(device("servos"));
     Program& program = run(write_config(R"(
@@ -153,8 +153,8 @@ TEST_P(SensorBus, GoesOnAfterItsDeviceWasPulledAndPluggedIn) {
     expect_clean_end(program);
 }
 
-/// The program as receiver of what stands at @probes. What it reads there it tells at @sensors, so
-/// that the test sees it.
+/// The program is the receiver of the sensors at @probes. It passes their values on at @sensors,
+/// where the test reads them.
 class ReceiverBus : public Loopback, public testing::WithParamInterface<FarWires> {
   protected:
     std::string config(const std::string& more = "") {
@@ -184,8 +184,8 @@ TEST_P(ReceiverBus, FindsTheSensorsAndReadsThemInTheirUnits) {
     EXPECT_TRUE(teller_.ask_until(kValueOf1, value_reply(1, 1234)));
     EXPECT_TRUE(teller_.ask_until(kValueOf2, value_reply(2, 65'535)));
     EXPECT_EQ(sensors_.strays(), 0U);
-    EXPECT_GE(sensors_.asked(0xF0), 1U) << "no power-up frame";
-    EXPECT_GE(sensors_.asked(0x83), 1U) << "it does not look for further ones";
+    EXPECT_GE(sensors_.asked(0xF0), 1U) << "no power-up frame was sent";
+    EXPECT_GE(sensors_.asked(0x83), 1U) << "the program does not look for further sensors";
     expect_clean_end(program);
 }
 
@@ -194,7 +194,7 @@ TEST_P(ReceiverBus, FindsASensorThatComesLater) {
     Program& program = run(config());
     EXPECT_TRUE(program.says("sensor bus probes: no sensor answers yet"));
     EXPECT_TRUE(teller_.ask_until(kValueOf1, value_reply(1, -0x8000)));
-    EXPECT_EQ(teller_.ask(kValueOf2), Bytes{}) << "a speed has no word for \"not available\"";
+    EXPECT_EQ(teller_.ask(kValueOf2), Bytes{}) << "a speed cannot say \"not available\"";
     sensors_.set({{kExternalVoltage, {0x00, 0x00}}});
     EXPECT_TRUE(teller_.ask_until(kValueOf1, value_reply(1, 0)));
     sensors_.set({{kExternalVoltage, {0x00, 0x00}}, {kSpeed, {0x07, 0x00}}});
@@ -226,7 +226,7 @@ TEST_P(ReceiverBus, DropsSensorsThatAnswerNoMoreAndTheirValues) {
     expect_clean_end(program);
 }
 
-/// The words of the log that a machine without time may add.
+/// Removes the log lines that a machine under load may add.
 std::string without_late_answers(const std::string& log) {
     std::istringstream lines(log);
     std::string rest;

@@ -16,7 +16,7 @@
 namespace tribus::test::service_test {
 namespace {
 
-/// What a service manager gives its services, and what they tell it.
+/// What a service manager passes to a service, and what the service reports.
 class Service : public Loopback {
   protected:
     Service() : manager_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
@@ -35,7 +35,7 @@ class Service : public Loopback {
         ::unsetenv("WATCHDOG_PID");
     }
 
-    /// Everything that was told so far, a datagram a line.
+    /// Everything that was reported so far, one datagram a line.
     const std::string& told() {
         std::array<char, 4096> buffer{};
         for (;;) {
@@ -47,7 +47,7 @@ class Service : public Loopback {
             told_.append(buffer.data(), static_cast<std::size_t>(count)) += '\n';
         }
     }
-    /// Meanwhile its receiver sends.
+    /// Waits for a report while the receiver sends.
     bool tells(const std::string& text, std::size_t times = 1) {
         return eventually([&] {
             repeater_.send_if_due();

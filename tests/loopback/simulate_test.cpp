@@ -50,19 +50,19 @@ std::string timed_line(std::int64_t at_us, const Bytes& bytes) {
     return line.str();
 }
 
-/// A frame of the receiver: when its last bit has arrived, and what the servos should see.
+/// A frame of the receiver: when its last bit arrived, and what the servos should see.
 struct Arrival {
     std::int64_t at_us = 0;
     SbusSight sight;
 };
 
-/// 32 bytes of 10 bits at 115200 baud last 2777.8 us; simulated frames are written whole.
+/// 32 bytes of 10 bits at 115200 baud take 2777.8 us. Simulated frames are written whole.
 constexpr std::int64_t kFrameUs = 2778;
 /// Times in the files are rounded to whole microseconds.
 constexpr std::int64_t kRoundingUs = 1;
 constexpr std::int64_t kPeriodUs = 7000;
 constexpr std::int64_t kTimeoutUs = 100'000;
-/// As long as recover.
+/// The same as `recover`.
 constexpr std::int64_t kPowerOnUs = 500'000;
 constexpr std::int64_t kHoldUs = 300'000;
 
@@ -88,7 +88,7 @@ class Simulate : public Loopback {
         EXPECT_EQ(program.end(), 0) << program.errors();
         return out;
     }
-    /// As `tribus decode` reads the file; each frame with its time.
+    /// Returns the frames that `tribus decode` reads from the file, with their times.
     std::vector<Arrival> decode(const std::filesystem::path& out, std::size_t frames_written) {
         Program& program =
             start({"decode", "--protocol", "sbus", "--format", "json", out.string()});
@@ -117,12 +117,12 @@ class Simulate : public Loopback {
             EXPECT_GE(frames[i].at_us - frames[i - 1].at_us, kPeriodUs - kRoundingUs);
         }
     }
-    /// The newest input while there is any, marked within the timeout after the last one, and
-    /// failsafe when the hold time is over.
+    /// Checks that frames carry the newest input while there is one, are marked within the timeout
+    /// after the last one, and are in failsafe after the hold time.
     static void expect_each_right(const std::vector<Arrival>& frames,
                                   const std::vector<Arrival>& inputs) {
         const std::int64_t last_us = inputs.back().at_us;
-        // The default: throttle low, all others centred.
+        // The default: throttle low, all other channels centred.
         Sticks defaults(18, 1500);
         defaults[2] = 988;
         const SbusSight presets = sbus_sight_of(defaults);
@@ -150,7 +150,7 @@ class Simulate : public Loopback {
             EXPECT_TRUE(frame.sight.failsafe || same_channels(frame.sight, inputs[newest].sight));
         }
         EXPECT_GE(held, static_cast<std::size_t>(kHoldUs / kPeriodUs / 2));
-        EXPECT_GE(frames.back().at_us - last_us, 1'900'000) << "the tail is 2 s";
+        EXPECT_GE(frames.back().at_us - last_us, 1'900'000) << "the tail is shorter than 2 s";
     }
 };
 
@@ -173,7 +173,7 @@ TEST_F(Simulate, MainJobCarriesTheNewestInputThenMarksTheLossThenFailsafe) {
     expect_each_right(frames, inputs);
 }
 
-/// An FlySky AFHDS3 receiver, 18 channels each 4 ms (origin in the README of the captures).
+/// A FlySky AFHDS3 receiver, 18 channels every 4 ms (origin in the README of the captures).
 TEST_F(Simulate, MainJobOverARealReceiversRecording) {
     const auto recording = capture("ibus_servo18_afhds3.timed.txt");
     ASSERT_TRUE(std::filesystem::exists(recording)) << kNoCaptures;
@@ -202,8 +202,8 @@ TEST_F(Simulate, MainJobOverARealReceiversRecording) {
     expect_each_right(frames, inputs);
 }
 
-/// A battery on a CAN bus as a sensor of a receiver that asks once before the message came, once
-/// after it, and once when it is stale.
+/// A battery on a CAN bus is a sensor of a receiver. The receiver asks before the message came,
+/// after it came, and when it is stale.
 TEST_F(Simulate, PlaysMessagesAndSensorBusesToo) {
     std::ofstream(folder() / "battery.dbc") << "BO_ 291 Battery: 2 A\n"
                                                " SG_ Voltage : 0|16@1+ (1,0) [0|0] \"mV\" B\n";
@@ -237,7 +237,7 @@ value = "battery.Voltage"
         << program.errors();
 }
 
-/// The same with DroneCAN: "batteryinfo" of captures/dronecan_vectors.json, which says 16.5 V.
+/// The same with DroneCAN: "batteryinfo" of captures/dronecan_vectors.json, which is 16.5 V.
 TEST_F(Simulate, PlaysMessagesOfDroneCanToo) {
     const std::string config = write_config(R"(
 [values.battery]

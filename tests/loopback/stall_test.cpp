@@ -9,13 +9,13 @@
 
 #include "tests/loopback/witnessed.h"
 
-/// The program is stopped and goes on; its senders have gone on meanwhile.
+/// The program is stopped and continued while its senders go on.
 namespace tribus::test::stall_test {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// TRIBUS_LONG=1: some 360 stalls instead of 23.
+/// With TRIBUS_LONG=1 there are some 360 stalls instead of 23.
 int scale() {
     return std::getenv("TRIBUS_LONG") != nullptr ? 16 : 1;
 }
@@ -39,7 +39,7 @@ class Stall : public Witnessed {
     }
 };
 
-/// A frame may be as old as its input's timeout, and speaks for one period.
+/// A frame may be as old as the input's timeout, and counts for one period.
 TEST_F(Stall, longer_than_the_timeout_gives_no_unmarked_frame_that_is_older) {
     Program& program =
         begin(8, "timeout = \"100ms\"", "recover = \"0ms\"\npower_on = \"0ms\"", 100ms + 7ms);
@@ -55,7 +55,7 @@ TEST_F(Stall, longer_than_the_timeout_gives_no_unmarked_frame_that_is_older) {
     expect_clean_end(program);
 }
 
-/// More waits then than a terminal's line buffer holds: the kernel hands out the rest a moment
+/// More bytes wait than the line buffer of a terminal holds: the kernel delivers the rest a moment
 /// after the first part was read.
 TEST_F(Stall, of_seconds_gives_no_unmarked_frame_that_is_older) {
     Program& program =
@@ -91,7 +91,7 @@ TEST_F(Stall, shorter_than_the_timeout_is_followed_by_the_newest_frame) {
         for (WitnessedLine& line : lines_) {
             line.witness().want_the_newest();
         }
-        // So long may a busy machine take from a write to what a read finds.
+        // Time that a busy machine may take from a write until a read finds the bytes.
         const timespec pause{.tv_sec = 0, .tv_nsec = 50'000'000};
         ::nanosleep(&pause, nullptr);
         const std::uint64_t enough = unmarked() + 10 * lines_.size();
@@ -105,7 +105,7 @@ TEST_F(Stall, shorter_than_the_timeout_is_followed_by_the_newest_frame) {
     expect_clean_end(program);
 }
 
-/// What waited may have come at any time since the program was stopped.
+/// The waiting bytes may have come at any time since the program was stopped.
 TEST_F(Stall, shorter_than_the_timeout_makes_nothing_younger_than_it_is) {
     Program& program = begin(4, "timeout = \"1s\"",
                              "hold = \"0ms\"\nrecover = \"0ms\"\npower_on = \"0ms\"", 1007ms);

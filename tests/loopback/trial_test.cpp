@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kReversed = "[pipeline.main.channels]\n1 = { from = 1, reverse = true }";
 
-/// A new configuration turns the 1100 us to 1900.
+/// A new configuration turns the 1100 us into 1900.
 class Trial : public FirstChannel {
   protected:
     Program& begin() {
@@ -24,7 +24,7 @@ class Trial : public FirstChannel {
         return program;
     }
     std::string socket() const { return folder() / "control"; }
-    /// `tribus reload` to its end, while the receiver goes on.
+    /// Runs `tribus reload` to its end while the receiver goes on.
     int reload(std::vector<std::string> arguments) {
         arguments.insert(arguments.begin(), {"reload", "--socket", socket()});
         Program& asked = start(arguments);
@@ -37,7 +37,7 @@ class Trial : public FirstChannel {
         return asked.end().value_or(-1);
     }
     static void expect_seamless_end(Program& program) {
-        EXPECT_EQ(count_of("in failsafe", program.errors()), 0U) << "not seamless";
+        EXPECT_EQ(count_of("in failsafe", program.errors()), 0U) << "the reload was not seamless";
         expect_clean_end(program);
     }
 
@@ -116,7 +116,7 @@ TEST_F(Trial, GoesBackAlsoToADeviceThatIsGoneMeanwhile) {
     EXPECT_TRUE(eventually([&] {
         const auto seen = servos_.listen();
         return !seen.empty() && seen.back().failsafe;
-    })) << "without its receiver the output does not say failsafe";
+    })) << "the output without a receiver does not say failsafe";
     EXPECT_TRUE(program.says("device " + receiver_.path() + ": is gone; waiting for it"));
     receiver_.plug_in();
     expect_first_channel(1100);
@@ -140,7 +140,7 @@ TEST_F(Trial, ShowsHowMuchTimeIsLeft) {
     expect_seamless_end(program);
 }
 
-/// Whoever sends SIGHUP, such as `systemctl reload`, knows nothing of the trial.
+/// A sender of SIGHUP, such as `systemctl reload`, knows nothing of the trial.
 TEST_F(Trial, IsNotConfirmedBySighup) {
     Program& program = begin();
     EXPECT_EQ(reload({"--trial", "3s"}), 0);
@@ -180,7 +180,7 @@ TEST_F(Trial, WithoutAPeriodThatMakesSenseIsRefused) {
     expect_seamless_end(program);
 }
 
-/// A person at a terminal, who presses a key.
+/// A person at a terminal who presses a key.
 class TrialInATerminal : public Trial {
   protected:
     int try_and_press(std::uint8_t key) {
@@ -201,7 +201,7 @@ class TrialInATerminal : public Trial {
     }
 };
 
-/// Somebody else has begun another one meanwhile.
+/// Somebody else has started another trial meanwhile.
 TEST_F(TrialInATerminal, EnterKeepsNoOtherTrial) {
     Program& program = begin();
     FarEnd& terminal = device("terminal");
@@ -252,7 +252,7 @@ TEST_F(Trial, DiffShowsWhatTheSticksWouldDo) {
     expect_clean_end(program);
 }
 
-/// What it says comes true, with a receiver that has more channels than its protocol's default.
+/// The diff comes true, with a receiver that has more channels than the default of its protocol.
 TEST_F(Trial, DiffShowsWhatTheReloadThenDoesWithEighteenChannels) {
     Sticks sticks(18, 1500);
     sticks[0] = 1100;

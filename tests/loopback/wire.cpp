@@ -58,7 +58,8 @@ SbusSight parse_sbus_frame(std::span<const std::uint8_t> frame) {
     return sight;
 }
 
-/// Cuts frames off the front of `pending`; a byte that starts none is a stray one.
+/// Moves complete frames out of the front of `pending`. A byte that starts no frame is a stray
+/// byte.
 template <class IsFrame, class Take>
 void cut(Bytes& pending, std::size_t length, std::size_t& strays, IsFrame is_frame, Take take) {
     std::size_t start = 0;

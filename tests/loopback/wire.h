@@ -8,7 +8,7 @@
 
 #include "tests/support/far_end.h"
 
-/// The two wire formats, written again for the tests and independent of the program's codecs
+/// The two wire formats, written for the tests and independent of the program's codecs
 /// (docs/protocols/ibus.md, "Servo frame" and "Channels 15 to 18", and docs/protocols/sbus.md,
 /// "Frame" and "Scales").
 namespace tribus::test {
@@ -18,7 +18,7 @@ using Clock = std::chrono::steady_clock;
 /// 14 or 18 whole microseconds, channel 1 first.
 using Sticks = std::vector<int>;
 
-/// As many channels, all at 1500 us but the first, so that a frame can be recognised.
+/// Returns channels at 1500 us, with another first channel by which the frame is recognised.
 Sticks sticks_with_first(int first_us, std::size_t channels = 18);
 
 Bytes ibus_bytes(const Sticks& sticks);
@@ -36,19 +36,19 @@ struct SbusSight {
 
 Bytes sbus_bytes(const SbusSight& sight);
 
-/// Betaflight's scale, the default: 5/8 us a step, 880 us at 0; nearest, and saturating.
+/// Raw value in Betaflight's scale, the default: 5/8 us a step, 880 us at 0; rounded and limited.
 int sbus_raw(int us);
 SbusSight sbus_sight_of(const Sticks& sticks);
-/// Same channels; the flags do not count.
+/// Returns whether the channels are the same, whatever the flags.
 bool same_channels(const SbusSight& a, const SbusSight& b);
 
-/// Listens to SBUS frames at the far end of a wire.
+/// Reads SBUS frames at the far end of a wire.
 class ServoBank {
   public:
     explicit ServoBank(FarEnd& wire) : wire_(wire) {}
     /// The frames that have arrived since the last call.
     std::vector<SbusSight> listen();
-    /// Bytes that belonged to no frame.
+    /// Number of bytes that belonged to no frame.
     std::size_t strays() const { return strays_; }
 
   private:
@@ -57,7 +57,7 @@ class ServoBank {
     std::size_t strays_ = 0;
 };
 
-/// Listens to i.Bus frames at the far end of a wire.
+/// Reads i.Bus frames at the far end of a wire.
 class IbusReader {
   public:
     explicit IbusReader(FarEnd& wire) : wire_(wire) {}

@@ -12,7 +12,7 @@ namespace {
 constexpr std::uint32_t kDigit = 1000;
 constexpr std::uint32_t kNumbers = kDigit * kDigit;
 constexpr std::size_t kChannels = 16;
-/// The number stands in these channels, the line in the one before.
+/// Channels with the low and the high part of the number. The channel before them has the line.
 constexpr std::size_t kLow = 1;
 constexpr std::size_t kHigh = 2;
 
@@ -47,7 +47,7 @@ Sticks Witness::sticks(std::uint32_t number) const {
     return sticks;
 }
 
-/// Nothing where no whole frame of this line has all of these values.
+/// Returns the number of the frame with all of these values, or nothing if this line sent none.
 std::optional<std::uint32_t> Witness::number_of(std::span<const std::uint16_t> raw) const {
     const int low = whole_us(raw[kLow]) - 1000;
     const int high = whole_us(raw[kHigh]) - 1000;
@@ -73,7 +73,7 @@ void Witness::spoiled() {
 }
 
 void Witness::listen(FarEnd& servos) {
-    // What is there now came behind the listening before, and nothing more is known of it.
+    // These bytes came after the previous call; nothing more is known about their time.
     const Clock::time_point not_before = std::exchange(listened_, Clock::now());
     const Bytes fresh = servos.receive();
     bytes_ += fresh.size();

@@ -17,43 +17,43 @@ namespace tribus::test {
 /// What came out of one SBUS output.
 struct Testimony {
     std::uint64_t unmarked = 0;
-    std::uint64_t marked = 0;      ///< frame-lost or failsafe
+    std::uint64_t marked = 0;      ///< marked frame-lost or failsafe
     std::uint64_t never_sent = 0;  ///< unmarked, with values that no whole frame had
-    std::uint64_t too_old = 0;     ///< unmarked, and older than it may be
-    std::uint64_t overtaken = 0;   ///< unmarked, although a newer one had long been there
-    Clock::duration oldest{};      ///< of the unmarked ones, at least
-    std::uint64_t strays = 0;      ///< bytes of no frame
+    std::uint64_t too_old = 0;     ///< unmarked, and older than allowed
+    std::uint64_t overtaken = 0;   ///< unmarked, although a newer frame had arrived long before
+    Clock::duration oldest{};      ///< least age of the oldest unmarked frame
+    std::uint64_t strays = 0;      ///< bytes that belong to no frame
 };
 std::string to_text(const Testimony& testimony);
 
-/// Stands around the program: gives out frames that can be told apart, and judges each one that an
-/// SBUS output makes of them. Was it ever sent, how old is it, is it marked? Reads with the plain
-/// reference codec. Ages are least ages: a busy machine makes them smaller, never larger.
+/// Generates frames that can be told apart, and checks each frame that an SBUS output makes from
+/// them: was it ever sent, how old is it, is it marked? It reads with the plain reference codec.
+/// Ages are minimum ages: a busy machine makes them smaller, never larger.
 class Witness {
   public:
-    /// `line` tells the lines of one program apart; an unmarked frame may be as old as `most_age`.
+    /// `line` tells the lines of one program apart. An unmarked frame may be as old as `most_age`.
     Witness(unsigned line, Clock::duration most_age) : line_(line), most_age_(most_age) {}
 
-    /// Sixteen channels, each of which changes with each frame.
+    /// Returns the next sixteen channels, each of which changes with each frame.
     Sticks next() { return sticks(next_); }
-    /// The frame of `next` is on its way, whole.
+    /// The frame of `next` has been sent whole.
     void sent();
-    /// It went, but nobody can have it whole.
+    /// The frame of `next` was sent, but damaged.
     void spoiled();
-    /// Whatever comes from now on is of no older frame than the latest that was sent.
+    /// From now on no frame may be older than the latest one that was sent.
     void want_the_newest() { oldest_wanted_ = next_ - 1; }
 
-    /// Judges what has arrived since the last call.
+    /// Checks the frames that arrived since the last call.
     void listen(FarEnd& servos);
-    /// What was pulled in the middle of a frame does not go on.
+    /// Forgets the beginning of a frame that was cut off when the device was unplugged.
     void begin_anew();
 
     const Testimony& testimony() const { return testimony_; }
-    /// The latest frame was unmarked.
+    /// Returns whether the latest frame was unmarked.
     bool in_control() const { return in_control_; }
 
   private:
-    /// Frames, of half a minute; an older one counts as never sent.
+    /// Number of frames in half a minute. An older frame counts as never sent.
     static constexpr std::size_t kRemembered = 4096;
     struct Arrival {
         std::uint64_t end = 0;
@@ -67,10 +67,10 @@ class Witness {
     unsigned line_;
     Clock::duration most_age_;
     std::uint32_t next_ = 0;
-    /// When the latest frames had been sent; nothing for a spoiled one.
+    /// When the latest frames were sent; nothing for a damaged one.
     std::array<std::optional<Clock::time_point>, kRemembered> sent_{};
     std::optional<reference::PlainSbusDecoder> decoder_{std::in_place};
-    /// Of bytes whose frame is not judged yet.
+    /// Arrival times of bytes whose frame has not been checked yet.
     std::deque<Arrival> arrivals_;
     std::uint64_t bytes_ = 0;
     std::uint64_t strays_before_ = 0;

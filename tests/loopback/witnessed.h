@@ -17,7 +17,7 @@ namespace tribus::test {
 /// The built program between several lines, each with a witness.
 class Witnessed : public Loopback {
   protected:
-    /// All under control.
+    /// Starts the program and waits until all lines are in control.
     Program& begin(int lines, std::string_view input, std::string_view failsafe,
                    Clock::duration most_age) {
         std::string text;

@@ -37,7 +37,7 @@ Bytes WitnessedLine::frame() {
 }
 
 Bytes WitnessedLine::damaged(Bytes frame) {
-    // Not in front of it, nor as if it stood there already: then the frame would be whole.
+    // A byte added before the frame, or equal to the one in its place, would leave the frame whole.
     const auto place = static_cast<std::ptrdiff_t>(1 + random_() % (frame.size() - 2));
     const auto added =
         static_cast<std::uint8_t>(frame[static_cast<std::size_t>(place)] + 1 + random_() % 255);

@@ -11,8 +11,9 @@
 
 namespace tribus::test {
 
-/// A receiver of i.Bus (even numbers, each 7 ms) or SBUS (odd, each 14 ms), its line through the
-/// program, and the SBUS servos behind it, with a witness. Every channel moves with every frame.
+/// A receiver of i.Bus (even numbers, every 7 ms) or SBUS (odd numbers, every 14 ms), its line
+/// through the program, and the SBUS servos behind it, with a witness. Every channel moves with
+/// every frame.
 class WitnessedLine {
   public:
     static constexpr std::chrono::milliseconds kOutputPeriod{7};
@@ -20,21 +21,23 @@ class WitnessedLine {
     /// An unmarked frame may be as old as `most_age`.
     WitnessedLine(FarEnd& receiver, FarEnd& servos, unsigned number, Clock::duration most_age);
 
-    /// Its three tables; with lines for the input and for the failsafe.
+    /// Configuration text: three tables with lines for the input and for failsafe.
     std::string configuration(std::string_view input, std::string_view failsafe) const;
 
-    /// Sends what is due, and judges what came.
+    /// Sends a frame if one is due, and checks what came.
     void turn();
     Witness& witness() { return witness_; }
     bool has_checksum() const { return ibus_; }
 
-    /// So large a share of the frames loses a byte, gains one, or loses its head or its tail.
+    /// This share of the frames loses a byte, gets an extra byte, or loses its beginning or its
+    /// end.
     void hurt_frames(double share) { hurt_share_ = share; }
     std::uint64_t hurt() const { return hurt_; }
     void silence(Clock::time_point until) { silent_until_ = until; }
-    /// Pulls the receiver out in the middle of a frame.
+    /// Unplugs the receiver in the middle of a frame.
     void pull_in_a_frame();
-    /// Plugs it in, in the middle of another: call `go_on` when the program has opened it.
+    /// Plugs the receiver in, in the middle of another frame. Call `go_on` when the program has
+    /// opened it.
     void plug_in();
     void go_on();
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Breaks tribus as tests/mutation/mutations.toml says and looks which test notices.
+"""Breaks tribus as tests/mutation/mutations.toml lists and finds out which test notices.
 
-Called by run.sh, which says how. Exit status 1 if a mutation survived or could not be tried.
+Called by run.sh, which describes the arguments. Exit status 1 if a mutation survived or could not be tried.
 """
 
 import argparse
@@ -24,13 +24,13 @@ BUILD = WORK / "build"
 LIST = ROOT / "tests/mutation/mutations.toml"
 CAUGHT = ROOT / "tests/mutation/caught.md"
 
-# The quickest first.
+# The fastest suite first.
 SUITES = ["unit", "property", "capture", "sim", "loopback"]
-# They look at sources, not at what the program does.
+# Tests that read sources and do not run the program.
 NO_TESTS_OF_THE_PROGRAM = "Tidy.*:MutationList.*"
 NO_TEST = "no test"
-# Of what the suite takes where nothing is broken: a test that takes longer hangs. For the tests
-# that an entry names, the least.
+# A test that takes this many times as long as the whole suite without a mutation hangs. For the
+# tests that an entry names, there is also a minimum.
 PATIENCE = 5
 LEAST_PATIENCE_S = 120
 
@@ -49,7 +49,7 @@ class Mutation:
 class Result:
     mutation: Mutation
     said: str
-    # It was tried, and a test noticed.
+    # Whether it was tried and a test noticed it.
     good: bool
 
 
@@ -58,7 +58,7 @@ def say(text):
 
 
 def copy_sources():
-    """Leaves alone what is the same, so that only the rest is built. Returns a sum over all."""
+    """Copies only changed files, so that only these are built. Returns a digest of all files."""
     listed = subprocess.run(
         ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
         cwd=ROOT, check=True, capture_output=True).stdout.decode().split("\0")
@@ -88,19 +88,19 @@ def environment():
 
 
 def configure():
-    """As it is shipped, but for optimisations that take longer than they save."""
+    """Configures as shipped, but without optimisations that take longer than they save."""
     shared = os.environ.get("TRIBUS_SHARED", ROOT.parent / "shared")
     subprocess.run(
         ["cmake", "-S", SOURCE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
          "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache",
          "-DCMAKE_GTEST_DISCOVER_TESTS_DISCOVERY_MODE=PRE_TEST", f"-DTRIBUS_SHARED={shared}",
-         # A mutation may leave a variable without use.
+         # A mutation may leave a variable unused.
          "-DTRIBUS_WERROR=OFF"],
         check=True, stdout=subprocess.DEVNULL, env=environment())
 
 
 def build(suites, jobs):
-    """What the compiler said where it did not compile."""
+    """Returns the compiler's output if the build failed, else None."""
     targets = [f"{suite}_tests" for suite in suites]
     done = subprocess.run(
         ["cmake", "--build", BUILD, "--parallel", str(jobs), "--target", *targets],
@@ -109,7 +109,7 @@ def build(suites, jobs):
 
 
 def run_tests(suite, tests, limit_s):
-    """The first test that fails, with a word about how if it did not just fail; else nothing."""
+    """Returns the first test that fails, and how if it crashed or hung; None if all pass."""
     with (WORK / f"{suite}.log").open("w+", errors="replace") as log:
         process = subprocess.Popen(
             [BUILD / "tests" / f"{suite}_tests", "--gtest_fail_fast",
@@ -139,7 +139,7 @@ def run_tests(suite, tests, limit_s):
 
 
 def check_unbroken(digest, suites, jobs):
-    """How long each suite may take. Not twice for the same sources."""
+    """Returns how long each suite may take. Measures only once for the same sources."""
     green = WORK / "green.toml"
     known = tomllib.loads(green.read_text()) if green.is_file() else {}
     if known.get("sources") != digest:
@@ -160,7 +160,7 @@ def check_unbroken(digest, suites, jobs):
 
 
 def attempt(mutation, limits, jobs):
-    """The file is broken already."""
+    """Builds and runs the tests. The mutation has already been made in the file."""
     order = [mutation.suite] + [suite for suite in SUITES if suite != mutation.suite]
     for tries, suite in enumerate(order):
         error = build([suite], jobs)
@@ -204,7 +204,7 @@ def table(rows):
 
 
 def record(mutations, results):
-    """Of mutations that were not tried now, what was seen before stays."""
+    """Writes the rows of these results. Rows of other mutations stay."""
     fresh = {result.mutation.name: row(result) for result in results}
     before = CAUGHT.read_text().splitlines() if CAUGHT.is_file() else []
     rows = []

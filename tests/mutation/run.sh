@@ -1,7 +1,8 @@
 #!/bin/sh
-# Breaks tribus in small ways, one at a time, and says which test notices: tests/mutation/run.sh
-# [--jobs N] [--record] [PATTERN...]. Without patterns all of mutations.toml, else those whose names
-# contain one. --record writes the rows of those that were run into tests/mutation/caught.md. Works in
+# Breaks tribus in small ways, one at a time, and reports which test notices:
+#     tests/mutation/run.sh [--jobs N] [--record] [PATTERN...]
+# Without patterns it runs all of mutations.toml, otherwise the entries whose names contain a
+# pattern. --record writes the rows of these entries into tests/mutation/caught.md. Works in
 # build-mutation.
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh

@@ -1,9 +1,9 @@
-"""Decodes frames by canmatrix, for canmatrix_test.cpp.
+"""Decodes frames with canmatrix, for canmatrix_test.cpp.
 
-Arguments: a DBC file, and a file with a frame a line: the id as the DBC has it (bit 31 set for 29
-bits) and the data in hexadecimal. Prints a JSON object a line for each frame: what canmatrix knows
-of its message, and raw and physical value of each signal that it finds in the frame. Numbers that
-JSON has not are strings.
+Arguments: a DBC file, and a file with one frame a line: the id as in the DBC file (bit 31 set for 29
+bits) and the data in hexadecimal. Prints one JSON object a line for each frame: what canmatrix knows
+of its message, and the raw and physical value of each signal that it finds in the frame. Numbers
+that JSON does not have are strings.
 """
 
 import json

@@ -21,8 +21,8 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
 
-/// An independent reader of DBC judges ours: canmatrix (Debian: python3-canmatrix) reads the same
-/// random text and decodes the same random frames.
+/// Compares our DBC reader with an independent one: canmatrix (Debian: python3-canmatrix) reads the
+/// same random text and decodes the same random frames.
 namespace tribus::canmatrix_test {
 namespace {
 
@@ -32,12 +32,12 @@ using test::Random;
 using test::run_in_shell;
 using test::TemporaryFolder;
 
-// Debian's own: another python3 in front of it does not see Debian's packages.
+// Debian's interpreter: another python3 earlier in PATH would not find Debian's packages.
 constexpr std::string_view kPython = "/usr/bin/python3";
 constexpr unsigned kMessages = 300;
 constexpr unsigned kFramesPerMessage = 6;
 
-/// A DBC text that grows by random messages.
+/// A DBC text to which random messages are added.
 class RandomDbc {
   public:
     explicit RandomDbc(std::uint32_t seed) : random_(seed) {}
@@ -45,7 +45,7 @@ class RandomDbc {
     void add_message(unsigned index) {
         constexpr std::array<unsigned, 12> kLengths{1, 2, 4, 7, 8, 8, 8, 12, 20, 32, 48, 64};
         const bool extended = random_.below(2) == 0;
-        // Multiplied by an odd number, modulo the number of ids: all different.
+        // The index times an odd number, modulo the number of ids, gives different ids.
         id_ = extended ? 0x80000000U | ((index * 7919003U) & 0x1FFFFFFFU) : (index * 611U) & 0x7FFU;
         length_ = pick(kLengths);
         prefix_ = fmt::format("M{}", index);
@@ -92,7 +92,7 @@ class RandomDbc {
 
     void add_signal(const std::string& name, const std::string& mark, unsigned bits) {
         const bool intel = random_.below(2) == 0;
-        // Bits before the signal along the wire; Motorola numbers those of a byte downwards.
+        // Bits before the signal along the wire. Motorola numbers the bits of a byte downwards.
         const unsigned before = random_.below(length_ * 8 - bits + 1);
         const unsigned start = intel ? before : before / 8 * 8 + 7 - before % 8;
         add_line(name, mark, start, bits, intel);
@@ -125,7 +125,7 @@ class RandomDbc {
         }
     }
 
-    /// Selectors of two bits in the first byte, so that each page comes up often.
+    /// Adds selectors of two bits in the first byte, so that each page is selected often.
     void add_simple_multiplexing() {
         add_line("Page", "M", 0, 2, true);
         add_signals("Always", "", 2);
@@ -195,7 +195,7 @@ void expect_same_signal(const DbcSignal& signal, const Bytes& data, const json& 
     } else {
         EXPECT_EQ(bits, raw.get<std::uint64_t>());
     }
-    // canmatrix counts in decimals: ours may be off by its two roundings.
+    // canmatrix computes in decimals; our value may differ by its two roundings.
     const double physical = number(theirs.at("physical"));
     expect_same_number(layout.physical(bits), physical,
                        4e-16 * (std::abs(physical) + std::abs(signal.offset)));
@@ -258,7 +258,7 @@ TEST_P(Canmatrix, DecodesRandomFramesOfRandomTextsToTheSameValues) {
     std::size_t read = 0;
     for (std::string line; std::getline(lines, line) && read < frames.size();) {
         if (!line.starts_with('{')) {
-            continue;  // canmatrix says which of its formats lack a library
+            continue;  // canmatrix reports formats whose library is missing
         }
         const json theirs = json::parse(line, nullptr, false);
         ASSERT_FALSE(theirs.is_discarded()) << line;

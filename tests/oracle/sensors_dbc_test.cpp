@@ -16,23 +16,23 @@
 #include "transports/codecs/sensor_can.h"
 #include "transports/codecs/sensor_can_dbc.h"
 
-/// canmatrix (Debian: python3-canmatrix) reads what the protocol "sensors" sends with the DBC file
-/// that we ship: every type, at the ends and in the midst of its raw values.
+/// canmatrix (Debian: python3-canmatrix) reads what the protocol "sensors" sends, with the DBC file
+/// that we ship: every type, at the limits and in the middle of its raw values.
 namespace tribus::test::sensors_dbc_test {
 namespace {
 
 using nlohmann::json;
 
-/// Debian's own: another python3 in front of it does not see Debian's packages.
+/// Debian's interpreter: another python3 earlier in PATH would not find Debian's packages.
 constexpr std::string_view kPython = "/usr/bin/python3";
 
 struct Sent {
     const SensorType* type = nullptr;
     std::int64_t raw = 0;
-    std::string line;  ///< for canmatrix_decode.py
+    std::string line;  ///< input line of canmatrix_decode.py
 };
 
-/// Frames of readings of all types of one field and at most 4 bytes.
+/// Returns frames with readings of all types that have one field of at most 4 bytes.
 std::vector<Sent> readings(const SensorTypes& types) {
     ValueBoard board({{.name = "probes.7.raw", .unit = "", .lasts = kForever}});
     SensorCanEncoder encoder({.sensor_bus = "probes"});
@@ -75,7 +75,7 @@ TEST(SensorsByCanmatrix, HaveTheNumbersOfTheirTypes) {
     std::size_t read = 0;
     for (std::string line; std::getline(lines, line) && read < sent.size();) {
         if (!line.starts_with('{')) {
-            continue;  // canmatrix says which of its formats lack a library
+            continue;  // canmatrix reports formats whose library is missing
         }
         const json theirs = json::parse(line, nullptr, false);
         ASSERT_FALSE(theirs.is_discarded()) << line;
@@ -88,7 +88,7 @@ TEST(SensorsByCanmatrix, HaveTheNumbersOfTheirTypes) {
         const double number = static_cast<double>(reading.raw) * field.scale + field.offset;
         EXPECT_NEAR(theirs.at("signals").at(reading.type->name).at("physical").get<double>(),
                     number, 1e-12 * std::abs(number) + 1e-12);
-        // The type, three of the state and age, and the reading.
+        // The type, three signals of the state and the age, and the reading.
         EXPECT_EQ(theirs.at("signals").size(), 5U);
         ASSERT_FALSE(HasFailure());
     }

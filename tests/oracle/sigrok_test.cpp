@@ -17,8 +17,8 @@
 #include "app/waveform.h"
 #include "tests/support/shell.h"
 
-/// An independent reader judges what goes on the wire: the uart decoder of sigrok reads the
-/// waveform that `encode --format vcd` draws, and must see the bytes that `encode` puts out.
+/// Compares with an independent reader: the uart decoder of sigrok reads the waveform of `encode
+/// --format vcd` and must find the bytes that `encode` writes.
 namespace tribus::sigrok_test {
 namespace {
 
@@ -32,7 +32,7 @@ struct Heard {
     std::vector<std::string> complaints;
 };
 
-/// Sampled at 10 MHz, which is 50 samples of the shortest bit and much quicker than each unit.
+/// Decodes at 10 MHz, which is 50 samples of the shortest bit and much faster than using each unit.
 Heard hear(const std::string& dump, const LineSettings& line) {
     const TemporaryFolder folder;
     std::istringstream lines(
@@ -77,7 +77,7 @@ std::string frame_line(const std::vector<double>& pulses, bool frame_lost, bool 
                        fmt::join(pulses, ","), frame_lost, failsafe);
 }
 
-/// Every raw value of SBUS once, 16 a frame, with all states of the four flags; then noise.
+/// Every raw value of SBUS once, 16 in a frame, with all states of the four flags; then noise.
 std::string sbus_frames() {
     std::string lines;
     std::vector<double> pulses(18);
@@ -150,7 +150,8 @@ std::string wave_of(const Bytes& bytes, const LineSettings& line) {
     return dump;
 }
 
-// 0x03 has an even number of ones; three stop bits put a one where the parity bit stands.
+// 0x03 has an even number of ones. With three stop bits there is a one in the place of the parity
+// bit.
 TEST_F(Sigrok, ComplainsOfWrongParity) {
     const LineSettings sbus = use_of("sbus", {}).line;
     LineSettings wrong = sbus;
@@ -160,7 +161,7 @@ TEST_F(Sigrok, ComplainsOfWrongParity) {
     EXPECT_GT(hear(wave_of({0x03}, wrong), sbus).complaints.size(), 0U);
 }
 
-// Four bits into a byte that follows at once: its start bit stands in the stop bit's place.
+// Four bits into the next byte: at this rate its start bit is in the place of the stop bit.
 TEST_F(Sigrok, ComplainsOfAWrongRate) {
     const LineSettings sbus = use_of("sbus", {}).line;
     LineSettings wrong = sbus;
@@ -168,7 +169,7 @@ TEST_F(Sigrok, ComplainsOfAWrongRate) {
     EXPECT_GT(hear(wave_of({0x00, 0x00, 0xFF}, wrong), sbus).complaints.size(), 0U);
 }
 
-// Read as if the wire were not inverted.
+// Reads an inverted wire as if it were not inverted.
 TEST_F(Sigrok, DoesNotHearAnInvertedWireAsAStraightOne) {
     const LineSettings sbus = use_of("sbus", {}).line;
     LineSettings straight = sbus;

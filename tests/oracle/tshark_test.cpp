@@ -11,8 +11,8 @@
 #include "tests/support/shell.h"
 #include "transports/links/recording.h"
 
-/// An independent reader judges the logs of CAN frames: tshark must see the ids, the data and the
-/// times that are in them.
+/// Compares with an independent reader: tshark must find the ids, data and times in the logs of CAN
+/// frames.
 namespace tribus::tshark_test {
 namespace {
 
@@ -48,7 +48,7 @@ Rows lines_of(const std::string& text) {
     return lines;
 }
 
-/// `id<tab>data in hex`, as tshark prints it.
+/// Returns rows of `id<tab>data in hex`, as tshark prints them.
 Rows rows_in(const std::string& log) {
     Rows rows;
     const auto recording = parse_recording(log, "can.log");
@@ -74,7 +74,7 @@ class Tshark : public testing::Test {
     Ended run(const std::string& command) const {
         return run_in_shell("cd '" + folder / "" + "'; " + command);
     }
-    /// 18 channels of an i.Bus receiver through a pipeline with an output on CAN.
+    /// Sends 18 channels of an i.Bus receiver through a pipeline whose output is on CAN.
     std::string simulate(const std::string& config, const std::string& recording) const {
         folder.write("config.toml", config);
         const Ended result = run("\"$TRIBUS\" simulate config.toml --in 'receiver=" + recording +

@@ -46,7 +46,7 @@ TEST(CanChannelsProperty, AllIbusMicrosecondsOfTheRangeComeBack) {
     }
 }
 
-/// A wire value is what its decoded value is encoded as.
+/// Encoding a decoded wire value gives the same wire value.
 TEST(CanChannelsProperty, AllWireValuesComeBack) {
     for (std::uint16_t raw = 0; raw <= 4095; ++raw) {
         ASSERT_EQ(to_wire(kClassicPulse, from_wire(kClassicPulse, raw)), raw);
@@ -56,7 +56,7 @@ TEST(CanChannelsProperty, AllWireValuesComeBack) {
     }
 }
 
-/// An SBUS frame as it is after two gateways.
+/// Returns an SBUS frame after two gateways with CAN between them.
 SbusFrame over_can(const SbusFrame& frame, CanPair& pair, const SbusScale& scale) {
     ChannelFrame snapshot;
     for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
@@ -132,7 +132,8 @@ RC_GTEST_PROP(CanChannelsProperty, EverySnapshotComesBackAtTheResolutionOfTheWir
     RC_ASSERT(2 * std::chrono::abs(error) <= microseconds(fd ? 10 : 250));
 }
 
-/// Every bit of a frame as the kernel hands it over, its id and its kind included.
+/// Returns the frame with each single bit flipped, as the kernel delivers it, with its id and
+/// flags.
 std::vector<CanFrame> damaged_versions(const CanFrame& frame) {
     std::vector<CanFrame> versions;
     for (std::size_t bit = 0; bit < 8U * frame.length; ++bit) {
@@ -175,13 +176,13 @@ TEST(CanChannelsProperty, ADamagedBitNeverChangesWhatIsPublished) {
     }
 }
 
-/// A frame on its way, and when it gets there.
+/// A frame on the bus and its time of arrival.
 struct Arrival {
     Instant at{};
     CanFrame frame;
 };
 
-/// Sends a number of snapshots; each frame may be lost, doubled, or late by up to `most_delay`.
+/// Sends `count` snapshots. Each frame may be lost, doubled, or late by up to `most_delay`.
 std::vector<Arrival> over_a_bad_bus(CanChannelsEncoder& encoder, Random& random, int count,
                                     Duration period, Duration most_delay) {
     std::vector<Arrival> arrivals;
@@ -210,8 +211,8 @@ int number_of(const ChannelFrame& snapshot) {
     return snapshot.channel(0)->whole_microseconds() - 1000;
 }
 
-/// Delays that stay below a round of the counter; longer ones are another sender's, so to say. A
-/// late frame is an old one, as those of a ring are: some of these senders are hardly believed.
+/// Delays are shorter than one round of the counter, because a later frame looks like one of
+/// another sender. A late frame is an old one, so some of these senders publish little.
 TEST(CanChannelsProperty, OnABadBusOnlySnapshotsThatWereSentComeOut) {
     int all_published = 0;
     for (std::uint32_t seed = 1; seed <= 400; ++seed) {
@@ -242,8 +243,7 @@ TEST(CanChannelsProperty, OnABadBusOnlySnapshotsThatWereSentComeOut) {
     EXPECT_GT(all_published, 400 * 100);
 }
 
-/// Two senders of one id with the same period: the second is so many snapshots ahead in its
-/// counter, and its frames come so much later than those of the first.
+/// Merges the frames of two snapshots. Each bit of `order`, lowest first, tells which one is next.
 CanFrames merged(const CanFrames& first, const CanFrames& second, unsigned order) {
     CanFrames frames;
     std::size_t of_first = 0;
@@ -256,7 +256,7 @@ CanFrames merged(const CanFrames& first, const CanFrames& second, unsigned order
     return frames;
 }
 
-/// All ways in which the frames of two snapshots can mingle that `order` bits can say.
+/// Number of values of `order`, so that all ways to merge two snapshots are tried.
 unsigned orders(const CanChannelsFormat& format) {
     return 1U << (2 * format.frame_count() - 1);
 }
@@ -293,7 +293,7 @@ TEST_P(TwoSenders, ThatMingleInAnyWayAreNeverMixed) {
             can_frames(second, numbered_snapshot(0));
         }
         for (int count = 0; count < 40; ++count) {
-            // One of them may also be alone for a while.
+            // One of the two senders may be alone for a while.
             const bool alone = random.below(4) == 0;
             const CanFrames ours = pair.send(numbered_snapshot(count));
             const CanFrames theirs =

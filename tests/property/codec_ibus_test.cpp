@@ -34,10 +34,11 @@ Bytes servo_frame(const Bytes& payload) {
 
 struct Sticks {
     std::string name;
-    std::vector<Bytes> payloads;  ///< of one frame behind the other
+    std::vector<Bytes> payloads;  ///< one for each frame
 };
 
-/// 28 bytes full of headers, of both kinds and of shorter frames, then any bytes, still and moving.
+/// Payloads of 28 bytes: full of headers, of both variants and of shorter frames, then random
+/// bytes, still and moving.
 std::vector<Sticks> all_sticks() {
     std::vector<Sticks> all;
     for (const std::string_view pattern :
@@ -87,7 +88,7 @@ class IbusResync {
 
     bool decodes_without_a_fault() const { return clean_.size() == stream_.starts.size(); }
 
-    /// Only the frame that is hit may be missing, and nothing else may come.
+    /// Checks that at most the hit frame is missing and that no other frame appears.
     void hit(const Fault& fault, test::Split split) const {
         IbusDecoder decoder;
         const auto decoded = feed(decoder, stream_.bytes, fault, split);
@@ -129,7 +130,8 @@ TEST(IbusResyncProperty, OneAddedByteOfAnyValueCostsTheFrameItHits) {
         const IbusResync resync(sticks);
         for (std::size_t offset = 0; offset < kFrameLength; ++offset) {
             for (unsigned value = 0; value < 256; ++value) {
-                // A second first byte is the same wherever it is put: it stands in front.
+                // A copy of the first byte gives the same stream before and after it, so it is put
+                // before it.
                 std::size_t position = resync.place(offset);
                 if (offset == 1 && value == resync.at(position - 1)) {
                     --position;
@@ -156,7 +158,7 @@ TEST(IbusResyncProperty, OneByteReplacedByAnyOtherCostsTheFrameItHits) {
     }
 }
 
-// Nothing that starts inside a bad frame is still waited for when the next one has ended.
+// A false start inside a bad frame does not hold the next frame back.
 TEST(IbusResyncProperty, TheFrameBehindABadOneComesWithItsLastByte) {
     for (const Sticks& sticks : all_sticks()) {
         const FrameStream stream = stream_of(sticks);
@@ -174,7 +176,8 @@ TEST(IbusResyncProperty, TheFrameBehindABadOneComesWithItsLastByte) {
     }
 }
 
-/// Which frames count: those as long as the ones before, or the third of another length in a row.
+/// Tells which frames count: those with the length of the ones before, or the third in a row with
+/// another length.
 class UsualLength {
   public:
     bool counts(std::size_t length) {
@@ -192,8 +195,8 @@ class UsualLength {
     int in_a_row_ = 0;
 };
 
-/// Frames as a scan of the whole stream at once finds them, by the words of docs/protocols/ibus.md,
-/// "Servo frame", "Synchronisation" and "Variants", without i-BUS2.
+/// Returns where frames are, found by one scan of the whole stream that follows
+/// docs/protocols/ibus.md, "Servo frame", "Synchronisation" and "Variants", without i-BUS2.
 std::vector<std::size_t> places_of_frames(const Bytes& bytes) {
     std::vector<std::size_t> places;
     UsualLength usual;
@@ -228,11 +231,11 @@ std::vector<std::size_t> places_of_frames(const Bytes& bytes) {
     return places;
 }
 
-/// Good frames of every kind among bytes that are likely to start one.
+/// Returns good frames of every kind among bytes that often look like a start.
 Bytes mixed_stream(Random& random) {
     constexpr std::array<std::uint8_t, 10> kLikely{0x20, 0x40, 0x55, 0x06, 0x08,
                                                    0x00, 0x10, 0x1E, 0x04, 0x81};
-    Bytes bytes = servo_frame(from_hex("dc 05 dc 05"));  // no i-BUS2 from here on
+    Bytes bytes = servo_frame(from_hex("dc 05 dc 05"));  // no i-BUS2 after this
     while (bytes.size() < 2000) {
         switch (random.below(4)) {
             case 0: {
@@ -290,7 +293,7 @@ TEST(IbusStreamProperty, EveryByteIsInAFrameOrSkipped) {
     for (std::uint32_t seed = 1; seed <= 100; ++seed) {
         Random random(seed);
         Bytes bytes = mixed_stream(random);
-        bytes.insert(bytes.end(), 40, 0xFF);  // ends whatever is being waited for
+        bytes.insert(bytes.end(), 40, 0xFF);  // ends whatever the decoder waits for
         IbusDecoder decoder;
         std::uint64_t in_frames = 0;
         for (const DecodedFrame& frame : feed(decoder, bytes)) {
@@ -301,7 +304,7 @@ TEST(IbusStreamProperty, EveryByteIsInAFrameOrSkipped) {
     }
 }
 
-// One place in 300 million would by chance be a frame: 14 lengths, a command, 16 bits of sum.
+// By chance one place in 300 million is a frame: 14 lengths, a command, 16 bits of checksum.
 TEST(IbusStreamProperty, RandomBytesAreNoFrames) {
     Random random(2024);
     Bytes bytes(1'000'000);

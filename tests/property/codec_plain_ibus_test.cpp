@@ -21,7 +21,7 @@ using test::servo_frame;
 
 using Both = SideBySide<IbusDecoder, PlainIbusDecoder>;
 
-/// Bytes that mean something to the decoder: lengths, commands, and what i-BUS2 begins with.
+/// Bytes with a meaning for the decoder: lengths, commands, and first bytes of i-BUS2.
 constexpr std::array<std::uint8_t, 14> kTelling{0x20, 0x40, 0x55, 0x00, 0x06, 0x40, 0x08,
                                                 0x1E, 0x25, 0x04, 0x0A, 0x20, 0x05, 0xDC};
 

@@ -27,7 +27,7 @@ SbusScale betaflight() {
 }
 
 constexpr std::array<std::uint8_t, 8> kFooters{0x00, 0x00, 0x00, 0x04, 0x14, 0x24, 0x34, 0x08};
-/// Bytes that mean something to the decoder, and all but one of them often.
+/// Bytes with a meaning for the decoder, some of them several times so that they occur often.
 constexpr std::array<std::uint8_t, 10> kTelling{0x0F, 0x0F, 0x00, 0x04, 0x08,
                                                 0x03, 0x0B, 0x1B, 0x0F, 0xFF};
 
@@ -48,7 +48,7 @@ Bytes random_burst(Random& random, bool hard, const test::SbusPayload& still) {
     return bytes;
 }
 
-/// Frames, SBUS2 frames, slots and rubbish; then bytes lost, added, changed and damaged.
+/// Returns frames, SBUS2 frames, slots and noise, with bytes lost, added, changed and damaged.
 std::vector<LineByte> random_line(Random& random, std::size_t length) {
     const auto still = test::random_payload(random, true);
     Bytes bytes;
@@ -148,7 +148,7 @@ RC_GTEST_PROP(SbusBesidePlainProperty, ALineOfAnyBytesGivesTheSame, ()) {
     RC_ASSERT(both.difference().empty());
 }
 
-/// Lock, slots, a fault, and lock again.
+/// Returns a stream in which the decoder locks, reads slots, meets a fault and locks again.
 std::vector<LineByte> stream_with_a_fault(std::uint8_t footer, bool damaged) {
     Random random(footer + 1U);
     Bytes bytes;

@@ -18,8 +18,8 @@
 #include "tests/support/timed_line.h"
 #include "transports/codecs/sbus.h"
 
-/// How many frames come through faults of the line, and how many that nobody sent, beside the
-/// decoders of flight controllers on the same bytes.
+/// Number of good and of invented frames on a faulty line, compared with the decoders of flight
+/// controllers on the same bytes.
 namespace tribus::test::codec_sbus_bound_test {
 namespace {
 
@@ -28,7 +28,7 @@ using namespace std::chrono_literals;
 constexpr Duration kPeriod = 14ms;
 constexpr std::uint32_t kFrames = 2000;
 
-/// Sixteen sticks that move between -100 % and +100 %, each in its own time, and tremble.
+/// Sixteen sticks that move between -100 % and +100 % at different speeds, and tremble.
 SbusPayload moving_sticks(std::uint32_t frame, Random& random) {
     constexpr double kCentre = 992;
     constexpr double kHalfWay = 790;
@@ -51,7 +51,7 @@ SbusPayload random_sticks(std::uint32_t /*frame*/, Random& random) {
 
 using Sticks = SbusPayload (*)(std::uint32_t, Random&);
 
-/// As the decoder tells them: what was sent, and nothing else, is right.
+/// Content of a frame as the decoder returns it. A frame is right if exactly this content was sent.
 using Content = std::vector<std::uint16_t>;
 Content content_of(const ChannelFrame& frame) {
     Content content;
@@ -104,7 +104,7 @@ Score theirs(const World& world) {
     Reader reader;
     for (const WireByte& byte : world.line) {
         if (const auto* frame = reader.take(byte.value, byte.end)) {
-            // They look at neither.
+            // These readers check neither flags nor footer.
             Bytes wire(frame->begin(), frame->end());
             wire[23] &= 0x0FU;
             wire[24] = 0;
@@ -116,7 +116,7 @@ Score theirs(const World& world) {
 
 enum class LineFault : std::uint8_t { byte_lost, byte_added, tail_cut, head_cut, noise };
 
-/// A frame on the wire that the fault has hit; returns when it ends.
+/// Puts a frame with the fault on the wire. Returns when it ends.
 Duration put_hit(World& world, Bytes frame, LineFault fault, Duration start) {
     const auto place = frame.begin() + world.random.below(kSbusFrameLength);
     const auto cut = 1 + world.random.below(kSbusFrameLength - 1);
@@ -192,7 +192,7 @@ TEST(SbusBound, OfFramesThatFaultsLeaveAsManyComeAsInTheBestFlightController) {
     }
 }
 
-/// At least 99 % of the frames, and nothing that was not sent.
+/// Checks that at least 99 % of the frames arrive and that no frame is invented.
 void expect_nearly_all(const World& world, std::string_view what) {
     for (const auto& [name, port] : prompt_ports()) {
         const Score score = ours(world, port);
@@ -221,8 +221,8 @@ TEST(SbusBound, WhatAnR7003sbSendsBehindEachFrameCostsNone) {
     expect_nearly_all(world, "R7003SB");
 }
 
-// docs/protocols/sbus.md, "Footer and SBUS2": slot 0 begins 2.03 ms behind the frame, one each
-// 660 us.
+// docs/protocols/sbus.md, "Footer and SBUS2": slot 0 begins 2.03 ms after the frame, the others
+// follow every 660 us.
 TEST(SbusBound, SlotsWithAByteTooManyOrTooFewCostNone) {
     World world(4);
     for (std::uint32_t i = 0; i < 1000; ++i) {
@@ -240,7 +240,7 @@ TEST(SbusBound, SlotsWithAByteTooManyOrTooFewCostNone) {
     expect_nearly_all(world, "SBUS2 slots");
 }
 
-/// Six frames; one of them lacks its end from `cut` on.
+/// Returns six frames. Frame `hit` ends before byte `cut`.
 World truncated(Sticks sticks, std::uint32_t hit, std::size_t cut, std::uint32_t seed) {
     World world(seed);
     const std::uint32_t first = world.random.below(100'000);
@@ -272,12 +272,12 @@ TEST(SbusBound, NoTruncatedFrameBecomesOneThatNobodySent) {
         print(sticks == moving_sticks ? "truncated, moving" : "truncated, random",
               std::to_string(cuts) + " cuts", score);
         EXPECT_EQ(score.wrong, 0U);
-        // Of five whole ones, two may come out of one read, of which one is counted here.
+        // Five of the frames are whole. Two of them may come out of one read and then count as one.
         EXPECT_GE(score.right, 97 * 5 * cuts / 100);
     }
 }
 
-// Adapters that hold bytes back tear frames at pauses that the line does not have.
+// Adapters that hold bytes back split frames at pauses that the line does not have.
 TEST(SbusBound, APortThatDeliversInLumpsLosesFewFrames) {
     for (const Duration step : {Duration(1ms), Duration(4ms), Duration(16ms)}) {
         World world(5);
@@ -286,7 +286,7 @@ TEST(SbusBound, APortThatDeliversInLumpsLosesFewFrames) {
         }
         const Score score = ours(world, in_lumps_each(step));
         print("lumps", std::to_string(step / 1ms) + " ms", score);
-        // Two that come in one lump count as one here.
+        // Two frames in one read count as one here.
         EXPECT_GE(score.right, step < kPeriod ? 980U : 840U) << step / 1ms;
         EXPECT_EQ(score.wrong, 0U) << step / 1ms;
     }

@@ -23,19 +23,20 @@ using test::feed_into;
 using test::FrameStream;
 using test::SbusSticks;
 
-/// Two frames to lock, the hit one, the next, and two that must come, one as the other's proof.
+/// Of the six frames two lock the decoder, one is hit, one follows, and two must arrive, each the
+/// other's proof.
 constexpr std::size_t kHitFrame = 2;
 constexpr std::uint32_t kFrames = 6;
-/// Flags on the wire. With all four bits set a flag byte is 0F, a header: a byte added in front of
-/// it and a payload that goes on like a frame are then, for sticks that stand still, the same bytes
-/// as a frame lost before. No reader of content can tell, so 0F is left out.
+/// Highest flags in the test. With all four bits set the flag byte is 0F, which is also the header.
+/// With still sticks, an added byte then gives the same bytes as a frame lost earlier, if the
+/// payload continues like a frame. No reader can tell the two apart, so 0F is left out.
 constexpr std::uint8_t kFlagsThatAreNoHeader = 15;
 
-/// What one fault may cost.
+/// Upper limits of what one fault may cost.
 struct Cost {
-    std::size_t first;     ///< frame that may be missing
-    std::size_t last;      ///< the last such frame
-    std::size_t invented;  ///< frames that may come in the place of the missing
+    std::size_t first;     ///< first frame that may be missing
+    std::size_t last;      ///< last frame that may be missing
+    std::size_t invented;  ///< frames that may appear instead of the missing ones
 };
 
 class SbusResync {
@@ -64,13 +65,13 @@ class SbusResync {
         }
     }
 
-    /// Faults of every kind that `values` can make of the byte at `offset` of the hit frame.
+    /// Tries each fault of every kind with `values` at byte `offset` of the hit frame.
     void hit_with(std::span<const std::uint8_t> values, std::size_t offset) const {
         const std::size_t position = place(offset);
         hit({FaultKind::lost, position, 0}, kFrameAndNext);
         hit({FaultKind::damaged, position, 0}, kOnlyFrame);
         for (const std::uint8_t value : values) {
-            // A header added in front of a header makes a frame that starts one byte early.
+            // A header added before a header makes a frame that starts one byte early.
             hit({FaultKind::added, position, value},
                 {kHitFrame, kHitFrame + 1, offset == 0 ? std::size_t{1} : 0});
             hit({FaultKind::replaced, position, value}, kFrameAndNext);
@@ -96,7 +97,8 @@ std::vector<std::uint8_t> all_values() {
     return values;
 }
 
-/// One of each kind that a decoder can tell apart: header, flags or not, footers or not, slot ids.
+/// Returns one byte of each kind that a decoder distinguishes: header, allowed flags or not,
+/// allowed footer or not, slot ids.
 std::vector<std::uint8_t> telling_values() {
     return {0x00, 0x03, 0x04, 0x0F, 0x10, 0x83, 0xFF};
 }
@@ -138,8 +140,8 @@ TEST(SbusResyncProperty, SoHoweverTheStreamIsCut) {
     }
 }
 
-/// Left out on SBUS2: a header turned into a slot's id, and a header among the slots, take whole
-/// slots out of step; a payload that goes on like a frame from there deceives any reader.
+/// Left out on SBUS2: a header that became a slot's id, and a header among the slots. Both shift
+/// the slots, and a payload that continues like a frame from there deceives every reader.
 bool looks_like_a_slot(std::uint8_t value) {
     return value % 8 == 3;
 }

@@ -25,7 +25,7 @@ using test::Random;
 using test::same_frames;
 using test::SbusSticks;
 
-/// Frames, SBUS2 frames, slots and rubbish, in a stream of many faults.
+/// Returns frames, SBUS2 frames, slots and noise in a stream with many faults.
 Bytes mixed_stream(Random& random) {
     constexpr std::array<std::uint8_t, 8> kFooters{0x00, 0x00, 0x00, 0x04, 0x14, 0x24, 0x34, 0x08};
     Bytes bytes;
@@ -81,12 +81,13 @@ TEST(SbusStreamProperty, DoesNotDependOnHowTheStreamIsCut) {
     }
 }
 
-// Whatever is neither in a frame nor skipped is slots: whole triples, at most eight behind a frame.
+// Bytes that are neither in a frame nor skipped are slots: whole triples, at most eight after a
+// frame.
 TEST(SbusStreamProperty, EveryByteIsInAFrameOrASlotOrSkipped) {
     for (std::uint32_t seed = 1; seed <= 100; ++seed) {
         Random random(seed);
         Bytes bytes = mixed_stream(random);
-        bytes.insert(bytes.end(), 200, 0xFF);  // ends whatever is being waited for
+        bytes.insert(bytes.end(), 200, 0xFF);  // ends whatever the decoder waits for
         SbusDecoder decoder;
         const std::size_t frames = feed(decoder, bytes).size();
         const std::uint64_t known = frames * kSbusFrameLength + decoder.skipped_bytes();
@@ -130,7 +131,7 @@ TEST(SbusStreamProperty, SurvivesADamagedLine) {
     EXPECT_GE(feed(decoder, stream.bytes).size(), 4U);
 }
 
-/// Decodes two frames that are the same, one as the other's proof.
+/// Decodes two equal frames. The second proves the first.
 std::optional<ChannelFrame> decoded(const SbusScale& scale, std::span<const std::uint8_t> wire) {
     SbusDecoder decoder(scale);
     feed(decoder, wire);
@@ -144,7 +145,7 @@ Bytes encoded(const SbusScale& scale, const ChannelFrame& frame) {
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
-/// Every channel goes through all 2048 values, each beside other values of its neighbours.
+/// Each channel takes all 2048 values, with different values in its neighbours.
 void expect_bit_exact(const SbusScale& scale, unsigned flags) {
     for (unsigned base = 0; base <= kSbusRawMost; ++base) {
         SbusFrame frame;
@@ -171,7 +172,8 @@ TEST(SbusRoundTrip, IsBitExactForAllValuesAndFlagsInEveryNamedScale) {
     }
 }
 
-// Any two points whose line stays within what a pulse holds and keeps neighbours 0.25 us apart.
+// The scale goes through any two points, as long as its pulses are allowed and neighbours are at
+// least 0.25 us apart.
 RC_GTEST_PROP(SbusRoundTripProperty, IsExactForAllValuesInAnyScale, ()) {
     const int raw_low = *rc::gen::inRange(0, 2047);
     const int raw_high = *rc::gen::inRange(raw_low + 1, 2048);

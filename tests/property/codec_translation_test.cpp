@@ -12,7 +12,7 @@ namespace {
 
 using test::feed;
 
-/// The frame as it comes out of the other end of a wire.
+/// Returns the frame at the other end of a wire.
 template <class Coder>
 ChannelFrame over(const Encoder& encoder, Coder& decoder, const ChannelFrame& frame) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
@@ -25,7 +25,8 @@ ChannelFrame over(const Encoder& encoder, Coder& decoder, const ChannelFrame& fr
     return last ? last->channels : ChannelFrame{};
 }
 
-/// i.Bus, SBUS, i.Bus; each of channels 1 to 16 goes through all microseconds of the range.
+/// Translates i.Bus to SBUS and back. Each of channels 1 to 16 takes every microsecond of the
+/// range.
 void expect_exact(std::string_view name, int least, int most) {
     const SbusScale scale = *SbusScale::named(name);
     const int count = most - least + 1;
@@ -54,7 +55,7 @@ TEST(TranslationProperty, EveryMicrosecondComesBackThroughSbus) {
     expect_exact("betaflight", 880, 2159);
 }
 
-// 11 bits end 5 and 6 us earlier with these two.
+// In these two scales 11 bits end 5 and 6 us earlier.
 TEST(TranslationProperty, SoInTheScalesOfArduPilotAndPx4) {
     expect_exact("ardupilot", 880, 2154);
     expect_exact("px4", 880, 2153);

@@ -12,7 +12,7 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
 
-/// Whatever a text holds, it is either refused at a place within it or safe to use.
+/// Any text is either refused with a place in it or safe to use.
 namespace tribus::dbc_file_property_test {
 namespace {
 
@@ -102,7 +102,7 @@ TEST(DbcFileProperty, TheTextThatIsDamagedBelowIsWhole) {
 TEST(DbcFileProperty, TruncationsAreRefusedOrUsable) {
     for (std::size_t length = 0; length < kValid.size(); ++length) {
         SCOPED_TRACE(length);
-        // A copy of its own, so that reading behind it is seen by the sanitizers.
+        // A copy of its own lets the sanitizers see a read past the end.
         const std::vector<char> text(kValid.begin(),
                                      kValid.begin() + static_cast<std::ptrdiff_t>(length));
         expect_refused_or_usable({text.data(), text.size()});
@@ -219,7 +219,7 @@ TEST(DbcFileProperty, RandomBytesAreRefusedOrUsable) {
     }
 }
 
-// Every signal selected by the one before it: the chain is refused before it costs its square.
+// Each signal selects the next one: the chain is refused before it takes quadratic time.
 TEST(DbcFileProperty, AVeryLongChainOfSelectorsIsRefused) {
     constexpr unsigned kSignals = 50'000;
     std::string text = "BO_ 1 M: 8 A\n";

@@ -10,7 +10,8 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/dbc/dbc.h"
 
-/// Random maps over random signals: what is encoded decodes to the same, to the signal's step.
+/// Random maps over random signals: decoding returns what was encoded, within one step of the
+/// signal.
 namespace tribus::dbc_round_trip_test {
 namespace {
 
@@ -19,15 +20,15 @@ using namespace test;
 struct RandomMap {
     std::string dbc;
     std::string signals;
-    std::vector<double> step;  ///< of each channel, microseconds
+    std::vector<double> step;  ///< one for each channel, in microseconds
 };
 
 int between(Random& random, int least, int most) {
     return least + static_cast<int>(random() % static_cast<unsigned>(most - least + 1));
 }
 
-/// One message after the other, each full of signals of 4 to 24 bits, without overlap: both byte
-/// orders take the bits of a run of whole bytes.
+/// Returns up to four messages full of signals of 4 to 24 bits. Each signal has whole bytes for
+/// itself, so signals do not overlap in either byte order.
 RandomMap random_map(Random& random, const std::string& protection, bool in_json) {
     RandomMap map;
     const int messages = between(random, 1, 4);
@@ -90,7 +91,7 @@ TEST(DbcRoundTrip, GivesBackEachChannelToTheStepOfItsSignal) {
             }
             std::optional<ChannelFrame> received;
             for (const CanFrame& frame : frames_of(encoder, channels(sent), at(20 * snapshot))) {
-                ASSERT_FALSE(received) << "before its last frame";
+                ASSERT_FALSE(received) << "a snapshot was published before its last frame";
                 received = decoder.next(frame, at(20 * snapshot));
             }
             ASSERT_TRUE(received);

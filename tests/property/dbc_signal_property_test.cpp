@@ -26,9 +26,10 @@ std::uint64_t random_bits(Random& random, unsigned length) {
     return bits >> (64 - length);
 }
 
-/// The bits of a signal in the frame, least significant first, bit by bit as docs/protocols/can.md,
-/// "DBC files" says: Intel goes up from the start bit. Motorola goes down from it to bit 0 of the
-/// byte and on at bit 7 of the next byte, and has its most significant bit first.
+/// Returns the bits of a signal in the frame, least significant first, as docs/protocols/can.md,
+/// "DBC files", defines them. Intel goes up from the start bit. Motorola has its most significant
+/// bit first: it goes down from the start bit to bit 0 of the byte, then on from bit 7 of the next
+/// byte.
 std::vector<unsigned> walk(const DbcSignal& signal) {
     std::vector<unsigned> bits;
     unsigned bit = signal.start_bit;

@@ -17,7 +17,7 @@
 #include "transports/codecs/dronecan/known_payloads.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-/// Whatever is on a bus, every frame of it is accounted for and every format can say it.
+/// Whatever is on a bus, `decode` accounts for every frame in every output format.
 namespace tribus::dronecan_decode_property_test {
 namespace {
 
@@ -46,7 +46,7 @@ TransferHead any_head() {
             .transfer_id = *rc::gen::inRange<std::uint8_t>(0, 32)};
 }
 
-/// Of a known type, with any bytes and any tail byte that holds together, or none at all.
+/// Returns a frame of a known type with any bytes. Its tail byte is any consistent one, or missing.
 CanFrame any_frame() {
     CanFrame frame;
     frame.extended = true;
@@ -99,12 +99,12 @@ RC_GTEST_PROP(DroneCanDecode, AnyFramesAreAccountedForAndSaidAsJsonAndText, ()) 
     RC_ASSERT(lines_of(recording, DecodeFormat::csv).size() == lines.size());
 }
 
-/// Transfers of one sender and type, of `transfers` in all, sent one behind the other.
+/// Returns successive transfers of one sender and type.
 std::vector<CanFrame> some_transfers(std::size_t transfers, std::vector<TransferHead>& heads) {
     std::vector<CanFrame> frames;
     TransferHead head = {.data_type_id = 1140, .source = 9, .priority = 8, .transfer_id = 0};
     for (std::size_t each = 0; each < transfers; ++each) {
-        // An RCInput of some channels of 0 us: its bytes are zeros.
+        // An RCInput whose channels are 0 us: its bytes are zeros.
         const std::vector<std::uint8_t> payload(4 + 3 * *rc::gen::inRange<std::size_t>(2, 16));
         std::array<CanFrame, 16> room;
         const std::size_t count = dronecan::encode_transfer(

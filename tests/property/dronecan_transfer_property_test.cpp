@@ -55,7 +55,7 @@ struct Transfer {
             encode_transfer(head, kWanted[wanted].signature, payload, fd, frames);
         return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
     }
-    /// Apart from the zeros behind an FD payload.
+    /// Returns whether this is the received transfer, not counting zeros after an FD payload.
     bool is(const ReceivedTransfer& received) const {
         const std::size_t zeros = fd ? 15 : 0;
         const std::size_t size = payload.size();
@@ -85,7 +85,7 @@ Transfer any_transfer(std::size_t wanted, std::size_t sender, std::uint8_t trans
                                                   rc::gen::arbitrary<std::uint8_t>())};
 }
 
-/// Of every length, in both kinds of frames.
+/// Transfers of every length, in classic and in FD frames.
 TEST(DronecanTransferProperty, AllLengthsComeBack) {
     TransferReceiver receiver(kWanted, kMostSenders);
     Random random(1);
@@ -121,7 +121,7 @@ RC_GTEST_PROP(DronecanTransferProperty, RandomTransfersComeBack, ()) {
     }
 }
 
-/// A burst of at most 16 bits anywhere in the payload.
+/// The flipped bits are a burst of at most 16 bits anywhere in the payload.
 RC_GTEST_PROP(DronecanTransferProperty, AFlippedBurstInSeveralFramesIsAlwaysFound, ()) {
     TransferReceiver receiver(kWanted, kMostSenders);
     const Transfer sent = any_transfer(0, 0, 0);
@@ -150,7 +150,7 @@ RC_GTEST_PROP(DronecanTransferProperty, AFlippedBurstInSeveralFramesIsAlwaysFoun
     RC_ASSERT(last == FrameFate::bad_crc);
 }
 
-/// Which transfer of which session: the wanted one, the sender, the number.
+/// Identifies a transfer: index of the wanted transfer, sender, number.
 using Place = std::tuple<std::size_t, std::size_t, std::size_t>;
 
 Place after(const Place& place) {
@@ -159,16 +159,17 @@ Place after(const Place& place) {
 
 struct OnTheBus {
     Place place;
-    std::size_t index = 0;  ///< of the frame in its transfer
+    std::size_t index = 0;  ///< index of the frame in its transfer
     CanFrame frame;
 };
 
-/// Several senders' transfers, the frames of each session in order, all others between them.
+/// Transfers of several senders. The frames of each session are in order, those of others between
+/// them.
 struct Traffic {
     std::map<Place, Transfer> sent;
     std::vector<OnTheBus> frames;
 
-    /// `below(n)` chooses a number below n.
+    /// `below(n)` returns a random number below n.
     template <class Below>
     void add_interleaved(std::vector<std::vector<OnTheBus>> sessions, Below below) {
         while (!sessions.empty()) {
@@ -183,7 +184,7 @@ struct Traffic {
     }
 };
 
-/// Up to five transfers of each session, `transfer` of each place.
+/// Returns up to five transfers of each session, made by `make_transfer`.
 template <class MakeTransfer, class Below>
 Traffic traffic_of(MakeTransfer transfer, Below below) {
     Traffic traffic;
@@ -248,8 +249,8 @@ RC_GTEST_PROP(DronecanTransferProperty, InterleavedSessionsAllArriveOnce, ()) {
     }
 }
 
-/// The first frame, the last or the one before it is lost; others come twice. What is lost in the
-/// middle, only the CRC finds.
+/// Some copies are sent, and one frame is lost: the first, the last or the one before it. A loss in
+/// the middle is found only by the CRC.
 RC_GTEST_PROP(DronecanTransferProperty, ALostFrameCostsItsTransferAndACopyNothing, ()) {
     const Traffic traffic = traffic_of(any_transfer, any_below);
     std::map<Place, std::size_t> lost;
@@ -285,8 +286,8 @@ Transfer transfer_of(Random& random, std::size_t wanted, std::size_t sender, std
     return transfer;
 }
 
-/// Frames get lost, come twice, or come late by up to 40 places; but none comes behind the transfer
-/// after its own, as from there on the specification knows a copy no longer.
+/// Loses frames, doubles them, or delays them by up to 40 places. No frame comes later than the
+/// transfer after its own, because from then on the specification cannot recognise a copy.
 std::vector<OnTheBus> damaged(const Traffic& traffic, Random& random) {
     struct Arrival {
         std::size_t slot = 0;
@@ -315,7 +316,7 @@ std::vector<OnTheBus> damaged(const Traffic& traffic, Random& random) {
     return arriving;
 }
 
-/// The transfers of which every frame came once, in order and before the next one's start.
+/// Returns the transfers whose frames all came once, in order and before the next transfer started.
 std::set<Place> whole_in(std::span<const OnTheBus> arriving, const Traffic& traffic) {
     std::map<Place, std::vector<std::size_t>> came;
     for (const OnTheBus& each : arriving) {
@@ -332,8 +333,8 @@ std::set<Place> whole_in(std::span<const OnTheBus> arriving, const Traffic& traf
     return whole;
 }
 
-// CRC-16 lets one of 65536 transfers through that are put together of wrong frames with fitting
-// toggles. So these streams are the same each time, and none of them has one.
+// CRC-16 accepts one of 65536 transfers that consist of wrong frames with fitting toggle bits.
+// These streams are therefore the same each time, and none has such a transfer.
 TEST(DronecanTransferProperty, LossCopiesAndDisorderInventNothingAndCostOnlyWhatTheyHit) {
     std::size_t sent_count = 0;
     std::size_t whole_count = 0;
@@ -363,7 +364,7 @@ TEST(DronecanTransferProperty, LossCopiesAndDisorderInventNothingAndCostOnlyWhat
     EXPECT_LT(whole_count, sent_count * 3 / 4);
 }
 
-/// Lengths that no frame has, tails of all kinds, ids near the wanted ones, times that jump.
+/// Impossible lengths, tail bytes of all kinds, ids near the wanted ones, times that jump.
 TEST(DronecanTransferProperty, AnyFramesAtAllAreJudgedAndNoPayloadIsTooLong) {
     std::vector<WantedTransfer> wanted = kWanted;
     wanted[0].most_bytes = 0;

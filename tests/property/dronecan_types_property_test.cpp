@@ -16,7 +16,7 @@
 #include "transports/codecs/dronecan/payload.h"
 #include "transports/codecs/dronecan/types.h"
 
-/// Every data type with random values in all of its fields, and with random bytes.
+/// Every data type with random values in all its fields, and with random bytes.
 namespace tribus::dronecan::dronecan_types_property_test {
 namespace {
 
@@ -25,7 +25,7 @@ using test::Random;
 
 constexpr int kRounds = 200;
 
-/// Values that the wire can hold, extremes among them, and arrays of any length.
+/// Random values that the wire can hold, with extremes, and arrays of any length.
 class RandomValues {
   public:
     explicit RandomValues(Random& random) : random_(random) {}
@@ -73,7 +73,7 @@ class RandomValues {
     void element(Float32, float& value) {
         value = known(std::bit_cast<float>(static_cast<std::uint32_t>(bits(32))));
     }
-    /// NaN equals nothing.
+    /// Replaces NaN, which equals nothing.
     static float known(float value) { return std::isnan(value) ? 0.5F : value; }
     template <class T>
     void element(Nested, T& value) {
@@ -102,7 +102,7 @@ Bytes written(const T& value, bool fd) {
     return {payload.begin(), payload.end()};
 }
 
-/// On the heap and no longer than it says, so that the sanitizer sees who reads beyond the end.
+/// Reads from a heap block of the exact size, so that a sanitizer sees reads past the end.
 template <class T>
 std::optional<T> read_exactly(const Bytes& bytes, bool fd) {
     const auto copy = std::make_unique<std::uint8_t[]>(bytes.size());
@@ -123,7 +123,7 @@ TEST(DroneCanTypesProperty, WhatIsWrittenIsReadAsItWasOnClassicCanAndOnFd) {
                     << data_type_of<T>().name << (fd ? " on FD" : " on classic CAN");
                 if (fd) {
                     payload.resize(payload.size() + random() % 17);
-                    ASSERT_EQ(read_exactly<T>(payload, fd), value) << "with zeros behind its end";
+                    ASSERT_EQ(read_exactly<T>(payload, fd), value) << "a payload followed by zeros";
                 }
             }
         }
@@ -149,8 +149,9 @@ TEST(DroneCanTypesProperty, APayloadWithoutItsLastByteIsNotWhatItWas) {
     });
 }
 
-/// Any bytes: refused, or a value that is written as a payload of the same length, from which on
-/// nothing changes. So only padding and the encoding of NaN can have been lost.
+/// Any bytes are refused, or read as a value. That value is written as a payload of the same
+/// length, which no further reading and writing changes. So only padding and the encoding of NaN
+/// are lost.
 TEST(DroneCanTypesProperty, AnyBytesAreRefusedOrAreAValueThatStays) {
     Random random(3);
     for_each_payload_type([&]<class T>() {
@@ -176,7 +177,7 @@ TEST(DroneCanTypesProperty, AnyBytesAreRefusedOrAreAValueThatStays) {
     });
 }
 
-/// The types without floats and padding fields, of which every bit counts.
+/// For types without floats and padding fields, where every bit counts.
 template <class T>
 void expect_same_bytes(Random& random) {
     std::size_t accepted = 0;
@@ -192,7 +193,7 @@ void expect_same_bytes(Random& random) {
         const Bytes once = written(*value, false);
         ASSERT_EQ(once.size(), size);
         ASSERT_TRUE(std::equal(once.begin(), once.end() - (size == 0 ? 0 : 1), payload.begin()))
-            << data_type_of<T>().name << " but for the bits behind its end";
+            << data_type_of<T>().name << " except for the bits after its end";
     }
     EXPECT_GT(accepted, 0U);
 }

@@ -13,8 +13,8 @@
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
 
-/// However long a decoder holds a frame back, and whatever makes it let go, an input knows when the
-/// frame's last byte was read.
+/// An input knows when the last byte of a frame was read, no matter how long the decoder holds the
+/// frame back and what makes it return the frame.
 namespace tribus::test::input_frame_age_test {
 namespace {
 
@@ -30,18 +30,18 @@ Bytes sbus_bytes(Random& random) {
     return bytes;
 }
 
-/// Of 1 to 14 channels, so that one fits into the wait for another.
+/// Returns a frame of 1 to 14 channels, so that one may end while the decoder waits for another.
 Bytes ibus_bytes(Random& random) {
     Bytes slots(2 * (1 + random.below(14)));
     for (std::size_t at = 0; at < slots.size(); ++at) {
-        // Or what looks like the header of a long frame.
+        // Sometimes bytes that look like the header of a long frame.
         const auto header = static_cast<std::uint8_t>(at % 2 == 0 ? 0x20 : 0x40);
         slots[at] = random.below(4) == 0 ? header : random.byte();
     }
     return servo_frame(slots, 0x40);
 }
 
-/// An input, and beside it a decoder of the same kind for where its frames stand.
+/// An input, and a second decoder of the same kind that tells where the frames are.
 class Beside {
   public:
     template <class Kind>
@@ -72,7 +72,7 @@ class Beside {
             held_ += arrival < now ? 1U : 0U;
         }
     }
-    /// How many frames came out later than with their last byte.
+    /// Number of frames that the decoder returned later than with their last byte.
     std::size_t held() const { return held_; }
 
   private:
@@ -85,7 +85,8 @@ class Beside {
     std::size_t held_ = 0;
 };
 
-/// Frames with bytes lost, changed and damaged, in reads of any length.
+/// Sends frames with lost, changed and damaged bytes in reads of any length. Returns the number of
+/// held frames.
 std::size_t frames_held(Beside beside, Bytes (*frame)(Random&), std::uint32_t seed) {
     Random random(seed);
     Instant now{};
@@ -119,7 +120,7 @@ TEST(FrameAge, OfSbusIsThatOfItsLastByteWhateverTheLineDoes) {
     for (std::uint32_t seed = 1; seed <= 2000 && !HasFatalFailure(); ++seed) {
         held += frames_held(Beside::of<SbusDecoder>(), sbus_bytes, seed);
     }
-    EXPECT_GT(held, 100U) << "few frames were held: the test shows little";
+    EXPECT_GT(held, 100U) << "too few frames were held to show anything";
 }
 
 TEST(FrameAge, OfIbusIsThatOfItsLastByteWhateverTheLineDoes) {
@@ -127,7 +128,7 @@ TEST(FrameAge, OfIbusIsThatOfItsLastByteWhateverTheLineDoes) {
     for (std::uint32_t seed = 1; seed <= 2000 && !HasFatalFailure(); ++seed) {
         held += frames_held(Beside::of<IbusDecoder>(), ibus_bytes, seed);
     }
-    EXPECT_GT(held, 300U) << "few frames were held: the test shows little";
+    EXPECT_GT(held, 300U) << "too few frames were held to show anything";
 }
 
 }  // namespace

@@ -7,11 +7,11 @@
 
 #include "core/time.h"
 
-/// How flight controllers find SBUS frames: by gaps alone (docs/protocols/sbus.md,
-/// "Synchronisation", from their sources).
+/// Two readers that find SBUS frames by gaps alone, as flight controllers do
+/// (docs/protocols/sbus.md, "Synchronisation", from their sources).
 namespace tribus::reference {
 
-/// Fills frames of 25 bytes from a header on.
+/// Collects a frame of 25 bytes that starts with a header.
 class GapSbusReader {
   public:
     using Frame = std::array<std::uint8_t, 25>;
@@ -34,12 +34,12 @@ class GapSbusReader {
 
     Frame frame_{};
     std::size_t count_ = 0;
-    /// Long before the first byte.
+    /// A time long before the first byte.
     Duration latest_ = std::chrono::seconds(-1);
 };
 
-/// betaflight src/main/rx/sbus.c: more than 600 us without a byte begin a frame; what follows a
-/// whole one is passed over until then. Judges neither flags nor footer.
+/// betaflight src/main/rx/sbus.c: a frame begins after more than 600 us without a byte. Bytes after
+/// a whole frame are ignored until the next such gap. Flags and footer are not checked.
 class BetaflightSbusReader : public GapSbusReader {
   public:
     const Frame* take(std::uint8_t byte, Duration at) {
@@ -50,8 +50,8 @@ class BetaflightSbusReader : public GapSbusReader {
     }
 };
 
-/// ArduPilot libraries/AP_RCProtocol/AP_RCProtocol_SBUS.cpp: a frame begins with a header behind
-/// 4000 us without a byte. Judges neither flags nor footer.
+/// ArduPilot libraries/AP_RCProtocol/AP_RCProtocol_SBUS.cpp: a frame begins with a header after
+/// 4000 us without a byte. Flags and footer are not checked.
 class ArduPilotSbusReader : public GapSbusReader {
   public:
     const Frame* take(std::uint8_t byte, Duration at) {

@@ -22,10 +22,11 @@ constexpr std::uint8_t kIa6Header = 0x55;
 constexpr std::size_t kIa6Length = 31;
 constexpr std::size_t kIa6SlotsAt = 1;
 
-// i-BUS2 (AFHDS 3, another protocol): the two low bits of the first byte are the packet type, 0
-// for channels, the next four its subtype (0 to 2 in use); then the length; a CRC-8 with
-// polynomial 0x25 and start value 0xFF ends it. Facts: ArduPilot AP_IBus2, from FlySky's document
-// V2.4 and captures of a FTr8B (the start value; Betaflight has 0, which the captures refute).
+// i-BUS2 (AFHDS 3) is another protocol. The two low bits of the first byte are the packet type (0
+// for channels), the next four bits its subtype (0 to 2 in use). The length follows. The last byte
+// is a CRC-8 with polynomial 0x25 and start value 0xFF. Facts: ArduPilot AP_IBus2, from FlySky's
+// document V2.4 and captures of a FTr8B (the start value; Betaflight has 0, which the captures
+// refute).
 constexpr std::uint8_t kIbus2TypeMask = 0x03;
 constexpr unsigned kIbus2SubtypeShift = 2;
 constexpr std::uint8_t kIbus2SubtypeMask = 0x0F;
@@ -48,14 +49,15 @@ void put_word(std::span<std::uint8_t> bytes, std::size_t position, std::uint16_t
     bytes[position + 1] = static_cast<std::uint8_t>(word >> 8);
 }
 
-/// 0xFFFF less each byte before the checksum (docs/protocols/ibus.md, "Servo frame").
+/// Returns 0xFFFF minus each byte before the checksum (docs/protocols/ibus.md, "Servo frame").
 std::uint16_t servo_checksum(std::span<const std::uint8_t> body) {
     return static_cast<std::uint16_t>(std::accumulate(
         body.begin(), body.end(), 0xFFFF, [](int sum, int byte) { return sum - byte; }));
 }
 
-/// The sum of the 14 words, without the header (docs/protocols/ibus.md, "Variants"). Words beyond
-/// 12 bits are no channel: the plain sum is weak, and this keeps noise out.
+/// Returns whether the checksum is the sum of the 14 words without the header
+/// (docs/protocols/ibus.md, "Variants"). Words of more than 12 bits are refused: the plain sum is
+/// weak, and this keeps noise out.
 bool ia6_holds(std::span<const std::uint8_t> frame) {
     unsigned sum = 0;
     for (std::size_t slot = 0; slot < kSlotCount; ++slot) {
@@ -122,8 +124,8 @@ PlainIbusDecoder::Candidate PlainIbusDecoder::candidate() const {
         return {Kind::ia6, kIa6Length};
     }
     const bool servo_length = first >= kShortestFrame && first <= kLongestFrame && first % 2 == 0;
-    // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
-    // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
+    // An i-BUS2 frame may take longer to end than the next i.Bus frame. A line carries only one of
+    // the two protocols, so i-BUS2 is looked for only until the line has shown i.Bus.
     const bool maybe_ibus2 = usual_length_ == 0 && may_be_ibus2(first);
     if (!servo_length && !maybe_ibus2) {
         return {};
@@ -223,7 +225,7 @@ std::optional<DecodedFrame> PlainIbusDecoder::next(std::span<const std::uint8_t>
     }
 }
 
-/// All of it is there.
+/// Judges a candidate whose bytes are all in the buffer.
 std::optional<DecodedFrame> PlainIbusDecoder::judge_whole(const Candidate& found,
                                                           Instant received) {
     if (buffer_.damaged(0, found.length) || !checksum_holds(found)) {
@@ -240,7 +242,8 @@ std::optional<DecodedFrame> PlainIbusDecoder::judge_whole(const Candidate& found
     return std::nullopt;
 }
 
-/// Another length than the usual one counts when it has come three times in a row.
+/// Returns whether frames of this length count. A length other than the usual one counts when it
+/// has come three times in a row.
 bool PlainIbusDecoder::length_counts(std::size_t length) {
     if (usual_length_ == 0 || length == usual_length_) {
         return true;
@@ -253,7 +256,7 @@ bool PlainIbusDecoder::length_counts(std::size_t length) {
     return others_in_a_row_ == 3;
 }
 
-/// Nothing more of what waits comes.
+/// Judges what is in the buffer as if no more bytes would come.
 std::optional<DecodedFrame> PlainIbusDecoder::silence() {
     while (buffer_.size() > 0) {
         const Candidate found = candidate();

@@ -11,7 +11,7 @@
 #include "transports/codecs/codec.h"
 #include "transports/codecs/ibus.h"
 
-/// The plain form of the i.Bus codec: tests compare the quick one with it.
+/// The plain form of the i.Bus codec. Tests compare the fast codec with it.
 namespace tribus::reference {
 
 /// What IbusDecoder must do, with each step written out.
@@ -31,7 +31,7 @@ class PlainIbusDecoder {
     enum class Kind : std::uint8_t { noise, undecided, servo, ia6, ibus2 };
     struct Candidate {
         Kind kind = Kind::noise;
-        std::size_t length = 0;  ///< bytes wanted in the buffer to judge it
+        std::size_t length = 0;  ///< bytes that the buffer needs before this can be judged
     };
     enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2, kLength };
 
@@ -43,10 +43,10 @@ class PlainIbusDecoder {
     void skip(std::size_t count);
     DecodedFrame take_frame(const Candidate& candidate, Instant received);
 
-    /// One byte more than the longest candidate, so that a damaged byte always finds room.
+    /// One byte longer than the longest candidate, so that a damaged byte always has room.
     PlainLineBuffer<kLongestSerialFrame> buffer_;
     IbusSlots slots_;
-    /// Of the frames that count; 0: none has come.
+    /// Length of the frames that count. 0: none has come yet.
     std::size_t usual_length_ = 0;
     std::size_t other_length_ = 0;
     int others_in_a_row_ = 0;

@@ -9,8 +9,8 @@
 
 namespace tribus::reference {
 
-/// The bytes that a decoder has not judged yet, each with a mark if the line damaged it, and their
-/// place in the whole stream. Fixed capacity; adding more than `room()` is a bug of the caller.
+/// The bytes that a decoder has not judged yet, with their position in the whole stream. Bytes that
+/// the line damaged are marked. The capacity is fixed; the caller must not add more than `room()`.
 template <std::size_t Capacity>
 class PlainLineBuffer {
   public:

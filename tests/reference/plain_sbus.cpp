@@ -26,8 +26,8 @@ bool flags_allowed(std::uint8_t flags) {
     return (flags & kFlagsUnused) == 0;
 }
 
-/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (docs/protocols/sbus.md,
-/// "Footer and SBUS2").
+/// 0x00 is SBUS, x4 is SBUS2, 0x08 is FASSTest 12CH. Slots follow the last two
+/// (docs/protocols/sbus.md, "Footer and SBUS2").
 bool footer_allowed(std::uint8_t footer) {
     const unsigned low = footer & 0x0FU;
     return low == 0x0 || low == 0x4 || low == 0x8;
@@ -94,8 +94,8 @@ bool PlainSbusDecoder::well_formed(std::size_t start) const {
            footer_allowed(buffer_[start + kFooterAt]) && !buffer_.damaged(start, kSbusFrameLength);
 }
 
-/// All that is legible agrees that a frame stands here, so the next one follows in its place. Where
-/// a slot may stand as well, an illegible header proves nothing.
+/// Returns whether every undamaged byte agrees with a frame at `start`, so that the next frame
+/// follows in its place. Where a slot may be instead, a frame with a damaged header proves nothing.
 bool PlainSbusDecoder::only_damaged(std::size_t start) const {
     const auto fits = [&](std::size_t offset, bool right) {
         return buffer_.damaged(start + offset) || right;
@@ -175,7 +175,7 @@ bool PlainSbusDecoder::step_locked() {
         frame_ready_ = true;
     } else if (may_be_frame && only_damaged(0)) {
         skip(kSbusFrameLength);
-        // Its footer may be illegible: whether slots follow is unknown, so they are let pass.
+        // The footer may be damaged, so it is unknown whether slots follow: they are allowed.
         slots_left_ = kSlotsPerFrame;
     } else {
         if (may_be_frame) {
@@ -188,8 +188,8 @@ bool PlainSbusDecoder::step_locked() {
     return true;
 }
 
-/// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last
-/// one that is beyond doubt.
+/// Returns how many bytes before the footer are the same in the frame at `start` and in the last
+/// frame beyond doubt. The footer cycles in SBUS2.
 int PlainSbusDecoder::likeness(std::size_t start) const {
     const auto bytes = buffer_.view(start, kFooterAt);
     return std::inner_product(bytes.begin(), bytes.end(), trusted_.begin(), 0, std::plus<>{},
@@ -197,8 +197,8 @@ int PlainSbusDecoder::likeness(std::size_t start) const {
 }
 
 bool PlainSbusDecoder::step_recovering() {
-    // With slots around, the fault may as well have hit them, or the frame in front of them, so
-    // the next frame may stand anywhere. Sticks that move hardly feign a frame twice; if they stand
+    // With slots around, the fault may have hit a slot or the frame before it, so the next frame
+    // may be anywhere. Sticks that move are unlikely to imitate a frame twice. If the sticks stand
     // still, the true frame is the one most like the last.
     constexpr int kSticksStandStill = 20;
     const bool among_slots = slots_follow(latest_[kFooterAt]) || slots_follow(trusted_[kFooterAt]);
@@ -245,7 +245,7 @@ void PlainSbusDecoder::end_recovering(State next) {
     state_ = next;
 }
 
-/// A frame with another behind it stands at `start`.
+/// Locks onto the frame at `start`, which has another frame behind it.
 void PlainSbusDecoder::lock_onto(std::size_t start) {
     skip(start);
     std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
@@ -269,7 +269,7 @@ DecodedFrame PlainSbusDecoder::take_frame(Instant received) {
     raw_ = wire.raw;
     footer_[0] = wire.footer;
     slots_left_ = slots_follow(wire.footer) ? kSlotsPerFrame : 0;
-    // That this one stands in its place puts the one before it beyond doubt.
+    // This frame is in its place, so the one before it is beyond doubt.
     trusted_ = latest_;
     std::ranges::copy(buffer_.view(0, kSbusFrameLength), latest_.begin());
     buffer_.drop(kSbusFrameLength);
@@ -311,8 +311,8 @@ std::optional<DecodedFrame> PlainSbusDecoder::next(std::span<const std::uint8_t>
     }
 }
 
-/// What waits is cut off. But a frame that ends here is proved if it is all that ever came, or if
-/// no frame began where it was expected.
+/// A pause cuts off the bytes in the buffer. A frame that ends at the pause is proved only if it is
+/// all that ever came, or if no frame began where one was expected.
 std::optional<DecodedFrame> PlainSbusDecoder::silence() {
     const bool first_of_all =
         buffer_.first_position() == start_position_ && buffer_.size() == kSbusFrameLength;

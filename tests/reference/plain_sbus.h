@@ -13,10 +13,10 @@
 #include "transports/codecs/sbus.h"
 #include "transports/codecs/sbus_scale.h"
 
-/// The plain form of the SBUS codec: tests compare the quick one with it.
+/// The plain form of the SBUS codec. Tests compare the fast codec with it.
 namespace tribus::reference {
 
-/// Reads 25 bytes without judging them.
+/// Reads 25 bytes without checking them.
 SbusFrame plain_parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire);
 /// Writes 25 bytes.
 void plain_emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength> wire);
@@ -25,7 +25,7 @@ void plain_emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameL
 class PlainSbusDecoder {
   public:
     explicit PlainSbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
-    /// `details` are views of its own members.
+    /// `details` points to members of this object, so it cannot be copied.
     PlainSbusDecoder(const PlainSbusDecoder&) = delete;
     PlainSbusDecoder& operator=(const PlainSbusDecoder&) = delete;
     ~PlainSbusDecoder() = default;
@@ -44,8 +44,8 @@ class PlainSbusDecoder {
     enum class Verdict : std::uint8_t { no, undecided, yes };
     enum RejectCause : std::size_t { kFraming, kDamaged };
 
-    /// Where a bad frame may end, the likeliest first: one byte of it was lost (a UART overruns, it
-    /// does not invent), none, or one added; then, among slots, anywhere.
+    /// Lengths that a bad frame may have, the likeliest first: one byte lost (a UART may overrun,
+    /// but it does not add bytes), none lost, one added; then, among slots, any length.
     static constexpr std::array kEnds = [] {
         std::array<std::size_t, kSbusFrameLength + 1> ends{kSbusFrameLength - 1, kSbusFrameLength,
                                                            kSbusFrameLength + 1};
@@ -55,8 +55,8 @@ class PlainSbusDecoder {
     static constexpr std::size_t kSlotLength = 3;
     static constexpr std::size_t kSlotsPerFrame = 8;
     static constexpr std::size_t kSlotsLength = kSlotLength * kSlotsPerFrame;
-    /// A bad frame with one byte added, then a frame and a second one as proof, each with slots in
-    /// front; and room for a damaged byte.
+    /// A bad frame with one byte added, then two frames as proof, each with slots before it, and
+    /// room for a damaged byte.
     static constexpr std::size_t kCapacity =
         (kSbusFrameLength + 1) + 2 * (kSlotsLength + kSbusFrameLength) + 1;
 
@@ -66,7 +66,7 @@ class PlainSbusDecoder {
     Verdict judge(std::size_t start) const;
     int likeness(std::size_t start) const;
 
-    /// Each does one step and says whether it could; if not, more bytes are needed.
+    /// Each function does one step. It returns false when it needs more bytes.
     bool step_unlocked();
     bool step_locked();
     bool step_recovering();
@@ -78,12 +78,13 @@ class PlainSbusDecoder {
     PlainLineBuffer<kCapacity> buffer_;
     State state_ = State::unlocked;
     bool frame_ready_ = false;
-    /// No header stands where a frame should: it counts if a frame is found behind without a pause.
+    /// There is no header where a frame should be. It counts as an error if a frame follows without
+    /// a pause.
     bool stray_bytes_ = false;
     std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;
     std::array<std::uint8_t, kSbusFrameLength> latest_{};
-    /// The frame before the latest: beyond doubt, for the latest stood in its place behind it.
+    /// The frame before the latest. It is beyond doubt because the latest followed in its place.
     std::array<std::uint8_t, kSbusFrameLength> trusted_{};
     SbusScale scale_;
     std::array<NamedCount, 2> rejected_{{{"framing"}, {"damaged"}}};

@@ -11,10 +11,11 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/codec.h"
 
-/// A decoder and its plain form over the same line: nothing that can be asked of them may differ.
+/// A fast decoder and its plain form read the same line. Any difference that a caller can see is an
+/// error.
 namespace tribus::reference {
 
-/// One byte of a line; its value counts only if the line did not damage it.
+/// One byte of a line. `value` counts only if the byte is not damaged.
 struct LineByte {
     std::uint8_t value = 0;
     bool damaged = false;
@@ -34,7 +35,7 @@ class SideBySide {
     template <class Option>
     explicit SideBySide(Option option) : quick_(option), plain_(option) {}
 
-    /// One read of bytes that all came well.
+    /// Reads undamaged bytes in one call.
     void read(std::span<const std::uint8_t> bytes) {
         const Instant received(Duration(++reads_));
         std::span<const std::uint8_t> rest = bytes;
@@ -58,7 +59,7 @@ class SideBySide {
         plain_.damaged_byte();
     }
 
-    /// Cuts the line at `ends`, which ascend, and at damaged bytes.
+    /// Cuts the line at the ascending positions in `ends` and at damaged bytes.
     void read(std::span<const LineByte> line, std::span<const std::size_t> ends) {
         std::vector<std::uint8_t> piece;
         std::size_t cut = 0;
@@ -80,7 +81,7 @@ class SideBySide {
         read(piece);
     }
 
-    /// The line pauses.
+    /// Tells both decoders that the line pauses.
     void silence() {
         DecodedFrame frame = left_over();
         while (quick_.silence(frame)) {
@@ -94,14 +95,14 @@ class SideBySide {
         compare_counts();
     }
 
-    /// The line is taken away.
+    /// Resets both decoders, as when the line is taken away.
     void reset() {
         quick_.reset();
         plain_.reset();
         compare_counts();
     }
 
-    /// The line pauses, or is taken away, behind some of the pieces.
+    /// Reads the line in pieces, with a pause or a reset after each.
     void read_with_pauses(std::span<const LineByte> line, std::span<const std::size_t> ends,
                           test::Random& random) {
         std::size_t begin = 0;
@@ -121,7 +122,7 @@ class SideBySide {
             const auto frame = quick_.finish();
             const auto plain = plain_.finish();
             if (frame.has_value() != plain.has_value()) {
-                differs("one of them finishes a frame");
+                differs("only one of them finishes a frame");
             }
             if (!frame || !plain) {
                 break;
@@ -131,12 +132,12 @@ class SideBySide {
         compare_counts();
     }
 
-    /// Empty while they agree.
+    /// Describes the first difference; empty while the decoders agree.
     const std::string& difference() const { return difference_; }
     std::size_t frames() const { return frames_; }
 
   private:
-    /// What stands in the frame before must not come through.
+    /// A frame full of old values, none of which may remain after decoding.
     static DecodedFrame left_over() {
         DecodedFrame frame{.first_byte = 12345, .length = 7};
         for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -189,7 +190,7 @@ class SideBySide {
 
     void compare_counts() {
         if (quick_.skipped_bytes() != plain_.skipped_bytes()) {
-            differs(std::to_string(quick_.skipped_bytes()) + " bytes skipped and not " +
+            differs(std::to_string(quick_.skipped_bytes()) + " bytes skipped instead of " +
                     std::to_string(plain_.skipped_bytes()));
         }
         const auto counts = quick_.rejected();
@@ -197,7 +198,7 @@ class SideBySide {
         for (std::size_t i = 0; i < counts.size(); ++i) {
             if (counts[i].count != plain_counts[i].count) {
                 differs(std::string(counts[i].name) + " counted " +
-                        std::to_string(counts[i].count) + " times and not " +
+                        std::to_string(counts[i].count) + " times instead of " +
                         std::to_string(plain_counts[i].count));
             }
         }

@@ -27,7 +27,7 @@ double percentile(std::vector<Duration> ages, std::size_t percent) {
     return ages.empty() ? 0 : milliseconds(ages[(ages.size() - 1) * percent / 100]);
 }
 
-/// What a reader of the output met, as one row of the table.
+/// Returns one row of the table: the age of good frames and the time until failsafe at one output.
 std::string row(const std::string& output, Duration input_period, double loss, Duration jitter) {
     constexpr std::uint64_t kSeed = 2026;
     Simulation simulation(configuration_of(main_job(output)),

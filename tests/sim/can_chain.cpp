@@ -40,7 +40,7 @@ to   = "servos"
                        settings.protocol, settings.format);
 }
 
-/// What the reader's interface hears, in the order of arrival.
+/// Returns what the reader's interface receives, in the order of arrival.
 std::vector<ReceivedCanFrame> carry(const std::vector<WrittenToCan>& written,
                                     const ChainSettings& settings) {
     CanFaultInjector faults(settings.faults, settings.seed);

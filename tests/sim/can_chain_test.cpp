@@ -25,22 +25,23 @@ constexpr Duration kTimeout = 100ms;
 constexpr Duration kHold = 300ms;
 constexpr Duration kRecover = 500ms;
 constexpr Duration kMostDelay = 5ms;
-/// From A's first frame to B's last one.
+/// Longest time from the first frame of a snapshot at A to its last one at B.
 constexpr Duration kMostBusTime = 5 * kCanFrameTime + kMostDelay;
-/// The oldest values that A sends unmarked: a frame speaks until the next one.
+/// Age of the oldest values that A sends unmarked. They count until A's next frame.
 constexpr Duration kOldestSent = kTimeout - kChainPeriod;
 
 struct Format {
     const char* name;
     const char* lines;
-    /// How much younger than they are B may take values for, besides their time on the bus.
+    /// Largest part of the age, besides the time on the bus, that the format does not tell B.
     Duration untold_age;
     const char* protocol = "can";
     const char* sender_lines = "";
-    /// Whether it has checks of its own against bits that flip, which CAN itself finds nearly all.
+    /// Whether the format finds flipped bits itself. CAN finds nearly all of them.
     bool finds_flipped_bits = true;
 };
-/// Ages are told to the nearest 0.25 ms up to 63.5 ms, or not at all, or to the nearest 0.01 ms.
+/// Classic frames tell ages to the nearest 0.25 ms up to 63.5 ms, FD frames to the nearest 0.01 ms,
+/// the other formats not at all.
 constexpr Duration kUntoldByClassic = kOldestSent - 63'500us + 125us;
 constexpr std::array kFormats{
     Format{"classic, P22", "", kUntoldByClassic},
@@ -56,7 +57,7 @@ std::ostream& operator<<(std::ostream& out, const Format& format) {
     return out << format.name;
 }
 
-/// Each seed has its own mix: some buses are clean, on some every tenth frame is hurt somehow.
+/// Each seed has its own mix: some buses are clean, on some every tenth frame has a fault.
 CanFaultSettings nasty(std::uint64_t seed, const Format& format) {
     const auto level = [&](unsigned divisor, unsigned steps) {
         return 0.1 * static_cast<double>(seed / divisor % steps) / steps;
@@ -98,7 +99,7 @@ class CanChainTest : public testing::TestWithParam<Format> {
 
 INSTANTIATE_TEST_SUITE_P(Formats, CanChainTest, testing::ValuesIn(kFormats));
 
-/// The first frame from `from` on that `says` so.
+/// Returns when the first frame from `from` on was written for which `says` is true.
 template <class Says>
 Instant first_that(const CanChain& chain, Instant from, Says says) {
     const auto& written = chain.b().written();
@@ -134,8 +135,8 @@ TEST_P(CanChainTest, no_frame_carries_older_values_than_the_one_before) {
 }
 
 TEST_P(CanChainTest, good_values_are_not_older_than_the_timeouts_allow_until_the_next_frame) {
-    // Where the age is told, A's waiting counts at B, so that their timeouts do not add up; the
-    // time on the bus is what nobody can tell.
+    // If the format tells the age, the waiting at A counts at B, so the two timeouts do not add up.
+    // No format can tell the time on the bus.
     const Duration allowed = kTimeout + GetParam().untold_age + kMostBusTime;
     for_all_seeds([&](const CanChain& chain) {
         for (const Written& written : chain.b().written()) {
@@ -169,7 +170,7 @@ TEST_P(CanChainTest, the_loss_of_the_bus_is_marked_within_the_timeout_then_fails
         EXPECT_LE(lost - kBusDies, kTimeout);
         EXPECT_LE(failsafe - kBusDies, kTimeout + kHold);
         if (loss == 0) {
-            // The last values are as old as i.Bus, A's period and the bus make them.
+            // The last values are already as old as i.Bus, A's period and the bus make them.
             EXPECT_GE(lost - kBusDies, kTimeout - 4 * kChainPeriod);
             EXPECT_GE(failsafe - kBusDies, kTimeout + kHold - 4 * kChainPeriod);
         }
@@ -182,7 +183,7 @@ TEST_P(CanChainTest, the_return_of_the_bus_gives_control_back_after_recover) {
         const Instant good =
             first_that(chain, kBusReturns, [](const ChannelFrame& frame) { return frame.good(); });
         EXPECT_GE(good - kBusReturns, kRecover);
-        // Three snapshots of proof, and the losses among them.
+        // Three snapshots prove the sender, and some of them may be lost.
         EXPECT_LE(good - kBusReturns, kRecover + (loss == 0 ? 5 : 25) * kChainPeriod);
     }
 }

@@ -10,7 +10,7 @@
 
 #include "tests/sim/stored_table.h"
 
-/// Each detector alone against the loss that it is for, and with its off switch.
+/// Each loss detector alone: against the loss that it is for, and switched off.
 namespace tribus::test::detectors_test {
 namespace {
 
@@ -18,7 +18,7 @@ using namespace std::chrono_literals;
 
 struct Row {
     std::string_view detector;
-    std::string_view line;  ///< in [input.receiver]
+    std::string_view line;  ///< configuration line in [input.receiver]
     std::string_view protocol;
     std::string_view loss;
     std::function<std::optional<ChannelFrame>(Duration, const ChannelFrame&)> lost;
@@ -44,7 +44,7 @@ std::optional<ChannelFrame> one_good_in_twelve(Duration since, const ChannelFram
 std::optional<ChannelFrame> frozen(Duration /*since*/, const ChannelFrame& last) {
     return last;
 }
-/// The throttle is at so many microseconds.
+/// Sets the throttle to this value.
 auto throttle_at(std::int64_t microseconds) {
     return [microseconds](Duration, ChannelFrame last) {
         last.set(2, Pulse::from_microseconds(microseconds));

@@ -18,8 +18,8 @@ using namespace std::chrono_literals;
 constexpr std::uint64_t kSignature = 0x771555E596AAB4CF;
 constexpr std::size_t kMostBytes = 53;
 
-/// More senders than there is room for, both kinds of frames, losses, pauses of more than 2 s and
-/// payloads that are too long: every way through the receiver.
+/// The receiver takes every path: more senders than it has room for, both kinds of frames, losses,
+/// pauses of more than 2 s and payloads that are too long.
 TEST(DronecanTransfer, NeitherSideAllocatesOnceItIsMade) {
     TransferReceiver receiver(
         {{.data_type_id = 1140, .signature = kSignature, .most_bytes = kMostBytes},

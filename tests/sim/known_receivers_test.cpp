@@ -11,8 +11,9 @@
 
 #include "tests/sim/stored_table.h"
 
-/// Each receiver of the reference loses its transmitter for ten seconds: `learn` studies it, its
-/// lines go into a configuration, and the whole engine runs over the same bytes.
+/// Each receiver of tests/support/known_receivers.h loses its transmitter for ten seconds. `learn`
+/// studies it, the lines that it prints go into a configuration, and the whole engine runs over the
+/// same bytes.
 namespace tribus::test::known_receivers_test {
 namespace {
 
@@ -35,7 +36,8 @@ TEST_P(KnownReceivers, loss_is_recognised_with_the_lines_that_learn_prints_or_sa
     EXPECT_EQ(learned.recognised, recognisable) << fmt::format("{}", learned.findings);
     EXPECT_TRUE(run.always_in_control_before());
     EXPECT_EQ(run.in_failsafe_at(study_times().back - 1s), recognisable);
-    EXPECT_FALSE(run.in_failsafe_at(study_end() - 500ms)) << "it comes back";
+    EXPECT_FALSE(run.in_failsafe_at(study_end() - 500ms))
+        << "failsafe goes on although the transmitter is back";
 }
 
 TEST_P(KnownReceivers, loss_ends_in_failsafe_no_later_than_its_kind_allows) {
@@ -50,14 +52,14 @@ TEST_P(KnownReceivers, loss_ends_in_failsafe_no_later_than_its_kind_allows) {
         case ToldBy::frame_lost:
             EXPECT_LE(run.to_failsafe(), kHold + 100ms + kPeriod + receiver.period);
             break;
-        case ToldBy::silence:  // one of them sends for 400 ms more
+        case ToldBy::silence:  // one of these receivers sends for 400 ms more
             EXPECT_LE(run.to_failsafe(), kHold + 500ms + kPeriod);
             break;
         case ToldBy::standing_still:
             EXPECT_LE(run.to_failsafe(), kHold + 2s + kPeriod);
             break;
         case ToldBy::nothing:
-            EXPECT_FALSE(learned.advice.empty()) << "the person is told what to set";
+            EXPECT_FALSE(learned.advice.empty()) << "no advice about the setting of the receiver";
             EXPECT_TRUE(learned.lines.empty());
             break;
     }

@@ -19,7 +19,7 @@
 #include "tests/support/known_receivers.h"
 #include "transports/codecs/sbus.h"
 
-/// Receivers that lose their transmitter, through `learn` and the whole engine.
+/// Receivers that lose their transmitter, run through `learn` and the whole engine.
 namespace tribus::test {
 
 inline std::string job_with(std::string_view protocol, const std::vector<std::string>& lines) {
@@ -53,7 +53,7 @@ inline std::vector<StudiedFrame> decoded(const InputConfig& input,
     return frames;
 }
 
-/// What the output of a configuration says while a receiver loses its link and finds it again.
+/// Records an output's frames while the receiver loses its link and finds it again.
 class LossRun final : public OutputObserver {
   public:
     LossRun(const Configuration& configuration, const std::vector<WireFrame>& wire)
@@ -74,7 +74,7 @@ class LossRun final : public OutputObserver {
     }
     std::optional<Duration> to_failsafe() const { return first(study_times().off, true); }
     std::optional<Duration> to_control() const { return first(study_times().back, false); }
-    /// From the start until the loss, less the first two seconds.
+    /// Returns whether the output was in control from two seconds after the start until the loss.
     bool always_in_control_before() const {
         return std::ranges::none_of(says_, [](const Says& says) {
             return says.at > Instant(std::chrono::seconds(2)) && says.at < study_times().off &&
@@ -103,7 +103,7 @@ class LossRun final : public OutputObserver {
     LinkCause cause_while_lost_ = LinkCause::never_seen;
 };
 
-/// What `learn` finds out about it, with a pilot at the sticks.
+/// Returns what `learn` finds out about the receiver while a pilot moves the sticks.
 inline LossStudyResult study(const KnownReceiver& receiver) {
     const Configuration plain = configuration_of(job_with(receiver.protocol, {}));
     const auto wire =
@@ -111,7 +111,7 @@ inline LossStudyResult study(const KnownReceiver& receiver) {
     return study_loss(plain.inputs[0], decoded(plain.inputs[0], wire), study_times());
 }
 
-/// With the lines that were learned, over what the receiver sends for a flight.
+/// Runs the engine with the learned lines over what the receiver sends during `flight`.
 inline LossRun run_with(const LossStudyResult& learned, const KnownReceiver& receiver,
                         const Flight& flight) {
     return LossRun(configuration_of(job_with(receiver.protocol, learned.lines)),

@@ -18,8 +18,9 @@ constexpr Duration kPeriod = 7ms;
 constexpr Duration kTimeout = 100ms;
 constexpr Duration kHold = 300ms;
 
-/// Each seed has its own mix: some wires are clean, some lose every fifth frame. No silent bit
-/// errors: two of them can cancel in the sum that i.Bus has for a checksum, and no reader can tell.
+/// Each seed has its own mix: some wires are clean, some lose every fifth frame. There are no
+/// flipped bits: two of them can cancel in the checksum of i.Bus, which is a sum, and no reader can
+/// notice.
 FaultSettings nasty(std::uint64_t seed) {
     const auto level = [&](unsigned divisor, unsigned steps) {
         return static_cast<double>(seed / divisor % steps) / steps;

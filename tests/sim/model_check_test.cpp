@@ -22,11 +22,11 @@
 #include "tests/sim/simulation.h"
 #include "transports/codecs/codec.h"
 
-/// The failsafe and the selection of inputs as a machine of states, searched until no history leads
-/// to a new one: timers are one to three steps long, and in each step an input's sender does one of
-/// few things. What the output does is held against what it may do by the history alone. States are
-/// told apart by what can be seen of them, capped where timers have run out; so short histories are
-/// all tried besides, whatever state they lead to.
+/// Failsafe and the selection of inputs as a state machine, searched until no history leads to a
+/// new state. Timers are one to three steps long, and in each step the sender of an input does one
+/// of a few things. The output is compared with what the history alone allows. Two states are the
+/// same if what an observer knows is the same, with elapsed timers capped. States could therefore
+/// hide differences, so all short histories are tried as well.
 namespace tribus::test::model_check_test {
 namespace {
 
@@ -34,11 +34,11 @@ constexpr Duration kStep = std::chrono::milliseconds(10);
 constexpr int kTimeoutSteps = 3;
 constexpr int kHoldSteps = 1;
 constexpr int kRecoverSteps = 1;
-/// A frame speaks until the next one, so losses are judged a period ahead; and an output's own
-/// tick lies up to a period behind the event.
+/// A frame counts until the next one, so losses are judged a period ahead. The output's own tick is
+/// up to a period after the event.
 constexpr int kPeriodSteps = 1;
 
-/// What an input's sender does in a step.
+/// What the sender of an input does in one step.
 enum class Act : std::uint8_t { good, silence, failsafe, frame_lost };
 std::ostream& operator<<(std::ostream& out, Act act) {
     constexpr std::string_view kNames = "g.FL";
@@ -61,7 +61,7 @@ std::string job(std::size_t inputs, std::string_view mode) {
            "power_on = \"0ms\"\npreset = { other = 1234 }\n";
 }
 
-/// The output after a step.
+/// What an observer sees of the output after a step.
 struct Seen {
     OutputStage stage = OutputStage::failsafe;
     bool good = false;
@@ -75,7 +75,7 @@ struct Undamaged {
     bool operator[](std::size_t /*position*/) const { return false; }
 };
 
-/// One engine from its start on.
+/// One engine, from its start.
 class Machine {
   public:
     explicit Machine(const Configuration& configuration)
@@ -85,7 +85,7 @@ class Machine {
         }
     }
 
-    /// One act of each input, then a step of time.
+    /// Performs one act at each input, then a step of time.
     Seen step(std::span<const Act> acts) {
         for (std::size_t i = 0; i < acts.size(); ++i) {
             if (acts[i] != Act::silence) {
@@ -105,7 +105,7 @@ class Machine {
         frame.failsafe = act == Act::failsafe;
         frame.frame_lost = act == Act::frame_lost;
         for (std::size_t channel = 0; channel < 16; ++channel) {
-            // Inputs agree, so that a median outvotes nobody.
+            // The inputs agree, so a median rejects none of them.
             frame.set(channel, Pulse::from_microseconds(1500 + number_ % 2));
         }
         ++number_;
@@ -122,7 +122,7 @@ class Machine {
     int number_ = 0;
 };
 
-/// What may be known of one input from outside, in steps.
+/// What an observer knows about one input, in steps.
 class Known {
   public:
     void take(Act act) {
@@ -135,7 +135,7 @@ class Known {
         since_frame_ = 0;
         says_failsafe_ = act == Act::failsafe;
         lost_run_ = act == Act::frame_lost ? lost_run_ + 1 : 0;
-        // A decoder of SBUS takes its first frame when the second one proves it.
+        // An SBUS decoder accepts its first frame only when the second one proves it.
         ++frames_;
         const bool first_is_proven = frames_ == 2 && first_was_good_;
         first_was_good_ = frames_ == 1 ? act == Act::good : first_was_good_;
@@ -146,7 +146,7 @@ class Known {
     int since_good() const { return since_good_; }
     int good_run() const { return good_run_; }
     bool says_failsafe() const { return says_failsafe_; }
-    /// What tells states apart.
+    /// Text that differs between any two states that an observer can tell apart.
     std::string key() const {
         constexpr int kCap = kTimeoutSteps + kHoldSteps + kRecoverSteps + 2 * kPeriodSteps;
         return fmt::format("{},{},{},{},{},{};", std::min(since_good_, kCap),
@@ -157,24 +157,24 @@ class Known {
   private:
     int since_good_ = 1000;
     int since_frame_ = 1000;
-    int good_run_ = 0;  ///< good frames one after the other, none missing, none marked
+    int good_run_ = 0;  ///< good frames in a row, none missing, none marked
     int lost_run_ = 0;
     int frames_ = 0;
     bool first_was_good_ = false;
-    bool says_failsafe_ = false;  ///< its newest frame does
+    bool says_failsafe_ = false;  ///< the newest frame is marked failsafe
 };
 
 void check(const Seen& seen, const std::vector<Known>& known, int step) {
     const int freshest = std::ranges::min(known, {}, &Known::since_good).since_good();
     if (seen.good) {
-        EXPECT_LE(freshest, kTimeoutSteps) << "stale values unmarked";
+        EXPECT_LE(freshest, kTimeoutSteps) << "stale values are not marked";
     }
-    // By its flag at once, by its silence within its timeout.
+    // A loss counts at once if the input flags it, or after the timeout if the input is silent.
     if (seen.input) {
         const Known& input = known[*seen.input];
-        EXPECT_LE(input.since_good(), kTimeoutSteps + kPeriodSteps) << "a lost input in control";
+        EXPECT_LE(input.since_good(), kTimeoutSteps + kPeriodSteps) << "a lost input is in control";
         EXPECT_FALSE(input.says_failsafe() && input.since_good() > kPeriodSteps)
-            << "an input in control that says failsafe";
+            << "an input that says failsafe is in control";
     }
     if (freshest > kTimeoutSteps + kHoldSteps + kPeriodSteps) {
         EXPECT_EQ(seen.stage, OutputStage::failsafe) << "held for longer than hold";
@@ -184,11 +184,11 @@ void check(const Seen& seen, const std::vector<Known>& known, int step) {
         return input.good_run() > kRecoverSteps + 2 * kPeriodSteps;
     });
     if (one_is_back && step > kInStep + kRecoverSteps + kPeriodSteps) {
-        EXPECT_EQ(seen.stage, OutputStage::control) << "a good input is not heard";
+        EXPECT_EQ(seen.stage, OutputStage::control) << "a good input is not in control";
     }
 }
 
-/// What each input does in each step, one behind the other.
+/// The acts of all inputs, step after step.
 using History = std::vector<Act>;
 
 class ModelCheck : public testing::Test {
@@ -202,9 +202,8 @@ class ModelCheck : public testing::Test {
             choices_ *= acts_.size();
         }
     }
-    /// Until no history leads to a state that has not been seen, or, without TRIBUS_LONG in the
-    /// environment, until so many are known: the ones that the shortest histories lead to. How many
-    /// there are.
+    /// Extends histories, the shortest first, until none leads to a new state. Without TRIBUS_LONG
+    /// in the environment it stops when `enough` states are known. Returns the number of states.
     std::size_t explore_states(std::size_t enough) {
         if (std::getenv("TRIBUS_LONG") != nullptr) {
             enough = SIZE_MAX;
@@ -224,7 +223,7 @@ class ModelCheck : public testing::Test {
         }
         return states.size();
     }
-    /// All histories of that many steps.
+    /// Tries every history of `steps` steps.
     void explore_histories(std::size_t steps) {
         std::size_t histories = 1;
         for (std::size_t i = 0; i < steps; ++i) {
@@ -248,7 +247,8 @@ class ModelCheck : public testing::Test {
             choice /= acts_.size();
         }
     }
-    /// The state to which it leads. Steps in front have been checked when they were the last.
+    /// Returns the state after this history. Only its last step is checked: the earlier ones were
+    /// the last steps of shorter histories.
     std::string play(const History& history) const {
         Machine machine(configuration_);
         std::vector<Known> known(inputs_);
@@ -308,7 +308,7 @@ TEST_P(ModelCheckOfModes, EveryStateOfTwoLinks) {
 INSTANTIATE_TEST_SUITE_P(Modes, ModelCheckOfModes,
                          testing::Values("priority", "sticky", "freshest"));
 
-/// A median needs three.
+/// A median needs three inputs.
 TEST_F(ModelCheck, EveryStateOfAMedian) {
     set_up(3, "median", {Act::good, Act::silence});
     const std::size_t states = explore_states(1000);

@@ -11,14 +11,14 @@
 #include "tests/sim/random_world.h"
 #include "tests/sim/simulation.h"
 
-/// Random configurations, random receivers with random troubles: fail silent or fail explicit,
-/// never fail stale.
+/// Random configurations and random receivers with random troubles: the program may fail silent or
+/// fail explicit, but never fail stale.
 namespace tribus::test::never_stale_test {
 namespace {
 
 constexpr std::uint64_t kSeeds = 600;
 
-/// What happens to the program itself, spread over the time of the troubles.
+/// Reloads and stalls of the program itself, spread over the time of the troubles.
 struct OwnTroubles {
     int reloads = 0;
     int stalls = 0;
@@ -39,7 +39,7 @@ std::optional<std::string> broken_in(std::uint64_t seed, WorldKind kind, OwnTrou
         simulation.reload(configuration, Instant(20s * (reload + 1) / own.reloads - up_to(1s)));
     }
     for (int stall = 0; stall < own.stalls; ++stall) {
-        // Some shorter than any timeout, some longer.
+        // Some stalls are shorter than any timeout, some are longer.
         const Instant since = Instant(20s * (stall + 1) / own.stalls - up_to(500ms));
         simulation.stall(since, since + up_to(stall % 3 == 0   ? 30ms
                                               : stall % 3 == 1 ? 200ms
@@ -77,7 +77,7 @@ TEST(NeverStale, no_reader_that_stalls_in_a_random_world_breaks_a_promise) {
     });
 }
 
-/// Seeds that tests/sim/run.sh found, before what they found was mended.
+/// Seeds that tests/sim/run.sh found before the faults were fixed.
 TEST(NeverStale, no_world_that_broke_one_once_does_again) {
     std::ifstream file(std::string(TRIBUS_SOURCE_DIR) + "/tests/sim/regression_seeds.txt");
     ASSERT_TRUE(file);

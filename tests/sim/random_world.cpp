@@ -11,13 +11,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Troubles end here; what follows shows that everything comes back.
+/// Troubles end here. The time after that shows that everything recovers.
 constexpr Instant kTroublesEnd = Instant(20s);
-/// Numbers of different senders do not meet.
+/// Distance between the first frame numbers of two senders, so that no number occurs twice.
 constexpr std::uint32_t kNumbersApart = 200'000;
 
-/// SBUS has no checksum: of 200 frames that lost bytes, got some more or were cut, 5 may pass for
-/// frames (the best of others take 3 to 174).
+/// SBUS has no checksum: of 200 frames that lost bytes, got extra bytes or were cut, up to 5 may be
+/// taken for good frames (the best of other readers take 3 to 174).
 std::size_t most_invented_by(const Sender& sender) {
     constexpr double kFrameBytes = 25;
     constexpr double kWrongOfHit = 5.0 / 200;
@@ -27,7 +27,8 @@ std::size_t most_invented_by(const Sender& sender) {
     return static_cast<std::size_t>(frames * hit * kWrongOfHit);
 }
 
-/// Of channels 4 to 6, which no rule changes: of the others a reader's guess may be the same.
+/// Presets of channels 4 to 6, which no map rule changes. The presets of other channels can be
+/// equal to a reader's guess.
 constexpr std::array kPresetMicroseconds{1104, 1112, 1120};
 constexpr std::size_t kFirstPreset = 3;
 
@@ -51,8 +52,8 @@ std::string told(std::size_t output, const Written& written, std::string_view wh
 
 using Verdict = std::optional<std::string>;
 
-/// Every sender's values change with every frame, so an output whose values do not change repeats
-/// old ones.
+/// Reports an output that repeats old values. Every sender changes its values with each frame, so
+/// values that stay the same are old.
 Verdict repeats_old_values(std::size_t output, const RandomWorld& world,
                            const Simulation& simulation) {
     const std::vector<Written>& written = simulation.written(output);
@@ -61,7 +62,7 @@ Verdict repeats_old_values(std::size_t output, const RandomWorld& world,
     for (std::size_t i = 1; i < written.size(); ++i) {
         const ChannelFrame& frame = written[i].frame;
         since = frame.same_content(written[i - 1].frame) ? since : written[i].at;
-        // The first step of a slew into the presets is no step yet, and may be late itself.
+        // The first step of a slew into the presets does not move yet, and a stall may delay it.
         const bool late_step =
             world.blends() &&
             simulation.stalled_between(written[i].at - world.period(output), written[i].at);
@@ -72,8 +73,8 @@ Verdict repeats_old_values(std::size_t output, const RandomWorld& world,
     return std::nullopt;
 }
 
-/// Channels 4 to 6 are those of the frame with that number, or presets where it did not have them.
-/// A format that can say that a channel is absent does so.
+/// Returns whether channels 4 to 6 are those of the numbered frame, or presets where that frame
+/// lacks them. A format that can mark a channel as absent does so.
 bool says_what_was_sent(const Written& written) {
     const ChannelFrame sent = numbered_frame(*written.number);
     for (std::size_t i = 0; i < kPresetMicroseconds.size(); ++i) {
@@ -87,15 +88,15 @@ bool says_what_was_sent(const Written& written) {
     return true;
 }
 
-/// The values of a good frame are of a frame that has arrived, and not too long ago: a loss begins
-/// with the first frame that is missing or the same, an interval behind the last fresh one.
+/// Reports a good frame with values that no sender sent, or sent too long ago. A loss begins with
+/// the first frame that is missing or unchanged, one interval after the last fresh one.
 Verdict writes_what_nobody_says(std::size_t output, const RandomWorld& world,
                                 const Simulation& simulation) {
     const Duration longest = world.longest_unmarked(output) + world.longest_interval();
     std::size_t invented = 0;
     ChannelFrame latest;
     for (const Written& written : simulation.written(output)) {
-        // One that is held is one.
+        // A frame that is repeated while it is held counts once.
         const bool another = !written.frame.same_content(std::exchange(latest, written.frame));
         if (!written.frame.good() || is_preset(written.frame)) {
             continue;
@@ -108,10 +109,10 @@ Verdict writes_what_nobody_says(std::size_t output, const RandomWorld& world,
             }
             continue;
         }
-        // Bytes that were added push the last ones of a frame beyond what its reader needs.
+        // Extra bytes push the last bytes of a frame past the point where its reader is done.
         constexpr Duration kAddedBytes = 1200us;
         const auto arrived = simulation.arrived_at(sender, *written.number % kNumbersApart);
-        // One that was hurt may be what was read, or not.
+        // A damaged copy of the frame may have been read, or not.
         const auto whole = simulation.arrived_whole_at(sender, *written.number % kNumbersApart);
         const Instant read_at =
             std::max(arrived.value_or(Instant{}), std::min(whole.value_or(Instant{}), written.at));
@@ -124,9 +125,9 @@ Verdict writes_what_nobody_says(std::size_t output, const RandomWorld& world,
     return std::nullopt;
 }
 
-/// No two frames stand closer than they may, and none of one that is not silent is missing. A
-/// locked grid takes a whole number of input intervals for its step, and a sender whose clock is
-/// fast by a hundredth for one that keeps the period.
+/// Reports two frames that are too close, or a missing frame of an output that is not silent. A
+/// locked grid steps in whole input intervals and adapts to a sender whose clock is fast by one
+/// percent.
 Verdict loses_its_period(std::size_t output, const RandomWorld& world,
                          const Simulation& simulation) {
     const std::vector<Written>& written = simulation.written(output);
@@ -137,7 +138,8 @@ Verdict loses_its_period(std::size_t output, const RandomWorld& world,
     const Duration most = 2 * (locked ? period + std::min(interval, 2 * period) : period);
     for (std::size_t i = 1; i < written.size(); ++i) {
         const Duration gap = written[i].at - written[i - 1].at;
-        // A turn of a grid that comes late does not move the next one; a lock is found anew.
+        // A grid turn that is late does not move the next one. After a stall the lock starts
+        // anew.
         if (simulation.stalled_between(written[i - 1].at - 2 * period, written[i].at)) {
             continue;
         }
@@ -166,7 +168,7 @@ RandomWorld::RandomWorld(std::uint64_t seed, WorldKind kind) : random_(seed), ki
 Duration RandomWorld::longest_unmarked(std::size_t output) const {
     const Duration longest =
         longest_unnoticed_ + (marks_[output] ? 0ms : hold_) + 2 * periods_[output];
-    // One frame whose flags came wrong, among those that say failsafe, begins all that anew.
+    // One frame with wrong flags among those marked failsafe starts all these timers again.
     return most_invented_ > 0 ? 2 * longest : longest;
 }
 
@@ -178,7 +180,8 @@ void RandomWorld::duration(std::string_view key, Duration value) {
     line(fmt::format("{} = \"{}ms\"", key, value / 1ms));
 }
 
-/// Returns its protocol. Each has a bus of its own, for all have the same ids.
+/// Adds a port and returns its protocol. Each CAN port has its own bus, because all use the same
+/// ids.
 std::string RandomWorld::add_port(std::string_view end, std::size_t index, unsigned sbus_percent) {
     const bool can = kind_ == WorldKind::with_can && chance(50);
     const std::string protocol = can ? "can" : chance(sbus_percent) ? "sbus" : "ibus";
@@ -195,7 +198,7 @@ void RandomWorld::add_input(std::size_t index) {
     add_sender(index, protocol, watches_for_frozen);
 }
 
-/// Returns how long a loss may go unnoticed with them.
+/// Adds detectors to an input. Returns how long a loss may go unnoticed with them.
 Duration RandomWorld::add_detectors(bool has_flags, bool watches_for_frozen) {
     const Duration timeout = between(150ms, 400ms);
     duration("timeout", timeout);
@@ -226,18 +229,18 @@ void RandomWorld::add_sender(std::size_t index, const std::string& protocol, boo
                   .last = kEnd,
                   .faults_end = kTroublesEnd,
                   .first_number = static_cast<std::uint32_t>(kNumbersApart * index)};
-    // A snapshot on CAN needs each of its five frames.
+    // A snapshot on CAN needs all five of its frames, so fewer may be lost.
     sender.faults.drop_frame = !chance(30) ? 0 : protocol == "can" ? 0.05 : 0.2;
     sender.faults.lose_byte = chance(30) ? 0.005 : 0;
     sender.faults.add_byte = chance(20) ? 0.003 : 0;
     sender.faults.cut_frame = chance(20) ? 0.05 : 0;
     sender.faults.most_in_a_row = static_cast<unsigned>(one_to(3));
     sender.delivery = static_cast<Delivery>(below(3));
-    // A wrong frame among frozen ones is a change, so nobody can tell that they are frozen.
+    // A wrong frame among frozen ones looks like a change, so freezing cannot be detected.
     const bool wrong_frames = protocol == "sbus" && most_invented_by(sender) > 0;
     for (Instant at = Instant(between(1s, 6s)); at < kTroublesEnd - 4s;) {
         const auto kind = static_cast<SpellKind>(below(7));
-        // Without a flag, and without `frozen`, nobody can tell it from a pilot who holds still.
+        // Without a flag and without `frozen` this cannot be told from a pilot who holds still.
         const bool invisible =
             kind == SpellKind::frozen ||
             (protocol == "ibus" && (kind == SpellKind::frame_lost || kind == SpellKind::failsafe));
@@ -320,7 +323,7 @@ void RandomWorld::add_failsafe() {
     }
 }
 
-/// Of channels that tell neither the number of a frame nor a preset.
+/// Adds map rules for channels that carry neither the frame number nor a checked preset.
 void RandomWorld::add_channels() {
     constexpr std::array kRules{"{ from = 4, reverse = true }", "{ from = 7, expo = 0.4 }",
                                 "{ from = 9, trim = 25 }", "{ fixed = 1200 }", "14"};
@@ -356,7 +359,7 @@ std::optional<std::string> broken_promise(const RandomWorld& world, const Simula
         if (auto broken = loses_its_period(i, world, simulation)) {
             return broken;
         }
-        // The middle of several throttles may never come down.
+        // The median of several throttles may never come down.
         const bool may_wait = world.blends() && outputs[i].state(RandomWorld::kEnd).awaits_release;
         if (outputs[i].stage() != OutputStage::control && !may_wait) {
             return fmt::format("output out{}: not in control again after the troubles", i);

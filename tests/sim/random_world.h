@@ -13,34 +13,34 @@
 
 namespace tribus::test {
 
-/// What its inputs and outputs speak.
+/// Protocols of the inputs and outputs.
 enum class WorldKind : std::uint8_t { serial, with_can };
 
-/// A random configuration, and random receivers with random troubles, all of it from one seed. A
-/// change of what it draws, or in which order, makes other worlds of the same seeds.
+/// A random configuration and random receivers with random troubles, all made from one seed. A
+/// change of what is drawn, or of the order, makes another world from the same seed.
 class RandomWorld {
   public:
     explicit RandomWorld(std::uint64_t seed, WorldKind kind = WorldKind::serial);
 
-    /// So long it lasts; its troubles end some time before.
+    /// End of the world's time. Its troubles end some time earlier.
     static constexpr Instant kEnd = Instant(std::chrono::seconds(34));
 
     const std::string& text() const { return text_; }
     const std::vector<Sender>& senders() const { return senders_; }
-    /// So long may the values of a sender that has gone bad be repeated unmarked at an output that
-    /// can mark, and at one that cannot, from when they were first sent there.
+    /// Longest time for which an output may repeat the values of a failed sender unmarked, counted
+    /// from the first frame with them. It is longer if the output cannot mark frames.
     Duration longest_unmarked(std::size_t output) const;
     Duration period(std::size_t output) const { return periods_[output]; }
-    /// Its schedule is a grid that its input's frames steer.
+    /// Returns whether the output's schedule is a grid that follows the input's frames.
     bool locked(std::size_t output) const { return locked_[output]; }
-    /// Of a sender's frames.
+    /// Longest interval between two frames of a sender.
     Duration longest_interval() const { return longest_interval_; }
-    /// Its failsafe is silence; else it speaks from its first frame on.
+    /// Returns whether the output's failsafe is silence. If not, it sends from its first frame on.
     bool falls_silent(std::size_t output) const { return falls_silent_[output]; }
-    /// So many frames of values that nobody sent may pass for good ones: of wires without a
-    /// checksum.
+    /// Upper limit of the frames that may pass for good although nobody sent their values, because
+    /// SBUS has no checksum.
     std::size_t most_invented() const { return most_invented_; }
-    /// What it writes may be made of the values of several frames.
+    /// Returns whether a frame may combine the values of several input frames.
     bool blends() const { return blends_; }
 
   private:
@@ -77,8 +77,8 @@ class RandomWorld {
     bool blends_ = false;
 };
 
-/// What the world's outputs wrote, held against every promise: the first that was broken, in a
-/// sentence; nothing if all were kept.
+/// Checks every promise against what the world's outputs wrote. Returns the first broken promise as
+/// a sentence, or nothing if all are kept.
 std::optional<std::string> broken_promise(const RandomWorld& world, const Simulation& simulation);
 
 }  // namespace tribus::test

@@ -14,8 +14,8 @@
 #include "app/frame_collector.h"
 #include "transports/links/recording.h"
 
-/// Recordings of real receivers, over and over, whose loss is simulated in each of the known ways,
-/// with the lines that were learned of that way.
+/// Repeated recordings of real receivers, with a simulated loss in each of the known ways. The
+/// configuration has the lines that `learn` printed for that way.
 namespace tribus::test::recorded_loss_test {
 namespace {
 
@@ -25,7 +25,7 @@ struct RecordedFlight {
     std::string_view file;
     std::string_view protocol;
     Duration period{};
-    /// Values move all the time, so that `frozen` has something to tell them by.
+    /// Whether values move all the time, so that `frozen` can tell live values from frozen ones.
     bool moving = false;
 };
 
@@ -82,7 +82,8 @@ TEST_P(RecordedLoss, is_recognised_in_each_known_way_and_nothing_before_is_taken
         const LossRun run = run_with(learned, receiver, flight);
         EXPECT_TRUE(run.always_in_control_before());
         EXPECT_TRUE(run.in_failsafe_at(study_times().back - 1s));
-        EXPECT_FALSE(run.in_failsafe_at(study_end() - 500ms)) << "it comes back";
+        EXPECT_FALSE(run.in_failsafe_at(study_end() - 500ms))
+            << "failsafe goes on although the transmitter is back";
         ++ways;
     }
     EXPECT_GE(ways, 5);

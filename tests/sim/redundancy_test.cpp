@@ -21,8 +21,8 @@
 #include "tests/sim/stored_table.h"
 #include "transports/codecs/sbus.h"
 
-/// Three receivers hear the same sticks, 5 us apart from each other in calibration; one of them
-/// fails in one way.
+/// Three receivers get the same sticks; their calibrations are 5 us apart. One of them fails in one
+/// way.
 namespace tribus::test::redundancy_test {
 namespace {
 
@@ -34,7 +34,7 @@ constexpr Instant kTroubleBegins = Instant(5s);
 constexpr Instant kTroubleEnds = Instant(8s);
 constexpr Instant kEnd = Instant(12s);
 constexpr std::array<double, 3> kCalibration{-5, 0, 5};
-/// The stick's fastest movement, in microseconds a second.
+/// Fastest movement of the stick in microseconds a second.
 constexpr double kStickSpeed = 400;
 
 double stick_at(Duration since_start) {
@@ -42,8 +42,8 @@ double stick_at(Duration since_start) {
     return 1500 + 400 * std::sin(seconds * kStickSpeed / 400);
 }
 
-/// What a receiver sends, so long after its trouble began, in place of the live frame; nothing:
-/// silence. `last`: its frame before.
+/// Returns what the receiver sends instead of the live frame at this time after its trouble began,
+/// or nothing if it is silent. `last` is its previous frame.
 using Trouble = std::function<std::optional<ChannelFrame>(Duration, const ChannelFrame& live,
                                                           const ChannelFrame& last)>;
 
@@ -181,7 +181,7 @@ class Trio final : public OutputObserver {
         return met;
     }
 
-    /// Frame by frame.
+    /// Returns the largest difference between two frames with the same index.
     double largest_difference(const Trio& other) const {
         EXPECT_EQ(says_.size(), other.says_.size());
         double largest = 0;
@@ -256,7 +256,7 @@ TEST(Redundancy, what_a_reader_meets_when_the_first_receiver_fails_is_as_stored)
 }
 
 TEST(Redundancy, with_a_median_no_failure_of_one_changes_a_frame_by_more_than_their_calibration) {
-    // The frames of one beat are up to one period of the receivers apart.
+    // The frames of one cycle may be up to one period of the receivers apart.
     constexpr double kMoved = kStickSpeed * 0.007;
     const double calibration = kCalibration[2] - kCalibration[0];
     const Mode& median = kModes.back();

@@ -16,7 +16,7 @@
 
 namespace tribus::test {
 
-/// What an output wrote at one time.
+/// Frame that an output wrote, and when.
 struct Said {
     Instant at;
     std::vector<std::uint8_t> bytes;
@@ -25,27 +25,27 @@ struct Said {
     bool operator==(const Said&) const = default;
 };
 
-/// Configurations one after the other under virtual time: inputs and outputs are those of the one
-/// that runs, by their names.
+/// Runs one configuration after another under virtual time. Inputs and outputs are addressed by
+/// their names in the configuration that runs.
 class ReloadRun final : public OutputObserver {
   public:
     explicit ReloadRun(const std::string& text);
 
     void receive(const std::string& input, std::span<const std::uint8_t> bytes, Instant at);
     void receive(const std::string& input, const CanFrame& frame, Instant at);
-    /// `text` in the place of what runs, as the program does it: parts that leave say their last
-    /// frames first.
+    /// Replaces the running configuration by `text` as the program does: removed outputs write
+    /// their last frames first.
     void reload(const std::string& text, Instant at);
     void run_until(Instant at) { loop_->run_until(at); }
 
     const std::vector<Said>& said(const std::string& output) { return said_[output]; }
     const Input& input(const std::string& name) const;
     const Output& output(const std::string& name) const;
-    /// On the heap, by all hand-overs so far.
+    /// Heap allocations in all reloads so far.
     std::uint64_t allocations() const { return allocations_; }
 
     void wrote(std::size_t output, Instant at, const Transmission& sent) override;
-    /// Under the name "node 0", and so on, by its place.
+    /// Records the frames of a node under the name "node 0", "node 1" and so on.
     void node_spoke(std::size_t node, Instant at, std::span<const CanFrame> frames) override;
     void bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override;
     void receive_on_bus(const std::string& bus, std::span<const std::uint8_t> bytes, Instant at);

@@ -11,7 +11,7 @@
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
 
-/// A new configuration in the place of the running one, frame by frame.
+/// A new configuration replaces the running one; outputs are compared frame by frame.
 namespace tribus::test::reload_test {
 namespace {
 
@@ -40,8 +40,8 @@ from = "another"
 to = "another"
 )";
 
-/// With a pair that has nothing to do with it, in front or behind, so that a reload gives every
-/// part another number.
+/// Adds an unrelated input and output before or after the job, so that a reload changes the index
+/// of every part.
 std::string with_others(const std::string& job, bool in_front) {
     return in_front ? kOthers + job : job + kOthers;
 }
@@ -71,7 +71,7 @@ std::vector<std::uint8_t> ibus_frame(int first_us, int second_us = 1500) {
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
-/// A moving stick from `from` to `until`.
+/// Sends a moving stick from `from` to `until`.
 void sticks(ReloadRun& run, Instant from, Instant until, const std::string& input = "receiver") {
     for (Instant when = from; when < until; when += kInterval) {
         const auto number = static_cast<int>((when - Instant{}) / kInterval);
@@ -83,7 +83,7 @@ SbusFrame sbus_of(const Said& said) {
     return parse_sbus(std::span(said.bytes).first<kSbusFrameLength>());
 }
 
-/// The latest one at or before `when`.
+/// Returns the latest frame at or before `when`.
 SbusFrame at_time(ReloadRun& run, Instant when, const std::string& output = "servos") {
     run.run_until(when + 1ns);
     return run.said(output).empty() ? SbusFrame{} : sbus_of(run.said(output).back());
@@ -93,7 +93,7 @@ std::uint16_t raw_of(int microseconds) {
     return static_cast<std::uint16_t>((microseconds - 880) * 8 / 5);
 }
 
-/// How the program says the channels, by the name of the protocol.
+/// How an output sends the channels; `name` is the protocol.
 struct Target {
     const char* name;
     const char* output;
@@ -106,8 +106,8 @@ class Unchanged : public testing::TestWithParam<Target> {
                "[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n"
                "[pipeline.main.channels]\n2 = { from = 1, slew = \"900us/s\" }\n";
     }
-    /// Frames, a loss that is bridged, one that is not, and a recovery; with a reload each 41 ms or
-    /// without any.
+    /// Sends good frames, a loss that is bridged, a loss that is not, and a recovery; with a reload
+    /// every 41 ms or without reloads.
     static std::vector<Said> run(const char* schedule, bool reloads) {
         ReloadRun run(with_others(job(schedule), false));
         const std::array runs{std::pair(at(5ms), at(600ms)), std::pair(at(800ms), at(1100ms)),
@@ -124,7 +124,7 @@ class Unchanged : public testing::TestWithParam<Target> {
             for (Instant when = from; when < until; when += kInterval) {
                 const auto number = static_cast<int>((when - Instant{}) / kInterval);
                 const auto frame = ibus_frame(1000 + number * 7 % 997);
-                // In two halves: whatever stands in the decoder at a reload must not be lost.
+                // The frame comes in two halves: a reload must not lose what is in the decoder.
                 reload_until(when);
                 run.receive("receiver", std::span(frame).first(11), when);
                 reload_until(when + 1ms);
@@ -191,17 +191,17 @@ TEST(Reload, begins_a_new_slew_where_the_output_stands) {
     run.receive("receiver", ibus_frame(2000), at(201ms));
     const SbusFrame frame = at_time(run, at(220ms));
     EXPECT_GE(frame.raw[0], raw_of(1000));
-    EXPECT_LE(frame.raw[0], raw_of(1040)) << "it jumped";
+    EXPECT_LE(frame.raw[0], raw_of(1040)) << "the output jumped";
 }
 
 TEST(Reload, lets_the_timers_of_a_failsafe_run_on_and_takes_new_presets) {
     ReloadRun run(sbus_job("", "hold = \"300ms\"\npreset = { 1 = 1200, other = 1500 }"));
     sticks(run, at(5ms), at(200ms));
-    // Lost at about 300 ms, held to about 600 ms.
+    // The input is lost at about 300 ms and held to about 600 ms.
     run.reload(sbus_job("", "hold = \"300ms\"\npreset = { 1 = 1300, other = 1500 }"), at(450ms));
     EXPECT_TRUE(at_time(run, at(560ms)).frame_lost);
-    EXPECT_FALSE(at_time(run, at(560ms)).failsafe) << "the reload has ended the hold";
-    EXPECT_TRUE(at_time(run, at(620ms)).failsafe) << "the reload has begun the hold anew";
+    EXPECT_FALSE(at_time(run, at(560ms)).failsafe) << "the reload ended the hold";
+    EXPECT_TRUE(at_time(run, at(620ms)).failsafe) << "the reload started the hold again";
     EXPECT_EQ(at_time(run, at(620ms)).raw[0], raw_of(1300));
     EXPECT_EQ(run.output("servos").counts().failsafe_entries, 1U);
 }
@@ -349,8 +349,8 @@ TEST(Reload, lets_a_changed_input_start_as_never_seen) {
     EXPECT_TRUE(at_time(run, at(520ms)).frame_lost);
 }
 
-/// The native format proves its counter anew after each doubt: a decoder that began anew would cost
-/// two snapshots.
+/// The native format proves its counter again after each doubt: a decoder that started again would
+/// lose two snapshots.
 TEST(Reload, keeps_the_proof_of_a_can_input_and_half_a_snapshot) {
     const std::string job = R"([input.receiver]
 protocol = "can"

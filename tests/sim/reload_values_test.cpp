@@ -9,7 +9,7 @@
 #include "tests/sim/reload_run.h"
 #include "tests/support/ibus_checksum.h"
 
-/// Sensor buses and values across a reload.
+/// Sensor buses and sensor values across a reload.
 namespace tribus::test::reload_values_test {
 namespace {
 
@@ -24,14 +24,14 @@ std::string bus(const std::string& name, const std::string& lines) {
            lines;
 }
 
-/// The bus, with another one in front of it or behind, so that it gets another number.
+/// Adds another bus before or after this one, so that its index changes.
 std::string with_another(const std::string& job, bool in_front) {
     const std::string another = bus("another", "role = \"receiver\"\n");
     return in_front ? another + job : job + another;
 }
 
-/// A temperature sensor of 21.5 degrees at address 1 (docs/protocols/ibus.md, "Sensor bus:
-/// frames").
+/// Answers as a temperature sensor of 21.5 degrees at address 1 (docs/protocols/ibus.md, "Sensor
+/// bus: frames").
 std::vector<std::uint8_t> answer_to(std::span<const std::uint8_t> request) {
     if (request.size() != 4 || (request[1] & 0x0F) != 1) {
         return {};
@@ -50,8 +50,8 @@ std::vector<std::uint8_t> answer_to(std::span<const std::uint8_t> request) {
 
 const std::string kProbes = bus("probes", "role = \"receiver\"\n");
 
-/// What the receiver asks in three seconds, while the sensor answers; with a reload each 33 ms or
-/// without any.
+/// Returns the receiver's requests in three seconds while the sensor answers; with a reload every
+/// 33 ms or without reloads.
 std::vector<Said> talk(bool reloads) {
     ReloadRun run(with_another(kProbes, false));
     std::size_t heard = 0;

@@ -1,7 +1,8 @@
 #!/bin/sh
-# Simulates random worlds for long: tests/sim/run.sh [HOURS] [FIRST_SEED], by default 1000 simulated
-# hours of seeds that no test run has. What breaks a promise is printed with the command that shows
-# it again, and its seed is added to tests/sim/regression_seeds.txt, which every test run goes through.
+# Simulates random worlds for a long time: tests/sim/run.sh [HOURS] [FIRST_SEED]
+# HOURS are simulated hours (default 1000). The default seeds occur in no other test run. For a world
+# that breaks a promise it prints the command that runs it again, and adds its seed to
+# tests/sim/regression_seeds.txt, which every test run goes through.
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh
 
@@ -11,11 +12,11 @@ first=${2:-1000001}
 install_packages $build_packages $test_libraries
 build ON sim_tests
 
-# Of one world (tests/sim/random_world.h).
+# Length of one world (tests/sim/random_world.h).
 seconds=34
-# Worlds that a process goes through.
+# Worlds for each process.
 share=500
-# Of each kind: serial only, with CAN, with CAN and reloads, and with CAN and stalls.
+# Worlds of each kind: serial only, with CAN, with CAN and reloads, and with CAN and stalls.
 worlds=$((hours * 3600 / seconds / 4))
 found=$(mktemp)
 trap 'rm -f "$found"' EXIT

@@ -17,8 +17,8 @@
 #include "tests/support/ibus_checksum.h"
 #include "transports/links/recording.h"
 
-/// Both roles of a sensor bus under virtual time: against a recorded receiver, against simulated
-/// sensors, and against each other.
+/// Both roles of a sensor bus under virtual time: with a recorded receiver, with simulated sensors,
+/// and with each other.
 namespace tribus::test::sensor_bus_test {
 namespace {
 
@@ -37,12 +37,12 @@ ValueBoard board_of(std::size_t values) {
     return ValueBoard(std::vector<NamedValue>(values, {"", "", 2s}));
 }
 
-/// A receiver that was recorded with its genuine sensors (README of the recordings).
+/// A recording of a receiver with genuine sensors (README of the recordings).
 struct RecordedBus {
     std::string_view file;
     std::uint8_t first_address = 1;
     std::vector<std::string_view> types;
-    int answers = 0;  ///< that were recorded
+    int answers = 0;  ///< number of recorded answers
 };
 
 class RecordedReceiver : public testing::TestWithParam<RecordedBus> {
@@ -76,7 +76,7 @@ TEST_P(RecordedReceiver, GetsTheRecordedAnswersByteForByteAndInTime) {
         const Instant asked_at = Instant(*bursts_[i].start) + 4 * kSensorByteTime;
         const bool answered = !is_request(bursts_[i + 1]);
         if (answered) {
-            // What the genuine sensor measured, half a slot before it was asked.
+            // The genuine sensor measures half a slot before the request.
             const Bytes& reply = bursts_[i + 1].bytes;
             const auto index = static_cast<std::size_t>((reply[1] & 0xFU) - bus.first_address);
             const SensorField& field = settings.sensors[index].type.fields[0];
@@ -124,7 +124,7 @@ ReceiverRoleSettings receiver_settings() {
     return settings;
 }
 
-/// Genuine sensors as they were recorded: 0.63 ms after the request, now and then not at all
+/// Genuine sensors as recorded: they answer 0.63 ms after the request, and now and then not at all
 /// (docs/protocols/ibus.md, "Sensor bus: timing").
 class GenuineSensors final : public SensorBusRole {
   public:
@@ -163,7 +163,7 @@ class GenuineSensors final : public SensorBusRole {
   private:
     double miss_;
     int missed_ = 0;
-    int silenced_ = 0;  ///< it does not listen to itself
+    int silenced_ = 0;  ///< bytes of its own that it still has to ignore
     Bytes reply_;
     Instant reply_at_ = kNever;
     std::minstd_rand random_{7};
@@ -199,10 +199,10 @@ TEST(SensorBus, KeepsGenuineSensorsThatMissOneAnswerInEightyAsAGenuineReceiverDo
     }
     EXPECT_NEAR(repeated, static_cast<double>(receiver.counts().misses),
                 0.02 * static_cast<double>(receiver.counts().misses))
-        << "each miss is asked again at once; a second miss in a row is not";
+        << "each missed answer is requested again at once, a second one in a row is not";
 }
 
-/// What may befall one frame on the wire.
+/// Faults of one frame on the wire.
 enum class Fault : std::uint8_t { lost_byte, flipped_bit, extra_byte, lost_frame, stall, count };
 
 void spoil(Bytes& bytes, Fault fault, std::minstd_rand& random) {

@@ -13,25 +13,25 @@
 #include "core/value_board.h"
 #include "pipelines/sensor_bus/role.h"
 
-/// A sensor bus under virtual time: one wire that everybody hears, the speaker too.
+/// A sensor bus under virtual time: one wire where everybody, the sender too, receives each byte.
 namespace tribus::test {
 
 using namespace std::chrono_literals;
 
-/// Of one byte as genuine receivers space them (docs/protocols/ibus.md, "Line").
+/// Time of one byte with the gaps of genuine receivers (docs/protocols/ibus.md, "Line").
 inline constexpr Duration kSensorByteTime = 95'580ns;
 
 class SensorWire {
   public:
-    /// A role at the wire, with the board that it works with.
+    /// A role on the wire, and its board.
     struct End {
         SensorBusRole* role = nullptr;
         ValueBoard* board = nullptr;
-        /// Does nothing before that: its machine is held up.
+        /// The end does nothing before this time, because its machine is stalled.
         Instant stalled_until{};
     };
     using Bytes = std::vector<std::uint8_t>;
-    /// What becomes of a frame on the wire; `from` is the index of its speaker.
+    /// Changes a frame on the wire. `from` is the index of its sender.
     using Trouble = std::function<void(std::size_t from, Bytes& bytes, Instant at)>;
     using Listener =
         std::function<void(std::size_t from, std::span<const std::uint8_t> bytes, Instant at)>;
@@ -43,10 +43,10 @@ class SensorWire {
     }
 
     void on_frame(Trouble trouble) { trouble_ = std::move(trouble); }
-    /// Hears each frame as it was meant, when its last byte has gone.
+    /// Calls `listener` with each unchanged frame when its last byte has been sent.
     void listen(Listener listener) { listener_ = std::move(listener); }
     void stall(std::size_t end, Instant until) { ends_[end].stalled_until = until; }
-    /// Bytes of nobody here.
+    /// Puts bytes on the wire that no end sent.
     void speak(const Bytes& bytes, Instant at) { put(kNobody, bytes, at); }
     Instant now() const { return now_; }
 

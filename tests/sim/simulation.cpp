@@ -25,7 +25,7 @@ constexpr std::size_t kMostFrames = 200'000;
 constexpr std::size_t kMostSnapshots = 10'000;
 constexpr Instant kDropped = kNever;
 
-/// Only the channels that are there, as the frame of a sender with so many. Returns its length.
+/// Removes absent channels, as in the frame of a sender with fewer channels. Returns the length.
 std::size_t shorten_ibus(std::span<std::uint8_t> bytes, const ChannelFrame& frame) {
     std::size_t count = 0;
     while (frame.has(count)) {
@@ -133,7 +133,7 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
     loop_.emplace(*engine_, *this, Instant{});
 }
 
-/// Nothing where the sender is silent.
+/// Returns the next frame, or nothing while the sender is silent.
 std::optional<Simulation::NextFrame> Simulation::next_frame(Wire& wire, Instant at) {
     const auto spell = std::ranges::find_if(wire.sender.spells, [at](const Spell& candidate) {
         return candidate.from <= at && at < candidate.until;
@@ -169,7 +169,7 @@ std::optional<Simulation::NextFrame> Simulation::next_frame(Wire& wire, Instant 
     return next;
 }
 
-/// Returns the time that it takes.
+/// Puts a frame on the line. Returns the time that it takes.
 Duration Simulation::put_on_line(Wire& wire, const std::optional<NextFrame>& next, Instant at) {
     std::array<std::uint8_t, kLongestSerialFrame> bytes{};
     std::size_t length = next ? wire.encoder->encode(next->frame, bytes) : 0;
@@ -230,8 +230,8 @@ Duration Simulation::put_on_bus(Wire& wire, const std::optional<NextFrame>& next
     return kFrameTime * count;
 }
 
-/// Prepares the next frame on the wire. A late one does not overtake, nor does it start before the
-/// one ahead has ended.
+/// Prepares the next frame on the wire. It neither overtakes the one before nor starts before that
+/// one has ended, even if that is late.
 void Simulation::plan(Wire& wire) {
     const Instant at = wire.sender.first + wire.next_number * wire.sender.period;
     if (at >= wire.sender.last) {
@@ -247,7 +247,7 @@ void Simulation::plan(Wire& wire) {
     plan_piece(wire);
 }
 
-/// How many bytes the port hands over next.
+/// Returns how many bytes the port delivers next.
 std::size_t Simulation::next_piece(const Wire& wire) {
     constexpr std::size_t kLump = 8;
     const std::size_t left = wire.reception.count - wire.handed_over;
@@ -312,7 +312,7 @@ void Simulation::deliver_frames(Wire& wire) {
     for (const CanFrame& frame : std::span(wire.can_frames).first(wire.can_count)) {
         witness(wire, frame);
         if (away_since_) {
-            // The kernel has stamped it.
+            // The frame keeps its time of arrival, as the kernel stamps it.
             engine_->receive(wire.sender.input, frame, wire.next_arrival);
         } else {
             loop_->receive(wire.sender.input, frame, wire.next_arrival);
@@ -336,7 +336,7 @@ void Simulation::deliver_piece(Wire& wire) {
     wire.handed_over += count;
 }
 
-/// What waits for longer than the timeout is thrown away.
+/// Returns whether bytes that waited longer than the timeout are thrown away.
 bool Simulation::discards(const Wire& wire) const {
     return away_since_ && away_for_ >= engine_->inputs()[wire.sender.input].link().timeout();
 }
@@ -421,7 +421,7 @@ std::optional<Instant> Simulation::arrived_whole_at(std::size_t sender,
     return at == kDropped ? std::nullopt : std::optional(at);
 }
 
-/// A frame that a reader of the output finds in what it sent.
+/// Returns the frame that a reader of the output finds in these bytes.
 std::optional<ChannelFrame> Simulation::heard(std::size_t output, Instant at,
                                               const Transmission& sent) {
     if (!sent.can_frames.empty()) {

@@ -23,37 +23,37 @@
 
 namespace tribus::test {
 
-/// The configuration in `text`, which must be free of mistakes.
+/// Reads the configuration in `text`, which must be free of mistakes.
 Configuration configuration_of(const std::string& text);
 
-/// The nine lines of the README with `period`.
+/// The nine lines of the README with these output lines.
 std::string main_job(const std::string& output_lines = "period = \"7ms\"");
 
 /// What a sender does for a while instead of sending fresh frames.
 enum class SpellKind : std::uint8_t {
     silence,
-    frozen,          ///< the frame before, again and again
-    frame_lost,      ///< the same, marked frame-lost; where the wire has no flag: frozen
+    frozen,          ///< the last fresh frame again and again
+    frame_lost,      ///< the same, marked frame-lost; frozen where the protocol has no flag
     failsafe,        ///< the same, marked failsafe
     garbage,         ///< bytes that are no frame
-    fewer_channels,  ///< fresh frames of the first few; where the wire has no such frames: silence
-    unplugged,       ///< nothing from within a frame on; the device is lost and comes back
+    fewer_channels,  ///< fresh frames with the first few channels; silence where impossible
+    unplugged,       ///< silence from the middle of a frame on; the device is lost and comes back
 };
-/// How a serial port hands over what its line brings.
+/// How a serial port delivers the bytes of its line.
 enum class Delivery : std::uint8_t {
-    frames,  ///< all bytes of a frame behind its last one
-    bytes,   ///< each byte when it has come
-    lumps,   ///< eight bytes at a time, the rest behind a frame's last byte: the FIFO of a UART
+    frames,  ///< all bytes of a frame after its last one
+    bytes,   ///< each byte as soon as it has come
+    lumps,   ///< eight bytes at a time, the rest after a frame's last byte (a FIFO)
 };
 struct Spell {
     Instant from;
     Instant until;
     SpellKind kind = SpellKind::silence;
-    std::size_t channels = 3;  ///< of `fewer_channels`
+    std::size_t channels = 3;  ///< number of channels of `fewer_channels`
 };
 
-/// A transmitter and receiver that send numbered frames of i.Bus or SBUS over a faulty wire, or of
-/// the own format over a bus on which `drop_frame` is the chance of each CAN frame.
+/// A transmitter and receiver that send numbered frames: i.Bus or SBUS over a faulty wire, or the
+/// native format over a bus where `drop_frame` is the probability that a CAN frame is lost.
 struct Sender {
     std::size_t input = 0;
     std::string protocol = "ibus";
@@ -63,7 +63,7 @@ struct Sender {
     Instant last{};  ///< no frame from here on
     Instant faults_end = kNever;
     FaultSettings faults{};
-    std::vector<Spell> spells{};  ///< in order
+    std::vector<Spell> spells{};  ///< in the order of time
     std::uint32_t first_number = 0;
 };
 
@@ -71,7 +71,7 @@ struct Sender {
 struct Written {
     Instant at;
     ChannelFrame frame;
-    /// The number of the sender's frame whose values it carries, if it is one's.
+    /// Number of the sender's frame that has these values, if there is one.
     std::optional<std::uint32_t> number;
 };
 
@@ -82,39 +82,39 @@ struct WrittenToCan {
     std::size_t count = 0;
 };
 
-/// A frame with its number in the first three channels, the third a check of the others, so that
-/// a number that was made up by faults is not taken for one. Channels 4 to 18 differ from frame to
-/// frame too, so that no part of one passes for that of another.
+/// Returns a frame with its number in the first three channels. The third is a check of the other
+/// two, so that faults do not make up a number. Channels 4 to 18 also differ from frame to frame,
+/// so a mix of two frames is noticed.
 ChannelFrame numbered_frame(std::uint32_t number);
 std::optional<std::uint32_t> number_of(const ChannelFrame& frame);
 
-/// Runs the whole engine under virtual time. Everything is allocated before it starts.
+/// Runs the whole engine under virtual time. All memory is allocated before the start.
 class Simulation final : public OutputObserver {
   public:
     Simulation(const Configuration& configuration, std::vector<Sender> senders, std::uint64_t seed);
 
     void run_until(Instant until);
-    /// The configuration that runs is read again: another engine goes on from this one.
+    /// Reads the same configuration again: a new engine goes on where this one stops.
     void reload(const Configuration& unchanged, Instant at);
-    /// The thread does not run from `since` to `until`. What arrives meanwhile waits, and is read
-    /// as the loop reads it.
+    /// Stops the data thread from `since` to `until`. Bytes that arrive meanwhile wait until the
+    /// thread runs again.
     void stall(Instant since, Instant until);
-    /// A CAN frame arrives at an input, after all that comes before `at`.
+    /// Delivers a CAN frame to an input after everything that comes before `at`.
     void receive(std::size_t input, const CanFrame& frame, Instant at);
 
-    /// The thread did not run at some time between these.
+    /// Returns whether the thread was stopped at some time in between.
     bool stalled_between(Instant from, Instant until) const;
     const Engine& engine() const { return *engine_; }
     const std::vector<Written>& written(std::size_t output = 0) const { return written_[output]; }
     const std::vector<WrittenToCan>& written_to_can(std::size_t output = 0) const {
         return written_to_can_[output];
     }
-    /// When the last byte of a sender's frame arrived; nothing if it was dropped or not yet sent.
-    /// On CAN, where a reader that doubts the sender passes over whole snapshots, when one without
-    /// doubt first had its values.
+    /// Returns when the last byte of a sender's frame arrived, or nothing if it was dropped or not
+    /// yet sent. On CAN, where a reader that doubts the sender ignores whole snapshots: when a
+    /// reader without doubt first had its values.
     std::optional<Instant> arrived_at(std::size_t sender, std::uint32_t number) const;
-    /// When the first frame with its values arrived that nothing had hurt: a sender that froze says
-    /// them again. Nothing where none did.
+    /// Returns when the first undamaged frame with these values arrived, or nothing if none did. A
+    /// frozen sender sends the same values again.
     std::optional<Instant> arrived_whole_at(std::size_t sender, std::uint32_t number) const;
     std::uint32_t frames_sent(std::size_t sender) const { return wires_[sender].next_number; }
     /// Allocations inside the engine since it started.
@@ -127,19 +127,19 @@ class Simulation final : public OutputObserver {
         Sender sender;
         std::unique_ptr<Encoder> encoder;
         std::unique_ptr<CanEncoder> can_encoder;
-        std::unique_ptr<CanDecoder> can_witness;  ///< hears what the input hears
+        std::unique_ptr<CanDecoder> can_witness;  ///< receives what the input receives
         LineSettings line;
         FaultInjector faults;
         std::uint32_t next_number = 0;
         std::uint32_t latest_number = 0;
-        /// When the next piece of the frame on the wire is handed over, and its last one.
+        /// When the next piece of the frame on the wire is delivered, and when its last piece is.
         Instant next_arrival = kNever;
         Instant frame_begins{};
         Instant frame_ends{};
         Instant latest_arrival{};
         Reception reception{};
         std::size_t handed_over = 0;
-        /// The device was pulled within the frame on the wire, and is not back yet.
+        /// The device was unplugged in the middle of the frame on the wire, and is not back yet.
         bool pulled = false;
         bool unplugged = false;
         std::array<CanFrame, kMostSnapshotFrames> can_frames{};
@@ -171,13 +171,13 @@ class Simulation final : public OutputObserver {
 
     std::unique_ptr<Engine> engine_;
     std::vector<std::unique_ptr<Decoder>> readers_;
-    std::vector<std::unique_ptr<CanDecoder>> can_readers_;  ///< of the own format
+    std::vector<std::unique_ptr<CanDecoder>> can_readers_;  ///< readers of the native format
     std::vector<std::vector<Written>> written_;
     std::vector<std::vector<WrittenToCan>> written_to_can_;
     std::vector<Wire> wires_;
     std::uint64_t allocations_ = 0;
     std::optional<VirtualLoop> loop_;
-    /// While the thread does not run: since when, and for how long.
+    /// Start and length of the time in which the thread does not run.
     std::optional<Instant> away_since_;
     Duration away_for_{};
     struct Absence {
@@ -187,18 +187,18 @@ class Simulation final : public OutputObserver {
     std::vector<Absence> absences_;
 };
 
-/// One command that runs the present test again with that seed.
+/// Returns a command that runs the current test again with this seed.
 std::string replay_command(std::uint64_t seed);
 
-/// Both included.
+/// The first and the last seed.
 struct Seeds {
     std::uint64_t first = 1;
     std::uint64_t last = 1;
 };
-/// 1 to `usual`, or what the environment's TRIBUS_SEED says: one seed, or FIRST-LAST.
+/// Returns 1 to `usual`, or the seeds in the environment's TRIBUS_SEED: one seed, or FIRST-LAST.
 Seeds seeds_or(std::uint64_t usual);
 
-/// Until the first one with which the test fails.
+/// Calls `check` for each seed until the test fails.
 template <class Check>
 void for_each_seed(std::uint64_t usual, Check check) {
     const Seeds seeds = seeds_or(usual);

@@ -8,9 +8,9 @@
 
 namespace tribus::test {
 
-/// What this machine does to any real-time thread while the daemon runs: a thread that only sleeps
-/// until every 7th millisecond, with the daemon's scheduling where that is permitted, and counts
-/// how often it is late by a tenth of that, as the daemon counts its own.
+/// Measures what this machine does to any real-time thread while the daemon runs. The thread sleeps
+/// until every 7th millisecond, with the daemon's scheduling if permitted. It counts how often it
+/// is late by a tenth of that, as the daemon counts its own deadlines.
 class BareTimer {
   public:
     BareTimer() : thread_([this] { run(); }) {}

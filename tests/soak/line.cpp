@@ -10,7 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kPeriod = 7700us;
-/// The timeout, and one period of the output.
+/// The timeout plus one period of the output.
 constexpr auto kMostAge = 307ms;
 
 }  // namespace

@@ -12,26 +12,26 @@
 
 namespace tribus::test {
 
-/// A receiver of i.Bus and a bank of SBUS servos, with the daemon between them and a witness beside
-/// it.
+/// An i.Bus receiver and SBUS servos with the daemon between them, and a witness that checks the
+/// servos' frames.
 class SoakLine {
   public:
-    /// Links in `folder`, "receiver3" and "servos3" for number 3.
+    /// Creates links in `folder`: "receiver3" and "servos3" for number 3.
     SoakLine(const std::filesystem::path& folder, std::size_t number);
 
-    /// Its three tables, with the devices' paths.
+    /// Configuration text: three tables with the paths of the devices.
     std::string configuration() const;
-    /// Sends a frame if one is due and nothing is wrong with the receiver.
+    /// Sends a frame if one is due and the receiver has no trouble.
     void send(Clock::time_point now);
     void listen();
 
-    /// Its receiver sends nothing until then.
+    /// The receiver sends nothing until then.
     void silence(Clock::time_point until) { silent_until_ = until; }
-    /// Its receiver sends nothing but noise, as much as the wire carries, until then.
+    /// The receiver sends only noise until then, as much as the wire carries.
     void babble(Clock::time_point until);
     void pull_receiver();
     void pull_servos();
-    /// Plugs in what was pulled.
+    /// Plugs the unplugged devices in again.
     void plug_in();
 
     const Testimony& testimony() const { return witness_.testimony(); }

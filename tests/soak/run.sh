@@ -1,6 +1,7 @@
 #!/bin/sh
-# Many pipelines for a long time: tests/soak/run.sh [SECONDS] [PIPELINES], by default 64 for an hour.
-# Installs what is needed, builds, and ends with what was promised and kept; status 1 where it was not.
+# Many pipelines for a long time: tests/soak/run.sh [SECONDS] [PIPELINES]
+# By default 64 pipelines for an hour. Installs what is needed, builds, and ends with a list of the
+# promises. The status is 1 if one was broken.
 cd "$(dirname "$0")/../.."
 . deploy/prepare.sh
 

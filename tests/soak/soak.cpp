@@ -22,19 +22,19 @@
 #include "tests/soak/bare_timer.h"
 #include "tests/soak/line.h"
 
-/// Many pipelines for a long time: one daemon between receivers and servos of ours at ptys, with
-/// receivers that fall silent, devices that are pulled, and stops of the daemon. What must be flat
-/// is held against the first part of the run, and deadlines besides against a bare thread of the
-/// same time.
+/// Many pipelines for a long time. One daemon runs between simulated receivers and servos at ptys.
+/// Receivers fall silent, devices are unplugged and the daemon is stopped for a while. Figures that
+/// must not grow are compared with the first part of the run, and missed deadlines also with those
+/// of a bare thread at the same time.
 namespace tribus::test {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// The run is told in so many parts. The first is for warming up.
+/// Number of parts of the run. The first one is for warming up.
 constexpr int kParts = 20;
 constexpr double kMillion = 1e6;
-/// Memory that may come and go with what the main thread does just then.
+/// Memory that may come and go with what the main thread is doing.
 constexpr long kMemoryNoiseKib = 256;
 
 struct Options {
@@ -42,18 +42,18 @@ struct Options {
     int seconds = 3600;
 };
 
-/// One part of the run, at its end.
+/// Counts and sizes at the end of one part of the run.
 struct Part {
     std::uint64_t good = 0;
     std::uint64_t marked = 0;
-    std::uint64_t frames = 0;  ///< that the daemon says it wrote
+    std::uint64_t frames = 0;  ///< frames that the daemon reports as written
     std::uint64_t misses = 0;
     std::uint64_t bare_wakes = 0;
     std::uint64_t bare_misses = 0;
     long resident_kib = 0;
     long data_kib = 0;
     std::ptrdiff_t descriptors = 0;
-    std::size_t deaf_lines = 0;  ///< that got not one good frame
+    std::size_t deaf_lines = 0;  ///< lines without one good frame
 };
 
 double per_million(std::uint64_t misses, std::uint64_t of) {
@@ -81,7 +81,7 @@ class Soak {
         fmt::print(
             "  minutes      good    marked  misses/1e6  bare/1e6  RSS KiB  data KiB  "
             "descriptors\n");
-        // The heap grows for the first answer, once.
+        // The first answer makes the heap grow once.
         static_cast<void>(ask_daemon(folder_ / "control", "status", 5s));
         const Clock::time_point begin = Clock::now();
         const auto part_length = std::chrono::milliseconds(1000L * options_.seconds / kParts);
@@ -93,7 +93,7 @@ class Soak {
     }
 
   private:
-    /// With a trouble now and then that ends a while before `end`.
+    /// Sends until `end`, with some troubles, the last of which ends a while before `end`.
     void translate(Clock::time_point end, std::chrono::milliseconds length) {
         constexpr auto kTrouble = 3s;
         const auto last_trouble =
@@ -120,7 +120,7 @@ class Soak {
         }
     }
 
-    /// And stops the daemon for a while, now and then.
+    /// Starts a trouble at one line. Now and then it also stops the daemon for a while.
     SoakLine* hurt_one(Clock::time_point until) {
         SoakLine& line = lines_[random_() % lines_.size()];
         if (random_() % 4 == 0) {
@@ -153,7 +153,7 @@ class Soak {
             part.deaf_lines += heard.unmarked == good_before_[i] ? 1U : 0U;
             good_before_[i] = heard.unmarked;
         }
-        // Before the question: the answer is a text of a hundred KiB, which is there for a moment.
+        // Memory is measured first: the answer is a text of a hundred KiB that exists for a moment.
         part.resident_kib = daemon_->memory_kib("VmRSS");
         part.data_kib = daemon_->memory_kib("VmData");
         if (const auto status = ask_daemon(folder_ / "control", "status", 5s)) {
@@ -219,7 +219,8 @@ class Soak {
         return kept_ ? 0 : 1;
     }
 
-    /// Those of the last third beside those of the second, each beside the bare thread.
+    /// Compares the missed deadlines of the last third with those of the first, relative to the
+    /// bare thread.
     void judge_deadlines() {
         constexpr std::size_t kThird = kParts / 3;
         constexpr double kNoise = 2;
@@ -235,7 +236,7 @@ class Soak {
         };
         const auto [early, bare_early] = rates(0, kThird);
         const auto [late, bare_late] = rates(kParts - 1 - kThird, kParts - 1);
-        // One that the bare thread met as well says nothing of the daemon.
+        // Deadlines that the bare thread missed as well are the machine's fault.
         const double machine = (bare_late + 1) / (bare_early + 1);
         demand(
             late <= kNoise * std::max(1.0, machine) * (early + 1),

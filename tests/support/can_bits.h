@@ -9,11 +9,11 @@
 
 #include "core/can_frame.h"
 
-/// How many bits a frame takes on the bus, as ISO 11898-1 lays it out (docs/protocols/can.md, "Bits
-/// of a frame").
+/// Number of bits that a frame takes on the bus, after ISO 11898-1 (docs/protocols/can.md, "Bits of
+/// a frame").
 namespace tribus::test {
 
-/// From the start of frame to the end of the intermission behind it.
+/// Bits from the start of frame to the end of the intermission after it.
 struct BusBits {
     std::size_t nominal = 0;
     std::size_t data = 0;  ///< at the data bit rate, to which only FD frames switch
@@ -26,7 +26,7 @@ struct BusBits {
     bool operator==(const BusBits&) const = default;
 };
 
-/// Rates that divide a second into whole nanoseconds.
+/// Time of `bits` on the bus. The rates must divide a second into whole nanoseconds.
 inline std::chrono::nanoseconds time_on_bus(const BusBits& bits, std::size_t nominal_rate,
                                             std::size_t data_rate) {
     constexpr std::size_t kSecond = 1'000'000'000;
@@ -34,8 +34,8 @@ inline std::chrono::nanoseconds time_on_bus(const BusBits& bits, std::size_t nom
                                     bits.data * (kSecond / data_rate));
 }
 
-/// The bits of one frame that are stuffed where five in a row are equal: all up to the end of the
-/// data, in a classic frame the CRC too.
+/// The bits of one frame in which five equal bits in a row are followed by a stuff bit: all bits up
+/// to the end of the data, and in a classic frame the CRC too.
 class StuffedBits {
   public:
     explicit StuffedBits(const CanFrame& frame) {
@@ -68,10 +68,11 @@ class StuffedBits {
     }
 
     std::size_t count() const { return bits_.size(); }
-    /// How many of them stand in front of the switch to the data bit rate.
+    /// Number of bits before the switch to the data bit rate.
     std::size_t nominal_count() const { return std::min(nominal_, bits_.size()); }
 
-    /// Stuff bits behind the bits from `first` on, up to `end`. A stuff bit begins the next run.
+    /// Number of stuff bits after the bits from `first` to `end` (exclusive). A stuff bit begins
+    /// the next run.
     std::size_t stuff_bits(std::size_t first, std::size_t end) const {
         std::size_t found = 0;
         std::size_t run = 0;
@@ -122,17 +123,17 @@ class StuffedBits {
 
 namespace can_bits {
 
-/// CRC delimiter, ACK, its delimiter, end of frame, intermission.
+/// CRC delimiter, ACK, ACK delimiter, end of frame, intermission.
 inline constexpr std::size_t kEnd = 1 + 1 + 1 + 7 + 3;
 
-/// Stuff count, CRC, and a stuff bit in front of each four of these bits.
+/// Bits of the stuff count and the CRC, with a stuff bit before every four of them.
 inline std::size_t fd_crc_field(std::size_t bytes) {
     constexpr std::size_t kMostBytesOfShortCrc = 16;
     const std::size_t bits = 4 + (bytes <= kMostBytesOfShortCrc ? 17U : 21U);
     return bits + (bits + 3) / 4;
 }
 
-/// `stuffed_nominal`, `stuffed_data`: with their stuff bits.
+/// Adds the bits after the stuffed ones. `stuffed_nominal` and `stuffed_data` include stuff bits.
 inline BusBits frame_bits(const CanFrame& frame, std::size_t stuffed_nominal,
                           std::size_t stuffed_data) {
     BusBits bits{.nominal = stuffed_nominal + kEnd, .data = stuffed_data};
@@ -144,19 +145,20 @@ inline BusBits frame_bits(const CanFrame& frame, std::size_t stuffed_nominal,
 
 }  // namespace can_bits
 
-/// With the stuff bits that these contents get.
+/// Bits of this frame with the stuff bits that its contents need.
 inline BusBits bits_on_bus(const CanFrame& frame) {
     const StuffedBits stuffed(frame);
     const std::size_t nominal = stuffed.nominal_count();
-    // Behind the data of an FD frame a stuff bit of the CRC field comes anyway, and no other one.
+    // The CRC field of an FD frame begins with a stuff bit, so no other stuff bit comes after the
+    // data.
     const std::size_t end = stuffed.count() - (frame.fd ? 1U : 0U);
     return can_bits::frame_bits(
         frame, nominal + stuffed.stuff_bits(0, std::min(nominal, end)),
         stuffed.count() - nominal + (nominal < end ? stuffed.stuff_bits(nominal, end) : 0U));
 }
 
-/// With as many stuff bits as no contents exceed: one behind the first five bits, then one behind
-/// each four.
+/// Upper limit of the bits for any contents: one stuff bit after the first five bits, then one
+/// after every four.
 inline BusBits most_bits_on_bus(const CanFrame& frame) {
     const StuffedBits stuffed(frame);
     const auto most = [](std::size_t bits) { return (bits - 1) / (StuffedBits::kLongestRun - 1); };

@@ -24,7 +24,7 @@ using CanFrames = std::vector<CanFrame>;
 
 inline constexpr Duration kCanPeriod = milliseconds(10);
 
-/// A time after the start that all tests have in common; zero means "never received".
+/// Time that all tests count from one common start; zero means "never received".
 constexpr Instant can_time(Duration since_start) {
     return Instant{} + std::chrono::seconds(1000) + since_start;
 }
@@ -36,8 +36,8 @@ inline const std::array kCanFormats{
     CanChannelsFormat{.fd = true},
 };
 
-/// 18 channels that no other number below 1000 gives to any channel, exact on the wire of every
-/// variant.
+/// 18 channels that differ from those of every other number below 1000. Every variant can transmit
+/// the values exactly.
 inline ChannelFrame numbered_snapshot(int number, Instant received = can_time({})) {
     ChannelFrame snapshot;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -57,7 +57,7 @@ inline CanFrames can_frames(CanChannelsEncoder& encoder, const ChannelFrame& sna
     return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
-/// What a decoder publishes of frames that arrive together.
+/// Returns what a decoder publishes when frames arrive together.
 inline std::vector<ChannelFrame> feed(CanChannelsDecoder& decoder, const CanFrames& frames,
                                       Instant received) {
     std::vector<ChannelFrame> published;
@@ -78,12 +78,12 @@ inline std::uint64_t rejected(const CanChannelsDecoder& decoder, std::string_vie
     return ~std::uint64_t{0};
 }
 
-/// A sender and a receiver of one variant, a bus between them, and the time.
+/// A sender and a receiver of one variant with a bus between them, and the current time.
 class CanPair {
   public:
     explicit CanPair(const CanChannelsFormat& format = {}) : encoder(format), decoder(format) {}
 
-    /// One period later: the next snapshot as the sender has it.
+    /// Advances time by one period and returns the frames of the next snapshot.
     CanFrames send(const ChannelFrame& snapshot) {
         now += kCanPeriod;
         return can_frames(encoder, snapshot, now);
@@ -91,7 +91,7 @@ class CanPair {
     std::vector<ChannelFrame> receive(const CanFrames& frames) {
         return feed(decoder, frames, now);
     }
-    /// Sends snapshots until the decoder has its proof and publishes.
+    /// Sends snapshots until the decoder has enough proof and publishes.
     void get_started() {
         for (unsigned count = 0; count <= CanChannelsDecoder::kProof; ++count) {
             receive(send(numbered_snapshot(static_cast<int>(count), now + kCanPeriod)));

@@ -3,11 +3,11 @@
 #include <filesystem>
 #include <string_view>
 
-/// Recordings of real receivers, and vectors. Some of them are under licences of their own, so they
-/// stand beside the project, not in it.
+/// Recordings of real receivers, and test vectors. Some have licences of their own, so they are not
+/// part of the project.
 namespace tribus::test {
 
-/// What a test says that lacks one. It fails then: without recordings it has shown nothing.
+/// Failure message of a test without recordings. The test fails because it has shown nothing.
 inline constexpr std::string_view kNoCaptures =
     "no recordings in " TRIBUS_SHARED_DIR
     "/captures; configure with -DTRIBUS_SHARED=FOLDER, where "

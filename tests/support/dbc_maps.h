@@ -21,7 +21,7 @@
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/dbc/map.h"
 
-/// Maps of DBC signals, written as JSON where a user writes TOML.
+/// Maps of DBC signals, written as JSON instead of TOML.
 namespace tribus::test {
 
 using std::chrono::milliseconds;
@@ -66,7 +66,7 @@ inline SettingValues dbc_settings(std::string_view dbc, std::string_view signals
     return settings;
 }
 
-/// As "signals.Command.Speed: what is wrong".
+/// Returns each mistake as "signals.Command.Speed: what is wrong".
 inline std::vector<std::string> told(const std::vector<SettingMistake>& mistakes) {
     std::vector<std::string> lines;
     for (const SettingMistake& mistake : mistakes) {
@@ -126,11 +126,11 @@ inline std::uint64_t rejected(const DecoderReport& decoder, std::string_view cau
     return 0;
 }
 
-/// Good, with the first channels as listed, in us.
-inline ChannelFrame channels(const std::vector<double>& pulse_us) {
+/// Returns a good frame whose first channels have these values in microseconds.
+inline ChannelFrame channels(const std::vector<double>& pulses_us) {
     ChannelFrame frame;
-    for (std::size_t channel = 0; channel < pulse_us.size(); ++channel) {
-        frame.set(channel, Pulse::from_fractional_microseconds(pulse_us[channel]));
+    for (std::size_t channel = 0; channel < pulses_us.size(); ++channel) {
+        frame.set(channel, Pulse::from_fractional_microseconds(pulses_us[channel]));
     }
     frame.frame_lost = frame.failsafe = false;
     return frame;

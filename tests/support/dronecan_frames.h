@@ -19,7 +19,7 @@
 #include "transports/codecs/dronecan/payload.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-/// Frames of DroneCAN as tests write and read them.
+/// Functions that write and read DroneCAN frames for tests.
 namespace tribus::test {
 
 inline constexpr Instant kStart = Instant{} + std::chrono::seconds(1000);
@@ -39,7 +39,7 @@ inline std::vector<CanFrame> frames_from(std::uint32_t id, const std::vector<std
     return frames;
 }
 
-/// The frames of a message, or of a request or response.
+/// Returns the frames of a message, request or response.
 template <class Message>
 std::vector<CanFrame> frames_of_transfer(dronecan::TransferHead head, const Message& message,
                                          bool fd = false) {
@@ -59,7 +59,7 @@ std::vector<CanFrame> frames_of_message(const Message& message, dronecan::NodeId
                               message, fd);
 }
 
-/// What one whole transfer says.
+/// Returns the content of one whole transfer.
 template <class Message>
 Message message_of_frames(std::span<const CanFrame> frames, bool fd = false) {
     constexpr dronecan::DataType kType = dronecan::data_type_of<Message>();
@@ -82,7 +82,7 @@ inline std::uint64_t count_named(std::span<const NamedCount> counts, std::string
             return count.count;
         }
     }
-    ADD_FAILURE() << "no count " << name;
+    ADD_FAILURE() << "no reject count is called " << name;
     return 0;
 }
 

@@ -19,13 +19,13 @@ void FarEnd::plug_in() {
     std::array<char, 64> name{};
     if (!master_.valid() || ::grantpt(master_.get()) != 0 || ::unlockpt(master_.get()) != 0 ||
         ::ptsname_r(master_.get(), name.data(), name.size()) != 0) {
-        throw std::runtime_error("no pseudo-terminal to be had");
+        throw std::runtime_error("cannot open a pseudo-terminal");
     }
     std::filesystem::create_symlink(name.data(), path_);
 }
 
 void FarEnd::pull() {
-    // The name first: another test's pty may get the freed number at once.
+    // The name goes first: another test's pty may get the freed number at once.
     std::error_code ignored;
     std::filesystem::remove(path_, ignored);
     master_ = UniqueFd();

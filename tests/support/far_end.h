@@ -12,14 +12,14 @@ namespace tribus::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// What stands at the other end of a serial device's wire: the test holds the master of a pty, the
-/// program opens `path()`, a link like those under /dev/serial/by-id, so that the device can vanish
-/// and come back under another number.
+/// The other end of a serial device's wire. The test holds the master of a pty. The program opens
+/// `path()`, a link like those under /dev/serial/by-id, so the device can vanish and come back
+/// under another number.
 ///
 /// Cannot prove: bit rates, parity and stop bits, which a pty does not have.
 class FarEnd {
   public:
-    /// Plugged in.
+    /// Plugs the device in.
     explicit FarEnd(const std::filesystem::path& path);
     FarEnd(const FarEnd&) = delete;
     FarEnd& operator=(const FarEnd&) = delete;
@@ -31,9 +31,9 @@ class FarEnd {
     const std::string& path() const { return path_; }
     int descriptor() const { return master_.get(); }
 
-    /// Sends what the kernel takes; as on a wire, the rest is lost. Says whether all was taken.
+    /// Sends what the kernel takes; the rest is lost, as on a wire. Returns whether all was taken.
     bool send(std::span<const std::uint8_t> bytes);
-    /// What has arrived since the last call; does not wait.
+    /// Returns what has arrived since the last call. Does not wait.
     Bytes receive();
 
   private:

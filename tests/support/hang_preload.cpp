@@ -8,9 +8,9 @@
 #include <cstring>
 #include <ctime>
 
-// For LD_PRELOAD under the built program: from a signal on, one of its threads never returns from
-// its next look at the clock, as one that hangs in a loop: SIGUSR1 the main thread, SIGUSR2 the
-// data thread. The others go on.
+// For LD_PRELOAD under the built program: after a signal, one thread never returns from its next
+// reading of the clock, as if it hung in a loop. SIGUSR1 stops the main thread, SIGUSR2 the data
+// thread. The other threads go on.
 
 namespace {
 

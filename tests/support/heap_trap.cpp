@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdlib>
 
-// Stands before the C library's malloc in the test program, for operator new and C code alike.
+// Replaces the C library's malloc in the test program, for operator new and for C code.
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define TRIBUS_HEAP_TRAP 0
@@ -32,7 +32,7 @@ void note() {
 }  // namespace
 
 extern "C" {
-// The C library's own entrances, which its header does not declare.
+// Entry points of the C library that its header does not declare.
 void* __libc_malloc(std::size_t size);                           // NOLINT
 void* __libc_calloc(std::size_t count, std::size_t size);        // NOLINT
 void* __libc_realloc(void* block, std::size_t size);             // NOLINT

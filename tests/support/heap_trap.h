@@ -4,10 +4,11 @@
 
 namespace tribus::test {
 
-/// Counts the allocations of the calling thread for as long as it lives. One at a time.
+/// Counts the allocations of the calling thread during the object's lifetime. One object at a time.
 class HeapTrap {
   public:
-    /// Whether this build can watch the heap: a sanitizer replaces malloc by its own.
+    /// Returns whether this build can watch the heap: with a sanitizer it cannot, which replaces
+    /// malloc.
     static bool works();
 
     HeapTrap();

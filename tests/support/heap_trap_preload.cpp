@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <cstring>
 
-// For LD_PRELOAD under the built program: from the moment at which its data thread takes its name,
-// any allocation of that thread ends the program, with a message and status 134. At exit it tells
-// on standard error that it watched at all.
+// For LD_PRELOAD under the built program: once the data thread has set its name, any allocation by
+// it ends the program with a message and status 134. At exit a line on standard error says that the
+// thread was watched.
 
 namespace {
 
@@ -35,7 +35,7 @@ struct Witness {
 }  // namespace
 
 extern "C" {
-// The C library's own entrances, which its header does not declare.
+// Entry points of the C library that its header does not declare.
 void* __libc_malloc(std::size_t size);                           // NOLINT
 void* __libc_calloc(std::size_t count, std::size_t size);        // NOLINT
 void* __libc_realloc(void* block, std::size_t size);             // NOLINT

@@ -7,14 +7,14 @@
 
 namespace tribus::test {
 
-/// 0xFFFF less each byte before it (docs/protocols/ibus.md, "Servo frame").
+/// Returns 0xFFFF minus each byte of `before` (docs/protocols/ibus.md, "Servo frame").
 inline std::uint16_t ibus_checksum(std::span<const std::uint8_t> before) {
     return static_cast<std::uint16_t>(
         std::accumulate(before.begin(), before.end(), 0xFFFF,
                         [](int sum, std::uint8_t byte) { return sum - byte; }));
 }
 
-/// The frame of a servo or a sensor, of which only that is missing.
+/// Appends the checksum to a servo or sensor frame that lacks only that.
 inline std::vector<std::uint8_t> with_ibus_checksum(std::vector<std::uint8_t> frame) {
     const std::uint16_t checksum = ibus_checksum(frame);
     frame.push_back(static_cast<std::uint8_t>(checksum));

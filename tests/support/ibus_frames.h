@@ -26,8 +26,8 @@ inline constexpr std::string_view kIa6bFrame2015 =
 inline constexpr std::string_view kArduPilotFrame =
     "20 40 dc 05 dc 05 e8 03 dc 05 dc 05 dc 05 dc 05 dc 05 dc 05 dc 05 dc 05 dc 05 dc 05 dc 05 "
     "47 f3";
-/// FTr8B receiver (AFHDS 3), 18 channels; first frame of ArduPilot's capture ibus-FTr8B.csv. The
-/// 5 of 1500 us in channels 15 to 18 makes bytes 0x55, the other variant's header.
+/// FTr8B receiver (AFHDS 3), 18 channels; first frame of ArduPilot's capture ibus-FTr8B.csv.
+/// Channels 15 to 18 are 1500 us (0x5DC); its digit 5 makes bytes 0x55, the other variant's header.
 inline constexpr std::string_view kFtr8bFrame =
     "20 40 d5 c5 eb d5 45 55 a8 c5 dc d5 dc 55 dc c5 dc d5 dc 55 dc c5 dc d5 dc 55 dc 05 dc 05 "
     "94 ec";
@@ -49,7 +49,7 @@ inline constexpr std::string_view kIbus2Command =
 inline constexpr std::string_view kIbus2Response =
     "06 f8 10 03 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 00 a3";
 
-/// Whole microseconds of each channel, -1 for one that is not present.
+/// Returns the whole microseconds of each channel, or -1 for a channel that is not present.
 inline std::vector<int> whole_microseconds(const ChannelFrame& frame) {
     std::vector<int> values;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -59,7 +59,7 @@ inline std::vector<int> whole_microseconds(const ChannelFrame& frame) {
     return values;
 }
 
-/// The frame, if `wire` is exactly one.
+/// Returns the frame if `wire` is exactly one frame.
 inline std::optional<ChannelFrame> decode_one(const Bytes& wire,
                                               IbusSlots slots = IbusSlots::nibbles) {
     IbusDecoder decoder(slots);
@@ -67,7 +67,7 @@ inline std::optional<ChannelFrame> decode_one(const Bytes& wire,
     return frames.size() == 1 ? std::optional(frames[0].channels) : std::nullopt;
 }
 
-/// Of any length that a payload may have, with its checksum.
+/// Returns a servo frame with a payload of any allowed length and its checksum.
 inline Bytes servo_frame(const Bytes& payload, std::uint8_t command) {
     Bytes frame{static_cast<std::uint8_t>(payload.size() + 4), command};
     append(frame, payload);

@@ -7,7 +7,7 @@
 
 #include "tests/support/shell.h"
 
-/// Files as the kernel's, but of our own.
+/// A folder with files like those of the kernel in /sys, /proc and /dev.
 namespace tribus::test {
 
 class KernelTree {
@@ -22,7 +22,7 @@ class KernelTree {
     void folder(const std::string& path) const {
         std::filesystem::create_directories(folder_ / path);
     }
-    /// A link inside of the tree: both are given from its root.
+    /// Adds a link inside the tree. Both paths start at its root.
     void link(const std::string& path, const std::string& target) const {
         const std::filesystem::path link = folder_ / path;
         std::filesystem::create_directories(link.parent_path());
@@ -30,20 +30,21 @@ class KernelTree {
         std::filesystem::create_directory_symlink(
             std::filesystem::relative(folder_ / target, link.parent_path()), link);
     }
-    /// A link as /proc has it, to whatever is there.
+    /// Adds a link as in /proc, to any target.
     void plain_link(const std::string& path, const std::string& target) const {
         const std::filesystem::path link = folder_ / path;
         std::filesystem::create_directories(link.parent_path());
         std::filesystem::create_symlink(target, link);
     }
 
-    /// A port NAME with this device, given below sys/devices, its driver, and a node.
+    /// Adds the port NAME with its node, its driver and its device, which is a path below
+    /// sys/devices.
     void port(const std::string& name, const std::string& device, const std::string& driver) const {
         write("dev/" + name, "");
         link("sys/class/tty/" + name + "/device", "sys/devices/" + device);
         link("sys/devices/" + device + "/driver", "sys/bus/drivers/" + driver);
     }
-    /// A USB adapter on a bus.
+    /// Adds the port of a USB adapter.
     void usb_port(const std::string& name, const std::string& driver, const std::string& product,
                   const std::string& release) const {
         port(name, "usb1/1-1/1-1:1.0/" + name, driver);
@@ -53,7 +54,7 @@ class KernelTree {
         write("sys/devices/usb1/1-1/bcdDevice", release + "\n");
         write("sys/devices/usb1/1-1/product", product + "\n");
     }
-    /// A process that may have a file open.
+    /// Adds a process, with a file that it has open if `open` is given.
     void process(int number, const std::string& command, const std::string& open = {}) const {
         const std::string folder = "proc/" + std::to_string(number) + "/";
         write(folder + "comm", command + "\n");

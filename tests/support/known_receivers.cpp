@@ -48,7 +48,7 @@ std::optional<ChannelFrame> held(Duration /*since*/, const ChannelFrame& last) {
 std::optional<ChannelFrame> silence(Duration /*since*/, const ChannelFrame& /*last*/) {
     return std::nullopt;
 }
-/// Sticks centred, throttle at an ordinary low: values that are flown every day.
+/// Sticks centred, throttle at a usual low: values that occur in every flight.
 std::optional<ChannelFrame> presets_within_range(Duration /*since*/, const ChannelFrame& last) {
     ChannelFrame frame = last;
     for (const std::size_t stick : {0U, 1U, 3U}) {
@@ -106,7 +106,7 @@ std::vector<KnownReceiver> ibus_receivers() {
     };
 }
 
-/// mLRS and ELRS do what their setting says.
+/// Receivers with SBUS output. mLRS and ELRS do what their setting says.
 std::vector<KnownReceiver> sbus_receivers() {
     constexpr Duration kPeriod = 9ms;
     const auto zeros = [](Duration, const ChannelFrame&) {
@@ -185,7 +185,7 @@ ChannelFrame pilot(Duration since_start, bool trembling) {
         const double turn =
             2 * std::numbers::pi * seconds * (0.3 + 0.1 * static_cast<double>(stick));
         const double travel = moving ? 500 * std::sin(turn) : stick == kThrottle ? -490 : 0;
-        // One microsecond up or down, never regular.
+        // One microsecond up or down, irregularly.
         const double tremble = trembling ? std::round(std::sin(seconds * 7919.0 + turn)) : 0;
         frame.set(stick, Pulse::from_fractional_microseconds(1500 + travel + tremble));
     }

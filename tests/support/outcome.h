@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-/// What a subcommand does with its two streams.
+/// Runs a command in the test and keeps what it wrote to its two streams.
 namespace tribus::test {
 
 struct Outcome {
@@ -24,7 +24,7 @@ struct Outcome {
     }
 };
 
-/// `command(results, talk)` returns the exit status.
+/// Calls `command(results, talk)`, which returns the exit status.
 template <class Command>
 Outcome outcome_of(Command command) {
     std::ostringstream results;

@@ -12,7 +12,7 @@
 #include "tests/support/uart_wire.h"
 #include "transports/links/recording.h"
 
-/// Recordings of real receivers, put on a wire again and heard by ports.
+/// Recordings of real receivers, replayed on a simulated wire and read by simulated ports.
 namespace tribus::test {
 
 inline Recording recorded(const std::string& name) {
@@ -25,14 +25,14 @@ inline Recording recorded(const std::string& name) {
 
 struct SentAs {
     SenderLine sender;
-    /// Between two bytes: genuine FlySky devices leave one.
+    /// Idle bits between two bytes: genuine FlySky devices leave one.
     unsigned pause_bits = 0;
 };
 
-/// Long enough to judge by.
+/// Enough time to identify a protocol.
 inline constexpr Duration kRecordedTime = std::chrono::milliseconds(400);
 
-/// The beginning of it.
+/// Puts the first `kRecordedTime` of a recording on a wire.
 inline Wire on_a_wire(const Recording& recording, const SentAs& as) {
     Wire wire(as.sender);
     for (const Burst& burst : recording.bursts) {
@@ -45,10 +45,10 @@ inline Wire on_a_wire(const Recording& recording, const SentAs& as) {
 
 struct HeardBy {
     UartKind kind = UartKind::waits_for_idle;
-    Duration lump{1};  ///< what came in such a time is read at once
+    Duration lump{1};  ///< the port delivers what came in such a time in one read
 };
 
-/// A doctor's visit: every setting, one after the other.
+/// Returns what doctor receives with each line setting, one after the other.
 inline std::vector<doctor::Heard> heard_of(const Wire& wire, const HeardBy& by) {
     std::vector<doctor::Heard> all;
     for (const LineSettings& line : {doctor::kIbusLine, doctor::kSbusLine, doctor::kFastSbusLine,

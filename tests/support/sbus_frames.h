@@ -7,7 +7,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus.h"
 
-/// SBUS frames that are quoted in public, with their origin.
+/// SBUS frames from public sources, with their origin.
 namespace tribus::test {
 
 /// docs/protocols/sbus.md, "Vectors".

@@ -14,7 +14,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus.h"
 
-/// SBUS streams whose payloads make it hard to see where a frame starts.
+/// SBUS streams whose payloads hide where a frame starts.
 namespace tribus::test {
 
 using SbusPayload = std::array<std::uint8_t, 22>;
@@ -28,7 +28,7 @@ inline Bytes sbus_frame(const SbusPayload& payload, std::uint8_t flags, std::uin
     return frame;
 }
 
-/// The pattern over and over.
+/// Returns a payload that repeats the pattern.
 inline SbusPayload payload_of(std::string_view hex) {
     const Bytes pattern = from_hex(hex);
     SbusPayload payload{};
@@ -40,7 +40,7 @@ inline SbusPayload payload_of(std::string_view hex) {
 
 struct SbusSticks {
     std::string name;
-    /// The payload of the n-th frame.
+    /// Returns the payload of the n-th frame.
     std::function<SbusPayload(std::uint32_t)> payload;
 };
 
@@ -48,8 +48,8 @@ inline SbusSticks still(std::string name, const SbusPayload& payload) {
     return {std::move(name), [payload](std::uint32_t) { return payload; }};
 }
 
-/// Sticks that stand still, with bytes that look like headers, flags and footers: the hard case,
-/// because whatever looks like a boundary looks so in every frame.
+/// Sticks that stand still, with payload bytes that look like headers, flags and footers. This is
+/// the hard case, because a false frame boundary looks the same in every frame.
 inline std::vector<SbusSticks> hard_sticks_that_stand_still() {
     std::vector<SbusSticks> all;
     for (const std::string_view pattern :
@@ -66,7 +66,7 @@ inline std::vector<SbusSticks> hard_sticks_that_stand_still() {
     return all;
 }
 
-/// One frame's payload of bytes that matter to a decoder, or of any bytes.
+/// Returns a payload of bytes that have a meaning for a decoder (`hard`), or of any bytes.
 inline SbusPayload random_payload(Random& random, bool hard) {
     constexpr std::array<std::uint8_t, 9> kHard{0x0F, 0x00, 0x04, 0x0F, 0x10,
                                                 0x08, 0x03, 0x0F, 0x00};
@@ -114,8 +114,8 @@ inline FrameStream sbus_stream(const SbusSticks& sticks, std::uint8_t flags,
     return stream;
 }
 
-/// As a Futaba receiver sends it: footers 24, 34, 04, 14 in turn, slot 0 behind 04; or, with more
-/// triples, as sensors fill the slots behind every frame.
+/// An SBUS2 stream as a Futaba receiver sends it: footers 24, 34, 04, 14 in turn, slot 0 after 04.
+/// With more triples, sensors fill the slots after every frame.
 inline FrameStream sbus2_stream(const SbusSticks& sticks, std::uint8_t flags,
                                 std::uint32_t frame_count, std::uint32_t triples) {
     FrameStream stream;

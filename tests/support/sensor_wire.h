@@ -12,7 +12,7 @@
 #include "tests/support/ibus_checksum.h"
 #include "transports/codecs/ibus_sensor.h"
 
-/// Bytes of a sensor bus with their instants, for the tests of its parser.
+/// Bytes of a sensor bus with their times, for the tests of its parser.
 namespace tribus {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -25,7 +25,7 @@ inline Bytes encoded(SensorCommand command, std::uint8_t address, const Bytes& d
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
-/// What stands on the wire, each byte with its instant.
+/// All bytes on the wire, each with its time.
 class Wire {
   public:
     void add(const Bytes& bytes) {
@@ -47,7 +47,7 @@ class Wire {
     struct Found {
         Bytes frame;
         std::uint64_t first_byte = 0;
-        std::size_t bytes_read = 0;  ///< when it was found
+        std::size_t bytes_read = 0;  ///< bytes that the parser had read when it found the frame
     };
     std::vector<Found> read(SensorFrameParser& parser) const {
         std::vector<Found> found;

@@ -8,7 +8,7 @@
 
 #include "tests/support/temporary_folder.h"
 
-/// The built program, as a shell starts it. Needs the compile definition TRIBUS_PROGRAM.
+/// Runs the built program from a shell. Needs the compile definition TRIBUS_PROGRAM.
 namespace tribus::test {
 
 struct Ended {
@@ -16,7 +16,7 @@ struct Ended {
     std::string output;
 };
 
-/// `command` is shell text in which $TRIBUS is the program; errors are part of the output.
+/// Runs shell text in which $TRIBUS is the program. The output includes standard error.
 inline Ended run_in_shell(const std::string& command) {
     const std::string script = "exec 2>&1; TRIBUS='" TRIBUS_PROGRAM "'; " + command;
     std::FILE* const pipe = ::popen(script.c_str(), "r");

@@ -16,12 +16,12 @@
 #include "core/time.h"
 #include "transports/codecs/codec.h"
 
-/// Bytes on their way to a decoder: how they are cut into reads, and what happens to one of them.
+/// Streams of bytes for a decoder: how they are cut into reads, and faults in them.
 namespace tribus::test {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// "0f e0 03": two hexadecimal digits a byte, blanks anywhere between bytes.
+/// Converts text like "0f e0 03": two hexadecimal digits a byte, blanks anywhere between bytes.
 inline Bytes from_hex(std::string_view text) {
     Bytes bytes;
     for (std::size_t at = 0; at + 1 < text.size();) {
@@ -40,7 +40,7 @@ inline void append(Bytes& bytes, std::span<const std::uint8_t> more) {
     std::copy(more.begin(), more.end(), std::back_inserter(bytes));
 }
 
-/// Small, fast, the same everywhere (xorshift32).
+/// A small, fast random generator (xorshift32) with the same sequence on every machine.
 class Random {
   public:
     explicit Random(std::uint32_t seed) : state_(seed * 2654435761U | 1U) {}
@@ -57,7 +57,7 @@ class Random {
     std::uint32_t state_;
 };
 
-/// How a stream is cut into reads: pieces of `longest` bytes, or of random length up to it.
+/// How a stream is cut into reads: pieces of `longest` bytes, or of random length up to `longest`.
 struct Split {
     std::size_t longest = SIZE_MAX;
     std::uint32_t seed = 0;  ///< 0: every piece is as long as allowed
@@ -67,7 +67,7 @@ inline constexpr Split kByteByByte{.longest = 1};
 
 enum class FaultKind : std::uint8_t { none, lost, added, replaced, damaged };
 
-/// What happens to a line at one place. `damaged` is a byte with a parity or framing error.
+/// A fault at one place of a line. `damaged` is a byte with a parity or framing error.
 struct Fault {
     FaultKind kind = FaultKind::none;
     std::size_t position = 0;
@@ -127,7 +127,7 @@ inline std::vector<DecodedFrame> feed(Decoder& decoder, std::span<const std::uin
     return frames;
 }
 
-/// The same over a line with a fault.
+/// Feeds the decoder over a line with a fault.
 inline std::vector<DecodedFrame> feed(Decoder& decoder, const Bytes& bytes, const Fault& fault,
                                       Split split) {
     if (fault.kind != FaultKind::damaged) {
@@ -159,7 +159,7 @@ inline bool same_frames(std::span<const DecodedFrame> one, std::span<const Decod
                       });
 }
 
-/// Frames one behind the other, perhaps with other bytes between, and where each one starts.
+/// Consecutive frames, possibly with other bytes between them, and the start of each frame.
 struct FrameStream {
     Bytes bytes;
     std::vector<std::size_t> starts;
@@ -169,7 +169,7 @@ struct FrameStream {
         append(bytes, frame);
     }
     void add_other(std::span<const std::uint8_t> other) { append(bytes, other); }
-    /// Where frame `index` starts behind the fault.
+    /// Returns where frame `index` starts in the stream with the fault.
     std::size_t shifted_start(std::size_t index, const Fault& fault) const {
         std::size_t start = starts[index];
         if (fault.kind == FaultKind::added && start >= fault.position) {
@@ -182,13 +182,13 @@ struct FrameStream {
     }
 };
 
-/// What one fault did to a stream.
+/// Effect of one fault on a stream.
 struct Damage {
     std::vector<std::size_t> missing;  ///< frames that did not come, or came with other content
     std::size_t invented = 0;          ///< frames at places where none was sent
 };
 
-/// `clean` is what the same stream decodes to without the fault, one frame for each start.
+/// Compares with `clean`, the frames of the same stream without the fault, one for each start.
 inline Damage compare(const FrameStream& stream, const Fault& fault,
                       std::span<const DecodedFrame> clean, std::span<const DecodedFrame> decoded) {
     Damage damage;
@@ -209,7 +209,8 @@ inline Damage compare(const FrameStream& stream, const Fault& fault,
     return damage;
 }
 
-/// Feeds `bytes` in random pieces, with damaged bytes in the place of some: no frame may hold one.
+/// Feeds `bytes` in random pieces and damages some of the bytes. No frame may contain a damaged
+/// byte.
 inline void expect_no_frame_over_damage(Decoder& decoder, const Bytes& bytes, Random& random,
                                         std::uint32_t longest_piece) {
     std::vector<DecodedFrame> frames;

@@ -9,7 +9,7 @@
 
 namespace tribus::test {
 
-/// A folder that goes with its object, and its content with it.
+/// A temporary folder. The destructor removes it with its content.
 class TemporaryFolder {
   public:
     TemporaryFolder() {

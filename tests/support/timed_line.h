@@ -15,7 +15,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/codec.h"
 
-/// Bytes on a wire, each at its time, and ports that deliver them as real ones do.
+/// Bytes on a wire with their times, and ports that deliver them as real ports do.
 namespace tribus::test {
 
 /// 100000 baud 8E2; docs/protocols/sbus.md, "Line".
@@ -23,11 +23,11 @@ inline constexpr Duration kSbusByteTime = std::chrono::microseconds(120);
 
 struct WireByte {
     std::uint8_t value = 0;
-    Duration end{};  ///< when its last bit is there
+    Duration end{};  ///< time of the end of its last bit
 };
 using TimedLine = std::vector<WireByte>;
 
-/// One behind the other from `start` on. Returns when the last one ends.
+/// Adds bytes without gaps from `start` on. Returns when the last one ends.
 inline Duration put(TimedLine& line, std::span<const std::uint8_t> bytes, Duration start,
                     Duration byte_time = kSbusByteTime) {
     for (const std::uint8_t byte : bytes) {
@@ -43,7 +43,7 @@ struct TimedRead {
 };
 using Port = std::function<std::vector<TimedRead>(const TimedLine&)>;
 
-/// Each byte wakes the reader, which is up to 0.1 ms late.
+/// A port where each byte wakes the reader, which is up to 0.1 ms late.
 inline std::vector<TimedRead> byte_by_byte(const TimedLine& line) {
     std::vector<TimedRead> reads;
     Random random(7);
@@ -53,7 +53,8 @@ inline std::vector<TimedRead> byte_by_byte(const TimedLine& line) {
     return reads;
 }
 
-/// A UART with a FIFO: eight bytes wake the reader, or fewer that stand for four bytes' time.
+/// A UART with a FIFO: the reader wakes when eight bytes wait, or when fewer have waited for the
+/// time of four bytes.
 inline std::vector<TimedRead> out_of_a_fifo(const TimedLine& line) {
     constexpr std::size_t kTrigger = 8;
     constexpr Duration kTimeout = 4 * kSbusByteTime;
@@ -71,7 +72,7 @@ inline std::vector<TimedRead> out_of_a_fifo(const TimedLine& line) {
     return reads;
 }
 
-/// A pty whose other end writes what stands together at once.
+/// A pty whose other end writes bytes that follow each other in one call.
 inline std::vector<TimedRead> in_bursts(const TimedLine& line) {
     std::vector<TimedRead> reads;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -84,7 +85,7 @@ inline std::vector<TimedRead> in_bursts(const TimedLine& line) {
     return reads;
 }
 
-/// An adapter that delivers all that has come each so often (FTDI's latency timer;
+/// An adapter that delivers all bytes that have come once each `step` (FTDI's latency timer;
 /// docs/protocols/sbus.md, "Serial port: latency").
 inline Port in_lumps_each(Duration step) {
     return [step](const TimedLine& line) {
@@ -108,7 +109,7 @@ inline std::vector<NamedPort> prompt_ports() {
     return {{"byte by byte", byte_by_byte}, {"FIFO", out_of_a_fifo}, {"bursts", in_bursts}};
 }
 
-/// The frames that an input makes of what a port delivers; the last one of each read.
+/// Returns the frames that an input makes of what a port delivers, the last one of each read.
 inline std::vector<ChannelFrame> frames_of(std::unique_ptr<Decoder> decoder, const TimedLine& line,
                                            const Port& port) {
     Input input({.name = "in", .decoder = std::move(decoder), .byte_time = kSbusByteTime}, 0);

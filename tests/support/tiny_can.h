@@ -13,7 +13,7 @@
 #include "transports/codecs/protocol.h"
 
 /// The smallest CAN protocol: channel 1 as two bytes of microseconds under one id, the high byte
-/// first. For tests of what surrounds a codec.
+/// first. For tests of the code around a codec.
 namespace tribus::test {
 
 inline constexpr CanIdMatch kTinyId{.id = 0x123, .mask = kMostExtendedId, .extended = false};
@@ -76,7 +76,7 @@ inline const Protocol kTinyCan{
     },
 };
 
-/// The same under the id 0x124; it only reads.
+/// The same protocol under the id 0x124. It only reads.
 inline const Protocol kOtherTinyCan{
     .name = "other",
     .description = "For tests",

@@ -12,23 +12,24 @@
 #include "core/time.h"
 #include "transports/links/recording.h"
 
-/// The level of a serial wire, bit by bit, and what a UART with any settings hears of it.
+/// The level of a serial wire, bit by bit, and the bytes that a UART with given settings reads from
+/// it.
 namespace tribus::test {
 
-/// What a sender puts on the wire; `odd_parity` counts where there is parity.
+/// Settings of a sender. `odd_parity` counts only if the line has parity.
 struct SenderLine {
     LineSettings line;
     bool inverted = false;
     bool odd_parity = false;
 };
 
-/// The wire's changes of level in the order of time; at first it idles.
+/// Changes of the wire's level in the order of time. The wire starts idle.
 class Wire {
   public:
     explicit Wire(const SenderLine& sender) : sender_(sender), high_(!sender.inverted) {}
 
-    /// Puts bytes on the wire from `start` on, or behind what is there, each `pause_bits` after the
-    /// one before.
+    /// Sends bytes from `start` on, or after the bytes already sent, with `pause_bits` between two
+    /// bytes.
     void send(Duration start, std::span<const std::uint8_t> bytes, unsigned pause_bits = 0) {
         const LineSettings& line = sender_.line;
         const Duration begin = std::max(start, end_);
@@ -48,7 +49,7 @@ class Wire {
         end_ = begin + line.bits_time(bit);
     }
     Duration end() const { return end_; }
-    /// As a UART sees it: a mark is high. Quickest where the times rise.
+    /// Level that a UART sees: a mark is high. Fastest if the times of successive calls rise.
     bool high_at(Duration time) const {
         if (at_ > 0 && changes_[at_ - 1].at > time) {
             at_ = 0;
@@ -58,7 +59,7 @@ class Wire {
         }
         return at_ == 0 ? !sender_.inverted : changes_[at_ - 1].high;
     }
-    /// From `time` on; nothing where none follows.
+    /// Time of the next edge from `time` on, or nothing if there is none.
     std::optional<Duration> next_fall(Duration time) const { return next(time, false); }
     std::optional<Duration> next_rise(Duration time) const { return next(time, true); }
 
@@ -87,17 +88,18 @@ class Wire {
     bool high_;
     Duration end_{};
     std::vector<Change> changes_;
-    mutable std::size_t at_ = 0;  ///< of the change behind the time that was asked for last
+    mutable std::size_t at_ = 0;  ///< index of the change after the time of the last query
 };
 
 enum class UartKind : std::uint8_t {
-    /// After a framing error it waits for the line to be high, as PL011s do.
+    /// After a framing error it waits until the line is high, as a PL011 does.
     waits_for_idle,
-    /// It takes the bit where the stop bit was missing for the next start bit, as 16550s do.
+    /// After a framing error it takes the bit in place of the stop bit for the next start bit, as a
+    /// 16550 does.
     takes_error_for_start,
 };
 
-/// What a UART hears; each byte is a burst, at the time when its stop bit was there.
+/// The bytes that a UART reads. Each byte is a burst at the time of its stop bit.
 class UartEar {
   public:
     UartEar(const LineSettings& line, UartKind kind) : line_(line), kind_(kind) {}
@@ -120,7 +122,7 @@ class UartEar {
         const auto rise = wire.next_rise(from);
         return rise ? wire.next_fall(*rise) : std::nullopt;
     }
-    /// One byte; returns where the next one starts.
+    /// Reads one byte. Returns where the next one starts.
     std::optional<Duration> take(const Wire& wire, Duration start) {
         unsigned value = 0;
         for (unsigned data = 0; data < 8; ++data) {
@@ -153,7 +155,7 @@ class UartEar {
     std::vector<Burst> heard_;
 };
 
-/// As a program reads it of an adapter that hands over what it has each `step`.
+/// The reads of a program whose adapter delivers its bytes once each `step`.
 inline std::vector<Burst> in_lumps(std::span<const Burst> bytes, Duration step) {
     std::vector<Burst> lumps;
     for (const Burst& byte : bytes) {

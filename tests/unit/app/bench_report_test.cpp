@@ -24,7 +24,7 @@ Report some_report() {
     return report;
 }
 
-/// Every element is closed, in order; nothing stands for itself that XML gives a meaning.
+/// Returns whether every element is closed in order and every special character is escaped.
 bool well_formed(const std::string& xml) {
     static const std::regex kTag(R"(<(/?)([a-z]+)((?: [a-zA-Z0-9-]+="[^"<]*")*)(/?)>)");
     std::vector<std::string> open;

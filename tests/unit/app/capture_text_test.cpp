@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 constexpr Duration kByteTime = 100us;
 constexpr Instant kZero{1s};
 
-/// What passes a ring, as text.
+/// Records into a ring and returns the content as text.
 class Passing {
   public:
     explicit Passing(bool can)

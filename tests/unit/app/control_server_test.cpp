@@ -18,7 +18,7 @@ namespace {
 
 constexpr Duration kMs = std::chrono::milliseconds(1);
 
-/// A client of the socket, who reads only when told to.
+/// A client of the socket that reads only when told to.
 class Guest {
   public:
     explicit Guest(const std::string& path) {
@@ -31,7 +31,7 @@ class Guest {
     void say(const std::string& text) {
         ::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL);
     }
-    /// Everything that is there; "(closed)" at the end of the stream.
+    /// Returns all bytes that wait, with "(closed)" after the end of the stream.
     std::string read() {
         std::string all;
         std::array<char, 65536> bytes;
@@ -50,7 +50,7 @@ class Guest {
     UniqueFd socket_;
 };
 
-/// A server whose status is a number that grows with each, under a clock that the test turns.
+/// A server whose status contains a number that grows with each request. The test moves the clock.
 class Control : public testing::Test {
   protected:
     Control() {
@@ -120,8 +120,8 @@ TEST_F(Control, RefusesWhatIsNoRequestAndSaysWhatIs) {
               "\\\"watch [PERIOD]\\\", \\\"status\\\"\"}\n");
 }
 
-/// What takes a while keeps the others from nothing, and the asker's next request waits for it,
-/// also where that is too long.
+/// A slow answer does not delay other clients. The next request of the same client waits for the
+/// answer, even if that request is too long.
 TEST_F(Control, AnswersLateWhatTakesAWhile) {
     bool done = false;
     control_->add_late("work", [&](auto) -> ControlServer::LateAnswer {
@@ -181,7 +181,7 @@ TEST_F(Control, WatchRefusesAPeriodThatIsNone) {
     EXPECT_EQ(answers.find("\"n\""), std::string::npos) << answers;
 }
 
-/// Latest value only: what one does not read in time is not kept for it.
+/// Only the latest object counts: one that a client does not read in time is not kept.
 TEST_F(Control, OneWhoDoesNotReadMissesObjectsAndGetsAFreshOneAfterwards) {
     Guest guest(folder_ / "control");
     guest.say("watch 100ms\n");
@@ -270,7 +270,7 @@ TEST_F(Control, OfSixteenWhoAskNothingTheLongestQuietGivesWay) {
     EXPECT_EQ(guests[2].read(), "");
 }
 
-/// Whoever reloads is let in, however many places another user has taken.
+/// A reload gets in, no matter how many places another user has taken.
 TEST_F(Control, OfSixteenWhoWatchOneGivesWayToAnotherUser) {
     if (::geteuid() != 0) {
         GTEST_SKIP() << "only root can be somebody else";

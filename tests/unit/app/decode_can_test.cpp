@@ -46,7 +46,7 @@ Outcome decoded(std::string_view log, const std::vector<ProtocolUse>& uses, Deco
     });
 }
 
-/// The log comes in the given pieces; `after` sees the results behind each of them.
+/// Passes the log in these pieces. `after` sees the results after each piece.
 Outcome streamed(const std::vector<std::string>& pieces, const std::string& interface = "",
                  std::vector<std::string>* after = nullptr) {
     return outcome_of([&](std::ostringstream& results, std::ostream& talk) {

@@ -21,8 +21,8 @@ using nlohmann::json;
 using test::Outcome;
 using test::outcome_of;
 
-/// The eight worked examples of docs/protocols/can.md, "DroneCAN: worked examples", in their order;
-/// the last one, of 18 channels in an FD frame, is rcinput_18ch_fd of the vectors.
+/// The eight worked examples of docs/protocols/can.md, "DroneCAN: worked examples", in their order.
+/// The last one, with 18 channels in an FD frame, is rcinput_18ch_fd of the vectors.
 constexpr std::string_view kExamples =
     "(1.000000) can0 0804742A#13C30100C80E8385\n"
     "(1.000130) can0 0804742A#4C4B04145785DC25\n"
@@ -63,7 +63,7 @@ std::vector<json> objects(std::string_view log) {
     return found;
 }
 
-/// Of the only transfer in a log.
+/// Returns the text of the only transfer in a log.
 std::string text_of(std::string_view log) {
     const auto lines = decoded(log, DecodeFormat::text).lines();
     return lines.size() > 2 ? lines[1] : "";

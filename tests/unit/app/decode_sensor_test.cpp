@@ -21,7 +21,7 @@ using test::Outcome;
 using test::outcome_of;
 using test::run_in_shell;
 
-// A receiver finds a voltmeter at address 1, probes address 2, misses a value and gets it then.
+// A receiver finds a voltmeter at address 1, probes address 2, gets no value and then gets one.
 // Requests, times and the value FFFE are those of an FS-iA6B with a CVT01 (docs/protocols/ibus.md,
 // "Sensor bus: timing").
 constexpr std::string_view kStart =
@@ -126,7 +126,7 @@ TEST(DecodeSensor, ATypeThatNobodyKnowsIsItsNumber) {
         << outcome.results;
 }
 
-// 0B is fix and satellites, with INAV the other way round.
+// 0B has the fix and the satellites, which INAV swaps.
 TEST(DecodeSensor, ADialectReadsTheDisputedTypesItsWay) {
     constexpr std::string_view kGps =
         "04 91 6a ff 06 91 0b 02 5b ff\n04 a1 5a ff 06 a1 03 09 4c ff\n";

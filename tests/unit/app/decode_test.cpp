@@ -78,7 +78,7 @@ TEST(Decode, TextShowsFlagsAndFooter) {
 }
 
 TEST(Decode, TimeIsThatOfTheFramesFirstByte) {
-    // Two frames in one burst: the second starts 25 bytes of 120 us later, behind two bytes more.
+    // Two frames in one burst: the second starts 25 bytes of 120 us later, after two more bytes.
     const Outcome outcome = decoded("# t_us\n1000 " + lines_of({kSbus}) + "9000 " +
                                         std::string(kSbus) + " " + std::string(kSbus) + "\n",
                                     "sbus", DecodeFormat::csv);
@@ -94,7 +94,7 @@ TEST(Decode, FrameThatIsSplitOverBurstsHasTheTimeOfTheFirst) {
         decoded("# t_us\n100 00 00 " + frame.substr(0, 30) + "\n2000 " + frame.substr(30) + "\n",
                 "ibus", DecodeFormat::csv);
     ASSERT_EQ(outcome.lines().size(), 2U);
-    // Two bytes of 86.8 us behind the start of the burst.
+    // Two bytes of 86.8 us after the start of the burst.
     EXPECT_EQ(outcome.lines()[1].substr(0, 4), "274,");
 }
 
@@ -112,7 +112,7 @@ TEST(Decode, DamagedByteCostsItsFrameOnly) {
         << results.str();
 }
 
-// Behind each frame of a Futaba R7003SB, 2 ms later; bolderflight/sbus, issue 79.
+// Bytes that a Futaba R7003SB sends 2 ms after each frame; bolderflight/sbus, issue 79.
 std::string r7003sb_recording() {
     std::string text = "# t_us bytes\n";
     for (int i = 0; i < 100; ++i) {

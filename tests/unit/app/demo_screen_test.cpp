@@ -28,7 +28,7 @@ DemoFigures figures() {
     return figures;
 }
 
-/// The lines as a person sees them: without colours and other sequences of the terminal.
+/// Returns the visible lines, without colours and other terminal sequences.
 std::vector<std::string> visible_lines(const std::string& screen) {
     std::string text;
     for (std::size_t i = 0; i < screen.size(); ++i) {

@@ -16,17 +16,17 @@ using std::chrono::microseconds;
 using test::Bytes;
 using test::from_hex;
 
-/// RCInput of node 42, transfer id 5: the first of the worked examples (docs/protocols/can.md,
+/// RCInput of node 42 with transfer id 5, the first worked example (docs/protocols/can.md,
 /// "DroneCAN: worked examples").
 const std::vector<std::string> kRcInput{"0804742A#13C30100C80E8385", "0804742A#4C4B04145785DC25",
                                         "0804742A#5406A460876C7D05", "0804742A#07DC3DC7DB5DD525",
                                         "0804742A#DE5045"};
-/// The same node, transfer id 31, failsafe: the second one.
+/// The same node with transfer id 31 and failsafe, the second worked example.
 const std::vector<std::string> kFailsafe{"0804742A#1F670200000DC59F", "0804742A#DC5843DC5DC5DC3F",
                                          "0804742A#5DC5DC5DC5DC5D1F", "0804742A#C5DC5DC5DC5DC53F",
                                          "0804742A#DC505F"};
 
-/// A frame each millisecond from 1 s on.
+/// Returns the explained transfers of frames that come every millisecond from 1 s on.
 std::vector<ExplainedTransfer> explained(const std::vector<std::string>& frames,
                                          TransferTally* tally = nullptr,
                                          Duration between = std::chrono::milliseconds(1)) {
@@ -111,7 +111,7 @@ TEST(DroneCanExplainer, AFrameLostWithinATransferIsSeenByTheToggleWhereverItWas)
 }
 
 TEST(DroneCanExplainer, AnEndThatCannotFollowShowsThatAFrameIsMissing) {
-    // Of the third worked example the frame in the middle is lost.
+    // The third worked example without its middle frame.
     const std::vector<std::string> command{"0803F20A#61B7010000000282", "0803F20A#0400003842"};
     const auto found = explained(command);
     ASSERT_EQ(faults(found), Faults{TransferFault::frames_missing});
@@ -156,7 +156,7 @@ TEST(DroneCanExplainer, ATransferSentAgainIsSaidToBeRepeatedAndACopiedFrameIsOnl
     copied.insert(copied.begin() + 1, kRcInput[1]);
     EXPECT_EQ(faults(explained(copied, &tally)), Faults{TransferFault::none});
     EXPECT_EQ(tally.repeated_frames, 1U);
-    // NodeStatus, one frame: the fifth of the worked examples.
+    // NodeStatus in one frame, the fifth worked example.
     EXPECT_EQ(faults(explained({"1801552A#D2040000000000CC", "1801552A#D2040000000000CC"})),
               (Faults{TransferFault::none, TransferFault::repeated}));
 }
@@ -195,7 +195,8 @@ TEST(DroneCanExplainer, FramesOfTwoNodesMayAlternate) {
 
 TEST(DroneCanExplainer, AResponseIsPairedWithItsRequest) {
     TransferTally tally;
-    // GetSet, an empty name: service 11, 127 asks 42; the response says "no such parameter".
+    // GetSet with an empty name: node 127 asks node 42 for service 11, which answers "no such
+    // parameter".
     const auto found = explained({"180BAAFF#0000C3", "180B7FAA#00000000C3"}, &tally);
     ASSERT_EQ(found.size(), 2U);
     EXPECT_FALSE(found[0].answered_after);

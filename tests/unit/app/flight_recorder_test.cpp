@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 constexpr Instant kNow{10s};
 constexpr Duration kWallNow = 1'795'348'805s;
 
-/// No memory can be had as long as it exists.
+/// While this object exists, no memory can be allocated.
 class NoMemory {
   public:
     NoMemory() {
@@ -56,7 +56,7 @@ class FlightRecorderOf : public testing::Test {
     void take_ring(std::size_t port) {
         ports_[port].wiring.capture = recorder_->ring_for(ports_[port], *configuration_.recorder);
     }
-    /// What `record` comes to.
+    /// Requests a recording and returns the answer.
     std::string ask() {
         std::string answer = recorder_->answer({}, kNow, kWallNow);
         for (int i = 0; i < 1000 && answer.find("\"writing\"") != std::string::npos; ++i) {

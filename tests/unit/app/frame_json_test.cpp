@@ -64,7 +64,7 @@ TEST(FrameJson, EighthsAreExact) {
     EXPECT_EQ(text_of(Pulse::from_eighths(-1)), "-0.125");
 }
 
-// Other programs read this form.
+// Other programs read this format.
 TEST(FrameJson, PrintsTheContractsExample) {
     EXPECT_EQ(json_of(contract_example()),
               "{\"t_us\":1146,\"protocol\":\"ibus\",\"channels\":[1500,1500,2000,1000,1500,1500,"

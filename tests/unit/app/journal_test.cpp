@@ -56,8 +56,8 @@ TEST(JournalEntry, HasTheFieldsThatHaveANameOnly) {
               "TRIBUS_INPUT=receiver\nTRIBUS_CAUSE=\n");
 }
 
-/// systemd.io/JOURNAL_NATIVE_PROTOCOL: name, line end, 64-bit little-endian length, bytes, line
-/// end. A device may be called anything; it must not be able to add fields of its own.
+/// Format of systemd.io/JOURNAL_NATIVE_PROTOCOL: name, line end, 64-bit little-endian length,
+/// bytes, line end. A device may have any name, which must not add fields of its own.
 TEST(JournalEntry, TellsTheLengthOfTextWithLineEnds) {
     EXPECT_EQ(entry("x", {{"TRIBUS_DEVICE", "/dev/a\nPRIORITY=0"}}),
               "MESSAGE=x\nPRIORITY=4\nSYSLOG_IDENTIFIER=tribus\n"

@@ -34,7 +34,7 @@ struct alignas(64) Line {
     std::array<std::byte, 64> bytes{};
 };
 
-/// A ring as `record` makes it, in memory of its own.
+/// A ring as `record` makes it, with its own memory.
 class Image {
   public:
     explicit Image(bool can) {
@@ -51,7 +51,7 @@ class Image {
     std::span<std::byte> bytes() { return std::as_writable_bytes(std::span(lines_)); }
 
   private:
-    /// Classic ones, and ones that take two pieces.
+    /// Returns a classic frame, or a frame that takes two pieces.
     static CanFrame frame_of(std::uint8_t number) {
         const bool fd = number % 2 == 1;
         CanFrame frame{.id = 0x123, .fd = fd, .length = fd ? std::uint8_t{48} : std::uint8_t{8}};
@@ -61,7 +61,7 @@ class Image {
     std::vector<Line> lines_ = std::vector<Line>(kRingBytes / sizeof(Line));
 };
 
-/// What a recording of that ring would hold.
+/// Returns the text that a recording of this ring would have.
 std::string text_of(std::span<std::byte> image, bool can, Passage passage) {
     const auto ring = CaptureRing::adopt(image);
     CaptureText text({.can = can,
@@ -79,7 +79,7 @@ std::string text_of(std::span<std::byte> image, bool can, Passage passage) {
     return passage == Passage::read ? text.read() : text.written();
 }
 
-/// Flips each byte of a ring, one after the other, by each of these.
+/// Flips bits in each byte of a ring, one byte after the other, with each of these values.
 void damage_each_byte(bool can) {
     Image image(can);
     for (std::byte& byte : image.bytes()) {
@@ -107,7 +107,7 @@ TEST(DamagedRing, of_a_can_interface_gives_a_recording_that_can_be_read_whicheve
 
 TEST(DamagedRing, loses_the_burst_of_the_damaged_piece_only) {
     Image image(false);
-    // The count of the second piece of the third write stands 21 bytes into it.
+    // The byte count of the second piece of the third write is 21 bytes into that piece.
     image.bytes()[64 + 5 * sizeof(CapturePiece) + 21] = std::byte{0xFF};
     const auto recording = parse_recording(text_of(image.bytes(), false, Passage::written), "text");
     ASSERT_TRUE(recording) << recording.error();
@@ -119,7 +119,7 @@ TEST(DamagedRing, loses_the_burst_of_the_damaged_piece_only) {
     EXPECT_EQ(values, (std::vector<int>{0, 1, 3, 4, 5}));
 }
 
-/// What a process that was killed left: two files.
+/// The two files that a killed process left behind.
 class LeftFolder : public testing::Test {
   protected:
     LeftFolder() {
@@ -159,7 +159,7 @@ TEST_F(LeftFolder, is_read_with_the_instant_of_its_newest_piece) {
 }
 
 TEST_F(LeftFolder, whose_newest_piece_is_damaged_goes_by_the_one_before) {
-    // The uppermost byte of the time of the last two pieces: those of the last write.
+    // The highest byte of the time in the last two pieces, which are the last write.
     for (const std::size_t piece : {10U, 11U}) {
         image_.bytes()[64 + piece * sizeof(CapturePiece) + 7] = std::byte{0x40};
     }

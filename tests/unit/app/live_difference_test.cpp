@@ -14,7 +14,7 @@ namespace {
 
 const std::string kJob = main_job_with(0, "");
 
-/// A daemon's status with the receiver's first channels; `null` for none.
+/// Returns a daemon's status with the receiver's first channels, or `null` for none.
 nlohmann::json status_with(const std::string& state, const std::string& channels,
                            int interval_us = 7000) {
     return nlohmann::json::parse(R"({"inputs":[{"name":"receiver","state":")" + state +
@@ -49,7 +49,7 @@ TEST(LiveDifference, SaysSoWhereNoOutputChanges) {
         "no output changes\n");
 }
 
-/// 1000 of 1500 us at 20 us a second would take 25 s.
+/// From 1500 to 1000 us at 20 us a second takes 25 s.
 TEST(LiveDifference, WaitsUntilSlowChannelsHaveArrived) {
     EXPECT_EQ(
         difference(kJob, kJob + "[pipeline.main.channels]\n1 = { from = 2, slew = \"20us/s\" }\n",
@@ -59,7 +59,7 @@ TEST(LiveDifference, WaitsUntilSlowChannelsHaveArrived) {
         "  channel 1: 1100 us now, then 1500 us\n");
 }
 
-/// i.Bus of 14 channels and of 18 are told apart by what came.
+/// The number of received channels tells i.Bus of 14 channels from i.Bus of 18.
 TEST(LiveDifference, RepeatsAllEighteenChannelsOfAReceiverThatHasThem) {
     const nlohmann::json eighteen = status_with(
         "good",
@@ -72,7 +72,7 @@ TEST(LiveDifference, RepeatsAllEighteenChannelsOfAReceiverThatHasThem) {
               "  channel 2: 1500 us now, then 1700 us\n");
 }
 
-/// What the receiver sends stays the same bytes.
+/// The receiver still sends the same bytes.
 TEST(LiveDifference, ReadsTheSameBytesInTheNewScaleOfAnInput) {
     const std::string sbus = "[input.receiver]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n";
     const std::string rest =
@@ -116,7 +116,7 @@ TEST(LiveDifference, ShowsAllThatANewOutputWouldSay) {
         << text;
 }
 
-/// An input that is new has not been heard, whatever its name.
+/// An input with another protocol is new and has received nothing, whatever its name.
 TEST(LiveDifference, TellsThatAnotherProtocolOnThatPortHearsNothing) {
     const std::string text = difference(kJob, main_job_with(2, "protocol = \"sbus\""), kSticks);
     EXPECT_NE(text.find("output servos: under control of receiver now, then in failsafe\n"),
@@ -142,7 +142,7 @@ TEST(LiveDifference, IsNotMisledByGuardsThatCountAtALossOrAStartOnly) {
         "  channel 1: 1100 us now, then 1000 us\n");
 }
 
-/// Every protocol that has an encoder can be repeated: a sender's frames are made as it makes them.
+/// Each protocol with an encoder can be repeated: the frames are made as a sender makes them.
 class LiveProtocols : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(LiveProtocols, AreRepeatedAsTheirSenderMakesThem) {

@@ -8,7 +8,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-/// What all known receivers teach is in tests/sim/known_receivers_test.cpp.
+/// tests/sim/known_receivers_test.cpp has what is learned of all known receivers.
 namespace tribus::test::loss_study_test {
 namespace {
 
@@ -18,7 +18,7 @@ constexpr Instant kHandsOff = Instant(4s);
 constexpr LossStudyTimes kTimes{.off = Instant(6s), .back = Instant(10s)};
 constexpr Instant kEnd = Instant(12s);
 
-/// A frame each 10 ms whose first channel is what `value` says; nothing where that is 0.
+/// Returns frames every 10 ms with first channel `value`, or no frame where `value` is 0.
 template <class Value>
 std::vector<StudiedFrame> frames(Value value) {
     std::vector<StudiedFrame> made;
@@ -36,7 +36,7 @@ std::vector<StudiedFrame> frames(Value value) {
 bool is_off(Instant at) {
     return at >= kTimes.off && at < kTimes.back;
 }
-/// From 1000 to 2000 and back, then still but for a tremble.
+/// From 1000 to 2000 and back, then still except for a tremble.
 int flown(Instant at) {
     const auto step = static_cast<int>(at.time_since_epoch() / 10ms);
     return at < kHandsOff ? 1000 + step * 37 % 1001 : 1500 + step % 2;

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A tree of files as the kernel's, but of our own.
+/// A tree of files like those of the kernel.
 class Machine : public testing::Test {
   protected:
     void write(const std::string& path, std::string_view content) const {
@@ -25,7 +25,7 @@ class Machine : public testing::Test {
         std::ofstream(file) << content;
     }
     MachineWatch watch() const { return MachineWatch(folder_ / ""); }
-    /// What a watch that starts now sees at its first look.
+    /// Returns what a watch that starts now reads first.
     std::optional<double> seen(std::string_view name) const {
         MachineWatch fresh = watch();
         return value(fresh.look(), name);
@@ -75,7 +75,8 @@ TEST_F(Machine, LoadIsTheShareOfTheTimeBetweenTwoLooks) {
     write("proc/stat", "cpu  100 0 100 700 100 0 0 0 0 0\ncpu0 1 1 1 1 1 1 1 1 1 1\n");
     MachineWatch machine = watch();
     EXPECT_EQ(value(machine.look(), "load"), std::nullopt);
-    // 50 of 200 more ticks at work, 140 idle, 10 waiting; guest ticks are in user already.
+    // 50 of 200 more ticks are busy, 140 idle, 10 waiting. Guest ticks are already part of user
+    // ticks.
     write("proc/stat", "cpu  120 10 110 840 110 5 5 0 20 0\n");
     EXPECT_EQ(value(machine.look(), "load"), 25);
     write("proc/stat", "cpu  320 10 110 840 110 5 5 0 20 0\n");

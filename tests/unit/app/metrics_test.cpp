@@ -68,14 +68,14 @@ TEST_F(Metrics, EscapeWhatStandsInLabels) {
         << metrics_text(report_);
 }
 
-/// Of a value without a fresh number there is no sample: the last one would be stale.
+/// A value without a fresh number has no sample, because the last one would be stale.
 TEST_F(Metrics, LeaveOutValuesThatAreStale) {
     EXPECT_TRUE(tells("tribus_value{name=\"pack.voltage\",unit=\"V\"} 12.5"));
     const std::string text = metrics_text(report_);
     EXPECT_EQ(text.find("tribus_value{"), text.rfind("tribus_value{"));
 }
 
-/// prometheus.io/docs/instrumenting/exposition_formats, text format 0.0.4.
+/// Grammar of prometheus.io/docs/instrumenting/exposition_formats, text format 0.0.4.
 TEST_F(Metrics, KeepToTheGrammar) {
     const std::regex help("# HELP ([a-zA-Z_:][a-zA-Z0-9_:]*) .+");
     const std::regex type("# TYPE ([a-zA-Z_:][a-zA-Z0-9_:]*) (counter|gauge)");
@@ -119,7 +119,7 @@ TEST(MetricsHttp, AnswersGetMetricsOnly) {
     EXPECT_TRUE(answer_to("GET /metrics\r\n\r\n").starts_with("HTTP/1.1 400 "));
 }
 
-/// A page from elsewhere may have a name that leads to this machine, and read what it gets.
+/// A page from elsewhere may use a name that leads to this machine, and read the answer.
 TEST(MetricsHttp, IsAskedByAddressOrAsLocalhost) {
     const auto asked_as = [](const std::string& host, HostNames allowed = HostNames::own) {
         return answer_to("GET /metrics HTTP/1.1\r\nAccept: */*\r\nhOST:" + host + "\r\n\r\n",

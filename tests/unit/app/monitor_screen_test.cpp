@@ -26,7 +26,7 @@ constexpr std::string_view kStatus = R"({"type":"status","name":"car","file":"/e
 {"name":"can0","kind":"can","present":true,"can":{"state":"bus_off","sent":7}}],
 "values":[{"name":"pack.voltage","number":12.5,"unit":"V","stale":true}]})";
 
-/// Without escapes, one line each.
+/// Returns the lines without escape sequences.
 std::vector<std::string> lines_of(const std::string& screen) {
     std::vector<std::string> lines(1);
     for (std::size_t i = 0; i < screen.size(); ++i) {
@@ -63,14 +63,14 @@ TEST_F(MonitorScreen, ShowsThatAConfigurationIsOnTrialAndForHowLong) {
     EXPECT_TRUE(shows("tribus car  up 5.00 s  on trial, 25.00 s left  /etc/car.toml")) << plain();
 }
 
-/// Whatever answers on the socket is not to write elsewhere on the screen, or to set a title.
+/// Text from the socket must not write elsewhere on the screen or set a title.
 TEST_F(MonitorScreen, ShowsNoControlCharactersOfTheDaemon) {
     view_.status["name"] = "\x1b[2Jcar\n\x7F";
     EXPECT_TRUE(shows("tribus ?[2Jcar??  up")) << plain();
     EXPECT_EQ(monitor_line(view_).find("?[2Jcar??  "), 0U);
 }
 
-/// In UTF-8 they are two bytes, and terminals obey U+009B as the beginning of a sequence.
+/// In UTF-8 they are two bytes. Terminals take U+009B for the start of a sequence.
 TEST_F(MonitorScreen, ShowsNoControlCharactersAboveAscii) {
     view_.status["name"] =
         "\xC2\x9B"
@@ -124,7 +124,7 @@ TEST_F(MonitorScreen, HasAScaleAboveTheBarsWithItsEnds) {
     EXPECT_TRUE(shows("         900 ")) << plain();
 }
 
-/// 4 inputs, 4 outputs and 18 channels, 6 ports: three screens.
+/// 4 inputs, 4 outputs with 18 channels, 6 ports: three screens.
 TEST_F(MonitorScreen, ReachesEveryChannelAndPortOn80x24) {
     style_.columns = 80;
     style_.rows = 24;

@@ -14,7 +14,7 @@ using test::TemporaryFolder;
 
 constexpr std::size_t kSnapshots = 10;
 
-/// Snapshots with 18 different channels, at eighths of a microsecond that the classic frames hold.
+/// Snapshots with 18 different channels, in steps of eighths that classic frames can hold.
 std::string frames() {
     std::string lines;
     for (std::size_t snapshot = 0; snapshot < kSnapshots; ++snapshot) {
@@ -31,7 +31,7 @@ std::string frames() {
     return lines;
 }
 
-/// Without the details of the protocol, and without the summary.
+/// Removes the details of the protocol and the summary.
 std::string plain(const std::string& json) {
     std::string kept;
     std::istringstream lines(json);
@@ -54,7 +54,7 @@ class ProgramCan : public testing::Test {
 
 class ProgramCanVariants : public ProgramCan, public testing::WithParamInterface<const char*> {};
 
-// The decoder takes three snapshots to trust a sender.
+// The decoder needs three snapshots before it trusts a sender.
 TEST_P(ProgramCanVariants, DecodeReadsWhatEncodeWrites) {
     folder.write("frames.json", frames());
     const std::string options = GetParam();
@@ -96,7 +96,7 @@ TEST_F(ProgramCan, AutoTellsALogOfCan) {
 
 TEST_F(ProgramCan, LinesOfAPipeAreDecodedAsTheyCome) {
     folder.write("frames.json", frames());
-    // The writer of the pipe waits until a frame has come out of it.
+    // The writer of the pipe waits until a frame has come out of the program.
     const Ended result =
         run("\"$TRIBUS\" encode --protocol can frames.json > can.log; mkfifo log; "
             "\"$TRIBUS\" decode --protocol can --format csv < log > frames.csv & "

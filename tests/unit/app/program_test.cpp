@@ -4,7 +4,7 @@
 
 #include "tests/support/shell.h"
 
-/// The built program, as a shell starts it: what only shows from outside.
+/// The built program, started by a shell: what shows only from outside.
 namespace tribus::program_test {
 namespace {
 
@@ -32,7 +32,7 @@ TEST(Program, EncodesEighteenChannelsUnlessToldOtherwise) {
     EXPECT_EQ(run_in_shell(frame + " --channels 14").output.substr(0, 17), "20 40 dc 05 dc 05");
 }
 
-/// ArrayCommand has room for 15 servos: what was not asked for is no reason to refuse.
+/// ArrayCommand has room for 15 servos. More channels in the input are no reason to refuse it.
 TEST(Program, EncodesNoMoreChannelsThanTheProtocolHas) {
     const Ended result = run_in_shell(
         "echo '{\"channels\":[1500,1500,1500]}' | \"$TRIBUS\" encode --protocol dronecan "
@@ -48,7 +48,7 @@ TEST(Program, AloneShowsItsHelpAsWrongUse) {
     EXPECT_EQ(result.output, help.output);
 }
 
-/// By which a service knows whether starting it again may help.
+/// The exit status tells a service whether another start may help.
 TEST(Program, RunEndsOtherwiseForAFileThatIsMissingThanForOneWithMistakes) {
     EXPECT_EQ(run_in_shell("\"$TRIBUS\" run /no/such/file.toml").status, 1);
     EXPECT_EQ(run_in_shell("echo 'x = 1' | \"$TRIBUS\" run /dev/stdin").status, 2);

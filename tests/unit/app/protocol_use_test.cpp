@@ -74,7 +74,7 @@ std::vector<std::string_view> names_of_auto(const GivenSettings& given) {
 
 using Names = std::vector<std::string_view>;
 
-// DBC has settings that it cannot be without.
+// DBC has required settings.
 TEST(ProtocolUse, AutoIsEveryProtocolThatAllowsTheSettings) {
     EXPECT_EQ(names_of_auto({{"scale", "futaba"}}), (Names{"ibus", "sbus", "can"}));
     EXPECT_EQ(names_of_auto({{"baud", "115200"}}), (Names{"ibus", "can", "dronecan"}));
@@ -115,7 +115,7 @@ TEST(ProtocolUse, SettingThatIsMissingIsNamed) {
     EXPECT_EQ(refusal("dbc", {}).substr(0, 20), "--dbc: dbc needs it:");
 }
 
-// Two channels of 16 bits, as a program of a rover's maker might describe them.
+// Two channels of 16 bits, as the manufacturer of a rover might describe them.
 TEST(ProtocolUse, FileAndTreeMayBeGivenAsInTheConfiguration) {
     const test::TemporaryFolder folder;
     const std::string dbc = folder.write("sticks.dbc",

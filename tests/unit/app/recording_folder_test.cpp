@@ -150,7 +150,7 @@ TEST_F(RecordingFolder, that_was_not_finished_is_cleared_away) {
     EXPECT_FALSE(fs::exists(unfinished));
 }
 
-/// A limit of the size of files stands for a disk that is full.
+/// A limit of file sizes takes the place of a full disk.
 TEST_F(RecordingFolder, leaves_nothing_where_the_disk_is_full) {
     rlimit before{};
     ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -178,7 +178,7 @@ TEST_F(RecordingFolder, names_what_is_not_recorded) {
 }
 
 TEST_F(RecordingFolder, says_how_much_of_it_was_damaged) {
-    // The count of the third piece.
+    // The byte count of the third piece.
     memory_[3].bytes[21] = std::byte{200};
     const auto written = write_recording(order());
     ASSERT_TRUE(written) << written.error();

@@ -17,11 +17,11 @@ constexpr auto kAnswered = SensorOutcome::answered;
 constexpr auto kMissed = SensorOutcome::missed;
 constexpr auto kFree = SensorOutcome::free;
 
-/// Hears frames, with times or without, and keeps what was made of them.
+/// Passes frames with or without times to a conversation and keeps the results.
 class Ear {
   public:
     explicit Ear(bool timed) : timed_(timed) {}
-    // Not copied: the conversation holds on to it.
+    // Not copied, because the conversation has a reference to it.
     Ear(const Ear&) = delete;
     Ear& operator=(const Ear&) = delete;
 

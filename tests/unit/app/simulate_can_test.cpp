@@ -37,7 +37,7 @@ from = "receiver"
 to = "bus"
 )";
 
-/// i.Bus frames, each 7 ms, with the given first channel.
+/// Returns i.Bus frames every 7 ms with this first channel.
 std::string receiver_frames(int first) {
     std::string lines;
     for (int frame = 0; frame < 150; ++frame) {
@@ -60,7 +60,7 @@ class SimulateCan : public testing::Test {
     Ended run(const std::string& command) const {
         return run_in_shell("cd '" + folder / "" + "'; " + command);
     }
-    /// A log of native frames on an interface.
+    /// Writes a log of native frames on an interface.
     std::string log(const std::string& frames, const std::string& interface) const {
         return run("\"$TRIBUS\" encode --protocol can --interface " + interface + " " + frames)
             .output;

@@ -6,14 +6,14 @@
 
 #include "tests/support/shell.h"
 
-/// What `tribus simulate` says beside its summary.
+/// Log messages of `tribus simulate` besides its summary.
 namespace tribus::simulate_log_test {
 namespace {
 
 using test::run_in_shell;
 using test::TemporaryFolder;
 
-/// i.Bus frames of 14 channels, each 7 ms, for 1.05 s.
+/// Returns i.Bus frames of 14 channels every 7 ms for 1.05 s.
 std::string receiver_frames() {
     std::string lines;
     for (int frame = 0; frame < 150; ++frame) {
@@ -25,7 +25,7 @@ std::string receiver_frames() {
     return lines;
 }
 
-/// The lines that hold `part`.
+/// Returns the lines that contain `part`.
 std::string lines_with(const std::string& part, const std::string& text) {
     std::istringstream all(text);
     std::string found;
@@ -37,7 +37,7 @@ std::string lines_with(const std::string& part, const std::string& text) {
 
 class SimulateLogTest : public testing::Test {
   protected:
-    /// Of i.Bus to the output protocol, with these lines behind the configuration.
+    /// Returns the log of a simulation from i.Bus to this protocol, with more configuration lines.
     std::string log_of_ibus_to(const std::string& protocol, const std::string& more) const {
         folder_.write("c.toml",
                       "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
@@ -90,7 +90,8 @@ TEST_F(SimulateLogTest, SaysNothingOfChannelsThatNoMapNames) {
 
 class TwoSendersOfAMessage : public SimulateLogTest {
   protected:
-    /// One each 20 ms; with `second`, another one each 100 ms, 16 ms behind it.
+    /// One message every 20 ms. With `second` there is another one every 100 ms, 16 ms after one
+    /// of these.
     std::string log_of(bool second, const std::string& more_signals) const {
         folder_.write("x.dbc",
                       "VERSION \"\"\nBU_: A B\nBO_ 1 Command: 2 A\n"

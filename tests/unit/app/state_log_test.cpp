@@ -23,18 +23,18 @@
 #include "tests/support/sbus_frames.h"
 #include "tests/support/temporary_folder.h"
 
-/// What the log says, also from one configuration to the next: of an appliance at work at ptys,
-/// with a log that looks when the test says so, at instants that the test says.
+/// Messages of the log, also across a reload, for an appliance that runs at ptys. The test decides
+/// when the log looks and gives it the time.
 namespace tribus::test::state_log_test {
 namespace {
 
 using namespace std::chrono_literals;
 
 const Bytes kGood = from_hex(kAll992);
-/// docs/protocols/ibus.md, "Sensor bus: frames": is there a sensor at address 1?
+/// Request of docs/protocols/ibus.md, "Sensor bus: frames": is there a sensor at address 1?
 const Bytes kDiscover1{0x04, 0x81, 0x7A, 0xFF};
 
-/// With the bits for frame lost and failsafe (docs/protocols/sbus.md, "Frame").
+/// A frame with the bits for frame lost and failsafe (docs/protocols/sbus.md, "Frame").
 Bytes radio_lost() {
     Bytes frame = kGood;
     frame[23] = 0x0C;
@@ -56,7 +56,7 @@ class StateLogAtPtys : public testing::Test {
     }
     ~StateLogAtPtys() override { spdlog::set_default_logger(logger_before_); }
 
-    /// The receiver says that until the program has seen it; then the log looks.
+    /// Sends the frame until the program reports this cause; then the log looks.
     void receive(const Bytes& frame, LinkCause cause, Instant now) {
         until([&] {
             receiver_.send(frame);
@@ -71,8 +71,8 @@ class StateLogAtPtys : public testing::Test {
         });
         log_->look(*appliance_, now);
     }
-    /// The servos read so slowly that frames are dropped, with control in between; the log looks
-    /// when both can be seen.
+    /// Lets the servos read so slowly that frames are dropped, with control in between. The log
+    /// looks when both have happened.
     void drop_frames_under_control(Instant now) {
         const std::uint64_t before = appliance_->output_status(0).counts.busy_drops;
         until([&] {
@@ -111,7 +111,7 @@ class StateLogAtPtys : public testing::Test {
         log->go_on_from(*log_, *appliance_, carry_over);
         log_ = std::move(log);
     }
-    /// Of what has a name that begins so, since the last call.
+    /// Returns the messages since the last call that begin with `of`.
     std::string said(std::string_view of) {
         std::istringstream all(std::move(said_).str());
         said_.str("");
@@ -125,7 +125,7 @@ class StateLogAtPtys : public testing::Test {
         log_->look(*appliance_, now);
         return said(of);
     }
-    /// What a log says that looks at 1 s until it says something.
+    /// Lets the log look at 1 s repeatedly until it has messages, and returns them.
     std::string said_soon(std::string_view of) {
         std::string lines;
         until([&] {
@@ -189,7 +189,7 @@ TEST_F(StateLogOverAReload, SaysNothingAgainOfAnInput) {
 }
 
 TEST_F(StateLogOverAReload, SaysWhatHadNoLineLeftBefore) {
-    // Six lines in 30 s.
+    // Six messages in 30 s.
     for (auto second = 1s; second < 7s; second += 2s) {
         receive(kGood, LinkCause::good, Instant(second));
         receive(radio_lost(), LinkCause::radio_lost, Instant(second + 1s));
@@ -226,7 +226,7 @@ TEST_F(StateLogOverAReload, SaysWhoIsInControlWhenTheInputsAreOthers) {
     EXPECT_EQ(said_at(Instant(2s), kServos), "output servos: under control of radio\n");
 }
 
-/// Frames that are dropped are said again and again, the state of the output once.
+/// Dropped frames are reported repeatedly, the state of the output once.
 TEST_F(StateLogAtPtys, SaysAStateAfterManyLinesOfDroppedFrames) {
     receive_until_control(Instant(1s));
     EXPECT_NE(said(kServos), "");

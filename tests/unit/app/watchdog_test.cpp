@@ -12,13 +12,13 @@ using namespace std::chrono_literals;
 
 constexpr Duration kLook = 200ms;
 
-/// A data thread with outputs of 10 ms, looked at five times a second; its watchdog bites after
-/// 4 s, so a word every 2 s is due.
+/// A data thread with outputs of 10 ms, checked five times a second. The watchdog fires after 4 s,
+/// so the program must notify it every 2 s.
 class WatchdogTest : public testing::Test {
   protected:
     explicit WatchdogTest() { outputs_.assign(2, {.due = now_, .period = 10ms, .overruns = 0}); }
 
-    /// Goes on for so long; the number of words that were said.
+    /// Lets time pass. Returns the number of notifications.
     int go_on(Duration time, bool publishes = true, std::uint64_t missed_each_look = 0) {
         int words = 0;
         for (const Instant end = now_ + time; now_ < end;) {

@@ -17,7 +17,7 @@ constexpr LineSettings kIbusLine{.baud = 115200, .parity = Parity::none, .stop_b
 constexpr LineSettings kSbusLine{
     .baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true};
 
-/// The dump behind its `#0` line.
+/// Returns the dump after its `#0` line.
 std::string drawn(const LineSettings& line, Duration start, std::span<const std::uint8_t> bytes) {
     Waveform waveform(line);
     std::string dump;
@@ -35,20 +35,20 @@ TEST(Waveform, StatesItsTimescaleAndItsSignal) {
               "$upscope $end\n$enddefinitions $end\n#0\n1!\n");
 }
 
-// 0x0F at 100000 baud: start, 1111 0000, even parity 0, stop; one bit is 10 us, 1000 units.
+// 0x0F at 100000 baud: start, 1111 0000, even parity 0, stop. One bit is 10 us or 1000 units.
 TEST(Waveform, SbusIdlesLowAndItsStartBitIsHigh) {
     EXPECT_EQ(drawn(kSbusLine, 1ms, std::array<std::uint8_t, 1>{0x0F}),
               "0!\n#100000\n1!\n#101000\n0!\n#105000\n1!\n#110000\n0!\n#124000\n");
 }
 
-// 0x01 has an odd number of ones: the parity bit is a one, like the stop bits behind it.
+// 0x01 has an odd number of ones, so the parity bit is a one, like the stop bits after it.
 TEST(Waveform, ParityBitMakesTheOnesEven) {
     EXPECT_EQ(drawn(kSbusLine, 1ms, std::array<std::uint8_t, 1>{0x01}),
               "0!\n#100000\n1!\n#101000\n0!\n#102000\n1!\n#109000\n0!\n#124000\n");
 }
 
-// Two bytes of 0x55 at 115200 baud without parity toggle at each of the 20 bits. Bit 17 starts
-// 147.57 us after the first, not 17 times a rounded 8.68 us.
+// Two bytes of 0x55 at 115200 baud without parity change the level at each of the 20 bits. Bit 17
+// starts 147.57 us after the first bit, not at 17 times a rounded 8.68 us.
 TEST(Waveform, EdgesStandAtTrueBitTimes) {
     const std::string dump = drawn(kIbusLine, 1ms, std::array<std::uint8_t, 2>{0x55, 0x55});
     EXPECT_NE(dump.find("1!\n#100000\n0!\n#100868\n1!\n#101736\n0!\n"), std::string::npos);

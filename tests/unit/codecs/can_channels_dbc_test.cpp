@@ -23,7 +23,7 @@ std::string content_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The lines that begin with one of these words, in order.
+/// Returns the lines that begin with one of these words, in order.
 std::vector<std::string> lines_with(const std::string& text, const std::set<std::string>& words) {
     std::vector<std::string> lines;
     std::istringstream stream(text);
@@ -61,7 +61,7 @@ class ProposedDbc : public testing::Test {
 };
 
 TEST_F(ProposedDbc, HasTheSameMessagesAndSignals) {
-    // The proposal is for profile 1, whose counter stops at 14; ours for profile 22.
+    // The proposal is for profile 1, whose counter stops at 14. Our file is for profile 22.
     replace_all(proposed_, "8|4@1+ (1,0) [0|14]", "8|4@1+ (1,0) [0|15]");
     EXPECT_EQ(lines_with(native_dbc(), {"BO_", "SG_"}), lines_with(proposed_, {"BO_", "SG_"}));
 }

@@ -17,7 +17,7 @@ namespace {
 using namespace can_channels;
 using namespace test;
 
-/// A frame as another CRC or other states would have it.
+/// Writes the CRC into a frame that was changed.
 void seal(CanFrame& frame, std::size_t index, const CanChannelsFormat& format = {}) {
     frame.data[0] = 0;
     write_can_channels_crc(format, index, frame.bytes());
@@ -339,7 +339,7 @@ TEST(CanChannelsDecoder, PartsMustArriveWithinTheWindow) {
     }
 }
 
-// Rear frames that stood in a controller, and the front of the next snapshot with their counter.
+// Rear frames left in a controller, and the front of the next snapshot with the same counter.
 TEST(CanChannelsDecoder, LeftOversAreNeverCompletedByALaterFront) {
     CanPair pair;
     pair.get_started();
@@ -383,7 +383,7 @@ TEST(CanChannelsDecoder, TwoContentsUnderOneCounterSpoilTheSnapshotAndNeedProofA
     EXPECT_TRUE(pair.receive(can_frames(first, numbered_snapshot(8))).empty());
 }
 
-// A repeated first frame must not begin anew what another sender's frames would then complete.
+// A repeated first frame must not start a snapshot that frames of another sender would complete.
 TEST(CanChannelsDecoder, ASpoiltSnapshotIsNotBegunAgain) {
     CanChannelsEncoder first;
     CanChannelsEncoder second;

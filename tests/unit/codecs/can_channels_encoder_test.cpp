@@ -21,7 +21,7 @@ Bytes bytes_of(const CanFrame& frame) {
     return {frame.bytes().begin(), frame.bytes().end()};
 }
 
-/// The frames of a snapshot that goes out `age` after it was received.
+/// Returns the frames of a snapshot that is sent `age` after it was received.
 CanFrames encoded(const ChannelFrame& snapshot, const CanChannelsFormat& format = {},
                   Duration age = {}) {
     CanChannelsEncoder encoder(format);
@@ -220,7 +220,8 @@ TEST(CanChannelsEncoder, PresetsOfAnInputThatWasNeverHeardHaveNoAge) {
     EXPECT_EQ(parse_can_tail(frames[kTailIndex].bytes()).origin.age, 255);
 }
 
-// docs/protocols/can.md, "Native format"; deploy/can/native.dbc: bytes of each field by hand.
+// docs/protocols/can.md, "Native format"; deploy/can/native.dbc. The bytes of each field are
+// calculated by hand.
 TEST(CanChannelsEncoder, FifthFrameHasItsFieldsWhereTheDbcSays) {
     ChannelFrame snapshot = numbered_snapshot(0);
     snapshot.set(16, Pulse::from_microseconds(476));                // 000

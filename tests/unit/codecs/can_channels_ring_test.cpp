@@ -8,7 +8,7 @@
 #include "tests/support/can_snapshots.h"
 #include "transports/codecs/can_channels.h"
 
-/// Old snapshots that something repeats in a ring, and a sender that is there a second time.
+/// Old snapshots that are repeated in a ring, and a second sender of the same ids.
 namespace tribus::can_channels_ring_test {
 namespace {
 
@@ -16,7 +16,7 @@ using namespace test;
 
 constexpr Duration kSlowPeriod = milliseconds(20);
 
-/// A live sender at 50 Hz until `now`, and what it sent last.
+/// A live sender at 50 Hz until `now`, and its latest snapshots.
 class LiveSender {
   public:
     explicit LiveSender(const CanChannelsFormat& format) : format_(format), decoder(format) {
@@ -29,7 +29,7 @@ class LiveSender {
         sent_.push_back(can_frames(encoder_, numbered_snapshot(number, now), now));
         return feed(decoder, sent_.back(), now).size();
     }
-    /// How many snapshots pass of ten seconds of the latest `length`, again and again.
+    /// Repeats the latest `length` snapshots for ten seconds. Returns how many are published.
     std::size_t repeat_latest(std::size_t length) {
         std::size_t published = 0;
         for (std::size_t turn = 0; turn < 500; ++turn) {
@@ -39,7 +39,7 @@ class LiveSender {
         }
         return published;
     }
-    /// How long it takes from the first snapshot of a sender that begins anew until one passes.
+    /// Time from the first snapshot of a sender that restarts until one is published.
     Duration restart(Duration pause) {
         encoder_.continue_from(CanChannelsEncoder(format_));
         now += pause;
@@ -75,7 +75,7 @@ TEST_P(CanChannelsRing, AfterARingALiveSenderIsBelievedAgain) {
     EXPECT_LE(took, kSlowPeriod * static_cast<int>(GetParam().counter_values() + 1));
 }
 
-// A process that is started again at once, and one that takes its time.
+// A process that is restarted at once, and one that takes some time.
 TEST_P(CanChannelsRing, ARestartIsBelievedAfterAllCountsOrAfterThreeSnapshots) {
     const auto in_milliseconds = [](Duration time) {
         return static_cast<int>(std::chrono::duration_cast<milliseconds>(time).count());

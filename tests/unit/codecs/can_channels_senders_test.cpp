@@ -3,7 +3,7 @@
 #include "tests/support/can_snapshots.h"
 #include "transports/codecs/can_channels.h"
 
-/// Two senders with the same ids, and one that another goes on as.
+/// Two senders with the same ids, and a sender that continues for another.
 namespace tribus::can_channels_senders_test {
 namespace {
 
@@ -17,10 +17,10 @@ TEST(CanChannelsSenders, ThatCutInOnEachOtherNeedProofAgain) {
         can_frames(second, numbered_snapshot(500));
     }
     const CanFrames cut = ours.send(numbered_snapshot(7));
-    ours.now += kCanPeriod / 2;  // late enough for a snapshot to have been lost
+    ours.now += kCanPeriod / 2;  // late enough for a lost snapshot
     CanFrames theirs = can_frames(second, numbered_snapshot(501));
     theirs.insert(theirs.begin(), {cut[0], cut[1]});
-    theirs.push_back(cut[2]);  // where a single sender is done with that snapshot
+    theirs.push_back(cut[2]);  // a single sender would have finished that snapshot
     EXPECT_EQ(ours.receive(theirs).size(), 1U);
     EXPECT_TRUE(ours.receive(can_frames(second, numbered_snapshot(502))).empty());
 }

@@ -111,7 +111,7 @@ TEST(CounterWatch, WhereNoTimesAreKnownTheCounterAloneDecides) {
     EXPECT_EQ(watched.take(5, false, {}), Verdict::good);
 }
 
-/// What is believed of one frame each `every`, with the counts of `ring` for ever.
+/// Returns how many frames are accepted when the counts of a ring repeat, one frame each `every`.
 int believed_of_a_ring(CounterWatch& watch, std::uint64_t first, std::uint64_t length,
                        std::uint64_t values, Instant begin, Duration every) {
     int believed = 0;
@@ -129,7 +129,7 @@ TEST(CounterWatch, OldFramesInARingAfterALiveSenderAreNeverBelievedUnlessTheyAre
             CounterWatch watch{
                 {.values = values, .most_step = values == 4 ? 1U : 3U, .silence = kSilence}};
             Instant now{milliseconds(5000)};
-            // The frames that come again are the last ones that were sent.
+            // The repeated frames are the last ones that were sent.
             for (std::uint64_t count = 0; count < 2 * values; ++count) {
                 watch.take(count % values, false, now += milliseconds(20));
             }

@@ -41,7 +41,7 @@ TEST(IbusEncoder, WritesThePublishedFramesByteForByte) {
     EXPECT_EQ(encoded(IbusEncoder(18), *frame), from_hex(kFtr8bFrame));
 }
 
-// docs/protocols/ibus.md, "Loss of signal": ArduPilot takes a nonzero nibble in slots 1 or 4 for
+// docs/protocols/ibus.md, "Loss of signal": ArduPilot takes a nonzero nibble in slot 1 or 4 for
 // failsafe.
 TEST(IbusEncoder, FourteenChannelsHaveNoNibble) {
     const Bytes wire = encoded(IbusEncoder(14), frame_of(2000));
@@ -116,7 +116,7 @@ TEST(IbusProtocol, MakesWhatItsSettingsSay) {
     EXPECT_LE(length, kIbusProtocol.longest_frame);
     const auto frames = feed(*decoder, std::span(wire).first(length));
     ASSERT_EQ(frames.size(), 1U);
-    // 1514 is 0x5EA: plain slots see its nibble A as bits 12 to 15 of slot 1.
+    // 1514 is 0x5EA. A reader of plain slots sees its nibble A in bits 12 to 15 of slot 1.
     EXPECT_EQ(frames[0].channels.channel(0), Pulse::from_microseconds(0xA000 + 1500));
     EXPECT_FALSE(frames[0].channels.has(14));
 }

@@ -6,7 +6,8 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/ibus.h"
 
-/// A sender's i.Bus length does not change for one frame; and what a pause tells.
+/// A single frame of another length is not accepted from an i.Bus sender; and the effects of a
+/// pause.
 namespace tribus::ibus_length_test {
 namespace {
 
@@ -16,7 +17,7 @@ using test::count_of;
 using test::feed;
 using test::feed_into;
 
-/// All channels 1500.
+/// Returns a frame with all channels at 1500 us.
 Bytes frame_of(std::size_t channels) {
     Bytes slots;
     for (std::size_t i = 0; i < channels; ++i) {
@@ -24,7 +25,7 @@ Bytes frame_of(std::size_t channels) {
     }
     return test::servo_frame(slots, 0x40);
 }
-// Of an IA6, 31 bytes (Betaflight's unit test).
+// A frame of an IA6, 31 bytes (Betaflight's unit test).
 Bytes ia6_frame() {
     return test::from_hex(
         "55 00 00 01 00 02 00 03 00 04 00 05 00 06 00 07 00 08 00 09 00 0a 00 0b 00 0c 00 0d 00 "
@@ -98,7 +99,7 @@ TEST(IbusLength, ADeviceThatIsBackMayHaveAnother) {
     EXPECT_EQ(feed(decoder, frame_of(6)).size(), 1U);
 }
 
-/// The first piece, a pause, and the second one.
+/// Returns the frames of the first piece, a pause, and the second piece.
 std::vector<DecodedFrame> with_a_pause(IbusDecoder& decoder, const Bytes& first,
                                        const Bytes& second) {
     auto frames = feed(decoder, first);

@@ -9,13 +9,14 @@
 #include "tests/support/sensor_wire.h"
 #include "transports/codecs/ibus_sensor.h"
 
-/// What one disturbed byte costs on a sensor bus, at every place and of every kind.
+/// Cost of one disturbed byte on a sensor bus, at every place and of every kind.
 namespace tribus::ibus_sensor_damage_test {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// Requests with their replies, 7.7 ms apart, with a probe, a miss, a long value and servo frames.
+/// Requests and replies, 7.7 ms apart, with a probe, a missed answer, a long value and servo
+/// frames.
 struct Traffic {
     Wire wire;
     std::vector<Bytes> frames;
@@ -64,8 +65,8 @@ bool is_sent_without(const std::vector<Bytes>& sent, std::size_t from, std::size
     return rest == found;
 }
 
-/// Whether all frames are there but for one, or two neighbours that are a request and its answer;
-/// and nothing that nobody sent.
+/// Returns whether at most one frame is missing, or two neighbours that are a request and its
+/// answer, and no frame was invented.
 testing::AssertionResult lost_at_most_one_exchange(const std::vector<Bytes>& sent,
                                                    const std::vector<Bytes>& found) {
     const std::size_t lost = sent.size() - std::min(found.size(), sent.size());

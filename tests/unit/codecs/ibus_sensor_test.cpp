@@ -16,8 +16,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The literal frames are those of docs/protocols/ibus.md, "Vectors", off the wire of a real
-// receiver.
+// The literal frames are those of docs/protocols/ibus.md, "Vectors", recorded from a real receiver.
 TEST(IbusSensorFrame, RequestsAreWrittenAsAReceiverSendsThem) {
     EXPECT_EQ(encoded(SensorCommand::discover, 1), (Bytes{0x04, 0x81, 0x7A, 0xFF}));
     EXPECT_EQ(encoded(SensorCommand::type, 1), (Bytes{0x04, 0x91, 0x6A, 0xFF}));
@@ -127,7 +126,7 @@ TEST(SensorFrameParser, ADamagedValueThatLooksLikeARequestIsNone) {
     EXPECT_EQ(wire_of(reply).frames(), std::vector<Bytes>{});
 }
 
-// Behind 12 A2, which would begin a longer value.
+// After 12 A2, which would begin a longer value.
 TEST(SensorFrameParser, WhatLooksLikeARequestAtTheEndOfADamagedValueIsNone) {
     EXPECT_TRUE(wire_of(joined({{0x08, 0xA1, 0x12, 0xA2}, kRequest})).frames().empty());
 }
@@ -183,7 +182,7 @@ TEST(SensorFrameParser, AnUnknownCommandIsCounted) {
     EXPECT_EQ(parser.rejected()[3].count, 1U);
 }
 
-// The receiver's own voltage has it, which is never asked on the wire.
+// Address 0 is the receiver's own voltage, which is never requested on the wire.
 TEST(SensorFrameParser, AddressZeroIsRefused) {
     EXPECT_TRUE(wire_of({0x04, 0x80, 0x7B, 0xFF}).frames().empty());
 }
@@ -227,7 +226,7 @@ RC_GTEST_PROP(SensorFrameParser, NothingIsFoundInServoFramesOfAnyChannels, ()) {
     RC_ASSERT(wire.frames().size() == before);
 }
 
-// 0xB00 and more could be the power-up frame, which nobody answers.
+// Values of 0xB00 and more are left out: they could be the power-up frame, which nobody answers.
 RC_GTEST_PROP(SensorFrameParser, NoRequestIsFoundInServoFramesThatLostAByte, ()) {
     const auto slots = *rc::gen::container<std::vector<std::uint16_t>>(
         14, rc::gen::map(rc::gen::element(0x104, 0x481, 0x4A1, 0x5FF, 0xA04, 0x491, 0x47A, 0xAFF),

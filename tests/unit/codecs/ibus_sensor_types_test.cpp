@@ -32,8 +32,8 @@ Bytes little_endian(std::uint64_t bits, std::size_t size) {
     return bytes;
 }
 
-/// The number of a two-byte value, as the tables of docs/protocols/ibus.md, "Sensor types" write
-/// it.
+/// Returns the number of a two-byte value, as in the tables of docs/protocols/ibus.md, "Sensor
+/// types".
 std::optional<double> number(std::uint8_t id, std::uint16_t raw,
                              SensorDialect dialect = SensorDialect::flysky, std::size_t field = 0) {
     const SensorTypes types(dialect);
@@ -103,7 +103,7 @@ TEST(SensorTypes, NumbersAreThoseOfTheReference) {
     EXPECT_DOUBLE_EQ(*number(0xFC, 70), -70);
 }
 
-// The genuine CVT01 of the recordings with an open input.
+// The genuine CVT01 of the recordings, with an open input.
 TEST(SensorTypes, ExternalVoltageHasASign) {
     EXPECT_DOUBLE_EQ(*number(0x03, 0xFFFF), -0.01);
     EXPECT_DOUBLE_EQ(*number(0x03, 0xFFFE), -0.02);
@@ -153,7 +153,7 @@ TEST(SensorTypes, DialectsReadTheDisputedTypesTheirOwnWay) {
     EXPECT_EQ(SensorTypes(SensorDialect::flyplus).find(0x83)->name, "latitude");
 }
 
-// Betaflight's ibus_shared.c fills in both with the same function, setValue.
+// Betaflight's ibus_shared.c writes both with the same function, setValue.
 TEST(SensorTypes, BetaflightsCombinedTypesReadAsItsSingleOnes) {
     const SensorTypes types(SensorDialect::betaflight);
     const std::vector<std::pair<std::uint8_t, Bytes>> combined{
@@ -171,7 +171,7 @@ TEST(SensorTypes, BetaflightsCombinedTypesReadAsItsSingleOnes) {
     }
 }
 
-// 1000 is 1 g; -100 is -1 A. With FlySky's own table they were 10 m/s^2 and 654.36 A.
+// 1000 is 1 g; -100 is -1 A. In FlySky's own table they would be 10 m/s^2 and 654.36 A.
 TEST(SensorTypes, BetaflightsCombinedTypesHaveAccelerationInThousandthsOfGAndASignedCurrent) {
     const SensorTypes types(SensorDialect::betaflight);
     const SensorField& acceleration = types.find(0xEF)->fields.at(2);

@@ -99,7 +99,7 @@ TEST(IbusDecoder, TellsFourteenFromEighteenChannelsFrameByFrame) {
     }
 }
 
-// docs/protocols/ibus.md, "Channels 15 to 18": each nibble has its channel and its place in it.
+// docs/protocols/ibus.md, "Channels 15 to 18": each nibble belongs to one place of one channel.
 TEST(IbusDecoder, PutsEveryNibbleInItsChannel) {
     for (std::size_t slot = 0; slot < 14; ++slot) {
         for (unsigned nibble = 1; nibble < 16; ++nibble) {
@@ -195,7 +195,7 @@ TEST(IbusDecoder, RefusesTheVariantWithHeader55WithAWrongSumOrWordsThatAreNoChan
     bytes[29] ^= 0x01U;
     EXPECT_FALSE(decode_one(bytes));
     bytes = from_hex(kBetaflightIa6);
-    bytes[2] = 0x10;  // 0x1000 in the first word, and in the sum
+    bytes[2] = 0x10;  // 0x1000 in the first word and in the sum
     bytes[30] = 0x10;
     EXPECT_FALSE(decode_one(bytes));
 }
@@ -230,7 +230,7 @@ TEST(IbusDecoder, CountsIbus2FramesAndDecodesNoneOfThem) {
     EXPECT_EQ(decoder.skipped_bytes(), bytes.size());
 }
 
-/// Byte-wise, from the polynomial; start value 0xFF.
+/// Calculates the CRC bit by bit from the polynomial; start value 0xFF.
 std::uint8_t ibus2_crc(std::span<const std::uint8_t> bytes) {
     unsigned crc = 0xFF;
     for (const std::uint8_t byte : bytes) {

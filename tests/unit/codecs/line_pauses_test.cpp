@@ -49,10 +49,10 @@ TEST(LinePauses, WhereTheTimeOfAByteIsNotKnownThereAreNone) {
     EXPECT_FALSE(pauses.before(25, at(1s), 0));
 }
 
-/// Reads of frames of 25 bytes each 14 ms, of which each comes in two, 5 ms apart.
+/// Reads of 25-byte frames every 14 ms. Each frame comes in two reads, 5 ms apart.
 class TornFrames {
   public:
-    /// Whether the first part, and then the second, came behind a pause.
+    /// Returns whether a pause was found before the first part and before the second.
     std::pair<bool, bool> next() {
         const bool first = pauses_.before(10, at(now_), 0);
         const bool second = pauses_.before(15, at(now_ + 5ms), 10);

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A sender's arrivals in so many seconds, each late by up to `jitter`, a share of them lost.
+/// Arrival times from a sender, each late by up to `jitter`. A share of the frames is lost.
 struct Sender {
     Duration period{};
     Duration first{};

@@ -7,7 +7,7 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/sbus.h"
 
-/// What a pause on the line tells of SBUS frames.
+/// What an SBUS decoder learns from a pause on the line.
 namespace tribus::sbus_pauses_test {
 namespace {
 
@@ -19,10 +19,10 @@ using test::from_hex;
 // 100, 200 ... 1600; docs/protocols/sbus.md, "Vectors".
 constexpr std::string_view kHundreds =
     "0f 64 40 06 4b 20 43 1f 2c f1 0a 64 84 43 1f 13 61 49 51 bc 72 17 c8 00 00";
-// Behind each frame of a Futaba R7003SB, 2 ms later; bolderflight/sbus, issue 79.
+// Bytes that a Futaba R7003SB sends 2 ms after each frame; bolderflight/sbus, issue 79.
 constexpr std::string_view kTrailer = "00 03 c0 33 00";
 
-/// Each piece behind a pause but the first.
+/// Returns the frames of pieces with a pause before each piece except the first.
 std::vector<DecodedFrame> with_pauses(SbusDecoder& decoder, const std::vector<Bytes>& pieces) {
     std::vector<DecodedFrame> frames;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
@@ -73,7 +73,7 @@ TEST(SbusPauses, TheFramesOfAnR7003sbComeAll) {
 }
 
 TEST(SbusPauses, FlagsAndFooterBehindAPauseDoNotEndAFrame) {
-    // It begins with 0f e0: as flags and footer, all four marks and a footer that is allowed.
+    // It begins with 0f e0: as flags and footer these are all four flags and an allowed footer.
     const Bytes all_992 =
         from_hex("0f e0 03 1f f8 c0 07 3e f0 81 0f 7c e0 03 1f f8 c0 07 3e f0 81 0f 7c 00 00");
     for (std::size_t cut = 1; cut < kSbusFrameLength; ++cut) {
@@ -118,7 +118,7 @@ TEST(SbusPauses, SoIsAFrameBehindNoiseThatBeganLikeNone) {
 }
 
 TEST(SbusPauses, ABadFrameDoesNotEndWithAnotherOne) {
-    // One byte was added: its last 25 bytes look like a frame, with all channels in wrong places.
+    // One byte was added, so the last 25 bytes look like a frame with all channels in wrong places.
     const Bytes bad =
         from_hex("0f 0f 40 06 4b 20 43 1f 2c f1 0a 64 84 43 1f 13 61 49 51 bc 72 17 c8 ff 00 00");
     SbusDecoder decoder;

@@ -42,7 +42,7 @@ TEST(SbusScale, MakersEndPointsAreTheirHundredPercent) {
     EXPECT_EQ(read("futaba", 1024), 1500);
 }
 
-// docs/protocols/sbus.md, "Scales": Futaba's 352, 1024 and 1696 in Betaflight's scale.
+// docs/protocols/sbus.md, "Scales": 352, 1024 and 1696 of Futaba in Betaflight's scale.
 TEST(SbusScale, BetaflightsScaleReadsFutabaAsTheFieldKnowsIt) {
     EXPECT_EQ(read("betaflight", 352), 1100);
     EXPECT_EQ(read("betaflight", 1024), 1520);
@@ -76,7 +76,7 @@ TEST(SbusScale, WritesAllMicrosecondsAsTheNamedProgramsDo) {
     }
 }
 
-// What ArduPilot itself writes can be one step away, and reads the same.
+// The value that ArduPilot itself writes may be one step away, but is read the same.
 TEST(SbusScale, ArduPilotReadsTheMicrosecondsThatItsScaleWrites) {
     for (int microseconds = 875; microseconds <= 2154; ++microseconds) {
         ASSERT_EQ(written("ardupilot", microseconds) * 1000 / 1600 + 875, microseconds);
@@ -102,7 +102,7 @@ TEST(SbusScale, EveryNamedScaleGivesBackEveryWholeMicrosecondThatItReaches) {
     }
 }
 
-// docs/protocols/sbus.md, "Scales": 880 to 2159 us, and 5 or 6 us less with the other two.
+// docs/protocols/sbus.md, "Scales": 880 to 2159 us, and 5 or 6 us less in the other two scales.
 TEST(SbusScale, ReachesAsFarAsElevenBitsDo) {
     EXPECT_EQ(read("betaflight", 0), 880);
     EXPECT_EQ(read("betaflight", 2047), 2159);

@@ -83,7 +83,7 @@ TEST(SbusDecoder, ShowsRawValuesAndFooterOfTheLatestFrame) {
     EXPECT_EQ(details[1].values[0], 0x08);
 }
 
-/// The byte at `position` of the frame in the middle of five has `value`.
+/// Returns the frames after byte `position` of the third of five frames was set to `value`.
 std::vector<DecodedFrame> with_byte_in_the_middle(SbusDecoder& decoder, std::size_t position,
                                                   unsigned value) {
     Bytes bytes = repeated(kAll1024, 5);
@@ -211,7 +211,7 @@ TEST(SbusDecoder, FinishGivesNothingWhenNothingIsWaiting) {
     EXPECT_FALSE(decoder.finish());
 }
 
-// docs/protocols/sbus.md, "Footer and SBUS2": one triple as the receiver sends it, or as many as
+// docs/protocols/sbus.md, "Footer and SBUS2": one slot as a receiver sends it, or as many as
 // sensors answer.
 TEST(SbusDecoder, LosesNoFrameToTheSlotsOfSbus2) {
     for (const unsigned footer : {0x04U, 0x14U, 0x24U, 0x34U, 0x08U}) {

@@ -68,7 +68,8 @@ TEST(SensorsDbc, NamesTheTypes) {
               (std::vector<DbcValueText>{{.raw = -32768, .text = "NotAvailable"}}));
 }
 
-/// Of one raw value of one type, as it is sent, the number and unit that the DBC gives each field.
+/// Sends one raw value of one type, and returns the number and unit that the DBC gives for each
+/// field.
 class SentReading {
   public:
     explicit SentReading(const std::string& dbc)
@@ -118,7 +119,7 @@ TEST(SensorsDbc, AnEncodedReadingHasTheNumberAndUnitOfItsType) {
             const auto expected = number_of(field, raw);
             const bool at_end = raw == least || raw == least + 2 * half - 1;
             if (!expected && !at_end) {
-                continue;  // a code in the midst has a text, which is no range
+                continue;  // a code in the middle has a text but no range
             }
             ASSERT_EQ(sent.reading(name).state,
                       expected ? ValueReading::State::number : ValueReading::State::not_available)
@@ -136,7 +137,7 @@ TEST(SensorsDbc, AnEncodedReadingHasTheNumberAndUnitOfItsType) {
 TEST(SensorsDbc, TypesOfSeveralFieldsAreReadFieldByField) {
     SentReading sent(sensor_can_dbc());
     const SensorTypes types;
-    // 101325 Pa in bits 0 to 18, and above them 25.0 degC: raw 650 (docs/protocols/ibus.md, "Sensor
+    // 101325 Pa in bits 0 to 18 and 25.0 degC above them: raw 650 (docs/protocols/ibus.md, "Sensor
     // types", type 41).
     sent.send(*types.find("pressure"), 101325 + 650.0 * (1U << 19U));
     EXPECT_EQ(sent.reading("pressure_pressure").number, 101325);

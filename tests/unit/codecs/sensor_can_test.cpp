@@ -21,7 +21,8 @@ using Bytes = std::vector<std::uint8_t>;
 constexpr std::uint8_t kTemperatureType = 0x01;
 constexpr std::uint8_t kVoltageType = 0x03;
 
-/// As the configuration names the values of [sensor_bus.probes]: reading and raw value in turn.
+/// The values of [sensor_bus.probes] in the order of the configuration: reading and raw value in
+/// turn.
 ValueBoard board_of_probes() {
     std::vector<NamedValue> values;
     for (std::size_t address = 1; address <= kMostSensors; ++address) {
@@ -69,7 +70,7 @@ TEST_F(SensorsOnCan, TellTheAgeOfTheReading) {
 TEST_F(SensorsOnCan, AStaleReadingIsSentAsNotAvailableWithTheAgeThatItHas) {
     board_.set(raw_of_address(1), 5, at(0), kTemperatureType);
     EXPECT_EQ(bytes_of(sent(501).at(0)), (Bytes{0x01, 0x00, 0xF5, 0x01, 5, 0, 0, 0}));
-    // Of the second frame the counter is 1; the age stays at its most.
+    // The counter of the second frame is 1. The age stays at its maximum.
     EXPECT_EQ(bytes_of(sent(1'000'000).at(0)), (Bytes{0x01, 0x10, 0xFF, 0xFF, 5, 0, 0, 0}));
 }
 

@@ -66,7 +66,7 @@ TEST(MapsOfAbsentChannels, OfANativeInputAreThoseBeyondItsSixteen) {
               Remarks{remark("12:5", 1, 17, "can")});
 }
 
-/// How many an RCInput has is up to its sender.
+/// The sender of an RCInput decides how many channels it has.
 TEST(MapsOfAbsentChannels, AreNoneOfADroneCanInput) {
     EXPECT_EQ(remarks_on("[input.receiver]\nprotocol = \"dronecan\"\ninterface = \"can0\"\n"
                          "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"

@@ -13,7 +13,7 @@
 namespace tribus::test::any_bytes_test {
 namespace {
 
-/// Loads, or says where and why not, in one line each.
+/// Checks that the text loads, or that each mistake is one line with a place and a reason.
 void expect_an_answer(const std::string& text) {
     const auto configuration = load_configuration(text, "t.toml");
     if (configuration) {

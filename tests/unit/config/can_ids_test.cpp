@@ -9,13 +9,13 @@
 
 #include "tests/unit/config/main_job.h"
 
-/// On one CAN interface every id has one sender.
+/// Each id on one CAN interface has exactly one sender.
 namespace tribus::test::can_ids_test {
 namespace {
 
 using Lines = std::vector<std::string>;
 
-/// Outputs named "o1", "o2", ... one for each set of lines, beside an i.Bus input.
+/// Returns outputs named "o1", "o2" and so on, one for each set of lines, and an i.Bus input.
 std::string outputs(const std::vector<std::string>& lines) {
     std::string text = "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n";
     std::string names;
@@ -26,7 +26,7 @@ std::string outputs(const std::vector<std::string>& lines) {
     return text + fmt::format("[pipeline.main]\nfrom = \"receiver\"\nto = [{}]\n", names);
 }
 
-/// An input and an output on one interface, and the serial ends that they need.
+/// Returns an input and an output on one interface, and the serial ports that they need.
 std::string input_and_output(std::string_view input, std::string_view output) {
     return fmt::format(R"([input.cockpit]
 protocol = "can"

@@ -21,7 +21,7 @@ namespace {
 using Lines = std::vector<std::string>;
 using std::chrono::milliseconds;
 
-/// Both directions in 13 lines that tests spoil one line of.
+/// Both directions in 13 lines. Each test changes one of them.
 constexpr std::array<std::string_view, 13> kBusJob{
     "[input.cockpit]", "protocol = \"can\"",  "interface = \"can0\"",
     "[output.bus]",    "protocol = \"can\"",  "interface = \"can1\"",
@@ -224,8 +224,7 @@ TEST(CanPorts, SayFailsafeSoTheDefaultActionIsPreset) {
               FailsafeAction::preset);
 }
 
-/// What the output of that configuration does when foreign frames come in the middle of good
-/// snapshots.
+/// Returns the stage of the output after foreign frames among good snapshots.
 OutputStage stage_after_foreign_frames(const Configuration& configuration) {
     const auto engine = build_engine(configuration);
     CanChannelsEncoder sender;
@@ -295,7 +294,7 @@ to = ["d", "e", "f"]
     EXPECT_EQ(plans[0].wiring.outputs, (std::vector<std::size_t>{0, 1}));
     EXPECT_EQ(plans[1].config.device, "can1");
     EXPECT_EQ(plans[1].wiring.inputs, std::vector<std::size_t>{1});
-    // A serial device of the same name is none of that interface.
+    // A serial device of the same name does not belong to that interface.
     EXPECT_EQ(plans[2].config.link, LinkKind::serial);
     EXPECT_EQ(plans[2].wiring.outputs, std::vector<std::size_t>{2});
 }

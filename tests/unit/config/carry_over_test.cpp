@@ -7,7 +7,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-/// What goes on when a configuration takes the place of another.
+/// Parts that continue when a configuration replaces another.
 namespace tribus::test::carry_over_test {
 namespace {
 
@@ -18,7 +18,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view w
 
 const std::string kJob = main_job_with(0, "");
 
-/// From the nine lines to those.
+/// Returns what carries over from the nine lines to the new text.
 CarryOver carry_over(std::string_view fresh, std::string_view running = kJob) {
     return plan_carry_over(loaded(running), loaded(fresh));
 }

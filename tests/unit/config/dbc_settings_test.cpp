@@ -60,12 +60,12 @@ class DbcSettings : public ::testing::Test {
     void write(std::string_view name, std::string_view content) const {
         std::ofstream(folder_ / name, std::ios::binary) << content;
     }
-    /// Line 11 of the file is the first of `end`.
+    /// Loads a file whose line 11 is the first line of `end`.
     auto load(std::string_view end) const {
         return load_configuration(std::string(kStart) + std::string(end),
                                   (folder_ / "t.toml").string());
     }
-    /// As "line:column: text".
+    /// Returns the mistakes as "line:column: text".
     template <class Loaded>
     static Lines told(const Loaded& configuration) {
         Lines lines;
@@ -77,7 +77,8 @@ class DbcSettings : public ::testing::Test {
         return lines;
     }
     Lines mistakes(std::string_view end) const { return told(load(end)); }
-    /// Of an input of the messages; line 10 of the file is the first of `end`.
+    /// Returns the mistakes of an input of the messages. Line 10 of the file is the first line of
+    /// `end`.
     Lines mistakes_of_input(const std::string& end) const {
         return told(load_configuration(R"([pipeline]
 main = { from = "bus", to = "servos" }
@@ -250,7 +251,7 @@ Configuration example(std::string_view name) {
     return *configuration;
 }
 
-/// Missing values and messages are failsafe without any flag.
+/// A missing value or message is failsafe without any flag.
 TEST(DbcExamples, AnInputWithoutAFlagMayHaveTheDetectorsOfFlags) {
     const auto file = config_folder() / "examples" / "rc-box.toml";
     std::string text = content_of(file);
@@ -273,10 +274,10 @@ TEST(DbcExamples, SayFailsafeWhereTheirFormatCan) {
 struct Carried {
     std::string_view example;
     std::size_t channels = 0;
-    double step = 0;  ///< the finest that the format tells, microseconds
+    double step = 0;  ///< the finest step of the format in microseconds
 };
 
-/// Through the encoder of the example's output and the decoder of its input.
+/// Goes through the encoder of the example's output and the decoder of its input.
 class DbcExampleCarries : public ::testing::TestWithParam<Carried> {};
 
 TEST_P(DbcExampleCarries, ItsChannelsInBothDirections) {

@@ -33,13 +33,13 @@ std::vector<std::string> mistakes_in(const std::string& text) {
     return told;
 }
 
-/// 45 kB of such keys filled a stack of 8 MiB.
+/// 45 kB of such keys overflowed a stack of 8 MiB.
 constexpr std::size_t kDeep = 22'800;
 
 struct DeepText {
     std::string name;
     std::string text;
-    std::string place;  ///< of the first part too many
+    std::string place;  ///< of the first part beyond the limit
 };
 
 class KeyOfManyParts : public ::testing::TestWithParam<DeepText> {};
@@ -85,7 +85,7 @@ TEST(Depth, IsNotCountedInTextsAndComments) {
     }
 }
 
-/// All that TOML lets nest in each other, as deep as each may be.
+/// Everything that TOML can nest, each as deep as allowed.
 std::string deepest() {
     const std::string key = repeated("a.", kMostKeyParts - 1) + "a";
     const std::size_t levels = 31;

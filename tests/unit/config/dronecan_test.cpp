@@ -23,14 +23,14 @@ from = "receiver"
 to = "autopilot"
 )";
 
-/// A receiver that feeds [output.autopilot] with those lines.
+/// Returns a receiver that feeds [output.autopilot] with these lines.
 std::string with_output(const std::string& lines, const std::string& more = {}) {
     return std::string(kReceiver) +
            "\n[output.autopilot]\nprotocol = \"dronecan\"\ninterface = \"can1\"\n" + lines + "\n" +
            more;
 }
 
-/// All the mistakes, one a line; empty where there are none.
+/// Returns all mistakes, one a line, or an empty text.
 std::string mistakes_of(const std::string& text) {
     const auto loaded = load_configuration(text, "test.toml");
     std::string all;
@@ -172,7 +172,7 @@ TEST(DroneCanConfiguration, NamesKeysThatAreForOtherMessages) {
     }
 }
 
-// The specification keeps 126 and 127 for tools.
+// The specification reserves 126 and 127 for tools.
 TEST(DroneCanConfiguration, RefusesTheIdsOfToolsForItself) {
     EXPECT_EQ(mistakes_of(with_output("node_id = 125")), "");
     EXPECT_EQ(mistakes_of(with_output("", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 125\n")),

@@ -9,14 +9,15 @@
 #include "config/load.h"
 #include "tests/unit/config/main_job.h"
 
-/// Values of messages on DroneCAN as a user writes them.
+/// Values of DroneCAN messages as a user writes them.
 namespace tribus::test::dronecan_values_test {
 namespace {
 
 using namespace std::chrono_literals;
 using Lines = std::vector<std::string>;
 
-/// A bus that sends a value, after the table of it, whose further lines begin in line 2.
+/// Returns a bus that sends a value, after the table of the value. The table's lines begin in line
+/// 2.
 std::string with_battery(std::string_view lines, std::string_view value = "battery.voltage") {
     return "[values.battery]\n" + std::string(lines) +
            "[sensor_bus.t]\ndevice = \"/dev/ttyA\"\nrole = \"sensor\"\n"
@@ -26,7 +27,7 @@ std::string with_battery(std::string_view lines, std::string_view value = "batte
 constexpr std::string_view kBattery =
     "interface = \"can0\"\ndronecan = \"uavcan.equipment.power.BatteryInfo\"\n";
 
-/// As "line:column: text".
+/// Returns the mistakes as "line:column: text".
 Lines mistakes(const std::string& text) {
     Lines lines;
     for (const std::string& mistake : mistakes_in(text, "f")) {

@@ -12,7 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using Lines = std::vector<std::string>;
 
-/// One pipeline to an SBUS output, which can say failsafe, and to an i.Bus output, which cannot.
+/// One pipeline to an SBUS output, which can mark failsafe, and to an i.Bus output, which cannot.
 constexpr std::string_view kTwoOutputs = R"([input.receiver]
 protocol = "ibus"
 device = "/dev/ttyA"
@@ -27,7 +27,7 @@ from = "receiver"
 to = ["servos", "autopilot"]
 [pipeline.main.failsafe]
 )";
-/// The first line behind it.
+/// The first line after it.
 constexpr std::string_view kLine14 = "t.toml:14:";
 
 std::string with(std::string_view failsafe) {

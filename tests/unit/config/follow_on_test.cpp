@@ -7,7 +7,7 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-/// The places alone: `line:column`.
+/// Returns only the places: `line:column`.
 Lines places(std::string_view text) {
     Lines result;
     for (const std::string& line : mistakes_in(text)) {

@@ -28,7 +28,7 @@ TEST(JsonSchema, OffersTheKeysOfAProtocolToItsTablesOnly) {
     }
 }
 
-/// Runs the system's Python, which on Debian has a validator in python3-jsonschema.
+/// Runs Debian's Python, which has a validator in python3-jsonschema.
 int python(const std::string& script) {
     return std::system(("/usr/bin/python3 -W ignore -c '" + script + "'").c_str());
 }

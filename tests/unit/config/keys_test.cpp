@@ -31,7 +31,7 @@ std::vector<Key> every_key() {
     return all;
 }
 
-/// A default as the parser of a file would hand it over.
+/// Returns a default as the parser of a file would return it.
 Value as_written(const Setting& setting) {
     const SettingValue value = default_of(setting);
     Value written;

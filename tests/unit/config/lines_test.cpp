@@ -4,8 +4,8 @@
 #include "config/effective.h"
 #include "tests/unit/config/main_job.h"
 
-/// [gpio.NAME]: what it means, and what is said of its mistakes. Lines stand behind the nine lines
-/// of the main job, from line 10 on.
+/// [gpio.NAME]: its meaning and its mistakes. Its lines come after the nine lines of the main job,
+/// from line 10 on.
 namespace tribus::test::lines_test {
 namespace {
 

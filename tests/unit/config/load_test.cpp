@@ -198,7 +198,7 @@ TEST(Load, SaysWhatIsWrongWithAFileThatIsNotThere) {
               "the path of a configuration file");
 }
 
-/// The disk may not be mounted yet; a mistake stays one however often the file is read.
+/// The disk may not be mounted yet. A mistake remains one however often the file is read.
 TEST(Load, OfAFileThatCannotBeReadMayGoWellAnotherTime) {
     const auto missing = load_configuration_file("no-such-folder/no-such-file.toml");
     ASSERT_FALSE(missing);

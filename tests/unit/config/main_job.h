@@ -14,15 +14,15 @@
 
 namespace tribus::test {
 
-/// A valid configuration of nine lines that tests spoil one line of.
+/// A valid configuration of nine lines. Each test changes one of them.
 inline constexpr std::array<std::string_view, 9> kMainJob{
     "[input.receiver]", "protocol = \"ibus\"", "device = \"/dev/ttyA\"",
     "[output.servos]",  "protocol = \"sbus\"", "device = \"/dev/ttyB\"",
     "[pipeline.main]",  "from = \"receiver\"", "to = \"servos\"",
 };
 
-/// The nine lines with another text in place of line `number`, counted from 1, or, for 10, behind
-/// them.
+/// Returns the nine lines with another text for line `number`, counted from 1. With number 10 the
+/// text is added after them.
 inline std::string main_job_with(std::size_t number, std::string_view replacement) {
     std::string text;
     for (std::size_t i = 0; i < kMainJob.size(); ++i) {
@@ -32,7 +32,7 @@ inline std::string main_job_with(std::size_t number, std::string_view replacemen
     return number == kMainJob.size() + 1 ? text + std::string(replacement) + "\n" : text;
 }
 
-/// The mistakes as a user sees them; empty if the text is a valid configuration.
+/// Returns the mistakes as a user sees them; empty if the text is a valid configuration.
 inline std::vector<std::string> mistakes_in(std::string_view text,
                                             std::string_view file_name = "t.toml") {
     std::vector<std::string> lines;
@@ -45,7 +45,7 @@ inline std::vector<std::string> mistakes_in(std::string_view text,
     return lines;
 }
 
-/// A text that must be a valid configuration.
+/// Loads a text that must be a valid configuration.
 inline Configuration loaded(std::string_view text) {
     auto configuration = load_configuration(text, "t.toml");
     if (!configuration) {
@@ -55,7 +55,7 @@ inline Configuration loaded(std::string_view text) {
     return std::move(*configuration);
 }
 
-/// One way to spoil the nine lines, and the one line that a user must see then.
+/// A change of one of the nine lines, and the one message that a user must see.
 struct Spoilt {
     std::string_view name;
     std::size_t line;

@@ -17,7 +17,7 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-/// Reads the value of the only key, `key`, of a configuration in a folder of its own.
+/// Reads the value of the only key, `key`, of a configuration in its own folder.
 class ReadTree : public ::testing::Test {
   protected:
     ReadTree() { std::filesystem::create_directories(folder_); }
@@ -35,7 +35,7 @@ class ReadTree : public ::testing::Test {
     std::optional<SettingFile> file(std::string_view toml) {
         return read("key = " + std::string(toml), read_named_file);
     }
-    /// As "line:column: text".
+    /// Returns the mistakes as "line:column: text".
     Lines mistakes() const {
         Lines lines;
         for (const Mistake& mistake : mistakes_.sorted()) {

@@ -10,7 +10,7 @@
 namespace tribus::test::selection_test {
 namespace {
 
-/// Three inputs, one output; `lines` in [pipeline.main], which starts in line 14.
+/// Three inputs and one output. [pipeline.main] starts in line 14 and contains `lines`.
 std::string three_with(std::string_view lines, std::string_view from = R"(["a", "b", "c"])") {
     std::string text;
     for (const std::string name : {"a", "b", "c"}) {

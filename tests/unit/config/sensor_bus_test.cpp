@@ -50,7 +50,7 @@ class SensorBusConfiguration : public ::testing::Test {
         }
         return *configuration;
     }
-    /// As "line:column: text".
+    /// Returns the mistakes as "line:column: text".
     Lines mistakes(const std::string& text) const {
         const auto configuration = load(text);
         Lines lines;
@@ -61,7 +61,7 @@ class SensorBusConfiguration : public ::testing::Test {
         }
         return lines;
     }
-    /// The only mistake of a bus with one sensor of these keys, which begin in line 12.
+    /// Returns the only mistake of a bus with one sensor, whose keys begin in line 12.
     std::string sensor_mistake(std::string_view keys) const {
         const Lines found = mistakes(std::string(kValues) + R"([sensor_bus.telemetry]
 device = "/dev/ttyA"
@@ -216,7 +216,7 @@ TEST_F(SensorBusConfiguration, RefusesNamesThatCouldNotBeToldApart) {
               Lines{"6:14: [sensor_type.b] has the id 200, as [sensor_type.a]; each has its own"});
 }
 
-/// Without the name of the message, which would be in line 7.
+/// Lacks the name of the message, which would be in line 7.
 const std::string kMessageOfABus =
     "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n"
     "[values.x]\ninterface = \"can0\"\ndbc = \"battery.dbc\"\n";

@@ -5,7 +5,7 @@
 
 #include "tests/unit/config/main_job.h"
 
-/// What an input's detectors are, and what may be said of them.
+/// Detectors of an input, and mistakes in their settings.
 namespace tribus::test::supervision_test {
 namespace {
 

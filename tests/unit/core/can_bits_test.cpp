@@ -37,19 +37,20 @@ TEST(CanBits, AtMostTakeTheTimesOfTheTablesInFdFrames) {
     EXPECT_EQ(microseconds(frame_of(0x804742A, 64, true, true)), 454);
 }
 
-/// 34 zeros, of which 15 are the CRC: a stuff bit behind each five.
+/// 34 zeros, 15 of them in the CRC: a stuff bit after every five.
 TEST(CanBits, ClassicFrameOfZerosHasAStuffBitBehindEachFive) {
     EXPECT_EQ(bits_on_bus(frame_of(0, 0, false)), (BusBits{.nominal = 34 + 6 + 13}));
 }
 
-/// Start of frame and four zeros of the id, a one stuffed; four ones, which are five with it, a
-/// zero stuffed; three zeros and RRS, five with it, a one stuffed; IDE 0, FDF 1, res 0, BRS 1.
+/// Start of frame and four zeros of the id: a one is stuffed. Four ones make five with it: a zero
+/// is stuffed. Three zeros and RRS make five with it: a one is stuffed. Then IDE 0, FDF 1, res 0,
+/// BRS 1.
 TEST(CanBits, StuffBitBeginsTheNextRun) {
     EXPECT_EQ(bits_on_bus(frame_of(0b0000'1111'000, 0, false, true)).nominal, 17U + 3U + 13U);
 }
 
-/// ESI and a length code of 0 are five zeros behind BRS, and nothing follows but the stuff bit that
-/// the CRC field begins with: 4 bits of stuff count and 17 of CRC with 6 stuff bits.
+/// ESI and a length code of 0 are five zeros after BRS. Only the stuff bit at the start of the CRC
+/// field follows: 4 bits of stuff count and 17 bits of CRC with 6 stuff bits.
 TEST(CanBits, NoSecondStuffBitStandsBetweenTheDataAndTheCrcOfAnFdFrame) {
     EXPECT_EQ(bits_on_bus(frame_of(0x555, 0, false, true)).data, 5U + 4U + 17U + 6U);
 }

@@ -28,7 +28,7 @@ TEST(LineSettings, CountsEveryBitOfAByte) {
     EXPECT_EQ((LineSettings{.parity = Parity::even}.bits_per_byte()), 11U);
 }
 
-// docs/protocols/sbus.md, "Line": 120 us a byte and 3.00 ms a frame, half of that at 200000 baud.
+// docs/protocols/sbus.md, "Line": 120 us a byte and 3.00 ms a frame, half as much at 200000 baud.
 TEST(LineSettings, AnSbusFrameTakesThreeMilliseconds) {
     EXPECT_EQ(kSbusLine.bytes_time(1), microseconds(120));
     EXPECT_EQ(kSbusLine.bytes_time(25), milliseconds(3));

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The latest frame was written when it came.
+/// The latest frame was written when it arrived.
 Schedule written_on_arrival(Duration period, const ArrivalClock& arrivals) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = period});
     schedule.start(at(0ms));
@@ -43,8 +43,8 @@ TEST(FollowSchedule, a_frame_that_comes_too_soon_waits_until_the_period_has_pass
 }
 
 TEST(FollowSchedule, of_two_frames_that_come_too_soon_the_later_is_sent_if_it_need_not_wait) {
-    // 4 ms in, 7 ms out: the frame at 4 ms would go at 7 ms and hold up the one at 8 ms until 14
-    // ms.
+    // 4 ms in, 7 ms out: the frame at 4 ms would be written at 7 ms and delay the one at 8 ms until
+    // 14 ms.
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
     schedule.frame_arrived(arrivals_each(4ms, at(0ms), 10));
@@ -55,7 +55,8 @@ TEST(FollowSchedule, of_two_frames_that_come_too_soon_the_later_is_sent_if_it_ne
     EXPECT_EQ(schedule.due(), at(44ms));
 }
 
-/// 7 ms in and out: nothing else would ever make good a delay. Writes, and how old each frame was.
+/// 7 ms in and out, so nothing else would ever catch up with a delay. Returns the age of each
+/// written frame.
 std::vector<Duration> ages_after_a_stall_of(Duration stall) {
     Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
     schedule.start(at(0ms));
@@ -107,16 +108,16 @@ TEST(FollowSchedule, repeats_once_a_period_without_input) {
 }
 
 TEST(FollowSchedule, a_repeat_waits_for_a_frame_that_is_about_due_but_not_at_the_cost_of_the_next) {
-    // FS-iA6B: 7.7 ms; a repeat at 7 ms would hold the fresh frame back to 14 ms, and one behind
-    // 8.4 ms that of 15.4 ms.
+    // FS-iA6B: 7.7 ms. A repeat at 7 ms would delay the fresh frame until 14 ms, and one after 8.4
+    // ms would delay the frame of 15.4 ms.
     const ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 20);
     Schedule schedule = written_on_arrival(7ms, arrivals);
     EXPECT_EQ(schedule.due(), arrivals.latest() + 8350us);
 }
 
 TEST(FollowSchedule, of_a_missing_frame_the_second_repeat_waits_for_the_frame_behind_it_as_well) {
-    // 7 ms in, 5 ms out: repeated at 8.95 ms, and at 13.95 ms again, the frame that comes at 14 ms
-    // would wait until 18.95 ms.
+    // 7 ms in, 5 ms out: with repeats at 8.95 ms and 13.95 ms, the frame that comes at 14 ms would
+    // wait until 18.95 ms.
     ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);
     const Instant latest = arrivals.latest();
     Schedule schedule = written_on_arrival(5ms, arrivals);
@@ -250,8 +251,7 @@ INSTANTIATE_TEST_SUITE_P(Receivers, LockedGrid,
                                          Duration(9ms), Duration(14ms), Duration(13998us),
                                          Duration(20ms)));
 
-/// A locked grid of 7 ms behind a receiver of 7.7 ms whose frames come late by what `lateness`
-/// says, until it stands well.
+/// A settled locked grid of 7 ms with a receiver of 7.7 ms. Every 50th frame came late by `late`.
 struct LockedWriter {
     Schedule schedule{{.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked}};
     ArrivalClock arrivals;
@@ -264,8 +264,8 @@ struct LockedWriter {
             write(i % 50 == 0 ? late : Duration(0us));
         }
     }
-    /// One input frame and the writes up to the one that should carry it. Returns the age of the
-    /// newest values in the last of these.
+    /// Handles one input frame and the writes up to the one that should carry it. Returns the age
+    /// of the newest values in the last write.
     Duration write(Duration late) {
         const Instant arrival = at(1ms + frames * 7700us + late);
         const Instant next_arrival = at(1ms + (frames + 1) * 7700us);
@@ -327,7 +327,7 @@ TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period) {
     }
 }
 
-/// The last frames are waited for in vain; what is written without waiting any more is not early.
+/// The schedule waits for the last frames in vain. What it writes after that is not early.
 TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period_when_the_input_stops) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked});
     schedule.start(at(0ms));
@@ -341,7 +341,7 @@ TEST(LockedGridSchedule, never_writes_two_frames_closer_than_the_period_when_the
     }
 }
 
-/// A frame, seconds of noise, and a frame: that is no rhythm to keep step with.
+/// A frame, seconds of noise, and a frame have no rhythm to follow.
 TEST(LockedGridSchedule, keeps_its_period_where_a_long_silence_lies_between_two_frames) {
     Schedule schedule({.kind = ScheduleKind::grid, .period = 7ms, .phase = Phase::locked});
     schedule.start(at(0ms));

@@ -31,8 +31,8 @@ TEST_P(ConvertedUnit, IsTheNumberInTheOtherUnit) {
                 1e-12 * (1 + std::abs(GetParam().expected)));
 }
 
-// By the definitions of the units: the inch of 25.4 mm, the nautical mile of 1852 m, the standard
-// gravity of 9.80665 m/s^2, the zero of the Celsius scale at 273.15 K.
+// Definitions of the units: the inch of 25.4 mm, the nautical mile of 1852 m, the standard gravity
+// of 9.80665 m/s^2, the zero of the Celsius scale at 273.15 K.
 INSTANTIATE_TEST_SUITE_P(
     OfEachQuantity, ConvertedUnit,
     testing::Values(Converted{"mV", "V", 12600, 12.6}, Converted{"kV", "mV", 0.4, 400000},

@@ -22,7 +22,7 @@ namespace {
 
 using Bytes = std::vector<std::byte>;
 
-// Flags of an interface, from linux/if.h, which cannot stand beside the C library's <net/if.h>.
+// Flags of an interface from linux/if.h, which conflicts with the C library's <net/if.h>.
 constexpr std::uint32_t kUp = 0x1;
 constexpr std::uint32_t kLowerUp = 0x10000;
 constexpr std::uint32_t kEcho = 0x40000;
@@ -100,7 +100,7 @@ Bytes controller_message() {
                                                  attribute(IFLA_INFO_DATA, data)}))}));
 }
 
-/// A controller as it should be set up for RC.
+/// A controller that is set up well for RC.
 CanInterface good_controller() {
     CanInterface interface;
     interface.name = "can0";
@@ -141,7 +141,7 @@ testing::AssertionResult advises(const CanInterface& interface, const std::strin
     return testing::AssertionFailure() << testing::PrintToString(sentences);
 }
 
-// What Linux 6.1 answered for `ip link add vcan0 mtu 72 type vcan; ip link set vcan0 up`, shortened
+// Answer of Linux 6.1 after `ip link add vcan0 mtu 72 type vcan; ip link set vcan0 up`, shortened
 // to four attributes.
 TEST(CanInterfaceParsing, ReadsALiteralMessage) {
     constexpr std::uint8_t kMessage[] = {

@@ -14,8 +14,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Drives a transmitter at random and holds it to its promises. The data bytes of every frame are
-/// the number of its offer, its id tells lane and part.
+/// Drives a transmitter at random and checks its promises. The data of each frame is the number of
+/// its offer; its id has the lane and the part.
 class Promises {
   public:
     void advance(Duration step) { now_ += step; }
@@ -40,7 +40,7 @@ class Promises {
         }
     }
 
-    /// `full`: the kernel has no room.
+    /// Passes a frame to the kernel. `full`: the kernel has no room.
     void hand_over(bool full) {
         const CanFrame* next = transmitter_.next(now_);
         if (next == nullptr) {

@@ -34,7 +34,7 @@ class CanTransmitterTest : public ::testing::Test {
     WriteStatus offer(std::size_t lane, const std::vector<CanFrame>& frames) {
         return transmitter_.offer(lane, frames, now_);
     }
-    /// The id of the frame that goes to the kernel now.
+    /// Returns the id of the frame that is passed to the kernel now.
     std::optional<std::uint32_t> hand_over() {
         const CanFrame* next = transmitter_.next(now_);
         if (next == nullptr) {

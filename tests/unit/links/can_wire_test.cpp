@@ -35,7 +35,7 @@ CanFrame fd_frame() {
     return frame;
 }
 
-/// As the kernel makes them: CAN_ERR_ classes in the id, details from data[1] on.
+/// Returns a frame as the kernel makes it: CAN_ERR_ classes in the id, details from data[1] on.
 canfd_frame error_frame(std::uint32_t classes, std::uint8_t controller = 0) {
     canfd_frame wire{};
     wire.can_id = CAN_ERR_FLAG | classes;
@@ -174,11 +174,11 @@ TEST(CanWireTest, EachFilterIsThereOnce) {
     EXPECT_EQ(kernel_filters(wanted).size(), 2U);
 }
 
-// The system clock is at 1,000,000 s, our own time line at 1 h.
+// The system clock is at 1,000,000 s, the steady clock at 1 h.
 constexpr Duration kWall = std::chrono::seconds(1'000'000);
 constexpr Instant kNow = Instant(std::chrono::hours(1));
 
-// 5 ms before, all was read.
+// 5 ms earlier everything had been read.
 constexpr Instant kRead = kNow - 5ms;
 
 TEST(PlausibleArrivalTest, AFrameIsAsOldAsItsStampSays) {

@@ -20,7 +20,7 @@ TEST(ClockStepTest, IsWhatTheSystemClockDidMoreThanTimePassed) {
     EXPECT_TRUE(step.since_last_look(kWall - 5s, kNow + 20ms));
 }
 
-/// Back by nearly as long as nobody looked: the oldest frames would look the youngest.
+/// Set back by nearly the time without a read: the oldest frames would look like the youngest.
 TEST(ClockStepTest, HidesBehindNoStall) {
     ClockStep step;
     step.look(kWall, kNow);

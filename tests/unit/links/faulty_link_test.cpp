@@ -32,7 +32,7 @@ Reception injected(const FaultSettings& settings, std::uint64_t seed,
     return out;
 }
 
-/// How often `happened` is true in 10000 seeds.
+/// Returns how often `happened` is true in 10000 seeds.
 template <class Happened>
 int count_in_10000_seeds(Happened happened) {
     int count = 0;
@@ -115,7 +115,7 @@ TEST(FaultInjectorTest, LosesUpToSoManyBytesInARow) {
         const Reception out = injected({.lose_byte = 0.002, .most_in_a_row = 3}, seed);
         ++seen[some_burst.size() - out.count];
     }
-    // Each of the 8 bytes begins a loss with 0.2 %: 160 losses, a third of each length, but for
+    // Each of the 8 bytes begins a loss with 0.2 %: 160 losses, a third of each length, except
     // those that the end of the burst shortens.
     EXPECT_NEAR(seen[1], 60, 30);
     EXPECT_NEAR(seen[2], 53, 30);
@@ -190,8 +190,8 @@ TEST(FaultInjectorTest, OtherSeedsGiveOtherFaults) {
 }
 
 // Outputs of splitmix64.c by Sebastiano Vigna (public domain) for seed 1234567:
-// 6457827717110365317, 3203168211198807973, 9817491932198370423. A stored seed must replay on every
-// machine.
+// 6457827717110365317, 3203168211198807973, 9817491932198370423. A stored seed must give the same
+// faults on every machine.
 TEST(FaultInjectorTest, DelaysOfAKnownSeedAreTheKnownOnes) {
     constexpr std::int64_t kChoices = 1'000'000;
     FaultInjector injector({.most_delay = Duration(kChoices - 1)}, 1234567);

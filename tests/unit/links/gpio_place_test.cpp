@@ -49,7 +49,7 @@ TEST(GpioPlaceTest, TakesAPathWithColons) {
     EXPECT_EQ(std::get<unsigned>(place->line), 3U);
 }
 
-// Names of real boards' lines: Raspberry Pi, Odroid, Rock Pi, STM32MP1, UP.
+// Line names of real boards: Raspberry Pi, Odroid, Rock Pi, STM32MP1, UP.
 TEST(GpioPlaceTest, TakesTheNamesThatBoardsGive) {
     for (const std::string name :
          {"ID_SDA", "PIN_7", "7J1 Header Pin5", "[GPIO4_C5]", "PG3", "SPI0 CS:1", "5"}) {

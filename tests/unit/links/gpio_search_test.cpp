@@ -10,7 +10,7 @@
 namespace tribus::gpio_search_test {
 namespace {
 
-/// Of a chip with these names of lines.
+/// Returns a chip with these line names.
 GpioChip chip(const std::string& path, const std::vector<std::string>& names) {
     GpioChip chip{path, 0, {}};
     for (const std::string& name : names) {

@@ -17,7 +17,7 @@ Bytes bytes_of(std::span<const std::uint8_t> view) {
     return {view.begin(), view.end()};
 }
 
-/// 0, 1, 2 and so on, wrapping.
+/// Returns 0, 1, 2 and so on, with 0 after 255.
 Bytes counting(std::size_t count) {
     Bytes bytes(count);
     std::iota(bytes.begin(), bytes.end(), std::uint8_t{0});

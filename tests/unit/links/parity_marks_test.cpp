@@ -19,13 +19,13 @@ struct WireByte {
     bool operator==(const WireByte&) const = default;
 };
 
-/// Every byte value, sound and damaged.
+/// Returns every byte value, undamaged and damaged.
 WireByte symbol(unsigned index) {
     return {.value = static_cast<std::uint8_t>(index & 0xFFU), .damaged = index >= 256};
 }
 constexpr unsigned kSymbols = 512;
 
-/// What the kernel makes of it under INPCK and PARMRK: termios(3), PARMRK.
+/// Adds the byte as the kernel marks it with INPCK and PARMRK: termios(3), PARMRK.
 void mark(const WireByte& byte, Bytes& raw) {
     if (byte.damaged) {
         raw.insert(raw.end(), {0xFF, 0x00, byte.value});
@@ -82,13 +82,14 @@ TEST(ParityMarksTest, AllByteValuesComeThroughByteByByte) {
 }
 
 TEST(ParityMarksTest, ABreakIsADamagedZero) {
-    // ff 00 00: a 16550 under PARMRK after a break (docs/protocols/sbus.md, "Serial port: parity").
+    // ff 00 00: from a 16550 with PARMRK after a break (docs/protocols/sbus.md, "Serial port:
+    // parity").
     const Bytes raw{0xFF, 0x00, 0x00};
     EXPECT_EQ(unmark(raw, 0), (std::vector<WireByte>{{.value = 0, .damaged = true}}));
 }
 
 TEST(ParityMarksTest, ADoubledMarkIsOneByte) {
-    // 0f ff ff 01: what a 16550 gave for 0f ff 01 (docs/protocols/sbus.md, "Serial port: parity").
+    // 0f ff ff 01: from a 16550 for 0f ff 01 (docs/protocols/sbus.md, "Serial port: parity").
     const Bytes raw{0x0F, 0xFF, 0xFF, 0x01};
     EXPECT_EQ(unmark(raw, 0), (std::vector<WireByte>{{0x0F, false}, {0xFF, false}, {0x01, false}}));
 }

@@ -24,7 +24,7 @@ Recording parsed(std::string_view content) {
     return recording.value_or(Recording{});
 }
 
-/// The frame of a log of one line.
+/// Returns the frame in a log of one line.
 CanFrame frame_of(const std::string& word) {
     const Recording recording = parsed("(1.000000) can0 " + word + "\n");
     EXPECT_EQ(recording.can_frames.size(), 1U) << word;
@@ -78,7 +78,7 @@ TEST(CandumpRecording, ZeroIsTheFirstLineAndItsTimeIsKept) {
     EXPECT_EQ(recording.can_frames[1].at, 750287us);
 }
 
-// candump -N of newer versions.
+// Newer versions of candump have -N.
 TEST(CandumpRecording, ACommentMayNameTheZero) {
     const Recording recording =
         parsed("# zero (1436509052.000000)\n(1436509052.249713) can0 123#\n");
@@ -91,8 +91,7 @@ TEST(CandumpRecording, NanosecondsCount) {
     EXPECT_EQ(parsed("(7.000000001) can0 123#\n").log_start, 7s + 1ns);
 }
 
-// Eight digits are needed for a 29-bit id even where it is small (docs/protocols/can.md, "candump
-// logs").
+// A small 29-bit id needs eight digits too (docs/protocols/can.md, "candump logs").
 TEST(CandumpRecording, EightDigitsAreAnExtendedId) {
     const CanFrame frame = frame_of("00000123#FF");
     EXPECT_EQ(frame.id, 0x123U);
@@ -120,7 +119,7 @@ TEST(CandumpRecording, FdFramesHaveFlags) {
     EXPECT_TRUE(frame_of("123##2").error_state_indicator);
 }
 
-// Newer kernels mark FD frames in the flags too (CANFD_FDF).
+// Newer kernels also mark FD frames in the flags (CANFD_FDF).
 TEST(CandumpRecording, FdMarkInTheFlagsIsPassedOver) {
     const CanFrame frame = frame_of("123##511");
     EXPECT_TRUE(frame.bit_rate_switch);
@@ -166,7 +165,7 @@ TEST(CandumpRecording, ListsItsInterfacesInTheOrderOfTheLog) {
     EXPECT_EQ(interfaces_in(recording), (Names{"vcan1", "can0"}));
 }
 
-/// Two senders on one vcan, logged live: up to 17.6 ms were seen.
+/// Two senders on one vcan, logged live: differences of up to 17.6 ms were seen.
 TEST(CandumpRecording, AFrameStampedALittleBeforeTheOneAheadHasItsTime) {
     const Recording recording = parsed(
         "(1.000000) can0 001#\n(1.200000) can0 002#\n(1.100000) can0 003#\n(1.150000) can0 004#\n"
@@ -236,7 +235,7 @@ INSTANTIATE_TEST_SUITE_P(
                    "22: an FD frame has 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes of data, this "
                    "one has 9"}));
 
-// A log that is cut off or scrambled anywhere ends in a mistake or in frames, never in a crash.
+// A log that is cut off or scrambled anywhere gives a mistake or frames, but no crash.
 TEST(CandumpRecording, AnyDamageIsSurvived) {
     const std::string line = "(1436509052.249713) can0 12345678##31122334455667788.99AABBCC R\n";
     for (std::size_t at = 0; at < line.size(); ++at) {

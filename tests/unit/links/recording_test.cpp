@@ -109,7 +109,7 @@ TEST(Recording, TimesKeepNanosecondsAndASign) {
     EXPECT_EQ(recording.bursts[2].start, Duration(7123ns));
 }
 
-// A slip in a first byte must not turn a hex file into a timed one.
+// A slip in a first byte must not make a timed file out of a hex file.
 TEST(Recording, AMarkBehindAByteSaysThatItCameDamaged) {
     const Recording recording = parsed("# t_us  bytes\n1146 20 40! dc\n");
     ASSERT_EQ(recording.bursts.size(), 1U);
@@ -151,7 +151,7 @@ TEST(Recording, RefusesATimeThatDoesNotFit) {
               "with decimal microseconds: 1146 20 40 dc 05");
 }
 
-// Text with one byte that is none may be a damaged file: guessing "raw" would misread it.
+// Text with one invalid byte may be a damaged file; as "raw" it would be misread.
 TEST(Recording, RefusesTextWithAStrayControlCharacter) {
     const std::string content =
         "20 40 dc 05 dc 05 dc 05\n20 40 \x01"

@@ -1,6 +1,6 @@
 #include "transports/links/serial_port.h"
 
-// termios2, to see what the port really has; <termios.h> cannot stand beside it.
+// termios2 shows what the port really has. <termios.h> conflicts with this header.
 #include <asm/termbits.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -36,12 +36,12 @@ using OpenedPort = tl::expected<std::unique_ptr<SerialPort>, std::string>;
 constexpr LineSettings kSbusLine{
     .baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true};
 
-/// A kernel worker carries the bytes from one end to the other: far longer than it ever takes.
+/// Time for a kernel worker to carry the bytes from one end to the other, far longer than it takes.
 constexpr int kArrivalMilliseconds = 2000;
-/// Long enough for what must not come to come.
+/// Time in which bytes that must not arrive would arrive.
 constexpr int kSilenceMilliseconds = 50;
 
-/// What is there within `milliseconds`: POLLIN, POLLHUP and so on.
+/// Returns the events within `milliseconds`: POLLIN, POLLHUP and so on.
 short wait_for(int fd, int milliseconds) {
     struct pollfd waiting {
         .fd = fd, .events = POLLIN, .revents = 0
@@ -54,7 +54,7 @@ std::string error_of(const OpenedPort& opened) {
     return opened ? "it opened" : opened.error();
 }
 
-/// A pty as the kernel gives it: with echo, line editing and newline translation on.
+/// A new pty, with echo, line editing and newline translation on.
 class SerialPortTest : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -78,7 +78,7 @@ class SerialPortTest : public ::testing::Test {
                   static_cast<ssize_t>(bytes.size()));
     }
 
-    /// What comes out at the wire's end: `count` bytes, or fewer when no more come.
+    /// Returns `count` bytes from the wire's end, or fewer if no more come.
     Bytes receive(std::size_t count, int milliseconds = kArrivalMilliseconds) {
         Bytes bytes;
         while (bytes.size() < count && (wait_for(wire_.get(), milliseconds) & POLLIN) != 0) {
@@ -100,7 +100,7 @@ class SerialPortTest : public ::testing::Test {
     std::string device_;
 };
 
-/// Reads until `count` bytes are there, or none come any more. None of them may be damaged.
+/// Reads until `count` bytes are there or no more come. None of them may be damaged.
 Bytes read_from(SerialPort& port, std::size_t count) {
     Bytes bytes;
     while (bytes.size() < count && wait_for(port.descriptor(), kArrivalMilliseconds) == POLLIN) {
@@ -119,7 +119,7 @@ Bytes every_byte_value() {
     return bytes;
 }
 
-/// The ends of lines and the control characters that a terminal acts on: CR, NL, ^C, ^D, ^S, ^Z.
+/// Bytes to which a terminal reacts: CR, NL, ^C, ^D, ^S, ^Z.
 Bytes terminal_traps() {
     return {'a', 0x0D, 0x0A, 0x03, 0x04, 0x13, 0x1A, 0x7F, 'b'};
 }
@@ -198,7 +198,7 @@ TEST_F(SerialPortTest, ReadsMoreThanOneWakeOfDoubledBytesWithoutLoss) {
     const auto port = open_port();
     ASSERT_NE(port, nullptr);
     Bytes bytes(3 * kBytesPerRead + 1, 0xFF);
-    bytes[1] = 0x0F;  // so that a doubled FF stands across the end of each read
+    bytes[1] = 0x0F;  // so that a doubled FF is cut by the end of each read
     send(bytes);
     EXPECT_EQ(read_from(*port, bytes.size()), bytes);
 }
@@ -215,7 +215,7 @@ TEST_F(SerialPortTest, TellsAFullReadFromOneThatLeftNothing) {
     EXPECT_FALSE(reception.full);
 }
 
-/// The kernel's terminal holds 4095 bytes, and more behind them that move up when these are read.
+/// The kernel's terminal holds 4095 bytes, and further bytes that move up when these are read.
 TEST_F(SerialPortTest, ThrowsAwayAllThatWaitsAlsoWhatTheLineBufferHasNoRoomFor) {
     const auto port = open_port();
     ASSERT_NE(port, nullptr);
@@ -271,7 +271,7 @@ TEST_F(SerialPortTest, WriteIsLostWhenTheOtherEndIsGone) {
     EXPECT_EQ(port->write(Bytes(25)), WriteStatus::lost);
 }
 
-/// Writes frames until one is refused; none would mean that the kernel takes them for ever.
+/// Writes frames until one is refused. Returns their number, or nothing if none is ever refused.
 std::optional<std::size_t> frames_until_busy(SerialPort& port, std::size_t frame_length) {
     constexpr std::size_t kMostBytes = 1 << 20;
     for (std::size_t frames = 0; frames * frame_length < kMostBytes; ++frames) {
@@ -293,7 +293,7 @@ TEST_F(SerialPortTest, ThrowsAwayMostOfWhatNobodyReadWhenItIsBusy) {
     ASSERT_NE(port, nullptr);
     const auto frames = frames_until_busy(*port, 25);
     ASSERT_TRUE(frames.has_value());
-    // The kernel's terminal holds 4095 bytes at the reader's end; these cannot be called back.
+    // The kernel's terminal holds 4095 bytes at the reader's end, which cannot be called back.
     constexpr std::size_t kReadersBuffer = 4096;
     ASSERT_GT(*frames * 25, 2 * kReadersBuffer);
     EXPECT_LT(receive_all().size(), kReadersBuffer);
@@ -360,7 +360,7 @@ TEST_F(SerialPortTest, FreesTheDeviceForTheNextOne) {
     EXPECT_NE(open_port(), nullptr);
 }
 
-/// Does without the rights of root while it lives.
+/// Drops the rights of root during the object's lifetime.
 class WithoutRoot {
   public:
     WithoutRoot() {

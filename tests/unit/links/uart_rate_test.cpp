@@ -22,7 +22,7 @@ LineSettings sbus_line(std::uint32_t baud = 100000) {
     return {.baud = baud, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true};
 }
 
-/// A port that keeps all that is asked and reports the request as its rate.
+/// Returns a port that accepts all settings and reports the requested rate.
 PortFacts port(std::uint32_t device_major, std::uint32_t device_minor, std::uint32_t baud) {
     PortFacts facts;
     facts.device_major = device_major;
@@ -46,9 +46,9 @@ PortFacts pty(std::uint32_t device_major, std::uint32_t baud) {
     return port(device_major, 5, baud);
 }
 
-// A PC's 16550 has baud_base 115200. It reads back 100000 and runs at 115200, reads back 60000 and
-// runs at 57600: docs/protocols/sbus.md, "Serial port: bit rate", with the emulator's trace as
-// witness.
+// A PC's 16550 has baud_base 115200. It reports 100000 but runs at 115200, and reports 60000 but
+// runs at 57600: docs/protocols/sbus.md, "Serial port: bit rate", confirmed by the emulator's
+// trace.
 TEST(UartRateTest, A16550RunsAtAWholeDivisorOfItsBaseWhateverItReports) {
     EXPECT_EQ(wire_baud(port_16550(115200, 100000)), 115200U);
     EXPECT_EQ(wire_baud(port_16550(115200, 60000)), 57600U);
@@ -84,7 +84,7 @@ TEST(UartRateTest, AFastBaseClockServesBothSbusRates) {
     EXPECT_EQ(port_refusal(port_16550(24000000, 200000)), std::nullopt);
 }
 
-/// Refused or not, against the best whole divisor found by trying them all.
+/// Tries all whole divisors, to compare with the decision of the program.
 bool some_divisor_is_near(std::uint32_t baud_base, std::uint32_t baud) {
     for (std::uint32_t divisor = 1; divisor <= baud_base / baud + 1; ++divisor) {
         const double rate = static_cast<double>(baud_base) / divisor;
@@ -95,7 +95,7 @@ bool some_divisor_is_near(std::uint32_t baud_base, std::uint32_t baud) {
     return false;
 }
 
-/// So near the limit that rounding the rate to a whole baud may decide.
+/// Returns whether a rate is so near the limit that rounding to a whole baud may decide.
 bool on_the_limit(std::uint32_t baud_base, std::uint32_t baud) {
     for (std::uint32_t divisor = 1; divisor <= baud_base / baud + 1; ++divisor) {
         const double rate = static_cast<double>(baud_base) / divisor;
@@ -127,7 +127,7 @@ TEST(UartRateTest, EveryRateThatIsAWholeDivisorIsServed) {
 }
 
 TEST(UartRateTest, APl011IsNeverJudgedByItsBase) {
-    // baud_base 1500000 would give 375000 for 420000, but its divisor is fractional
+    // baud_base 1500000 would give 375000 instead of 420000, but its divisor is fractional
     // (docs/protocols/sbus.md, "Serial port: bit rate").
     for (const std::uint32_t device_major : {4U, kTtyAmaMajor}) {
         PortFacts facts = port(device_major, kTtyS0Minor, 420000);
@@ -154,7 +154,7 @@ TEST(UartRateTest, AConsoleIsNoTtyS) {
 }
 
 TEST(UartRateTest, AnAdapterThatReportsAnotherRateIsRefused) {
-    // An old CP2102 quantises 100000 to 115200: docs/protocols/sbus.md, "Serial port: bit rate".
+    // An old CP2102 changes 100000 to 115200: docs/protocols/sbus.md, "Serial port: bit rate".
     PortFacts facts = usb_adapter(100000);
     facts.reported_baud = 115200;
     const auto refusal = port_refusal(facts);

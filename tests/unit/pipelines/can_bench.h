@@ -13,13 +13,13 @@
 #include "transports/codecs/can_channels.h"
 #include "transports/codecs/sbus.h"
 
-/// For tests of the engine with CAN.
+/// A bench for tests of the engine with CAN.
 namespace tribus::test::on_can {
 
 inline constexpr Duration kPeriod = milliseconds(10);
 inline constexpr Duration kTimeout = milliseconds(100);
 
-/// After the start of the engine.
+/// Time after the start of the engine.
 inline Instant at(Duration since_start) {
     return can_time(since_start);
 }
@@ -31,7 +31,7 @@ inline InputSettings can_input(const CanChannelsFormat& format = {}) {
             .supervision = {.timeout = kTimeout}};
 }
 
-/// Due at each whole 10 ms after the start.
+/// The output is due every 10 ms from the start on.
 inline OutputSettings output_to(std::unique_ptr<Encoder> bytes, std::unique_ptr<CanEncoder> can,
                                 FailsafeSettings failsafe) {
     failsafe.presets.fill(kCentrePulse);
@@ -46,7 +46,7 @@ inline OutputSettings output_to(std::unique_ptr<Encoder> bytes, std::unique_ptr<
 inline OutputSettings sbus_output(const FailsafeSettings& failsafe = {}) {
     return output_to(std::make_unique<SbusEncoder>(), nullptr, failsafe);
 }
-/// With other ids than those of the input.
+/// Uses other ids than the input.
 inline constexpr CanChannelsFormat kOutputFormat{.base_id = 0x400};
 inline OutputSettings can_output(const FailsafeSettings& failsafe = {}) {
     return output_to(nullptr, std::make_unique<CanChannelsEncoder>(kOutputFormat), failsafe);
@@ -68,7 +68,7 @@ inline std::vector<InputSettings> list(InputSettings only) {
     return settings;
 }
 
-/// What an output wrote at one time: one of the two.
+/// What an output wrote at one time: bytes or frames.
 struct Seen {
     Instant at;
     std::vector<std::uint8_t> bytes;
@@ -106,7 +106,7 @@ class Bench final : public OutputObserver {
             loop_.receive(0, frame, when);
         }
     }
-    /// A snapshot goes out and arrives at `when`; its values were `age` old then.
+    /// Sends a snapshot that arrives at `when`. Its values were `age` old then.
     void snapshot(Instant when, int number, Duration age = {}) {
         arrive(can_frames(sender_, numbered_snapshot(number, when - age), when), when);
     }
@@ -116,7 +116,7 @@ class Bench final : public OutputObserver {
         marked.failsafe = failsafe;
         arrive(can_frames(sender_, marked, when), when);
     }
-    /// One snapshot in the middle of each 10 ms.
+    /// Sends one snapshot in the middle of each 10 ms.
     void snapshots(Instant from, Instant until) {
         for (Instant when = from + milliseconds(5); when < until; when += kPeriod) {
             snapshot(when, ++number_);
@@ -124,7 +124,7 @@ class Bench final : public OutputObserver {
     }
     void run_until(Instant when) { loop_.run_until(when + Duration(1)); }
 
-    /// What the output said last at `when`, which has come then.
+    /// Runs until `when` and returns what the output wrote last.
     Seen said(Instant when, std::size_t output = 0) {
         run_until(when);
         Seen latest;

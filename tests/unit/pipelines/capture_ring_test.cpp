@@ -16,7 +16,7 @@ namespace {
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
 
-/// Aligned memory for so many pieces.
+/// Aligned memory for `pieces` pieces.
 class Memory {
   public:
     explicit Memory(std::size_t pieces) : lines_(1 + pieces) {}
@@ -151,8 +151,8 @@ RC_GTEST_PROP(CaptureRing, gives_back_the_newest_of_what_passed, ()) {
     }
 }
 
-/// Each piece has the same number in all that it says; a reader that is overtaken now and then
-/// must never see two numbers in one.
+/// Everything in a piece has the same number. A reader that is sometimes overtaken must never see
+/// two numbers in one piece.
 TEST(CaptureRing, never_shows_a_piece_that_is_half_overwritten) {
     constexpr std::size_t kPlaces = 128;
     Memory memory(kPlaces);
@@ -187,7 +187,7 @@ TEST(CaptureRing, never_shows_a_piece_that_is_half_overwritten) {
     writer.join();
 }
 
-/// As memory that another process left may have one.
+/// Memory that another process left may contain one.
 TEST(CaptureRing, PieceOfTheOtherKindOfPortCannotBeRecorded) {
     CapturePiece frame;
     frame.marks = CaptureMarks::kCan;

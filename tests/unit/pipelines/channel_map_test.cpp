@@ -15,7 +15,7 @@ Pulse us(std::int64_t microseconds) {
     return Pulse::from_microseconds(microseconds);
 }
 
-/// Channel n (from 1) carries 1000 + 10 n.
+/// Channel n (from 1) is 1000 + 10 n.
 ChannelFrame ladder() {
     ChannelFrame frame;
     frame.frame_lost = false;
@@ -58,7 +58,7 @@ TEST(ChannelMap, reverse_trim_and_limits_are_the_same_for_every_pulse_with_and_w
             rule.min = us(-3500);
             rule.max = us(2012);
             ChannelMap straight = map_of(rule);
-            rule.slew_us_per_second = 1e12;  // as good as none
+            rule.slew_us_per_second = 1e12;  // the same as no limit
             ChannelMap slewed = map_of(rule);
             for (std::int32_t eighths = INT16_MIN; eighths <= INT16_MAX; ++eighths) {
                 const ChannelFrame frame = with_first(Pulse::from_eighths(eighths));

@@ -25,8 +25,9 @@ TEST(AsTimespec, ANegativeTimeIsNone) {
     EXPECT_EQ(time.tv_nsec, 0);
 }
 
-/// In a name space of its own, a child's machine has been suspended for a day. Returns what `look`
-/// says there; nothing where the kernel has no such name spaces, or the user may not make them.
+/// Runs `look` in a child with its own time namespace, in which the machine has been suspended for
+/// a day. Returns its result, or nothing if the kernel has no time namespaces or the user may not
+/// create them.
 template <class Look>
 std::optional<bool> after_a_day_asleep(Look look) {
     constexpr int kNotPossible = 2;

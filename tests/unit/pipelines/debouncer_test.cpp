@@ -11,7 +11,7 @@ Instant at(Duration since_start) {
     return Instant(since_start);
 }
 
-/// With 20 ms, and inactive since the start.
+/// A debouncer of 20 ms that has been inactive since the start.
 Debouncer settled() {
     Debouncer contact(20ms);
     contact.look(false, false, at(0ms));

@@ -5,13 +5,13 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// Nobody reads and writes for a while: the thread is stopped, or starved, or the machine sleeps.
+/// The thread does not run for a while: it is stopped or starved, or the machine sleeps.
 namespace tribus::test::serial::engine_absence_test {
 namespace {
 
 constexpr FailsafeSettings kHoldsLong{.hold = 10s, .recover = 500ms};
 
-/// Under control by 1200 us from 0 ms on; its thread goes away at 1000 ms.
+/// In control with 1200 us from 0 ms on. The thread stops at 1000 ms.
 class Absence : public testing::Test {
   protected:
     explicit Absence(FailsafeSettings failsafe = kHoldsLong)
@@ -19,7 +19,7 @@ class Absence : public testing::Test {
         bench_.ibus_run(0, at(0ms), at(1000ms), us(1200));
         bench_.loop().run_until(at(1000ms));
     }
-    /// A frame that waited, of 1800 us.
+    /// Receives a frame of 1800 us that waited.
     void receive_what_waited() {
         ChannelFrame frame;
         frame.set(0, us(1800));
@@ -42,7 +42,7 @@ TEST_F(Absence, shorter_than_the_timeout_leaves_control_with_the_newest_frame) {
     EXPECT_EQ(bench_.said(at(1080ms)).raw[0], raw_of(1800));
 }
 
-/// It may have come when the thread had just gone.
+/// The frame may have come just after the thread stopped.
 TEST_F(Absence, makes_a_frame_that_waited_as_old_as_it_may_be) {
     receive_what_waited();
     bench_.loop().come_back(at(1000ms), at(1080ms));
@@ -70,7 +70,8 @@ TEST_F(Absence, is_proved_away_once_and_for_all) {
     EXPECT_TRUE(control(at(2220ms)));
 }
 
-/// A CAN socket tells the age of each frame: one that came just now says nothing of the others.
+/// A CAN socket tells the age of each frame. One that came just now proves nothing about the
+/// others.
 TEST_F(Absence, asks_for_recover_even_of_a_link_whose_latest_frame_is_young) {
     bench_.ibus(0, at(1099ms), us(1800));
     bench_.loop().come_back(at(1000ms), at(1100ms));
@@ -85,7 +86,7 @@ TEST_F(Absence, shows_as_a_silent_wire_until_the_next_frame) {
     EXPECT_EQ(bench_.engine().inputs()[0].state().cause, LinkCause::wire_silent);
 }
 
-/// The rest of a frame whose beginning was thrown away, or the reverse, is none.
+/// A rest of a frame whose beginning was thrown away is no frame, and neither is the reverse.
 TEST_F(Absence, lets_no_frame_go_on_across_bytes_that_were_thrown_away) {
     ChannelFrame frame;
     frame.set(0, us(1800));

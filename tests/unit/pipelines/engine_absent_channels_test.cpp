@@ -3,7 +3,7 @@
 #include "tests/support/ibus_frames.h"
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// What an output says of channels that nobody sent: its presets, 988 us on channel 3, else 1500.
+/// Values of channels that nobody sent: the output's presets, 988 us on channel 3, else 1500.
 namespace tribus::test::serial::engine_absent_channels_test {
 namespace {
 
@@ -11,12 +11,12 @@ namespace {
 /// from 6 on).
 const Bytes kOneAt988 = servo_frame({0xDC, 0x03}, 0x40);
 
-/// On the SBUS wire, in Betaflight's scale.
+/// Returns the raw SBUS value in Betaflight's scale.
 std::uint16_t wire_value(std::int64_t microseconds) {
     return SbusScale::named("betaflight")->encode(us(microseconds));
 }
 
-/// So many channels at 1200 us.
+/// Sends `count` channels at 1200 us.
 void send_channels(Bench& bench, std::size_t count, Instant from, Instant until) {
     ChannelFrame frame;
     for (std::size_t channel = 0; channel < count; ++channel) {

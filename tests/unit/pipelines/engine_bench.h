@@ -14,7 +14,7 @@
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
 
-/// For tests of the engine with serial inputs and an SBUS output each 10 ms.
+/// A bench for tests of the engine with serial inputs and an SBUS output every 10 ms.
 namespace tribus::test::serial {
 
 using namespace std::chrono_literals;
@@ -56,7 +56,7 @@ struct Seen {
     SbusFrame frame;
 };
 
-/// An engine under virtual time, with what its outputs wrote.
+/// An engine under virtual time, and what its outputs wrote.
 class Bench final : public OutputObserver {
   public:
     Bench(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs,
@@ -70,7 +70,7 @@ class Bench final : public OutputObserver {
         seen_[output].push_back({when, parse_sbus(frame.first<kSbusFrameLength>())});
     }
 
-    /// An i.Bus frame with `first` on channel 1.
+    /// Sends an i.Bus frame with `first` on channel 1.
     void ibus(std::size_t input, Instant when, Pulse first, Pulse third = us(1200)) {
         ChannelFrame frame;
         frame.set(0, first);
@@ -89,7 +89,7 @@ class Bench final : public OutputObserver {
             ibus(input, when, first);
         }
     }
-    /// What the output says at `when`.
+    /// Runs until `when` and returns what the output wrote last.
     SbusFrame said(Instant when, std::size_t output = 0) {
         loop_.run_until(when + 1ns);
         SbusFrame latest;

@@ -42,7 +42,7 @@ TEST(EngineCanOutput, tells_the_age_that_values_have_when_it_sends_them) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(100ms));
     bench.snapshot(at(105ms), 900, 20ms);
-    // 20 ms at the arrival at 105 ms and 5 more until 110, in steps of 0.25 ms.
+    // 20 ms at the arrival at 105 ms plus 5 ms until 110 ms, in steps of 0.25 ms.
     EXPECT_EQ(parse_can_tail(bench.said(at(110ms)).frames.at(4).bytes()).origin.age, 100);
     EXPECT_EQ(parse_can_tail(bench.said(at(130ms)).frames.at(4).bytes()).origin.age, 180);
 }
@@ -71,7 +71,7 @@ TEST(EngineCanOutput, the_end_of_the_program_sends_three_failsafe_snapshots_and_
     }
 }
 
-/// As those that send named values only.
+/// Outputs that send only named values are like this.
 TEST(EngineCanOutput, without_an_input_it_speaks_each_period_and_says_no_failsafe) {
     OutputSettings alone = can_output();
     alone.selection.inputs.clear();
@@ -113,11 +113,11 @@ TEST(EngineCanOutput, a_serial_and_a_can_output_of_one_pipeline_always_agree) {
             ++compared;
         }
     }
-    // All but the first two, which no receiver publishes.
+    // All except the first two, which no receiver publishes.
     EXPECT_EQ(compared, bench.seen(0).size() - 2);
 }
 
-/// Another node that sends under the first id of the output.
+/// A frame of another node with the first id of the output.
 CanFrame foreign_frame(std::uint32_t id = kOutputFormat.base_id) {
     CanFrame frame;
     frame.id = id;
@@ -125,7 +125,7 @@ CanFrame foreign_frame(std::uint32_t id = kOutputFormat.base_id) {
     return frame;
 }
 
-/// As many as tell a sender from a stray frame.
+/// Sends as many foreign frames as distinguish a sender from a stray frame.
 void foreign_frames(Bench& bench, Instant when, std::size_t output = 0,
                     std::uint32_t id = kOutputFormat.base_id) {
     for (int i = 0; i < 3; ++i) {

@@ -14,11 +14,11 @@ using namespace on_can;
 using namespace std::chrono_literals;
 
 std::uint16_t raw_of(Pulse pulse) {
-    // SBUS in the scale of Betaflight: 880 us and 5/8 us a step.
+    // SBUS in Betaflight's scale: 880 us and 5/8 us a step.
     return static_cast<std::uint16_t>((pulse.eighths() - 880 * 8 + 2) / 5);
 }
 
-/// The states of classic frames and of FD, with a tail and without.
+/// Classic frames and FD frames, with a tail and without.
 class EngineCanInput : public testing::TestWithParam<CanChannelsFormat> {};
 
 INSTANTIATE_TEST_SUITE_P(Formats, EngineCanInput, testing::ValuesIn(kCanFormats));
@@ -38,7 +38,7 @@ TEST_P(EngineCanInput, the_values_of_a_snapshot_come_out_of_a_serial_output) {
 TEST_P(EngineCanInput, silence_of_the_bus_ends_in_frame_lost_at_the_timeout_and_then_in_failsafe) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
-    // The last one at 195 ms: lost at 295, held until 595; a frame speaks for 10 ms.
+    // The last snapshot at 195 ms: lost at 295 ms, held until 595 ms. A frame counts for 10 ms.
     EXPECT_FALSE(bench.said(at(280ms)).frame_lost());
     EXPECT_TRUE(bench.said(at(290ms)).frame_lost());
     EXPECT_FALSE(bench.said(at(580ms)).failsafe());
@@ -48,7 +48,7 @@ TEST_P(EngineCanInput, silence_of_the_bus_ends_in_frame_lost_at_the_timeout_and_
 TEST_P(EngineCanInput, after_failsafe_control_returns_only_after_an_unbroken_run) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
-    // Two snapshots are spent on the proof that the sender lives, so the run begins at 1025 ms.
+    // Two snapshots prove that the sender lives, so the run begins at 1025 ms.
     bench.snapshots(at(1000ms), at(1600ms));
     EXPECT_TRUE(bench.said(at(1520ms)).failsafe());
     EXPECT_FALSE(bench.said(at(1530ms)).failsafe());
@@ -67,7 +67,7 @@ TEST_P(EngineCanInput, a_failsafe_flag_of_the_sender_is_a_loss_at_once) {
 TEST_P(EngineCanInput, a_failsafe_flag_behind_the_timeout_does_not_begin_the_hold_time_again) {
     Bench bench(list(sbus_output()), GetParam());
     bench.snapshots(at(0ms), at(200ms));
-    // As a sender whose own input was lost: it holds for 300 ms, then says failsafe.
+    // A sender whose own input was lost: it holds for 300 ms, then marks failsafe.
     for (Instant when = at(205ms); when < at(800ms); when += kPeriod) {
         bench.marked_snapshot(when, true, when >= at(505ms));
     }
@@ -85,7 +85,7 @@ TEST_P(EngineCanInput, a_frame_lost_mark_of_the_sender_passes_while_the_link_is_
     EXPECT_EQ(bench.input().counts().frame_lost_frames, 1U);
 }
 
-/// Formats in which the sender tells the age of its values.
+/// Formats that carry the age of the values.
 class EngineCanAge : public testing::TestWithParam<CanChannelsFormat> {
   protected:
     EngineCanAge() : bench(list(sbus_output()), GetParam()) { bench.snapshots(at(0ms), at(200ms)); }
@@ -125,7 +125,7 @@ TEST(EngineCanFdAge, values_as_old_as_the_timeout_never_get_control) {
 TEST(EngineCanFdAge, a_sender_that_goes_on_with_old_values_is_lost_by_their_age) {
     Bench bench(list(sbus_output()), {.fd = true});
     bench.snapshots(at(0ms), at(200ms));
-    // Fresh counters and checksums each 10 ms, but the values are those of 205 ms for ever.
+    // Fresh counters and checksums every 10 ms, but always the values of 205 ms.
     for (Instant when = at(205ms); when < at(700ms); when += kPeriod) {
         bench.snapshot(when, 900, when - at(205ms));
     }
@@ -179,7 +179,7 @@ class EngineCanIds : public testing::Test {
 };
 
 TEST_F(EngineCanIds, a_wanted_frame_counts_its_bytes_and_a_snapshot_as_one_frame) {
-    // Ten snapshots of five frames of eight bytes; the first two are not published.
+    // Ten snapshots of five frames of eight bytes. The first two are not published.
     EXPECT_EQ(bench.input().counts().bytes, 400U);
     EXPECT_EQ(bench.input().counts().frames, 8U);
 }

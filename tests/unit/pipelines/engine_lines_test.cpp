@@ -2,9 +2,9 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// What GPIO lines ask of an engine and what it shows on them, with a receiver whose frames come
-/// each 8 ms, an SBUS output each 10 ms, a timeout of 100 ms and the default failsafe: holding for
-/// 300 ms, back after 500 ms.
+/// GPIO lines as inputs and outputs of an engine. The receiver sends every 8 ms, the SBUS output
+/// has a period of 10 ms, the timeout is 100 ms, and failsafe has its defaults: hold 300 ms,
+/// recover 500 ms.
 namespace tribus::test::engine_lines_test {
 namespace {
 
@@ -24,12 +24,12 @@ LineTask select_line(std::size_t input) {
 Bench one_output(std::vector<LineTask> lines, FailsafeSettings failsafe = {}) {
     return {list(ibus_input()), list(sbus_output({0}, failsafe)), std::move(lines)};
 }
-/// Two receivers, each on an output of its own.
+/// Two receivers, each with an output of its own.
 Bench two_outputs(std::vector<LineTask> lines) {
     return {list(ibus_input(), ibus_input()), list(sbus_output({0}), sbus_output({1})),
             std::move(lines)};
 }
-/// Two receivers on one output; the second says 1700.
+/// Two receivers with one output. The second sends 1700 us.
 Bench two_receivers(std::vector<LineTask> lines) {
     return {list(ibus_input(), ibus_input()), list(sbus_output({0, 1})), std::move(lines)};
 }
@@ -187,7 +187,7 @@ TEST(SelectLine, ThatCannotBeReadPicksNothing) {
     EXPECT_EQ(bench.said(at(812ms)).raw[0], raw_of(1200));
 }
 
-/// Channel 5 of the output is made from the first line.
+/// Channel 5 of the output comes from the first line.
 Bench with_button() {
     OutputSettings output = sbus_output({0});
     output.channels.push_back({.output = 4, .source = FromLine{0}});
@@ -225,7 +225,7 @@ TEST(SwitchLine, IsOnWhileItsChannelIsInTheRange) {
 }
 
 TEST(SwitchLine, GoesByThePresetsInFailsafeForTheyAreWhatIsSent) {
-    // The bench's presets: channel 3 at 988, the others at 1500.
+    // Presets of the bench: channel 3 at 988 us, the others at 1500 us.
     Bench bench = one_output({switch_line({.channel = 2, .below = us(1000)}),
                               switch_line({.channel = 0, .above = us(1700)})});
     bench.ibus_run(0, at(5ms), at(700ms), us(1800));
@@ -243,7 +243,7 @@ TEST(SwitchLine, IsOffWhileTheOutputIsSilent) {
     EXPECT_TRUE(is_off(bench, at(1500ms)));
 }
 
-/// The latest frame of the output, handed over so long after it was due.
+/// Returns whether the output's latest frame is fresh if it is written `delay` after it was due.
 bool fresh_after(Bench& bench, Duration delay) {
     const Output& output = bench.engine().outputs()[0];
     return is_fresh(output, output.latest_due() + delay);

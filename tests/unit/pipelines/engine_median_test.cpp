@@ -5,16 +5,17 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// Who has a vote in a median, and who loses it for how long.
+/// Which inputs count in a median, and how long one that failed is left out.
 namespace tribus::test::serial::engine_median_test {
 namespace {
 
-/// Receivers side by side that feed one output by their median.
+/// Receivers of the same sticks that feed one output by their median.
 class Receivers {
   public:
     explicit Receivers(std::size_t count) : bench_(inputs_of(count), list(output_of(count))) {}
 
-    /// Each says its value on channel 1, each 8 ms, until `until`; marked frame-lost if told so.
+    /// Each receiver sends its value on channel 1 every 8 ms until `until`. Frames of `lost` are
+    /// marked frame-lost.
     void run(Duration until, std::vector<int> values, std::size_t lost = SIZE_MAX) {
         for (; next_ < at(until); next_ += 8ms) {
             for (std::size_t input = 0; input < values.size(); ++input) {

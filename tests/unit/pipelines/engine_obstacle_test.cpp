@@ -5,11 +5,11 @@
 #include "pipelines/health_watch.h"
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// Frames that do not leave: an output that cannot send says so, whatever its inputs say.
+/// Frames that cannot be sent: the output reports this, whatever its inputs send.
 namespace tribus::test::serial::engine_obstacle_test {
 namespace {
 
-/// Under control from 0 ms on, with a lamp and an alarm.
+/// In control from 0 ms on, with a lamp and an alarm.
 class Obstacle : public testing::Test {
   protected:
     explicit Obstacle(FailsafeSettings failsafe = {})
@@ -111,7 +111,7 @@ class ObstacleOfASilentOne : public Obstacle {
     }
 };
 
-/// Nobody knows whether the bus would take a frame again.
+/// Nobody knows whether the bus would accept a frame again.
 TEST_F(ObstacleOfASilentOne, lasts_no_longer_than_there_is_something_to_send) {
     output().dropped_unavailable();
     bench_.loop().run_until(at(2100ms));

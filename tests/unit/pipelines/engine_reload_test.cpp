@@ -5,7 +5,7 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// What an output goes on with when another engine takes the place of the running one.
+/// What an output continues with when another engine replaces the running one.
 namespace tribus::test::serial::engine_reload_test {
 namespace {
 
@@ -18,7 +18,8 @@ OutputCarry everything() {
     return carry;
 }
 
-/// `next` with as many inputs, each the successor of the one in its place.
+/// Continues in `next`, which has as many inputs. Each is the successor of the one with the same
+/// index.
 void reload(Bench& bench, Engine& next, Duration when, const OutputCarry& carry = everything(),
             bool same_input_channels = true) {
     bench.said(at(when));
@@ -124,7 +125,7 @@ TEST(ReloadOfAnOutput, reads_the_handover_channel_anew_where_the_inputs_to_pick_
     Bench bench(three(), list(picking({0, 1})));
     const auto run = [&](Duration from, Duration until) {
         for (Instant when = at(from); when < at(until); when += 8ms) {
-            bench.ibus(0, when, us(1100), us(1670));  // of three, just in the last third
+            bench.ibus(0, when, us(1100), us(1670));  // just in the last third of three
             bench.ibus(1, when + 1ms, us(1200));
             bench.ibus(2, when + 2ms, us(1300));
         }

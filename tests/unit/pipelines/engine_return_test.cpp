@@ -2,7 +2,7 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// What an output says when control begins, passes and returns.
+/// Frames of an output when control begins, passes to another input and returns.
 namespace tribus::test::serial::engine_return_test {
 namespace {
 

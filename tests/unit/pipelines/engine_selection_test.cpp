@@ -8,7 +8,7 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// Which of several inputs an output follows, how it changes over, and how it returns.
+/// Which of several inputs an output follows, how it changes to another one, and how it returns.
 namespace tribus::test::serial::engine_selection_test {
 namespace {
 
@@ -21,8 +21,8 @@ OutputSettings output_with(SelectionMode mode, std::size_t inputs) {
     return settings;
 }
 
-/// Frames of several inputs side by side, each 8 ms, 1 ms apart, until `until`: values by input,
-/// 0 for none.
+/// Several inputs at the same time: frames every 8 ms, 1 ms apart, until `until`. Values by input,
+/// 0 for no frame.
 class Inputs {
   public:
     explicit Inputs(Bench& bench) : bench_(bench) {}
@@ -42,7 +42,7 @@ class Inputs {
     Instant next_ = at(1ms);
 };
 
-/// The first channel of what the output says at `when`, in whole microseconds.
+/// Returns the first channel of the output at `when`, in whole microseconds.
 int first_channel(Bench& bench, Duration when) {
     return 880 + bench.said(at(when)).raw[0] * 5 / 8;
 }
@@ -128,7 +128,7 @@ TEST(SelectionMedian, reports_a_liar_after_half_a_second_and_takes_it_back_when_
 }
 
 TEST(SelectionMedian, of_three_that_all_differ_nobody_is_a_liar) {
-    // Each receiver's own signal strength on a channel, say.
+    // For example, each receiver sends its own signal strength on a channel.
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()),
                 list(output_with(SelectionMode::median, 3)));
     Inputs inputs(bench);
@@ -243,7 +243,7 @@ TEST(Handover, of_a_median_leaves_the_first_position_to_the_vote) {
 }
 
 TEST(Handover, to_a_liar_ends_in_failsafe_when_nobody_picks_it_any_more) {
-    // The liar lives on, but the loss of those that outvoted it counts.
+    // The liar still sends, but the loss of the inputs that outvoted it counts.
     OutputSettings output = output_with(SelectionMode::median, 3);
     output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
     Bench bench(list(ibus_input(), ibus_input(), ibus_input()), list(std::move(output)));

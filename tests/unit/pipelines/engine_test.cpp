@@ -33,13 +33,14 @@ TEST(EngineFailsafe, the_first_good_frame_gives_control_at_once) {
 TEST(EngineFailsafe, values_are_marked_before_they_outlive_the_timeout_and_held_then_preset) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     bench.ibus(0, at(5ms), us(1100));
-    // Lost at 105 ms: the frame of 90 ms speaks until 100, the one of 100 would until 110.
+    // Lost at 105 ms: the frame of 90 ms counts until 100 ms, the one of 100 ms would count until
+    // 110 ms.
     EXPECT_FALSE(bench.said(at(90ms)).frame_lost);
     const SbusFrame held = bench.said(at(100ms));
     EXPECT_TRUE(held.frame_lost);
     EXPECT_FALSE(held.failsafe);
     EXPECT_EQ(held.raw[0], raw_of(1100));
-    // Held for 300 ms after the loss, to 405 ms.
+    // Held for 300 ms after the loss, until 405 ms.
     EXPECT_FALSE(bench.said(at(390ms)).failsafe);
     const SbusFrame preset = bench.said(at(400ms));
     EXPECT_TRUE(preset.failsafe);
@@ -120,7 +121,7 @@ TEST(EngineFlags, a_frame_lost_mark_of_the_input_passes_while_the_link_is_up) {
 }
 
 TEST(EngineFlags, a_splitter_that_says_frame_lost_for_ever_ends_in_failsafe) {
-    // ArduPilot issue 31088: Futaba via splitters stays at frame lost and never says failsafe.
+    // ArduPilot issue 31088: Futaba via splitters stays at frame lost and never marks failsafe.
     Bench bench(list(sbus_input()), list(sbus_output({0})));
     bench.sbus(0, at(1ms), us(1100), false, false);
     for (Instant when = at(15ms); when < at(600ms); when += 14ms) {

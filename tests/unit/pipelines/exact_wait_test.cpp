@@ -15,7 +15,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// With the kernel's epoll_pwait2, and as on a kernel that has none.
+/// With the kernel's epoll_pwait2, and as on a kernel without it.
 class ExactWait : public testing::TestWithParam<bool> {
   protected:
     ExactWait() {

@@ -18,7 +18,7 @@ std::vector<OutputSettings> one_output() {
     return outputs;
 }
 
-/// A receiver each 10 ms for two seconds, of whose frames one in `every` does not come.
+/// A receiver that sends every 10 ms for two seconds. One of `every` frames is missing.
 class HealthOfAReceiver : public testing::Test {
   protected:
     void fly(Duration until, int every = 0) {

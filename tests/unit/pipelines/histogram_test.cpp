@@ -87,7 +87,7 @@ TEST(Histogram, the_last_minute_never_covers_less_than_half_of_one_nor_more_than
     for (Duration age = 0s; age <= 61s; age += 100ms) {
         for (Duration offset = 0s; offset < 30s; offset += 7300ms) {
             Histogram histogram;
-            // Something each 100 ms before, so that the windows turn as they do at work.
+            // Values every 100 ms before, so that the windows change as they do in use.
             for (Instant now = at(10s); now < at(100s) + offset; now += 100ms) {
                 histogram.record(1ms, now);
             }

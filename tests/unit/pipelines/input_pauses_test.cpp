@@ -8,7 +8,7 @@
 #include "pipelines/input.h"
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// Who reads a line knows when, and its decoder is told of the pauses.
+/// The input knows when its line was read, and tells its decoder about pauses.
 namespace tribus::test::serial::input_pauses_test {
 namespace {
 
@@ -24,14 +24,15 @@ Bytes sbus_wire(Pulse first) {
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
-/// An SBUS line: 120 us a byte.
+/// Settings of an SBUS line: 120 us a byte.
 InputSettings sbus_line() {
     InputSettings settings = sbus_input();
     settings.byte_time = 120us;
     return settings;
 }
 
-/// Frames of an R7003SB, each 14 ms, with its trailer 2 ms behind (bolderflight/sbus, issue 79).
+/// Returns the number of frames of an R7003SB, one every 14 ms, with its trailer 2 ms after each
+/// (bolderflight/sbus, issue 79).
 std::size_t frames_of_an_r7003sb(Input& input) {
     std::size_t frames = 0;
     for (int i = 0; i < 100; ++i) {
@@ -82,7 +83,7 @@ TEST(InputPauses, TimeInWhichNobodyReadIsNoPause) {
     EXPECT_TRUE(input.receive(std::span(whole).subspan(10), at(61ms)));
 }
 
-// The rest of a frame behind the first part of another one is no frame.
+// The first part of one frame and the rest of another are no frame.
 TEST(InputPauses, HalfAFrameDoesNotOutliveItsDevice) {
     const Bytes before = sbus_wire(us(1100));
     const Bytes after = sbus_wire(us(1900));

@@ -8,8 +8,8 @@
 
 #include "tests/unit/pipelines/engine_bench.h"
 
-/// A decoder holds a frame back that lacks its proof. Its values are as old as its bytes all the
-/// same.
+/// A decoder holds back a frame that is not yet proved. The age of its values is nevertheless that
+/// of its bytes.
 namespace tribus::test::serial::input_test {
 namespace {
 
@@ -49,7 +49,8 @@ TEST(FrameAge, AFrameOlderThanTheTimeoutIsALossThatIsOver) {
 
 TEST(FrameAge, AFrameBehindBytesThatWereJudgedWithItHasItsOwnTime) {
     Input input(sbus_input(), 0);
-    // Looks like a frame until what stands behind it refutes that; a true one begins inside it.
+    // Looks like a frame until the bytes after it show that it is none. A true one begins inside
+    // it.
     Bytes stream(4, 0x00);
     stream[0] = 0x0F;
     for (const Pulse first : {us(1100), us(1200)}) {
@@ -66,7 +67,8 @@ TEST(FrameAge, AFrameBehindBytesThatWereJudgedWithItHasItsOwnTime) {
 
 TEST(FrameAge, AShortIbusFrameInsideWhatLookedLikeALongOneHasItsOwnTime) {
     Input input(ibus_input(), 0);
-    // 32 bytes by its header, of which a frame of one channel follows; other bytes end the wait.
+    // By its header a frame of 32 bytes, but it contains a frame of one channel. Other bytes end
+    // the wait.
     const Bytes stream{0x20, 0x40, 0x06, 0x40, 0xDC, 0x05, 0xD8, 0xFE};
     EXPECT_FALSE(input.receive(stream, at(5ms)));
     EXPECT_TRUE(input.receive(Bytes(24, 0xFF), at(60ms)));

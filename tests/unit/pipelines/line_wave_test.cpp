@@ -11,8 +11,8 @@ Instant at(Duration since_start) {
     return Instant(since_start);
 }
 
-/// How often a wave of 40 ms turns until `until`, if data was fresh at every instant that `fresh`
-/// tells for it.
+/// Returns how often a wave of 40 ms changes its level until `until`. `fresh` returns when the data
+/// was last fresh.
 template <class Fresh>
 int turns(Instant until, Fresh fresh) {
     FreshWave wave(40ms, at(0ms));
@@ -23,7 +23,8 @@ int turns(Instant until, Fresh fresh) {
     return count;
 }
 
-/// When an output each 10 ms, from 3 ms on, has written at the latest.
+/// Returns the latest time before `now` at which an output with a period of 10 ms, from 3 ms on,
+/// wrote.
 Instant written_before(Instant now) {
     return at((now.time_since_epoch() - 3ms) / 10ms * 10ms + 3ms);
 }
@@ -65,7 +66,7 @@ TEST(FreshWave, MakesUpForNoTimeThatItSlept) {
     EXPECT_EQ(wave.next(), at(140ms));
 }
 
-/// As a process that was stopped and goes on: what it wrote before is old.
+/// A process that was stopped and continues: what it wrote before is old.
 TEST(FreshWave, DoesNotTurnForDataThatGrewOldWhileItSlept) {
     FreshWave wave(40ms, at(0ms));
     EXPECT_FALSE(wave.turn(at(19ms), at(10s)));

@@ -2,7 +2,7 @@
 
 #include "tests/unit/pipelines/supervised_link.h"
 
-/// When a run of good frames begins, when a loss does, and what a reload makes of both.
+/// When a run of good frames begins, when a loss begins, and how a reload affects both.
 namespace tribus::test::link::link_runs_test {
 namespace {
 

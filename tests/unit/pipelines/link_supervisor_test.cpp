@@ -120,7 +120,8 @@ TEST(FrameLostRatio, of_one_turns_it_off) {
 }
 
 TEST(FrameLostRatio, that_was_too_high_must_fall_well_below_before_the_link_is_good_again) {
-    // One good frame in eleven is 90 or 91 lost ones among a hundred: now above, now not.
+    // One good frame in eleven means 90 or 91 lost frames in a hundred: the ratio changes around
+    // the limit.
     const auto eleventh = [](std::int64_t n) {
         return n % 11 == 0 ? sticks(1200 + n % 100) : frame_lost(sticks());
     };
@@ -180,7 +181,7 @@ TEST(ValueRules, all_zero_needs_every_channel_at_the_zero_of_the_wire) {
 
 TEST(Frozen, no_change_of_any_bit_for_so_long_is_a_loss_since_the_last_change) {
     const Link link = Link({.frozen = 500ms}).moving(1s).same(2s, sticks(1000));
-    EXPECT_EQ(link.cause(1501ms - 1ns), LinkCause::good);  // standing since 1001 ms
+    EXPECT_EQ(link.cause(1501ms - 1ns), LinkCause::good);  // still since 1001 ms
     EXPECT_EQ(link.cause(1501ms), LinkCause::stale);
     EXPECT_EQ(link.state(1501ms).since, at(1001ms));
 }
@@ -282,7 +283,7 @@ TEST(ZeroGuard, of_nothing_is_off) {
     EXPECT_EQ(link.cause(70ms), LinkCause::good);
 }
 
-/// As a CAN socket stamps them: the first one came when the link had been lost for 100 ms.
+/// With time stamps of a CAN socket: the first frame came when the link had been lost for 100 ms.
 TEST(LinkAbsence, in_which_frames_came_after_a_loss_is_a_loss_since_that) {
     LinkSupervisor link({.timeout = 200ms});
     for (const Duration when : {0ms, 7ms, 14ms, 314ms, 321ms}) {
@@ -294,7 +295,7 @@ TEST(LinkAbsence, in_which_frames_came_after_a_loss_is_a_loss_since_that) {
     EXPECT_EQ(link.lost_at(), at(214ms));
 }
 
-/// As a CAN socket stamps them, while nobody read: they show no control that anybody had.
+/// With time stamps of a CAN socket, but nobody read the frames, so nobody had control.
 TEST(LinkAbsence, in_which_frames_went_on_is_a_loss_all_the_same) {
     LinkSupervisor link({.timeout = 200ms});
     for (Duration when{}; when < 330ms; when += 7ms) {

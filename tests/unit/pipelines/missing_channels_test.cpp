@@ -2,7 +2,7 @@
 
 #include "tests/unit/pipelines/supervised_link.h"
 
-/// A sender that leaves out channels which it had.
+/// A sender that leaves out channels that it sent before.
 namespace tribus::test::link::missing_channels_test {
 namespace {
 

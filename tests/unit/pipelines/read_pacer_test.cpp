@@ -9,13 +9,13 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// i.Bus at 115200 baud: 86.8 us a byte, 32 bytes each 7.7 ms (docs/protocols/ibus.md, "Period and
+/// i.Bus at 115200 baud: 86.8 us a byte, 32 bytes every 7.7 ms (docs/protocols/ibus.md, "Period and
 /// gaps").
 constexpr Duration kByteTime = 86'806ns;
 constexpr int kLength = 32;
 constexpr Duration kPeriod = 7700us;
 
-/// A port on which frames arrive in pieces, read by a loop that does as the pacer says.
+/// A port on which frames arrive in pieces, read by a loop that follows the pacer.
 struct Wire {
     ReadPacer pacer{kByteTime};
     Instant frame_start{1s};
@@ -25,7 +25,7 @@ struct Wire {
         Duration read_after_its_end{};
     };
 
-    /// `piece`: bytes that the driver delivers at once.
+    /// `piece` is the number of bytes that the driver delivers at once.
     FrameReads frame(int length = kLength, int piece = 1) {
         FrameReads result;
         int read = 0;

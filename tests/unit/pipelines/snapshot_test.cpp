@@ -10,7 +10,7 @@
 namespace tribus::snapshot_test {
 namespace {
 
-/// An input is never seen, and not good, before the data thread has said so.
+/// Before the data thread has published anything, an input was never seen and is not good.
 TEST(SnapshotTest, until_the_first_value_is_published_it_is_a_default_one) {
     struct Value {
         int number = 7;

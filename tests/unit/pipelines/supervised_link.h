@@ -7,7 +7,7 @@
 
 #include "pipelines/link_supervisor.h"
 
-/// For tests of what is known of a link.
+/// A bench for tests of the supervision of a link.
 namespace tribus::test::link {
 
 using namespace std::chrono_literals;
@@ -22,7 +22,7 @@ inline Instant at(Duration since_start) {
     return Instant(since_start);
 }
 
-/// Channels as a receiver with 16 of them sends: sticks around the centre.
+/// Channels of a receiver with 16 channels: sticks around the centre.
 inline ChannelFrame sticks(std::int64_t third = 1200) {
     ChannelFrame frame;
     for (std::size_t channel = 0; channel < 16; ++channel) {
@@ -50,12 +50,12 @@ inline ChannelFrame zeros() {
     return frame;
 }
 
-/// A link under supervision, one frame each 7 ms from 0 ms on.
+/// A supervised link with one frame every 7 ms from 0 ms on.
 class Link {
   public:
     explicit Link(SupervisionSettings settings = {}) : supervisor_(std::move(settings)) {}
 
-    /// Frames until `until`, which make(n) makes, with n from 0.
+    /// Sends the frames `make(n)`, with n from 0, until `until`.
     template <class Make>
     Link& frames(Duration until, Make make) {
         for (std::int64_t n = 0; next_ < at(until); next_ += kInterval, ++n) {

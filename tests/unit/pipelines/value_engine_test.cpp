@@ -12,8 +12,8 @@
 namespace tribus::test::serial::value_engine_test {
 namespace {
 
-/// A receiver and a servo output, each with channel 1 and whether all is well as values, beside a
-/// constant and a fact of the machine.
+/// A receiver and a servo output, with values for channel 1 and for the state of each. A constant
+/// and a fact of the machine are values too.
 class ValuesOfAPipeline : public testing::Test {
   protected:
     ValuesOfAPipeline() {
@@ -30,7 +30,7 @@ class ValuesOfAPipeline : public testing::Test {
         values_.emplace(std::move(settings));
         values_->start(at(0ms));
     }
-    /// Frames each 10 ms until then, or none.
+    /// Lets time pass until then, with frames every 10 ms or without frames.
     void fly(Duration until, bool frames = true) {
         for (; now_ < until; now_ += 10ms) {
             if (frames) {
@@ -77,7 +77,7 @@ TEST_F(ValuesOfAPipeline, KeepConstantsAndTellTheMachineWhileItTells) {
     EXPECT_EQ(value(4), std::nullopt);
 }
 
-/// Tells a number with each frame that has data, and with others that there is none now.
+/// Publishes a number for each frame with data, and "not available" for other frames.
 class Gauge final : public CanValueReader {
   public:
     std::span<const CanIdMatch> wanted() const override { return {}; }
@@ -105,7 +105,7 @@ TEST(ValueOfAMessage, IsGoneAsSoonAsTheMessageSaysThatThereIsNone) {
     EXPECT_FALSE(values.board().fresh(0, at(30ms)));
 }
 
-/// Tells the number of the frame.
+/// Publishes the number of the frame.
 class Counting final : public CanValueReader {
   public:
     std::span<const CanIdMatch> wanted() const override { return {}; }
@@ -122,7 +122,7 @@ class Counting final : public CanValueReader {
     double frames_ = 0;
 };
 
-/// It may be in the midst of a transfer, and knows which counter comes next.
+/// The reader may be in the middle of a transfer, and it knows the next counter.
 TEST(ValueOfAMessage, IsReadOnOverAReloadByTheReaderThatTheMessageHas) {
     const auto two_messages = [] {
         ValueEngineSettings settings;

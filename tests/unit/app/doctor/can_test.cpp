@@ -11,7 +11,7 @@ namespace {
 
 using Ids = std::vector<std::string>;
 
-/// A controller that is well.
+/// A controller without problems.
 CanInterface controller() {
     CanInterface interface;
     interface.name = "can0";

@@ -32,7 +32,7 @@ const std::vector<std::string> kSensorBuses{"ibus_sensor_ia6b_2sensors.timed.txt
                                             "ibus_sensor_ia6b_tap_between.timed.txt"};
 const std::string kSbus2 = "sbus2_r7008SB.timed.txt";
 
-/// Ports of both kinds, that hand over each byte, or what they have each millisecond.
+/// Ports of both kinds that deliver each byte, or once a millisecond what has come.
 const std::vector<HeardBy> kPorts{{UartKind::waits_for_idle, Duration(1)},
                                   {UartKind::waits_for_idle, milliseconds(1)},
                                   {UartKind::takes_error_for_start, Duration(1)},
@@ -208,7 +208,8 @@ TEST(LineJudge, takes_noise_for_nothing_known) {
     }
 }
 
-/// As FTDI adapters tell it: an error of a packet is one of all its bytes, whose values are lost.
+/// As FTDI adapters report it: an error in a packet counts for all its bytes, and their values are
+/// lost.
 TEST(LineJudge, hears_a_low_line_where_the_port_tells_breaks_only) {
     auto heard = heard_of(
         on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}), kPorts[1]);
@@ -222,7 +223,7 @@ TEST(LineJudge, hears_a_low_line_where_the_port_tells_breaks_only) {
     EXPECT_EQ(story.sound, LineSound::breaks);
 }
 
-/// Some adapters tell neither parity nor framing errors.
+/// Some adapters report neither parity nor framing errors.
 TEST(LineJudge, knows_inverted_sbus_where_the_port_tells_no_errors) {
     auto heard = heard_of(
         on_a_wire(recorded(kSbus2), {.sender = {.line = kSbusLine, .inverted = true}}), kPorts[1]);

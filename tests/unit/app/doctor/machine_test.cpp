@@ -13,7 +13,7 @@ namespace {
 
 class MachineOfADoctor : public testing::Test {
   protected:
-    /// A machine that is well.
+    /// A machine without problems.
     MachineOfADoctor() {
         tree.write("sys/kernel/realtime", "1\n");
         tree.write("proc/sys/kernel/osrelease", "6.1.0-18-rt-arm64\n");

@@ -46,7 +46,7 @@ std::string text_of(const std::vector<std::string>& lines) {
     return text;
 }
 
-/// The mistakes of a configuration that has these lines and all that else it needs.
+/// Returns the mistakes of a configuration with these lines and everything else that it needs.
 std::string mistakes_with(const std::vector<std::string>& lines) {
     const bool input = lines.front().starts_with("[input");
     const std::string rest =

@@ -45,7 +45,7 @@ std::vector<std::string> ids(const PortOpinion& opinion) {
     return all;
 }
 
-/// "i.Bus yes, SBUS no, fast SBUS no, sensor bus yes"
+/// Returns text such as "i.Bus yes, SBUS no, fast SBUS no, sensor bus yes".
 std::string abilities(const PortOpinion& opinion) {
     std::string text;
     for (const PortAbility& one : opinion.abilities) {

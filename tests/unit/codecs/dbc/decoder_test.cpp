@@ -20,7 +20,7 @@ DbcMap received_map(std::string_view dbc, std::string_view signals, std::string_
     return dbc_map(dbc_settings(dbc, signals, cycles), SettingScope::input);
 }
 
-/// What a decoder makes of one frame.
+/// Returns what a decoder publishes for one frame.
 std::optional<ChannelFrame> received(std::string_view dbc, std::string_view signals,
                                      const CanFrame& frame) {
     DbcDecoder decoder(received_map(dbc, signals));

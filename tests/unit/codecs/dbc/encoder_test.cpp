@@ -19,7 +19,7 @@ DbcMap sent_map(std::string_view dbc, std::string_view signals, std::string_view
     return dbc_map(dbc_settings(dbc, signals, cycles), SettingScope::output);
 }
 
-/// The first frame that is sent of a snapshot.
+/// Returns the data of the first frame that is sent for a snapshot.
 Bytes sent(std::string_view dbc, std::string_view signals, const ChannelFrame& snapshot) {
     DbcEncoder encoder(sent_map(dbc, signals));
     const CanFrames frames = frames_of(encoder, snapshot, at(0));
@@ -44,15 +44,15 @@ BO_ 304 Command: 8 A
 )";
 
 TEST(DbcEncoder, WritesPhysicalValuesInTheLayoutOfTheFile) {
-    // 1700 us of 1000 to 2000 are 0.6 m/s, raw 600 = 0x0258 high byte first;
-    // 1500.5 us are raw (1500.5 - 476) * 2 = 2049 = 0x801 low byte first.
+    // 1700 us in 1000 to 2000 are 0.6 m/s, raw 600 = 0x0258, high byte first. 1500.5 us are raw
+    // (1500.5 - 476) * 2 = 2049 = 0x801, low byte first.
     EXPECT_EQ(sent(kDrive, R"({"Command": {"Mode": {"fixed": 1}, "Speed": 1, "Pulse": 2}})",
                    channels({1700, 1500.5})),
               (Bytes{0x01, 0, 0x02, 0x58, 0x01, 0x08, 0, 0}));
 }
 
 TEST(DbcEncoder, TheUserMayGiveTheLine) {
-    // 1100 us with 2000 us as -1 m/s and 1000 us as 1 m/s is 0.8 m/s = raw 800 = 0x0320.
+    // With 2000 us for -1 m/s and 1000 us for 1 m/s, 1100 us are 0.8 m/s = raw 800 = 0x0320.
     EXPECT_EQ(
         sent(kDrive,
              R"({"Command": {"Speed": {"channel": 1, "value": [-1, 1], "us": [2000, 1000]}}})",
@@ -140,7 +140,7 @@ TEST(DbcEncoder, InFailsafeAChannelIsAnErrorElseNotAvailable) {
 }
 
 TEST(DbcEncoder, AValueBeyondItsRangeNeverComesOutAsACode) {
-    // 2500 us would be raw 375, cut to 255; -1000 us raw -381, cut to -128 = 0x80.
+    // 2500 us would be raw 375, limited to 255; -1000 us would be raw -381, limited to -128 = 0x80.
     EXPECT_EQ(sent(kCodes, kBothCodes, channels({2500, -1000, 1500})),
               (Bytes{0xFD, 0x81, 0xDC, 0x05}));
 }
@@ -299,7 +299,7 @@ std::uint64_t checksum(DbcChecksumKind kind, const Bytes& data, std::size_t byte
     return dbc_checksum({kind, DbcLayout(signal), byte, data_id}, id, data);
 }
 
-/// "123456789" with the checksum's own byte, which does not count, in the middle.
+/// "123456789" with the byte of the checksum, which does not count, in the middle.
 const Bytes kDigitsAround{'1', '2', '3', '4', 0xEE, '5', '6', '7', '8', '9'};
 
 // The check values of the CRC catalogues for "123456789".

@@ -24,14 +24,14 @@ DbcFile parsed(std::string_view text) {
     return file ? std::move(*file) : DbcFile{};
 }
 
-/// The first signal of a message of eight bytes whose SG_ line goes on like that.
+/// Returns the first signal of a message of eight bytes with this SG_ line.
 DbcSignal signal_of(std::string_view line) {
     const DbcFile file = parsed("BO_ 1 M: 8 A\n SG_ " + std::string(line) + "\n");
     return file.messages.empty() || file.messages[0].signals.empty() ? DbcSignal{}
                                                                      : file.messages[0].signals[0];
 }
 
-/// A message of eight bytes with a signal S, then more lines.
+/// Returns a message of eight bytes with a signal S and more lines.
 DbcMessage message_with(std::string_view lines) {
     const DbcFile file =
         parsed("BO_ 1 M: 8 A\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" B\n" + std::string(lines) + "\n");
@@ -90,7 +90,7 @@ TEST(DbcFile, TakesTwoZerosForNoRange) {
     EXPECT_FALSE(signal_of("S : 0|8@1+ (1,0) [0|0] \"\" B").has_range());
 }
 
-// What tools on .NET print for the limits of a double: 2.4E+293 beyond it.
+// Tools on .NET print these limits of a double: 2.4E+293 beyond it.
 TEST(DbcFile, BringsLimitsBeyondADoubleIntoOne) {
     const DbcSignal signal =
         signal_of("S : 0|64@1- (1,0) [-1.79769313486232E+308|1.79769313486232E+308] \"\" B");
@@ -208,7 +208,8 @@ TEST(DbcFile, IgnoresWhatReferencesSignalsThatDoNotExist) {
     EXPECT_TRUE(message.signals.at(0).value_texts.empty());
 }
 
-// docs/protocols/can.md, "DBC files": it holds the signals of no message, which may be anywhere.
+// docs/protocols/can.md, "DBC files": this message has the signals without a message, and may be
+// anywhere.
 TEST(DbcFile, IgnoresTheMessageOfOrphanedSignals) {
     const DbcFile file = parsed(
         "BO_ 3221225472 VECTOR__INDEPENDENT_SIG_MSG: 0 Vector__XXX\n"
@@ -265,7 +266,7 @@ TEST(DbcFile, TakesALongMessageForFd) {
     EXPECT_FALSE(file.find("Classic")->fd);
 }
 
-// The enumeration of docs/protocols/can.md, "DBC files", indices 14 and 15 are FD.
+// The enumeration of docs/protocols/can.md, "DBC files". Indices 14 and 15 are FD.
 constexpr std::string_view kFrameFormats =
     "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"StandardCAN\",\"ExtendedCAN\",\"reserved\",\"J1939PG\","
     "\"reserved\",\"reserved\",\"reserved\",\"reserved\",\"reserved\",\"reserved\",\"reserved\","
@@ -314,7 +315,7 @@ TEST(DbcFile, SwitchesTheBitRateOnlyInFdFrames) {
     EXPECT_FALSE(parsed("BO_ 2 Fd: 12 A\n").find("Fd")->bit_rate_switch);
 }
 
-// DM1 of J1939 takes the transport protocol; files of whole vehicles hold such messages.
+// DM1 of J1939 uses the transport protocol. Files for whole vehicles have such messages.
 TEST(DbcFile, MarksLongJ1939MessagesAsNoSingleFrame) {
     const DbcFile file = parsed(
         "BO_ 2566834942 Dm1: 39 A\n SG_ Last : 304|8@1+ (1,0) [0|0] \"\" B\n"
@@ -349,7 +350,7 @@ TEST(DbcFile, MultiplexesByNestedSelectorsAndRanges) {
     EXPECT_EQ(signals.at(2).selected_by, (std::vector<DbcSelectorRange>{{5, 5}, {16, 20}}));
 }
 
-// As files stand in public collections.
+// Files in public collections are like this.
 TEST(DbcFile, ReadsALastStatementWithoutItsSemicolon) {
     EXPECT_EQ(message_with("BA_ \"GenMsgCycleTime\" BO_ 1 10").cycle_time, milliseconds(10));
     EXPECT_EQ(message_with("VAL_ 1 S 1 \"on\"").signals.at(0).value_texts,
@@ -380,7 +381,7 @@ TEST(DbcFile, ABareMarkForMultiplexedTakesItsPagesFromTheirStatement) {
     EXPECT_EQ(signal.selected_by, (std::vector<DbcSelectorRange>{{2, 3}}));
 }
 
-/// Whether the last signal of a message has a page that nobody knows.
+/// Returns whether the page of the last signal of a message is unknown.
 bool page_unknown(std::string_view signals) {
     const DbcFile file = parsed("BO_ 1 M: 8 A\n" + std::string(signals));
     return !file.messages.empty() && file.messages[0].signals.back().page_unknown;

@@ -156,7 +156,7 @@ TEST(DbcMap, AMistakeInAMessageMakesNoneInItsCycle) {
               1U);
 }
 
-// What several mistakes have in common behind their places.
+// The text after the place that several mistakes share.
 const std::string kNoChannel =
     ": no signal carries a channel; allowed: at least one, such as SIGNAL = 1 below the name of "
     "its message, or SIGNAL = { from = \"battery.voltage\" }";

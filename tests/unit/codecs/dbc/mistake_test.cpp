@@ -5,11 +5,11 @@
 
 #include "transports/codecs/dbc/file.h"
 
-/// What a DBC text must not say, and what the person reads who has to mend it.
+/// Mistakes in a DBC text, and the message for the person who must correct it.
 namespace tribus::mistake_test {
 namespace {
 
-/// "line:column: text", or "" if there is no mistake.
+/// Returns "line:column: text", or "" if there is no mistake.
 std::string mistake_in(std::string_view text) {
     const auto file = parse_dbc(text);
     return file ? ""
@@ -17,12 +17,13 @@ std::string mistake_in(std::string_view text) {
                       ": " + file.error().text;
 }
 
-/// Of the first signal of a message of eight bytes; the line is 2, S stands in column 6.
+/// Returns the mistake in the first signal of a message of eight bytes. The line is 2, S is in
+/// column 6.
 std::string mistake_in_signal(std::string_view line) {
     return mistake_in("BO_ 1 M: 8 A\n SG_ " + std::string(line) + "\n");
 }
 
-/// Behind a message with a signal S in lines 1 and 2.
+/// Returns the mistake in lines after a message with a signal S, which takes lines 1 and 2.
 std::string mistake_behind(std::string_view lines) {
     return mistake_in("BO_ 1 M: 8 A\n SG_ S : 0|8@1+ (1,0) [0|0] \"\" B\n" + std::string(lines));
 }

@@ -173,7 +173,7 @@ TEST(DbcLayout, TakesRawValuesThatItCanHold) {
     EXPECT_EQ(DbcLayout(number(64, false)).bits_from_raw(-1), ~std::uint64_t{0});
 }
 
-/// Outer (byte 0) selects Inner (byte 1) by 3, Inner selects Deep (byte 2) by 5 or 16 to 20.
+/// Outer (byte 0) selects Inner (byte 1) with 3. Inner selects Deep (byte 2) with 5 or 16 to 20.
 DbcMessage nested() {
     DbcMessage message;
     message.length = 8;

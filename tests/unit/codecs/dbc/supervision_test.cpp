@@ -8,8 +8,8 @@
 #include "tests/support/dbc_maps.h"
 #include "transports/codecs/dbc/dbc.h"
 
-/// What a decoder believes of several messages, and of senders that stop, restart, hang, or are
-/// two.
+/// What a decoder accepts when there are several messages, and senders that stop, restart, hang or
+/// are doubled.
 namespace tribus::supervision_test {
 namespace {
 
@@ -203,7 +203,7 @@ CanFrame command(unsigned count, std::uint8_t speed = 7) {
 
 class DbcCounterTest : public testing::Test {
   protected:
-    /// 20 ms later.
+    /// Returns whether the frame is accepted 20 ms after the one before.
     bool believes(const CanFrame& frame) {
         time_ += 20;
         return decoder_.next(frame, at(time_)).has_value();

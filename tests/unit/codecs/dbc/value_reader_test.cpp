@@ -17,7 +17,7 @@ namespace {
 using namespace test;
 using State = ValueReading::State;
 
-/// A reader and what it read last.
+/// A reader and its last result.
 class Reader {
   public:
     explicit Reader(std::string_view dbc, std::string_view message = "M")
@@ -28,7 +28,7 @@ class Reader {
     bool take(const CanFrame& frame) {
         return reader_.take(frame, Instant{}, readings_).has_value();
     }
-    /// The number of a signal in this frame; nothing if it has none.
+    /// Returns the number of a signal in this frame, or nothing if it has none.
     std::optional<double> number(const CanFrame& frame, std::size_t signal = 0) {
         EXPECT_TRUE(take(frame));
         return readings_.at(signal).state == State::number ? std::optional(readings_[signal].number)
@@ -67,7 +67,7 @@ TEST(DbcValueReader, TellsTheSignalsOfTheMessageInTheOrderOfTheFile) {
 
 TEST(DbcValueReader, ReadsPhysicalNumbers) {
     Reader reader(kBattery);
-    // 0x04EC = 1260 low byte first; 0xFFE7 = -25 high byte first; 0x41 = 65.
+    // 0x04EC = 1260, low byte first; 0xFFE7 = -25, high byte first; 0x41 = 65.
     const CanFrame frame = standard_frame(256, {0xEC, 0x04, 0xFF, 0xE7, 0x41, 0});
     EXPECT_DOUBLE_EQ(reader.number(frame, 0).value_or(0), 12.6);
     EXPECT_DOUBLE_EQ(reader.number(frame, 1).value_or(0), -2.5);
@@ -76,7 +76,7 @@ TEST(DbcValueReader, ReadsPhysicalNumbers) {
 
 TEST(DbcValueReader, BeyondTheRangeOfTheFileIsNoNumber) {
     Reader reader(kBattery);
-    // 6000 are 60 V, 6001 are more.
+    // 6000 is 60 V, 6001 is more.
     EXPECT_EQ(reader.number(standard_frame(256, {0x70, 0x17, 0, 0, 0, 0})), 60);
     EXPECT_EQ(reader.number(standard_frame(256, {0x71, 0x17, 0, 0, 0, 0})), std::nullopt);
     EXPECT_EQ(reader.state(0), State::not_available);
@@ -154,7 +154,7 @@ TEST(DbcValueReader, AJ1939MessageIsItsParameterGroup) {
     EXPECT_FALSE(reader.take(extended_frame(0x0CF00500, std::vector<std::uint8_t>(8))));
 }
 
-/// A frame of ones but for the bits of one signal.
+/// Returns a frame whose bits are ones except those of one signal.
 CanFrame j1939_frame(unsigned first_bit, unsigned bits, std::uint64_t raw) {
     const std::uint64_t own = ((std::uint64_t{1} << bits) - 1) << first_bit;
     const std::uint64_t all = ~own | raw << first_bit;
@@ -165,8 +165,8 @@ CanFrame j1939_frame(unsigned first_bit, unsigned bits, std::uint64_t raw) {
     return extended_frame(0x0CF00400, data);
 }
 
-// SAE J1939-71: of whole bytes 0xFB and more in the highest is no number; of 2 bits 0b10 and 0b11,
-// and of the 10 bits of a joystick 1022 and 1023 are "error" and "not available".
+// SAE J1939-71: a highest byte of 0xFB or more is no number. In 2 bits 0b10 and 0b11, and in the 10
+// bits of a joystick 1022 and 1023, mean "error" and "not available".
 TEST(DbcValueReader, TheCodesOfJ1939AreNoNumbers) {
     Reader reader(kJ1939);
     EXPECT_EQ(reader.number(j1939_frame(0, 2, 1), 0), 1);

@@ -47,7 +47,7 @@ ValueBoard board_of_battery() {
                        {.name = "cells", .unit = "", .lasts = kForever}});
 }
 
-/// An output that carries values only, with all four of them on the board at 0 ms.
+/// An output that sends only values. All four of them are on the board at 0 ms.
 class DbcValueOutput : public testing::Test {
   protected:
     DbcValueOutput() {
@@ -57,7 +57,7 @@ class DbcValueOutput : public testing::Test {
         board_.set(kCells, 3, at(0));
     }
 
-    /// The data of what is sent first at 0 ms; nothing if nothing is.
+    /// Returns the data of the first frame at 0 ms, or nothing if none is sent.
     std::optional<Bytes> sent(std::string_view signals, std::string_view dbc = kBattery) {
         DbcEncoder encoder(dbc_map(dbc_settings(dbc, signals), SettingScope::output));
         encoder.use(board_);
@@ -76,7 +76,7 @@ TEST_F(DbcValueOutput, ConvertsToTheUnitOfTheSignal) {
 }
 
 TEST_F(DbcValueOutput, ANumberWhoseUnitOrSignalHasNoneIsTakenAsItIs) {
-    // 12600 into 8 bits without a unit saturates at 255; -2.5 A and "V" are no two of a kind.
+    // 12600 in 8 bits without a unit saturates at 255. -2.5 A has another quantity than "V".
     EXPECT_EQ(sent(R"({"Battery": {"Cells": {"from": "cells"}}})"),
               (Bytes{0, 0, 0, 0, 0, 3, 0, 0}));
     EXPECT_EQ(sent(R"({"Battery": {"Cells": {"from": "battery.voltage"}}})"),
@@ -122,7 +122,7 @@ TEST_F(DbcValueOutput, WithoutACodeTheMessageOfAMissingNumberIsNotSent) {
     EXPECT_EQ(sent(R"({"Battery": {"Voltage": {"from": "battery.voltage"},
                                    "Cells": {"from": "cells"}}})"),
               std::nullopt);
-    // Other messages are.
+    // Other messages are sent.
     EXPECT_EQ(sent(R"({"Battery": {"Voltage": {"from": "battery.voltage"}},
                        "Slow": {"Cells": {"from": "cells"}}})"),
               Bytes{3});
@@ -156,7 +156,7 @@ TEST_F(DbcValueOutput, FallsSilentWhenANumberGrowsStaleAndComesBackAtOnceWithIt)
             sent.emplace_back(now, frame.data[6]);
         }
     }
-    // Stale after 500 ms. The counter goes on where it stood.
+    // Stale after 500 ms. The counter goes on from its last value.
     EXPECT_EQ(sent, (std::vector<std::pair<int, int>>{{0, 0},
                                                       {100, 1},
                                                       {200, 2},
@@ -169,7 +169,7 @@ TEST_F(DbcValueOutput, FallsSilentWhenANumberGrowsStaleAndComesBackAtOnceWithIt)
 }
 
 TEST_F(DbcValueOutput, TheChecksumIsOfTheValuesToo) {
-    // 3 at byte 5; the exclusive or of all bytes but the last.
+    // 3 at byte 5; the exclusive or of all bytes except the last.
     EXPECT_EQ(sent(R"({"Battery": {"Cells": {"from": "cells"}, "Check": {"checksum": "xor"}}})"),
               (Bytes{0, 0, 0, 0, 0, 3, 0, 3}));
 }
@@ -197,7 +197,7 @@ TEST_F(DbcValueOutput, EachPageIsSentWithItsValuesWhileTheyAreThere) {
     EXPECT_EQ(bytes_of(one[0]), (Bytes{2, 3}));
 }
 
-// J1939 electronic engine controller and a proprietary message, laid out as SAE J1939-71 does.
+// J1939 electronic engine controller and a proprietary message, with the layout of SAE J1939-71.
 constexpr std::string_view kJ1939 = R"(
 BO_ 2364540158 M: 8 A
  SG_ Wide : 0|16@1+ (0.05,0) [0|0] "V" B
@@ -210,7 +210,7 @@ BA_ "VFrameFormat" BO_ 2364540158 3;
 )";
 
 std::string j1939_text() {
-    // From a source that may send: 0x0CF00400.
+    // The same from a source that may send: 0x0CF00400.
     std::string text(kJ1939);
     for (std::size_t found = 0; (found = text.find("2364540158")) != std::string::npos;) {
         text.replace(found, 10, "2364539904");

@@ -164,7 +164,7 @@ TEST(ServoCommands, OfAVehicleThatBeginsAnewAreThoseThatItHasNow) {
     EXPECT_EQ(snapshot->received, kStart + milliseconds(1001));
 }
 
-/// What becomes of a command that follows what the vehicle said of its safety `ago`.
+/// Returns whether a command is failsafe that comes `ago` after the vehicle's last safety state.
 bool in_failsafe(SafetyRule rule, std::optional<std::uint8_t> said, Duration ago = {},
                  NodeId source = kAutopilot) {
     CommandDecoder decoder({.safety = rule});
@@ -299,7 +299,7 @@ TEST(MotorOutput, WritesTheBytesOfTheWorkedExample) {
     for (int before = 0; before < 9; ++before) {
         encoded(encoder, snapshot);
     }
-    // docs/protocols/can.md, "DroneCAN: worked examples", example 4, whose priority is 8; -8192 is
+    // docs/protocols/can.md, "DroneCAN: worked examples", example 4, whose priority is 8. -8192 is
     // beyond full reverse.
     auto expected = frames_from(0x0704060A, {"0003FDF0080010C9"});
     EXPECT_EQ(encoded(encoder, snapshot), expected);
@@ -357,8 +357,8 @@ TEST(ArmingOutput, DisarmsMotorsInFailsafe) {
               ArmingStatus::kDisarmed);
 }
 
-/// Frame by frame as the encoder before would have: numbers of transfers, when permissions are due,
-/// and that motors are disarmed because somebody had control once.
+/// The new encoder sends the same frames as the old one would: transfer ids, times of permissions,
+/// and disarmed motors because the output was in control once.
 TEST(ActuatorOutput, GoesOnWhereAnotherConfigurationTakesOver) {
     const CommandOutputFormat format{
         .kind = CommandKind::motors, .first = 0, .channels = 1, .arms = true};

@@ -16,7 +16,7 @@
 #include "transports/codecs/dronecan/dronecan.h"
 #include "transports/codecs/dronecan/rc.h"
 
-/// What RCInput costs on a bus, against the table of docs/protocols/can.md, "Bus load".
+/// Bus load of RCInput, compared with the table of docs/protocols/can.md, "Bus load".
 namespace tribus::dronecan::bus_load_test {
 namespace {
 
@@ -27,7 +27,7 @@ class Sender {
   public:
     explicit Sender(bool fd) : encoder_({.node = 42, .fd = fd}) {}
 
-    /// The frames of one transfer, with sticks all over their range.
+    /// Returns the frames of one transfer, with sticks over their whole range.
     std::vector<CanFrame> send(std::size_t channels) {
         ChannelFrame snapshot;
         snapshot.frame_lost = false;
@@ -51,7 +51,7 @@ class Sender {
 constexpr bool kClassic = false;
 constexpr bool kFd = true;
 
-/// Of a bus on which such a transfer goes each `period`, in tenths of a percent.
+/// Returns the load of a bus with one such transfer each `period`, in tenths of a percent.
 long per_mille(std::span<const CanFrame> transfer, milliseconds period, std::size_t nominal_rate,
                std::size_t data_rate = 1'000'000) {
     const auto time = time_on_bus(most_bits_on_bus(transfer), nominal_rate, data_rate);

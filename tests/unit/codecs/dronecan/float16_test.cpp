@@ -16,7 +16,7 @@ bool is_nan(std::uint32_t half) {
     return (half & 0x7C00U) == 0x7C00U && (half & 0x3FFU) != 0;
 }
 
-/// By the definition in IEEE 754, with libm.
+/// Returns the value after the definition in IEEE 754, calculated with libm.
 double by_definition(std::uint32_t half) {
     const double sign = (half & 0x8000U) != 0 ? -1 : 1;
     const int exponent = static_cast<int>((half >> 10U) & 0x1FU);

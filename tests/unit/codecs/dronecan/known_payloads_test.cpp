@@ -15,8 +15,8 @@
 #include "tests/support/streams.h"
 #include "transports/codecs/dronecan/known_payloads.h"
 
-/// Payloads with an origin elsewhere are from dronecan_vectors.json, where three implementations
-/// agree on them.
+/// Payloads of known origin. Those without a named origin are from dronecan_vectors.json, on which
+/// three implementations agree.
 namespace tribus::dronecan::known_payloads_test {
 namespace {
 

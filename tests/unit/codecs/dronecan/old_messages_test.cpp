@@ -10,7 +10,7 @@
 #include "transports/codecs/dronecan/actuators.h"
 #include "transports/codecs/dronecan/rc.h"
 
-/// Old messages that something repeats in a ring, and nodes that send what cannot be read.
+/// Old messages that are repeated in a ring, and nodes whose messages cannot be read.
 namespace tribus::dronecan::old_messages_test {
 namespace {
 
@@ -42,7 +42,7 @@ std::vector<CanFrame> motors(NodeId source, unsigned transfer_id) {
 struct Kind {
     const char* name;
     std::vector<CanFrame> (*frames)(NodeId source, unsigned transfer_id);
-    /// A single frame of node 7 that cannot be read.
+    /// Id of a single frame of node 7 that cannot be read.
     std::uint32_t broken_id;
     std::unique_ptr<CanDecoder> (*decoder)();
 };
@@ -60,7 +60,7 @@ const std::vector<Kind> kKinds{
 
 class OldMessages : public testing::TestWithParam<Kind> {
   protected:
-    /// One period later.
+    /// Returns whether these frames are accepted one period later.
     bool believes(const std::vector<CanFrame>& frames) {
         now_ += kPeriod;
         bool any = false;

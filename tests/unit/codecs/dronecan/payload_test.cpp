@@ -10,7 +10,7 @@
 #include "transports/codecs/dronecan/types.h"
 
 /// What is refused, what is saturated, and where lengths of arrays are. The vectors
-/// (tests/captures/dronecan_types_test.cpp) have what is sent as it should be.
+/// (tests/captures/dronecan_types_test.cpp) cover payloads that are sent correctly.
 namespace tribus::dronecan::payload_test {
 namespace {
 
@@ -26,7 +26,7 @@ Bytes written(const T& value, bool fd) {
     return {payload.begin(), payload.end()};
 }
 
-/// The types by which the specification tells the rules ("Dynamic arrays").
+/// The types with which the specification explains the rules ("Dynamic arrays").
 struct WithLength {  // root.A
     std::uint8_t foo = 0;
     BoundedArray<std::uint8_t, 8> array;
@@ -69,7 +69,7 @@ TEST(DroneCanPayload, TheLastArrayHasNoLengthButTheArraysInsideItsItemsHave) {
     value.array = {{.foo = 0xAA, .array = {1}}, {.foo = 0xBB, .array = {2, 3}}};
     // Items of 8 bits, 4 bits of length each: AA 1 01 | BB 2 02 03.
     EXPECT_EQ(written(value, kClassic), from_hex("AA 10 1B B2 02 03"));
-    // On FD 2 bits of length before: 10 10101010 0001 ...
+    // On FD there are 2 bits of length before them: 10 10101010 0001 ...
     EXPECT_EQ(written(value, kFd), from_hex("AA 84 06 EC 80 80 C0"));
     for (const bool fd : {kClassic, kFd}) {
         const auto back = read<ArrayOfThose>(written(value, fd), fd);
@@ -83,7 +83,7 @@ TEST(DroneCanPayload, TheLastArrayHasNoLengthButTheArraysInsideItsItemsHave) {
 TEST(DroneCanPayload, AnArrayOfShortItemsHasItsLengthButTheLastArrayInItHasNone) {
     ArrayOfNibbles value;
     value.array = {{.fooz = 0x5, .array = {0x11}}, {.fooz = 0x6, .array = {0x22, 0x33}}};
-    // 4 bits of length; 0x5, 7 bits of length, 0x11; 0x6, 0x22, 0x33, which the end tells:
+    // 4 bits of length; 0x5, 7 bits of length, 0x11; 0x6, 0x22, 0x33 up to the end of the payload:
     // 0010 0101 0000001 00010001 0110 00100010 00110011
     EXPECT_EQ(written(value, kClassic), from_hex("25 02 22 C4 46 60"));
     const auto back = read<ArrayOfNibbles>(from_hex("25 02 22 C4 46 60"), kClassic);
@@ -93,7 +93,7 @@ TEST(DroneCanPayload, AnArrayOfShortItemsHasItsLengthButTheLastArrayInItHasNone)
 }
 
 TEST(DroneCanPayload, OnClassicCanNothingIsTooMany) {
-    // RCInput: 28 bits + 12 for each channel.
+    // RCInput: 28 bits plus 12 bits for each channel.
     for (std::size_t bytes = 0; bytes <= 60; ++bytes) {
         const std::size_t channels = bytes < 4 ? 0 : (bytes * 8 - 28) / 12;
         const bool fits = bytes >= 4 && channels <= 32 && (28 + channels * 12 + 7) / 8 == bytes;
@@ -127,7 +127,7 @@ TEST(DroneCanPayload, OnFdZerosMayFollowButNothingMayBeMissing) {
 }
 
 TEST(DroneCanPayload, AnArrayLongerThanItsTypeIsRefused) {
-    // 28 bits, then 6 bits of length, of which 32 is the most: 0000 1000 01.. is 33.
+    // 28 bits, then 6 bits of length, at most 32: 0000 1000 01.. is 33.
     Bytes payload(60);
     payload[3] = 0x08;
     payload[4] = 0x00;
@@ -146,7 +146,8 @@ TEST(DroneCanPayload, AnUnknownAlternativeIsRefused) {
 }
 
 TEST(DroneCanPayload, PaddingMayBeAnythingAndIsSentAsZero) {
-    // Four times the alternative "empty": 5, 5, 6 and 6 bits of padding before 3, 3, 2, 2 of tag.
+    // The alternative "empty" four times: 5, 5, 6 and 6 bits of padding before 3, 3, 2 and 2 bits
+    // of tag.
     const auto value = read<ParamGetSet::Response>(from_hex("F8 F8 FC FC"), kClassic);
     ASSERT_TRUE(value);
     EXPECT_EQ(*value, ParamGetSet::Response{});
@@ -175,7 +176,7 @@ TEST(DroneCanPayload, WhatIsDeclaredTruncatedLosesItsHighBits) {
 }
 
 TEST(DroneCanPayload, AnyNotANumberIsUnknown) {
-    // As libcanard sends it, as most do, negative, signalling.
+    // As libcanard sends it, as most others do, negative, signalling.
     for (const char* unknown : {"FF 7F", "00 7E", "00 FE", "01 7C"}) {
         Bytes payload = from_hex("01 00");
         test::append(payload, from_hex(unknown));
@@ -186,8 +187,8 @@ TEST(DroneCanPayload, AnyNotANumberIsUnknown) {
     }
 }
 
-/// As in generated headers of other implementations (..._MAX_SIZE); RCInput: docs/protocols/can.md,
-/// "DroneCAN: RCInput".
+/// Maximum lengths of generated headers of other implementations (..._MAX_SIZE). RCInput:
+/// docs/protocols/can.md, "DroneCAN: RCInput".
 TEST(DroneCanPayload, TheLongestIsKnown) {
     EXPECT_EQ(bit_range<RcInput>().most, 418U);
     EXPECT_EQ(kMostBytes<NodeStatus>, 7U);

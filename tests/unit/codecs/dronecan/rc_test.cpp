@@ -102,7 +102,7 @@ TEST(RcInputDecoder, TellsTheLinkQualityInPercent) {
         std::uint8_t quality;
         std::uint8_t percent;
     };
-    // The highest bit of a link quality names the antenna; a small RSSI is not none.
+    // The highest bit of a link quality selects the antenna. A small RSSI is not an absent one.
     for (const auto& [type, quality, percent] :
          {Case{RcInput::kQualityTypeLinkQuality, 97, 97},
           Case{RcInput::kQualityTypeLinkQuality, 0x80 + 97, 97},

@@ -9,8 +9,8 @@
 #include "transports/codecs/dronecan/signature.h"
 #include "transports/codecs/dronecan/types.h"
 
-/// A signature is right only if the name, the fields, their types, their order and everything that
-/// is nested are those of the DSDL file.
+/// A signature is right only if the name, the fields, their types, their order and all nested types
+/// are those of the DSDL file.
 namespace tribus::dronecan::signature_test {
 namespace {
 
@@ -19,9 +19,9 @@ struct TypeFact {
     std::uint64_t signature;
 };
 
-/// docs/protocols/can.md, "DroneCAN: RCInput" to "DroneCAN: telemetry". Those of GetTransportStats,
-/// LogMessage and KeyValue are from headers that dronecan_dsdlc generated, and from the C# bindings
-/// of Mission Planner.
+/// Facts of docs/protocols/can.md, "DroneCAN: RCInput" to "DroneCAN: telemetry". Those of
+/// GetTransportStats, LogMessage and KeyValue are from headers that dronecan_dsdlc generated, and
+/// from the C# bindings of Mission Planner.
 const std::map<std::string_view, TypeFact> kFacts = {
     {"dronecan.sensors.rc.RCInput", {1140, 0x771555E596AAB4CF}},
     {"uavcan.equipment.actuator.ArrayCommand", {1010, 0xD8A7486238EC3AF3}},

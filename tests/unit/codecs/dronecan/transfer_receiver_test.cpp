@@ -42,7 +42,7 @@ struct Sent {
     bool fd = false;
 };
 
-/// Of a wanted message.
+/// Returns the frames of a wanted message.
 std::vector<CanFrame> frames_of(const Sent& sent) {
     const TransferHead head{
         .data_type_id = 1140, .source = sent.source, .transfer_id = sent.transfer_id};
@@ -144,15 +144,15 @@ TEST_F(DronecanReceiver, CopiesOfAnyFrameDoNotHarm) {
     EXPECT_EQ(payloads_, std::vector<Bytes>{numbered(20, 0)});
 }
 
-// The specification's own pseudo code takes a start where the toggle fits for a continuation, and
-// the transfer is lost.
+// The specification's own pseudo code takes a start with the expected toggle bit for a continuation
+// and loses the transfer.
 TEST_F(DronecanReceiver, ALateCopyOfTheStartDoesNotHarm) {
     const auto frames = frames_of({});
     EXPECT_EQ(fates_of(std::array{frames[0], frames[1], frames[0], frames[2], frames[3]}),
               (Fates{kTaken, kTaken, kRepeated, kTaken, kComplete}));
 }
 
-// Here the pseudo code takes the third frame for the first, whose toggle it has.
+// Here the pseudo code takes the third frame for the first one, which has the same toggle bit.
 TEST_F(DronecanReceiver, AFrameWithoutAStartBeginsNothing) {
     EXPECT_EQ(fates_of(frames_of({.transfer_id = 0})).back(), kComplete);
     const auto frames = frames_of({.transfer_id = 1});

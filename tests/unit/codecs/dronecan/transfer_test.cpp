@@ -50,7 +50,7 @@ TransferHead rc_input(std::uint8_t transfer_id) {
     return head;
 }
 
-// The examples of docs/protocols/can.md, "DroneCAN: worked examples", in its order.
+// Examples of docs/protocols/can.md, "DroneCAN: worked examples", in their order.
 TEST(DronecanEncode, RcInputOf16ChannelsTakesFiveFrames) {
     EXPECT_EQ(
         frames_of(rc_input(5), kRcInputSignature,
@@ -101,7 +101,8 @@ TEST(DronecanEncode, FdFrameIsPaddedWithZerosBeforeTheTail) {
     EXPECT_EQ(frames, std::vector{frame_of(0x0804742A, "0102030405060708000000C1", true)});
 }
 
-// One byte too few for the tail to end a legal length: pydronecan 1.0.27 sends 63 bytes here.
+// With the tail byte, one byte too few for an allowed length: pydronecan 1.0.27 sends 63 bytes
+// here.
 TEST(DronecanEncode, SixtyTwoBytesAreA64ByteFdFrame) {
     const std::vector<CanFrame> frames =
         frames_of(rc_input(1), kRcInputSignature, numbered(62), true);
@@ -161,7 +162,7 @@ TEST(DronecanEncode, RefusesWhatHasNoFrames) {
     EXPECT_EQ(frames_of({.kind = TransferKind::response, .destination = 1}, 0, {}).size(), 0);
 }
 
-// docs/protocols/can.md, "DroneCAN: RCInput": the CRC after the signature of RCInput.
+// docs/protocols/can.md, "DroneCAN: RCInput": the CRC starts with the signature of RCInput.
 TEST(DronecanCrc, StartsWithTheSignature) {
     EXPECT_EQ(transfer_crc(kRcInputSignature, {}), 0x235D);
 }

@@ -21,14 +21,15 @@ using namespace dronecan;
 using namespace std::chrono_literals;
 using State = ValueReading::State;
 
-/// A reader and what it read last.
+/// A reader and its last result.
 class Reader {
   public:
     explicit Reader(std::string_view message, const SourceChoice& source = {}, bool fd = false)
         : reader_(make_value_reader(message, source, fd)), readings_(reader_->values().size()) {}
 
     CanValueReader* operator->() { return reader_.get(); }
-    /// Frames a millisecond apart; the instant of what they say, if anything.
+    /// Reads frames that come a millisecond apart. Returns the time of the message, if there is
+    /// one.
     std::optional<Instant> take(const std::vector<CanFrame>& frames, Instant at = kStart) {
         std::optional<Instant> of;
         for (const CanFrame& frame : frames) {
@@ -38,7 +39,7 @@ class Reader {
         return of;
     }
     State state(std::string_view name) const { return readings_.at(index(name)).state; }
-    /// NaN where it has none.
+    /// Returns the number of a value, or NaN if it has none.
     double number(std::string_view name) const {
         const ValueReading& reading = readings_.at(index(name));
         return reading.state == State::number ? reading.number : std::nan("");
@@ -88,9 +89,9 @@ TEST(DroneCanValueReader, TellsTheNumbersOfAMotor) {
 }
 
 TEST(DroneCanValueReader, TakesEveryFloatThatIsNoNumberForNotAvailable) {
-    // "device_temperature" of the vectors, 300 K; then what libcanard and pydronecan, what IEEE 754
-    // and what a division by zero make of an unknown one (docs/protocols/can.md, "DroneCAN:
-    // telemetry").
+    // "device_temperature" of the vectors, 300 K. Then an unknown temperature as libcanard and
+    // pydronecan send it, after IEEE 754, and from a division by zero (docs/protocols/can.md,
+    // "DroneCAN: telemetry").
     Reader reader("uavcan.equipment.device.Temperature");
     ASSERT_TRUE(reader.take(frames_from(0x18045620, {"0700B05C00C0"})));
     EXPECT_EQ(reader.number("temperature"), 300);

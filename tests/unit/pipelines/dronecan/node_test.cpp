@@ -39,7 +39,7 @@ NodeSettings node_42() {
     return settings;
 }
 
-/// A node on a bus that takes everything at once.
+/// A node on a bus that accepts everything at once.
 class NodeOnBus {
   public:
     explicit NodeOnBus(NodeSettings settings) : node_(std::move(settings)) { node_.start(now_); }
@@ -47,7 +47,7 @@ class NodeOnBus {
     Node& node() { return node_; }
     Instant now() const { return now_; }
 
-    /// Everything that it says until `length` has gone by.
+    /// Lets time pass. Returns everything that the node sends.
     std::vector<CanFrame> run(Duration length, NodeHealth health = NodeHealth::ok) {
         std::vector<CanFrame> said;
         const Instant end = now_ + length;
@@ -69,7 +69,7 @@ class NodeOnBus {
             node_.receive(frame, now_);
         }
     }
-    /// What it answers to a request of a tool.
+    /// Returns the node's answer to a request of a tool.
     template <class Request>
     std::vector<CanFrame> ask(const Request& request, NodeId destination = 42, bool fd = false) {
         hear(frames_of_transfer({.source = kTool,
@@ -86,7 +86,7 @@ class NodeOnBus {
     std::uint8_t transfer_id_ = 5;
 };
 
-/// Runs until its first NodeStatus is out of the way.
+/// Returns a node that has already sent its first NodeStatus.
 NodeOnBus started(NodeSettings settings) {
     NodeOnBus bus(std::move(settings));
     bus.run(milliseconds(1));
@@ -97,7 +97,7 @@ TEST(DroneCanNode, SaysEachSecondThatItIsThere) {
     NodeOnBus bus(node_42());
     const auto said = bus.run(milliseconds(2999));
     ASSERT_EQ(said.size(), 3U);
-    // docs/protocols/can.md, "DroneCAN: worked examples", example 5: of node 42 with priority 24,
+    // docs/protocols/can.md, "DroneCAN: worked examples", example 5: node 42 with priority 24,
     // uptime first.
     EXPECT_EQ(said[0], frames_from(0x1801552A, {"00000000000000C0"})[0]);
     EXPECT_EQ(said[2], frames_from(0x1801552A, {"02000000000000C2"})[0]);
@@ -177,7 +177,7 @@ TEST(DroneCanNode, AnswersWithAnEmptyNameWhereThereIsNoSuchParameter) {
     }
 }
 
-/// What becomes of a request to write it.
+/// Requests to write the parameter and returns the result.
 std::pair<std::int64_t, std::optional<Duration>> written(NodeSettings settings, std::int64_t value,
                                                          const char* name = "uavcan.pubp-RCInput") {
     NodeOnBus bus = started(std::move(settings));

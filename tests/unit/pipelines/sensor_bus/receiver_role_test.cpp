@@ -16,7 +16,7 @@ namespace {
 constexpr Duration kSlot = 7700us;
 constexpr int kStartSlots = 10 + 66;
 
-/// Sensors on the wire of a receiver, as literal replies.
+/// Sensors on the wire of a receiver role, with literal replies.
 class ReceiverRoleAtAWire : public testing::Test {
   protected:
     ReceiverRoleAtAWire() { make({}); }
@@ -47,7 +47,7 @@ class ReceiverRoleAtAWire : public testing::Test {
         }
     }
 
-    /// One slot; what was asked in it.
+    /// Runs one slot. Returns its request.
     Bytes slot(bool answered = true) {
         const Bytes asked = turn(*role_, now_, board_);
         if (!asked.empty() && echoes_) {
@@ -65,14 +65,14 @@ class ReceiverRoleAtAWire : public testing::Test {
             slot();
         }
     }
-    /// A sensor of 10,000 rpm at address 1, which is asked for its value next.
+    /// Adds a sensor of 10,000 rpm at address 1. The next request is for its value.
     void find_speed() {
         set_type(1, 0x02, 2);
         set_value(1, {0x10, 0x27});
         start_up();
         asked(3);
     }
-    /// What is asked in the next slots, such as "81 91 82 a1".
+    /// Returns the requests of the next slots, such as "81 91 82 a1".
     std::string asked(int slots) {
         std::string text;
         for (int i = 0; i < slots; ++i) {
@@ -89,7 +89,7 @@ class ReceiverRoleAtAWire : public testing::Test {
     ValueBoard board_{std::vector<NamedValue>(31, {"", "", 2s})};
     Instant now_ = kStart;
     bool echoes_ = true;
-    /// By command and address of the request.
+    /// Replies by command and address of the request.
     std::map<unsigned, Bytes> replies_;
     std::optional<ReceiverRole> role_;
 };

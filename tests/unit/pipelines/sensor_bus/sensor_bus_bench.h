@@ -12,7 +12,7 @@
 #include "pipelines/sensor_bus/sensor_role.h"
 #include "tests/support/ibus_checksum.h"
 
-/// Both roles of a sensor bus on a bench, under virtual time.
+/// A bench for both roles of a sensor bus under virtual time.
 namespace tribus::test::sensor_bus {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -32,7 +32,7 @@ inline SensorSettings sensor(const char* type, std::size_t value) {
     return settings;
 }
 
-/// What a role writes at its turn, which counts as written.
+/// Returns what a role writes at its turn. It counts as written.
 inline Bytes turn(SensorBusRole& role, Instant now, ValueBoard& board) {
     const auto bytes = role.run(now, board);
     Bytes said(bytes.begin(), bytes.end());

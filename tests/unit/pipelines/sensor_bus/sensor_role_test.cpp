@@ -11,7 +11,7 @@ namespace {
 
 constexpr Duration kSlot = 7700us;
 
-/// A voltage (0, has a code for "not available") and a temperature (1, has none).
+/// A voltage (0), which has a code for "not available", and a temperature (1), which has none.
 class SensorRoleOfTwo : public testing::Test {
   protected:
     SensorRoleOfTwo() { make({}); }
@@ -25,7 +25,7 @@ class SensorRoleOfTwo : public testing::Test {
         board_.set(0, 12.34, now_);
         board_.set(1, 21.5, now_);
     }
-    /// What is answered to one frame of the receiver, by the end of its slot.
+    /// Returns the answer to one frame of the receiver at the end of its slot.
     Bytes answer(const Bytes& asked) {
         role_->receive(asked, now_, board_);
         const Bytes said = turn(*role_, std::min(role_->due(), now_ + kSlot), board_);
