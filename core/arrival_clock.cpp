@@ -6,23 +6,24 @@
 namespace tribus {
 namespace {
 
-/// Arrivals that the line through them remembers: as many as there were, up to this.
+/// Most arrivals that the fitted line weighs.
 constexpr int kMemory = 56;
-/// So many intervals in a row that do not fit mean that the sender has changed its period. Lost
-/// frames make intervals longer, never shorter, so for longer ones more have to agree.
+/// The sender has changed its period if this many intervals in a row do not fit. Lost frames make
+/// intervals longer, never shorter, so longer intervals need more evidence.
 constexpr int kOutliersToRestart = 4;
 constexpr int kLongOutliersToRestart = 16;
-/// Share of an interval within which a frame fits the beat, however little frames are late.
+/// Share of an interval: a frame this close to its expected arrival fits, however small the
+/// lateness.
 constexpr int kOnBeat = 8;
-/// Share of an interval within which two frames miss it by the same.
+/// Share of an interval: two errors this close to each other count as the same error.
 constexpr int kSameError = 16;
-/// How fast the lateness of frames is believed, half of it but no more than this share of an
-/// interval, so that a single stall of the machine counts little; and how fast it is forgotten.
+/// Lateness rises by half of what a frame exceeds it, at most by this share of an interval, so that
+/// one stall of the machine counts little. It falls by the third share per frame.
 constexpr int kLatenessRise = 2;
 constexpr int kLatenessStep = 64;
 constexpr int kLatenessDecay = 128;
-/// Share of an interval beyond which an error says more of the machine than of the sender, once the
-/// rhythm is known, and before.
+/// Share of an interval. A larger error tells more about the machine than about the sender: first
+/// value once the line has its full memory, second value before.
 constexpr int kMostError = 16;
 constexpr int kMostEarlyError = 4;
 
@@ -46,9 +47,9 @@ void ArrivalClock::arrived(Instant now) {
     latest_delta_ = delta;
 }
 
-/// Counts this one too. Either none of the latest frames came after an interval, or each after the
-/// same time that is no whole number of intervals. The latter is needed as well: a rhythm of 5.6 ms
-/// through frames that come each 7 ms looks as if every fifth were missing.
+/// Counts `delta` too. True if a run of frames came at no interval, or if a run came at one steady
+/// time that is no whole number of intervals. The second test is needed as well: a line of 5.6 ms
+/// through frames that come every 7 ms looks as if every fifth frame were missing.
 bool ArrivalClock::period_has_changed(Duration delta) {
     const bool fits = delta > interval_ / 2 && delta < interval_ + interval_ / 2;
     const int outliers_to_restart = delta > interval_ ? kLongOutliersToRestart : kOutliersToRestart;
@@ -68,10 +69,9 @@ void ArrivalClock::begin_rhythm(Instant now) {
     off_by_ = Duration::zero();
 }
 
-/// The line of least squares through arrivals, with fading memory: what one more of them says of
-/// the place of the latest and of the interval weighs as its number demands. A sender that begins
-/// anew shows it by a second frame that misses the beat by the same as the one before, and by more
-/// than frames are late anyway; or by several that miss it by far.
+/// Least-squares line through the arrivals with fading memory. The weight of a new arrival follows
+/// from how many the line has seen. The line starts again if a second frame has the same error as
+/// the one before, beyond the usual lateness, or if several frames in a row have a large error.
 void ArrivalClock::follow_rhythm(Instant now) {
     const auto beats = std::max<std::int64_t>((now - rhythm_ + interval_ / 2) / interval_, 1);
     const Instant beat = rhythm_ + beats * interval_;

@@ -9,16 +9,16 @@
 
 namespace tribus {
 
-/// What was said last of a thing that changes, so that the last word on it stays true though lines
-/// are limited: a change that may not be said yet is said once it may, unless it was undone by
-/// then. Pure; thread-bound.
+/// Decides which changes of a state are reported while a `RateLimit` holds. The last report always
+/// becomes true: a change that must wait is reported as soon as the limit allows, unless it was
+/// undone before. Pure; thread-bound.
 template <class State>
 class LastWord {
   public:
     explicit LastWord(State first) : seen_(first), said_(std::move(first)) {}
 
-    /// The number of changes that were swallowed before, if `state`, which is so at `now`, is to be
-    /// said. Ask again at each look: it may have to wait for `limit`.
+    /// Call at every look, also without a change: an earlier change may be waiting. If `state` is
+    /// to be reported at `now`, returns the number of changes that were not reported before it.
     std::optional<std::uint64_t> look(const State& state, RateLimit& limit, Instant now) {
         if (state != seen_) {
             seen_ = state;
@@ -30,7 +30,7 @@ class LastWord {
         said_ = state;
         return *limit.pass(now) + std::exchange(changes_, 0) - 1;
     }
-    /// `state` needs no word.
+    /// Takes `state` as reported, without a report.
     void take_as_known(const State& state) {
         seen_ = state;
         said_ = state;
@@ -42,7 +42,7 @@ class LastWord {
   private:
     State seen_;
     State said_;
-    std::uint64_t changes_ = 0;  ///< since the last word
+    std::uint64_t changes_ = 0;  ///< since the latest report
 };
 
 }  // namespace tribus

@@ -8,15 +8,15 @@
 
 namespace tribus {
 
-/// Answers "may I say this now, and how often was I silent since?": at most `burst` times in each
-/// `window`. Pure; thread-bound.
+/// Lets at most `burst` events pass in each `window` and counts the others. Pure; thread-bound.
 class RateLimit {
   public:
     RateLimit(unsigned burst, Duration window) : burst_(burst), window_(window) {}
 
-    /// Whether `pass` would let one through; counts nothing.
+    /// Whether `pass` would let an event pass. Counts nothing.
     bool may_pass(Instant now) const { return now >= window_end_ || said_ < burst_; }
-    /// The number of times that were swallowed before, if it may be said now.
+    /// Returns the number of events that were suppressed before this one, or nothing if this event
+    /// is suppressed too.
     std::optional<std::uint64_t> pass(Instant now) {
         if (now >= window_end_) {
             window_end_ = later(now, window_);

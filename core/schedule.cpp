@@ -6,23 +6,23 @@
 namespace tribus {
 namespace {
 
-/// How far behind the arrivals a locked grid stands at least: room for the wake that reads them.
+/// Least distance of a locked grid behind the arrivals: time for the wake-up that reads them.
 constexpr Duration kLeastGuard = std::chrono::microseconds(50);
-/// A stand behind the guard that need not be improved where that would cost a longer step.
+/// Distance behind the guard that is not worth a longer step to improve.
 constexpr Duration kStandsWell = std::chrono::microseconds(300);
-/// Share of a late stand that one period takes back. An early one is put right at once: the frame
+/// Share of a late offset that one period corrects. An early offset is corrected at once: the frame
 /// was not there yet, so the values were a whole interval old.
 constexpr int kSteering = 16;
-/// Share of an interval for which a point of a locked grid waits for a frame that is late.
+/// Share of an interval for which a point of a locked grid waits for a late frame.
 constexpr int kPatience = 16;
-/// An input that is slower, in periods, is nothing to wait for: two frames with a long silence
-/// between them, or a bus that is asked for little.
+/// Slowest input, in periods of the output, that the schedule waits for. A slower one is two frames
+/// with a long silence between them, or a bus with little traffic.
 constexpr int kSlowestInput = 2;
-/// With more frames missing, the rhythm of the input says nothing of the next.
+/// If more frames than this are missing, the arrivals do not predict the next one.
 constexpr int kBeatsToWaitFor = 3;
-/// So many frames in a row that had to wait are no accident.
+/// If this many frames in a row had to wait, it is no coincidence.
 constexpr int kHeldUpInARow = 8;
-/// A sender whose clock runs fast by so little still counts as having the period asked for.
+/// A sender whose clock is fast by less than this share still has the requested period.
 constexpr int kClockTolerance = 100;
 
 }  // namespace
@@ -47,13 +47,13 @@ void Schedule::continue_from(const Schedule& before, Instant now) {
     settings_ = settings;
     const Instant at_most = later(before.latest_write_.value_or(now), settings.period);
     due_ = std::max(now, std::min(before.due_, at_most));
-    // A grid that begins here must not count the time before it as missed.
+    // A grid that begins here must not count earlier time as missed.
     point_ = due_;
 }
 
-/// A frame that must wait because another was written not long ago holds up the one behind it as
-/// well, and that the next. Where the one behind it is nearly there, it is sent in its place; so it
-/// is when frame upon frame has had to wait, as after a stall where both periods are the same.
+/// A frame that must wait because another was written shortly before delays the next frame too, and
+/// that one the next. If the next frame is nearly there, it is sent instead. The same happens after
+/// a run of frames that had to wait, as after a stall where both periods are equal.
 Instant Schedule::follow_due() const {
     const Instant latest = arrivals_.latest();
     const Instant due =
@@ -67,15 +67,15 @@ Instant Schedule::follow_due() const {
     return std::min(expected_by(1), *latest_write_ + 2 * settings_.period);
 }
 
-/// When the frame so many beats behind the latest one should be here, also if it is late.
+/// When the frame `beats` intervals after the latest one should have arrived, even if it is late.
 Instant Schedule::expected_by(int beats) const {
     return arrivals_.rhythm() + beats * arrivals_.interval() + 2 * arrivals_.lateness() +
            kLeastGuard;
 }
 
-/// A period without a new frame has passed; but a frame that is just about due is worth waiting
-/// for: at 7.7 ms from the receiver and 7 ms here, a repeat would push each fresh frame back. A
-/// repeat that has to come is early enough not to hold up the frame behind the missing one.
+/// A period has passed without a new frame, but a frame that is about to arrive is worth waiting
+/// for: with 7.7 ms from the receiver and 7 ms here, a repeat would delay every fresh frame. A
+/// necessary repeat is sent early enough not to delay the frame after the missing one.
 Instant Schedule::repeat_due(Instant now) const {
     const Instant planned = now + settings_.period;
     const Instant at_most = planned + settings_.period;
@@ -96,8 +96,8 @@ Duration Schedule::least_step() const {
     return settings_.period - settings_.period / kClockTolerance;
 }
 
-/// A whole number of input intervals, so that each point of the grid finds a frame equally old;
-/// nothing while the input has no rhythm, is slow, or has stopped.
+/// A whole number of input intervals, so that every point of the grid finds a frame of the same
+/// age. Nothing if the input has no period yet, is slow, or has stopped.
 std::optional<Duration> Schedule::locked_step() const {
     const Duration interval = arrivals_.interval();
     if (settings_.phase == Phase::free || interval <= Duration::zero() ||
@@ -108,8 +108,8 @@ std::optional<Duration> Schedule::locked_step() const {
     return (least_step() + interval - Duration(1)) / interval * interval;
 }
 
-/// How far to move the planned point so that it comes to stand just behind the arrivals: back to
-/// the one before it where the period leaves room for a shorter step, else on to the next.
+/// How far to move the planned point so that it ends up just behind the arrivals: back towards the
+/// arrival before it if the period leaves room for a shorter step, else on to the next one.
 Duration Schedule::steering(Instant planned, Duration step) const {
     const Duration interval = arrivals_.interval();
     const Duration guard = std::max(kLeastGuard, arrivals_.lateness());
@@ -122,8 +122,7 @@ Duration Schedule::steering(Instant planned, Duration step) const {
     return interval - late;
 }
 
-/// A point waits a moment for the frame that belongs to it: sent without, the values would be a
-/// whole interval older.
+/// A point waits briefly for its frame. Without it, the values would be a whole interval older.
 Instant Schedule::locked_due() const {
     const Duration interval = arrivals_.interval();
     const bool frame_is_there = arrivals_.latest() >= point_ - interval / 2;
@@ -159,7 +158,7 @@ void Schedule::done(Instant now, bool wrote) {
         due_ = locked_due();
         return;
     }
-    // A grid that nothing steers any more goes on from what waited for its frame and was late.
+    // When a grid is no longer locked, it continues from the point that was served late.
     if (settings_.phase == Phase::locked) {
         point_ = std::max(point_, served + settings_.period);
     }
