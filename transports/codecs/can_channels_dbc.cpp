@@ -34,7 +34,7 @@ struct SignalText {
 
 struct MessageText {
     std::string name;
-    std::size_t index = 0;  ///< distance of its id from the base id
+    std::size_t index = 0;  ///< distance of the frame's id from the base id
     std::vector<SignalText> signals;
 };
 

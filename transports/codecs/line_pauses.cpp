@@ -2,7 +2,7 @@
 
 namespace tribus {
 
-/// Whether a gap this long is a pause.
+/// Whether a gap of this length is a pause.
 bool LinePauses::judge(Duration pause, std::uint64_t position, std::size_t waiting) {
     if (pause <= kSlowestPort && pause <= holds_back_ + holds_back_ / 4) {
         within_ = pause;
@@ -15,9 +15,9 @@ bool LinePauses::judge(Duration pause, std::uint64_t position, std::size_t waiti
     return true;
 }
 
-/// Between two pauses came what makes whole frames with the bytes that the first one cut off, and
-/// does not without them: that was no pause of the line. The last ones may be cut off themselves.
-/// Says whether they make whole frames to the end.
+/// Counts a wrong cut if the bytes that the previous pause cut off are whole frames only together
+/// with the bytes since then: that gap was no pause of the line. The bytes that wait now may be
+/// left over. Returns whether there are whole frames without a rest.
 bool LinePauses::went_on(std::uint64_t position, std::size_t waiting) {
     if (cut_off_ == 0 || frame_length_ == 0 || cut_off_ % frame_length_ == 0) {
         return false;

@@ -5,20 +5,20 @@
 namespace tribus {
 namespace {
 
-/// A sender is as exact as this share of its period.
+/// Share of its period within which a sender is exact.
 constexpr int kExactness = 50;
-/// So many of the arrivals must be a period behind another one, in percent.
+/// Percentage of arrivals that must come one period after another one.
 constexpr std::size_t kLeastInRhythm = 30;
-/// And so many must have one of another sender between them and that one.
+/// Percentage of arrivals that must do so with an arrival of another sender in between.
 constexpr std::size_t kLeastParted = 8;
-/// Periods are taken from so many of the latest arrivals.
+/// Number of latest arrivals whose distances are tried as periods.
 constexpr std::size_t kPeriodsTried = 8;
 
 bool near(Duration a, Duration b, Duration tolerance) {
     return std::chrono::abs(a - b) <= tolerance;
 }
 
-/// As a single sender shows them that is late, or that loses frames.
+/// Whether the two gaps look like a single sender that is late or loses frames.
 bool one_rhythm(Duration gap, Duration other) {
     const Duration whole = gap + other;
     const auto [small, large] = std::minmax(gap, other);

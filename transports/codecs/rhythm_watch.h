@@ -8,19 +8,20 @@
 
 namespace tribus {
 
-/// Judges by the arrivals of one CAN id alone whether two nodes send it, each in its own rhythm: so
-/// long after many frames comes the next one, and for some of these another frame stands between.
-/// Says nothing of two senders that keep a half, third or quarter of a period apart, which look
-/// like a quicker one, of one that is ten times as rare as the other, and of senders that jitter by
-/// more than a few percent: it may miss two senders, but calls no single one two, unless that sends
-/// in pairs. Pure and thread-bound; no heap.
+/// Detects two senders of one CAN id by the arrivals alone: many frames have a successor one period
+/// later, and for some of those another frame comes in between. It does not see two senders that
+/// keep a half, a third or a quarter of a period apart, which look like a faster one; one that is
+/// ten times as rare as the other; and senders that jitter by more than a few percent. So it may
+/// miss two senders, but reports a single one as two only if that sends in pairs. Pure;
+/// thread-bound; no heap.
 class RhythmWatch {
   public:
-    /// Judged all together, then the next ones.
+    /// Number of arrivals that are judged together.
     static constexpr std::size_t kJudgedArrivals = 64;
 
+    /// A frame arrived at `at`.
     void arrived(Instant at);
-    /// The latest arrivals that were judged, or any before them, were of two senders.
+    /// Whether any arrivals judged so far were of two senders.
     bool two_senders() const { return two_senders_; }
 
   private:
