@@ -54,7 +54,7 @@ void read_cycles(const SettingValues& settings, const SettingTree::Table& messag
     }
 }
 
-/// An output may send one channel in many signals; an input would have to choose.
+/// An output may send one channel in several signals; an input would have to choose between them.
 void check_channels(const DbcMap& map, const SettingTree::Table& messages, SettingScope scope,
                     Mistakes& mistakes) {
     const auto carries = [](const DbcPart& part) {
@@ -89,7 +89,7 @@ void check_channels(const DbcMap& map, const SettingTree::Table& messages, Setti
     }
 }
 
-/// J1939 ids leave the priority open, and perhaps the source.
+/// Ids of J1939 match any priority, and some match any source, so they may overlap.
 void check_ids(const DbcMap& map, Mistakes& mistakes) {
     for (std::size_t i = 0; i < map.messages.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j) {

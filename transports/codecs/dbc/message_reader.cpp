@@ -11,12 +11,13 @@
 namespace tribus {
 namespace {
 
-/// The message that holds the signals of no message.
+/// The placeholder message for signals that belong to no message (docs/protocols/can.md, "DBC
+/// files").
 constexpr std::string_view kOrphanage = "VECTOR__INDEPENDENT_SIG_MSG";
 constexpr std::uint32_t kOrphanageId = 0xC0000000U;
 constexpr std::uint32_t kLastStandardId = 0x7FF;
 constexpr std::uint32_t kLastExtendedId = 0x1FFFFFFF;
-/// Of the transport protocol of J1939-21, the longest of all.
+/// Limit of J1939-21's transport protocol in bytes, the longest of all.
 constexpr std::uint32_t kLongestMessage = 1785;
 constexpr std::uint32_t kAnyUnsigned = std::numeric_limits<std::uint32_t>::max();
 
@@ -26,8 +27,8 @@ struct SignalPlaces {
     DbcPlace factor;
 };
 
-/// Bits of the message in front of the signal's first one on the wire, and the signal's own: in
-/// Motorola order a signal starts at its most significant bit and goes down.
+/// Number of bits up to the end of the signal, in wire order: a Motorola signal starts at its most
+/// significant bit and goes down.
 unsigned bits_needed(const DbcSignal& signal) {
     const unsigned before = signal.byte_order == DbcByteOrder::intel
                                 ? signal.start_bit
@@ -69,7 +70,7 @@ bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal&
     return true;
 }
 
-/// M, m<number>, m<number>M or m before the colon, or nothing.
+/// Accepts M, m<number>, m<number>M, m, or nothing before the colon.
 bool read_multiplexing(DbcTokens& tokens, DbcSignal& signal) {
     if (tokens.token().kind != DbcTokenKind::word) {
         return tokens.take_mark(':', "behind the name of the signal");
@@ -133,7 +134,7 @@ bool read_scaling(DbcTokens& tokens, DbcSignal& signal, SignalPlaces& places) {
            tokens.take_string(signal.unit, "the unit in quotes");
 }
 
-/// On the line of the signal, or behind a comma.
+/// Receivers are on the line of the signal, or follow a comma.
 void skip_receivers(DbcTokens& tokens) {
     bool comma = false;
     while (tokens.token().is_mark(',') || (tokens.token().kind == DbcTokenKind::word &&

@@ -44,7 +44,7 @@ bool says_failsafe(const SettingValues& settings) {
 }
 
 std::optional<Duration> own_period(const SettingValues& settings) {
-    // Whichever way they are for: each direction allows what the other does not.
+    // Tries both directions, because each allows roles that the other refuses.
     auto map = build_dbc_map(settings, SettingScope::output);
     if (!map) {
         map = build_dbc_map(settings, SettingScope::input);
@@ -108,9 +108,8 @@ std::unique_ptr<CanEncoder> make_dbc_encoder(const SettingValues& settings) {
 
 }  // namespace
 
-// Period where neither the user nor the file tells one: J1939 joysticks and drive units of rovers
-// are sent every 20 ms at the quickest (docs/protocols/can.md, "J1939 joysticks" and "Drive units
-// and robots").
+// Period if neither the user nor the file gives one: J1939 joysticks and drive units of rovers are
+// sent every 20 ms at most (docs/protocols/can.md, "J1939 joysticks" and "Drive units and robots").
 const Protocol kDbcProtocol{
     .name = "dbc",
     .description = "messages that a DBC file describes",

@@ -23,7 +23,7 @@ class Resolver {
     tl::expected<DbcFile, DbcMistake> resolve();
 
   private:
-    /// Of one message: its attributes, and its signals by their short names.
+    /// Attributes of a message, and its signals by their short names.
     struct Entry {
         std::unordered_map<std::string_view, std::size_t> signals;
         DbcMessageAttributes attributes{};
@@ -144,7 +144,7 @@ Result Resolver::apply_kinds() {
     return {};
 }
 
-/// Several statements about one signal add up, as some tools write a range each.
+/// Several statements about one signal add up: some tools write one for each range.
 Result Resolver::apply_selectors() {
     for (const DbcSelectorStatement& statement : statements_.selectors) {
         DbcSignal* const signal = signal_of(statement.of);
@@ -174,8 +174,8 @@ Result Resolver::apply_selectors() {
     return {};
 }
 
-/// Without SG_MUL_VAL_, mN depends on the one selector that there is; with several, or none, nobody
-/// knows on which.
+/// Without SG_MUL_VAL_, mN depends on the only selector of the message. With several selectors or
+/// none, the selector is unknown.
 void Resolver::default_selectors() {
     for (DbcMessageStatement& statement : statements_.messages) {
         std::vector<DbcSignal>& signals = statement.message.signals;
@@ -264,7 +264,7 @@ void Resolver::apply_long_names() {
     }
 }
 
-/// Long names may clash where short ones did not.
+/// Long names may clash even if short ones do not.
 Result Resolver::check_names() const {
     std::unordered_map<std::string_view, unsigned> messages;
     for (const DbcMessageStatement& statement : statements_.messages) {

@@ -55,7 +55,7 @@ std::string names(const Rows& rows) {
     return text;
 }
 
-/// One table behind a signal. Each key that is asked for counts as known.
+/// The table of one signal. Each key that is queried counts as known.
 class RoleTable {
   public:
     RoleTable(const SettingTree::Table& table, Path path, Mistakes& mistakes)

@@ -32,7 +32,7 @@ DbcConditions conditions_of(const DbcMessage& message, const DbcSignal& signal) 
     return conditions;
 }
 
-/// The file says what the presence of this signal, and of those that it depends on, depends on.
+/// Whether the file says on which selectors and values the signal and its selectors depend.
 bool pages_known(const DbcSignal& signal, const DbcConditions& conditions) {
     return !signal.page_unknown &&
            std::ranges::none_of(conditions, [](const DbcCondition& condition) {
@@ -46,7 +46,7 @@ std::string shown(double number) {
     return text.ends_with('.') ? text.substr(0, text.size() - 1) : text;
 }
 
-/// Holds one role against its signal.
+/// Checks one role against its signal.
 class SignalMapper {
   public:
     SignalMapper(const DbcMessage& message, const DbcSignal& signal, std::vector<std::string> path,
@@ -86,7 +86,7 @@ class SignalMapper {
     bool in_every_frame() const { return conditions_.empty(); }
     bool integer() const { return signal_.kind == DbcValueKind::integer; }
     bool in_microseconds() const { return signal_.unit == "us" || signal_.unit == "\u00B5s"; }
-    /// The signal can hold this value, to within one step.
+    /// Whether the signal can hold this value, within one step.
     bool can_hold(double value) const {
         const double held = layout_.physical(layout_.bits_from_physical(value));
         return !integer() || std::abs(held - value) <= std::abs(signal_.factor);
@@ -222,8 +222,8 @@ class SignalMapper {
         return std::nullopt;
     }
 
-    /// Sticks that reach their end beyond what the signal holds would be cut off without a word,
-    /// and in the other direction full travel would read as no value.
+    /// If an end of the stick's travel is outside the range of the signal, output values would be
+    /// cut off without notice, and full travel of an input would be read as no value.
     std::optional<std::array<double, 2>> checked_points(const std::array<double, 2>& points,
                                                         const DbcChannelRole& role,
                                                         std::string_view key) {
