@@ -17,12 +17,12 @@ constexpr double kLowest = 1000;
 constexpr double kTravel = 1000;
 constexpr double kMostThrottle = 8191;
 constexpr double kLeastThrottle = -8192;
-/// Permissions come once or twice a second; one that old says nothing (docs/protocols/can.md,
-/// "DroneCAN: nodes": then the whole node counts as gone).
+/// Permissions come once or twice a second. After this time one no longer counts: the whole node is
+/// then gone (docs/protocols/can.md, "DroneCAN: nodes").
 constexpr Duration kPermissionLasts = std::chrono::seconds(3);
-/// A vehicle that has been silent for so long begins anew, perhaps with fewer actuators.
+/// After such a silence a vehicle starts anew, perhaps with fewer actuators.
 constexpr Duration kNewBeginning = std::chrono::seconds(1);
-/// How often others are told that they may move: those that wait for it want to hear it soon.
+/// Period of the permissions that are sent. Short, because nodes wait for the first one.
 constexpr Duration kPermissionPeriod = std::chrono::milliseconds(200);
 constexpr std::uint8_t kPermissionPriority = 16;
 
@@ -35,7 +35,7 @@ WantedTransfer wanted_command(CommandKind kind) {
                                        : wanted_transfer<EscRawCommand>();
 }
 
-/// Nothing for positions, forces and speeds, which are no pulse.
+/// Nothing for positions, forces and speeds, which are no pulses.
 std::optional<Pulse> pulse_of(const ActuatorCommand& command) {
     const double value = command.command_value;
     if (std::isnan(value)) {
@@ -89,7 +89,7 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
         return std::nullopt;
     }
     const bool command = head->data_type_id == command_id(format_.kind);
-    // Permissions are those of whoever commands.
+    // Only permissions of the node that commands count.
     const bool listens = command ? source_.would_listen_to(head->source, received)
                                  : head->source == source_.current();
     if (!listens) {
@@ -264,7 +264,7 @@ std::size_t CommandEncoder::encode_motors(const ChannelFrame& snapshot,
                           frames);
 }
 
-/// Nobody is armed before somebody had control, nor are motors in failsafe.
+/// Permits nothing before an input had control, and does not arm motors in failsafe.
 std::size_t CommandEncoder::encode_permissions(const ChannelFrame& snapshot, Instant now,
                                                std::span<CanFrame> frames) {
     ever_in_control_ = ever_in_control_ || snapshot.good();

@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::uint8_t kMostLinkQuality = 100;
 constexpr double kMostRssi = 255;
-/// Values that a sender tells in turn with others are believed so long.
+/// Lifetime of a link quality, for senders that send several kinds in turn.
 constexpr Duration kQualityLasts = std::chrono::seconds(1);
 constexpr double kSbusCentre = 992;
 constexpr double kMicrosecondsPerSbusStep = 0.625;
 
-/// Nothing for the kinds that are no share of a full signal.
+/// Nothing for the kinds that are not a share of a full signal.
 std::optional<double> percent_of(const RcInput& message) {
     constexpr std::uint8_t kLinkQualityBits = 0x7F;  // the other bit is the antenna
     switch (message.status & RcInput::kQualityTypeMask) {
@@ -31,7 +31,7 @@ std::optional<double> percent_of(const RcInput& message) {
     }
 }
 
-/// A number in the unit of its kind as the type writes it.
+/// Converts a number from the unit of its kind to the encoding of the message.
 double encoded_quality(std::uint16_t type, double number) {
     constexpr double kSnrOffset = 128;
     constexpr double kMilliwattsPerStep = 5;
@@ -90,11 +90,11 @@ std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant recei
 bool RcDecoder::believes(const RcInput& message, const ReceivedTransfer& transfer) {
     const NodeId source = transfer.head.source;
     bool of_source = !format_.receiver || message.id == *format_.receiver;
-    // A message without channels is none to hold on to.
+    // Messages without channels do not select a source.
     if (of_source && !message.rcin.empty()) {
         of_source = source_.listens_to(source, transfer.first_at);
     }
-    // All receivers of a node count their messages together.
+    // All receivers of a node share one transfer id.
     const bool in_order = source != source_.current() ||
                           order_.take(transfer.head.transfer_id, true, transfer.first_at) ==
                               CounterWatch::Verdict::good;
@@ -213,12 +213,12 @@ void RcEncoder::tell_quality(const ChannelFrame& snapshot, Instant now, RcInput&
     }
     const auto quality =
         nearest_whole(std::clamp(encoded_quality(format_.quality_type, *number), 0.0, kMostRssi));
-    // Some read a valid 0 as "lost", whatever its kind; a good link is never that.
+    // Some readers take a valid 0 of any kind as "lost", so a good link is never sent as 0.
     message.quality = static_cast<std::uint8_t>(std::max<std::int64_t>(quality, 1));
     message.status = RcInput::kQualityValid | format_.quality_type;
 }
 
-/// In percent, or in the unit of the kind.
+/// In percent, or in the unit of the kind of quality.
 std::optional<double> RcEncoder::quality_of(const ChannelFrame& snapshot, Instant now) {
     switch (format_.quality) {
         case RcQuality::none:
@@ -240,7 +240,7 @@ std::optional<double> RcEncoder::quality_of(const ChannelFrame& snapshot, Instan
     return std::nullopt;
 }
 
-/// Of the latest frames of the input, in percent.
+/// Percentage of good ones among the latest frames of the input.
 double RcEncoder::share_of_good(const ChannelFrame& snapshot) {
     if (snapshot.sequence != latest_sequence_) {
         latest_sequence_ = snapshot.sequence;

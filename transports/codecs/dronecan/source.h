@@ -14,48 +14,48 @@
 
 namespace tribus::dronecan {
 
-/// Whom is listened to.
+/// The source whose messages are accepted.
 struct SourceChoice {
-    std::optional<NodeId> node{};  ///< absent: the first one that is heard
-    /// Which one of several on its node, such as a battery; absent: likewise.
+    std::optional<NodeId> node{};  ///< nothing: the first node that is received
+    /// One of several on its node, such as a battery; nothing: the first one that is received.
     std::optional<std::uint32_t> instance{};
 
     bool operator==(const SourceChoice&) const = default;
 };
 
-/// Of each message, while it is open whom to listen to: a node that sends only what cannot be read
-/// must not keep the others out.
+/// Number of nodes whose messages are collected while no source is selected: a node that sends
+/// unreadable messages must not exclude the others.
 inline constexpr std::size_t kMostCandidates = 8;
 
-/// The transfer ids of a node's messages, for `CounterWatch`: losses are told from old messages by
-/// the time that passed. The specification counts a message at once, and forgets after 2 s.
+/// Checks the transfer ids of a node. The time that passed distinguishes lost messages from old
+/// ones. As in the specification, the first message is accepted at once, and ids are forgotten
+/// after 2 s.
 inline constexpr CounterWatch::Limits kTransferOrder{.values = kMostTransferId + 1U,
                                                      .most_step = kMostTransferId,
                                                      .silence = std::chrono::seconds(2),
                                                      .proof = 0};
 
-/// Holds on to one source: two that send the same must not be mixed. The first one of which a good
-/// message is heard stays the one until none has come for as long as a node is counted as gone.
-/// Pure.
+/// Keeps one source, because messages of two sources must not be mixed. The first source with a
+/// good message is kept until it has sent none for the time after which a node is gone. Pure;
+/// thread-bound.
 class SourceWatch {
   public:
-    /// NodeStatus of a node that is there comes at least so often (docs/protocols/can.md,
-    /// "DroneCAN: nodes").
+    /// Longest silence of a node that is present (docs/protocols/can.md, "DroneCAN: nodes").
     static constexpr Duration kGone = std::chrono::seconds(3);
 
     explicit SourceWatch(SourceChoice choice) : choice_(choice) {}
 
-    /// Whether it is worth putting the frames of that node together.
+    /// Whether frames of that node need to be collected.
     bool may_be(NodeId source) const {
         return source != kNobody && (!choice_.node || source == *choice_.node);
     }
-    /// Whether a message of that source would be listened to. To its frames, for they may be
-    /// broken.
+    /// Whether a message of that source would be accepted. For single frames, which may be part of
+    /// a broken message.
     bool would_listen_to(NodeId source, Instant at) const {
         return may_be(source) &&
                (source == current_ || current_ == kNobody || at - heard_ >= kGone);
     }
-    /// To a good message of that source.
+    /// Whether a good message of that source is accepted. If so, that is the source from now on.
     bool listens_to(NodeId source, Instant at, std::uint32_t instance = 0) {
         if (!may_be(source) || (choice_.instance && instance != *choice_.instance)) {
             return false;
@@ -79,17 +79,17 @@ class SourceWatch {
     Instant heard_{};
 };
 
-/// What a decoder of transfers refused, by cause.
+/// Counts the refused frames and messages of a decoder, by cause.
 class TransferRejects {
   public:
     void count(const TransferReceiver::Taken& taken) {
         ++counts_[cause_of(taken.fate)].count;
         counts_[kIncomplete].count += taken.broke_off ? 1U : 0U;
     }
-    /// Whole, but not as its type describes it.
+    /// Complete, but not as its type describes it.
     void count_layout() { ++counts_[kLayout].count; }
     void count_other_source() { ++counts_[kOtherSource].count; }
-    /// Whole and right, but its transfer id says that it is an old one, or of a second sender.
+    /// Complete and readable, but by its transfer id an old message, or one of a second sender.
     void count_counter_jump() { ++counts_[kCounterJump].count; }
     std::span<const NamedCount> counts() const { return std::span(counts_).first(kUncounted); }
 

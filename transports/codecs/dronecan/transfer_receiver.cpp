@@ -7,7 +7,7 @@
 namespace tribus::dronecan {
 namespace {
 
-/// Specification 4.1, "Transfer ID timeout".
+/// Specification 4.1, "Transfer ID timeout" (docs/protocols/can.md, "DroneCAN: transport").
 constexpr Duration kTransferTimeout = std::chrono::seconds(2);
 
 constexpr std::size_t kMostFdCarried = kMostFdBytes - 1;
@@ -32,18 +32,18 @@ std::uint8_t next_transfer_id(std::uint8_t transfer_id) {
     return (transfer_id + 1U) & kTailTransferId;
 }
 
-/// How often the id must be counted up to become the other one.
+/// How many steps forward lead from one id to the other.
 unsigned forward_distance(std::uint8_t from, std::uint8_t to) {
     return (unsigned{to} - unsigned{from}) & kTailTransferId;
 }
 
-/// What the frames of so many bytes carry with the padding of the last one.
+/// Bytes that the frames carry, including the padding of the last one.
 std::size_t padded(std::size_t bytes, bool fd) {
     const std::size_t in_last = bytes % kMostFdCarried;
     return fd ? bytes - in_last + can_length_for(in_last + 1) - 1 : bytes;
 }
 
-/// The most that a session keeps of a transfer.
+/// Bytes that a session keeps of a transfer.
 std::size_t room_for(std::size_t most_bytes) {
     return padded(most_bytes + kCrcBytes, true);
 }
@@ -179,7 +179,7 @@ bool TransferReceiver::Session::ends_in(std::span<const std::uint8_t> bytes) con
     return bytes.size() <= size && std::ranges::equal(room.first(size).last(bytes.size()), bytes);
 }
 
-/// A start of the transfer before, or of the one that is under way, is a copy.
+/// A start of the previous transfer, or of the one in progress, is a copy.
 FrameFate TransferReceiver::Session::start(const CanFrame& frame, Instant at, bool& broke_off) {
     const std::uint8_t id = transfer_id_of(frame);
     const unsigned behind = forward_distance(id, transfer_id);

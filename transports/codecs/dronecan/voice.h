@@ -4,9 +4,10 @@
 
 namespace tribus::dronecan {
 
-/// What the node of an interface lets those say who send in its name.
+/// The node that outputs of an interface send as.
 struct Voice {
-    /// kNobody while it has no id, or another node has the same one: then nothing is to be said.
+    /// kNobody while the node has no id, or another node has the same one: nothing may be sent
+    /// then.
     NodeId id = kNobody;
 };
 
