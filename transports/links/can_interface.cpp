@@ -24,10 +24,10 @@ std::optional<T> take(std::span<const std::byte> bytes) {
     return value;
 }
 
-/// The rest are flags of the attribute.
+/// The other bits are flags of the attribute.
 constexpr unsigned kTypeBits = 0x3FFF;
 
-/// Calls `each(type, payload)` for every attribute, up to the first that is damaged.
+/// Calls `each(type, payload)` for every attribute up to the first damaged one.
 template <typename Each>
 void for_attributes(std::span<const std::byte> bytes, Each each) {
     while (const auto head = take<rtattr>(bytes)) {
@@ -55,7 +55,7 @@ std::optional<CanControllerState> controller_state(std::uint32_t state) {
     if (state >= CAN_STATE_MAX) {
         return std::nullopt;
     }
-    // Our enum has the kernel's order.
+    // CanControllerState has the kernel's order.
     static_assert(static_cast<int>(CanControllerState::bus_off) == CAN_STATE_BUS_OFF);
     static_assert(static_cast<int>(CanControllerState::sleeping) == CAN_STATE_SLEEPING);
     return static_cast<CanControllerState>(state);
@@ -109,7 +109,7 @@ void take_link_info(std::span<const std::byte> bytes, CanInterface& interface) {
             data = payload;
         }
     });
-    // The same attribute numbers mean other things for vxcan.
+    // For vxcan, the same attribute numbers have other meanings.
     if (interface.kind == "can") {
         for_attributes(data, [&](unsigned type, std::span<const std::byte> payload) {
             take_controller_attribute(type, payload, interface);
@@ -146,7 +146,7 @@ std::string set_link(const CanInterface& interface, const std::string& what) {
     return "`ip link set " + interface.name + " " + what + "`";
 }
 
-/// A setting of the controller, which is refused while the interface is up.
+/// Commands for a controller setting, which the kernel refuses while the interface is up.
 std::string set_controller(const CanInterface& interface, const std::string& what) {
     return "`ip link set " + interface.name + " down`, " + set_link(interface, "type can " + what) +
            ", " + set_link(interface, "up");

@@ -47,7 +47,7 @@ std::optional<CanFrame> from_wire(const canfd_frame& wire, std::size_t size) {
     frame.extended = (wire.can_id & CAN_EFF_FLAG) != 0;
     frame.id = wire.can_id & (frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK);
     frame.fd = size == CANFD_MTU;
-    // In a classic frame that byte means something else.
+    // In a classic frame this byte has another meaning.
     frame.bit_rate_switch = frame.fd && (wire.flags & CANFD_BRS) != 0;
     frame.error_state_indicator = frame.fd && (wire.flags & CANFD_ESI) != 0;
     frame.remote = !frame.fd && (wire.can_id & CAN_RTR_FLAG) != 0;

@@ -22,7 +22,7 @@ std::uint8_t random_bit(FaultDice& dice) {
 }  // namespace
 
 std::uint64_t FaultDice::next() {
-    // SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed is good.
+    // SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed works.
     state_ += 0x9E3779B97F4A7C15U;
     std::uint64_t mixed = state_;
     mixed = (mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9U;
@@ -58,7 +58,7 @@ void FaultInjector::apply(const Reception& in, Reception& out) {
     }
 }
 
-/// A fault that is turned off takes no dice: those of the others stay as they are.
+/// A fault that is off draws no random number, so the other faults stay the same.
 FaultInjector::Part FaultInjector::cut(std::size_t count) {
     still_to_lose_ = 0;
     if (settings_.cut_frame == 0 || !dice_.happens(settings_.cut_frame) || count == 0) {

@@ -28,7 +28,7 @@ tl::unexpected<std::string> refused(std::string_view text, const std::string& wh
 tl::expected<GpioPlace, std::string> parse_gpio_place(std::string_view text) {
     const bool path = text.starts_with('/');
     const bool chip = path || text.starts_with(kChip);
-    // A line's name may have a colon, and so may a path.
+    // A line's name may contain a colon, and so may a path.
     const std::size_t colon = path ? text.rfind(':') : text.find(':');
     if (chip && colon == std::string_view::npos) {
         return refused(text, "names a chip but none of its lines");

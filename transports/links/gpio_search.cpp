@@ -13,7 +13,7 @@ namespace tribus {
 namespace {
 
 constexpr std::size_t kMostNames = 6;
-/// The kernel's own ENOTSUPP, which gets out to programs but not into their headers.
+/// The kernel's internal ENOTSUPP, which reaches programs but is not in their headers.
 constexpr int kDriverCannot = 524;
 
 constexpr const char* kNoChips =
@@ -71,7 +71,7 @@ std::size_t common_start(std::string_view a, std::string_view b) {
         a.begin());
 }
 
-/// The names that begin most like `wrong` first.
+/// All names; those that begin most like `wrong` come first.
 std::vector<std::string_view> names_like(std::string_view wrong, std::span<const GpioChip> chips) {
     std::vector<std::string_view> names;
     for (const GpioChip& chip : chips) {

@@ -24,12 +24,12 @@ using recording_text::trimmed;
 
 constexpr std::string_view kSaleaeHeading = "Time [s],Value,Parity Error,Framing Error";
 
-/// Bytes that start less than this apart are one burst. Longer than two bytes of any line that is
-/// read (120 us at 100000 baud 8E2), shorter than the step between SBUS2 slots
-/// (docs/protocols/sbus.md, "Footer and SBUS2").
+/// Bytes that start less than this apart are one burst. Longer than two bytes of any supported line
+/// (120 us at 100000 baud 8E2), shorter than the distance of SBUS2 slots (docs/protocols/sbus.md,
+/// "Footer and SBUS2").
 constexpr Duration kBurstGap = std::chrono::microseconds(300);
 
-/// Beyond any recording; its nanoseconds fit.
+/// Above any recording; in nanoseconds it fits.
 constexpr double kMostSeconds = 1e9;
 
 std::optional<std::uint8_t> parse_byte(std::string_view text, int base) {
@@ -43,7 +43,7 @@ std::optional<std::uint8_t> parse_hex_byte(std::string_view text) {
     return text.size() == 2 ? parse_byte(text, 16) : std::nullopt;
 }
 
-/// The analyser writes seconds, short ones perhaps as 5E-05.
+/// The analyser writes seconds, small values also as 5E-05.
 std::optional<Duration> parse_seconds(std::string_view text) {
     double seconds = 0;
     const char* end = text.data() + text.size();

@@ -25,24 +25,24 @@ constexpr Duration kMostStepBack = std::chrono::milliseconds(100);
 constexpr std::string_view kWhatALineIs =
     "; a line is (1436509052.249713) can0 123#1122, as candump -L and candump -l write it";
 
-/// Set in the id of a line that is a note of the controller (CAN_ERR_FLAG).
+/// Set in the id of a line that is an error frame of the kernel (CAN_ERR_FLAG).
 constexpr std::uint32_t kErrorFlag = 0x2000'0000;
 constexpr std::size_t kStandardDigits = 3;
 constexpr std::size_t kExtendedDigits = 8;
 
-/// Flags behind "##"; 4 says FD once more, and 8 has no meaning.
+/// Flags after "##". 4 also marks FD, 8 has no meaning.
 constexpr unsigned kBitRateSwitch = 1;
 constexpr unsigned kErrorStateIndicator = 2;
 
 /// Names of interfaces have at most 15 characters in Linux.
 constexpr std::size_t kLongestInterface = 15;
 
-/// 10 digits of seconds reach to the year 2286; their nanoseconds fit.
+/// 10 digits of seconds reach to the year 2286; in nanoseconds they fit.
 constexpr std::size_t kMostSecondDigits = 10;
 constexpr std::uint64_t kMostUnixSeconds = 9'000'000'000;
 constexpr std::size_t kMostFractionDigits = 9;
 
-/// What is wrong with a word, and how far into it.
+/// An error in a word, and its position in the word.
 struct Flaw {
     std::size_t at = 0;
     std::string text;
@@ -105,7 +105,7 @@ tl::expected<void, Flaw> read_id(std::string_view digits, CanFrame& frame) {
     return {};
 }
 
-/// Takes bytes off the front of `text`; points may stand between them.
+/// Removes bytes from the front of `text`; points may separate them.
 tl::expected<void, Flaw> read_data(std::string_view& text, std::size_t offset, CanFrame& frame) {
     const std::size_t most = frame.fd ? kMostFdBytes : kMostClassicBytes;
     const std::size_t size = text.size();
@@ -162,7 +162,7 @@ tl::expected<void, Flaw> read_classic(std::string_view text, std::size_t offset,
     } else if (auto read = read_data(text, offset, frame); !read) {
         return read;
     }
-    // The length code as sent, where 9 to F also mean 8 bytes.
+    // The length code as sent; 9 to F also mean 8 bytes.
     const auto code =
         text.size() == 2 && text.front() == '_' ? parse_hex(text.substr(1)) : std::nullopt;
     if (text.empty() || (code && *code > kMostClassicBytes && frame.length == kMostClassicBytes)) {
@@ -172,7 +172,7 @@ tl::expected<void, Flaw> read_classic(std::string_view text, std::size_t offset,
                       quoted(text) + " does not belong here; behind 8 bytes may stand _9 to _F"});
 }
 
-/// `123#1122`, `12345678#R5`, `123##1` and up to 64 bytes.
+/// `123#1122`, `12345678#R5`, `123##1` followed by up to 64 bytes.
 tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
     const std::size_t mark = word.find('#');
     if (mark == std::string_view::npos) {
@@ -192,7 +192,7 @@ tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
     return frame;
 }
 
-/// Newer versions of candump add whether the frame was received or sent.
+/// Newer versions of candump append whether the frame was received or sent.
 bool is_direction(std::string_view word) {
     return word == "R" || word == "T";
 }
@@ -265,7 +265,7 @@ tl::expected<Recording, std::string> parse_candump(std::string_view content,
     Lines lines(content);
     Line line;
     while (lines.next(line)) {
-        // In this form a '#' starts no comment but the data.
+        // In this format '#' starts the data, not a comment.
         const std::string_view whole(line.text.data(), line.text.size() + line.comment.size());
         auto frame = reader.next(whole);
         if (!frame) {

@@ -21,11 +21,11 @@ constexpr std::string_view kTimedHeadingStart = "t_us";
 constexpr std::string_view kSaleaeStart = "Time [s]";
 constexpr char kCandumpStart = '(';
 
-/// One byte in so many must be none of text for the content to be taken as raw. Frames of the
-/// serial protocols are far above: i.Bus has a control character in every second byte.
+/// Content is raw if at least one byte in this many does not occur in text. Frames of serial
+/// protocols are far above: in i.Bus every second byte is a control character.
 constexpr std::size_t kRawShare = 16;
 
-/// What the first words of the lines tell.
+/// Decides by the first words of the lines.
 RecordingKind hex_or_timed(std::string_view content) {
     Lines lines(content);
     Line line;
