@@ -11,7 +11,9 @@ class ArrivalClock {
     /// A frame arrived at `now`.
     void arrived(Instant now);
 
+    /// Whether any frame has arrived.
     bool ever() const { return ever_; }
+    /// Arrival of the latest frame. Valid only if `ever`.
     Instant latest() const { return latest_; }
     /// Period of the fitted line; zero before the second arrival.
     Duration interval() const { return interval_; }

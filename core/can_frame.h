@@ -22,6 +22,7 @@ inline constexpr std::size_t kMostSnapshotFrames = 16;
 /// (docs/protocols/can.md, "SocketCAN: sockets").
 inline constexpr std::array<std::uint8_t, 7> kLongFdLengths{12, 16, 20, 24, 32, 48, 64};
 
+/// Whether a classic or FD frame can have this length in bytes.
 constexpr bool valid_can_length(std::size_t length, bool fd) {
     return length <= kMostClassicBytes ||
            (fd && std::ranges::find(kLongFdLengths, length) != kLongFdLengths.end());
@@ -62,6 +63,7 @@ struct CanIdMatch {
     constexpr bool matches(const CanFrame& frame) const {
         return frame.extended == extended && ((frame.id ^ id) & mask) == 0;
     }
+    /// Whether an id can be in both sets.
     constexpr bool overlaps(const CanIdMatch& other) const {
         return extended == other.extended && ((id ^ other.id) & mask & other.mask) == 0;
     }

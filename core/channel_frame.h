@@ -47,6 +47,7 @@ class ChannelFrame {
     /// When the last byte of the frame was read.
     Instant received{};
 
+    /// Whether the values come from a live link.
     bool good() const { return !frame_lost && !failsafe; }
 
     /// One bit for each channel that is absent.
@@ -54,15 +55,18 @@ class ChannelFrame {
     bool has_any() const { return absent_ != kAllChannels; }
     /// Whether every channel of `other` is present here.
     bool has_all_of(const ChannelFrame& other) const { return (absent_ & ~other.absent_) == 0; }
+    /// Whether the channel is present.
     bool has(std::size_t channel) const { return ((absent_ >> channel) & 1U) == 0; }
     /// Whether the first `count` channels are all present.
     bool has_first(std::size_t count) const { return (absent_ & ((1U << count) - 1)) == 0; }
+    /// Value of a channel, or nothing if it is absent.
     std::optional<Pulse> channel(std::size_t channel) const {
         return has(channel) ? std::optional(pulses_[channel]) : std::nullopt;
     }
     Pulse channel_or(std::size_t channel, Pulse absent) const {
         return has(channel) ? pulses_[channel] : absent;
     }
+    /// Sets a channel, which is present then.
     constexpr void set(std::size_t channel, Pulse pulse) {
         pulses_[channel] = pulse;
         absent_ &= ~(1U << channel);
@@ -76,6 +80,7 @@ class ChannelFrame {
     }
     /// Marks the first `count` channels as present, with the values that they have.
     void mark_first(std::size_t count) { absent_ &= ~((1U << count) - 1); }
+    /// Makes a channel absent.
     void remove(std::size_t channel) {
         pulses_[channel] = Pulse{};
         absent_ |= 1U << channel;

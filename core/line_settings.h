@@ -23,6 +23,7 @@ struct LineSettings {
     constexpr unsigned bits_per_byte() const {
         return 1U + 8U + (parity == Parity::even ? 1U : 0U) + stop_bits;
     }
+    /// Duration of `bits` on the line.
     constexpr Duration bits_time(std::uint64_t bits) const {
         return Duration(static_cast<std::int64_t>((bits * 1'000'000'000U + baud / 2) / baud));
     }

@@ -16,6 +16,7 @@ enum class ScheduleKind : std::uint8_t {
     grid,
 };
 
+/// How a grid relates to the arrivals of the input.
 enum class Phase : std::uint8_t {
     free,
     locked,  ///< the grid is steered to stay just behind the arrivals of the input

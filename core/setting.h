@@ -86,6 +86,7 @@ struct SettingTree {
     bool operator==(const SettingTree&) const = default;
 };
 
+/// A key of a tree, with its value.
 struct SettingEntry {
     std::string key;
     SettingTree value;
@@ -109,6 +110,7 @@ class SettingValues {
     void set(std::string_view key, SettingValue value) {
         values_.emplace_back(std::string(key), std::move(value));
     }
+    /// The value of a key, or null.
     const SettingValue* find(std::string_view key) const {
         for (const auto& [name, value] : values_) {
             if (name == key) {
@@ -117,6 +119,7 @@ class SettingValues {
         }
         return nullptr;
     }
+    /// The value of a key as a T, or null; also null if it has another type.
     template <class T>
     const T* find_as(std::string_view key) const {
         const SettingValue* value = find(key);

@@ -42,6 +42,7 @@ class ValueBoard {
     }
 
     std::size_t size() const { return values_.size(); }
+    /// Name, unit and lifetime of a value.
     const NamedValue& value(std::size_t index) const { return values_[index]; }
     /// Linear search: for the start, not for the data path.
     std::optional<std::size_t> find(std::string_view name) const;

@@ -115,7 +115,9 @@ std::uint16_t can_channels_crc(const CanChannelsFormat& format, std::size_t inde
 void write_can_channels_crc(const CanChannelsFormat& format, std::size_t index,
                             std::span<std::uint8_t> payload);
 
+/// Raw value of a pulse; an absent channel becomes `not_available`. Saturates.
 std::uint16_t to_wire(const can_channels::PulseScale& scale, std::optional<Pulse> pulse);
+/// Pulse of a raw value; nothing for `not_available`.
 std::optional<Pulse> from_wire(const can_channels::PulseScale& scale, std::uint16_t raw);
 std::uint8_t source_to_wire(Origin origin);
 Origin source_from_wire(std::uint8_t raw);

@@ -41,6 +41,7 @@ struct Field {
     constexpr unsigned end() const { return start + width; }
 };
 
+/// Reads a field.
 constexpr std::uint16_t get(std::span<const std::uint8_t> payload, Field field) {
     std::uint32_t bits = 0;
     const std::size_t last = (field.end() - 1) / 8;

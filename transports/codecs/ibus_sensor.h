@@ -30,6 +30,7 @@ enum class SensorCommand : std::uint8_t {
     power_up = 0xF,  ///< `04 F0 0B FF`, meaning unknown, never answered
 };
 
+/// One frame of the sensor bus, request or answer.
 struct SensorFrame {
     SensorCommand command = SensorCommand::discover;
     std::uint8_t address = 0;

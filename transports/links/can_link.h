@@ -19,11 +19,13 @@ inline constexpr std::size_t kCanFramesPerRead = 64;
 inline constexpr std::size_t kMostCanOutputs = 16;
 inline constexpr std::size_t kMostLanes = kMostCanOutputs + 1;
 
+/// Origin of a received frame.
 enum class CanSender : std::uint8_t {
     bus,    ///< another node, or unknown
     local,  ///< another program on this machine
 };
 
+/// A received frame with its arrival.
 struct ReceivedCanFrame {
     CanFrame frame;
     Instant at{};  ///< when the kernel received it; the earliest possible instant if the kernel
@@ -31,6 +33,7 @@ struct ReceivedCanFrame {
     CanSender sender = CanSender::bus;
 };
 
+/// Result of one read.
 struct CanReception {
     std::array<ReceivedCanFrame, kCanFramesPerRead> frames{};
     std::size_t count = 0;

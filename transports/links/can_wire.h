@@ -20,6 +20,7 @@ struct WireCanFrame {
     std::size_t size = CAN_MTU;
 };
 
+/// Converts a frame. Limits its length to what its kind allows.
 WireCanFrame to_wire(const CanFrame& frame);
 
 /// Converts a data or remote frame from a raw CAN socket. `size` distinguishes classic from FD

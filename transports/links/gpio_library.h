@@ -38,7 +38,9 @@ struct GpioRequest {
 /// Name under which the kernel shows the line's user.
 inline constexpr const char* kGpioConsumer = "tribus";
 
+/// Reads the description of a chip's lines. May block.
 tl::expected<std::vector<GpioLineFacts>, int> read_gpio_lines(const std::string& chip_path);
+/// Requests a line. May block.
 tl::expected<std::unique_ptr<GpioHeldLine>, int> request_gpio_line(const std::string& chip_path,
                                                                    const GpioRequest& request);
 

@@ -19,6 +19,7 @@ namespace tribus {
 
 class GpioHeldLine;
 
+/// An output line.
 class GpioOutput {
   public:
     /// The line has the level of `active_at_start` as soon as it is an output.
@@ -36,6 +37,7 @@ class GpioOutput {
     std::unique_ptr<GpioHeldLine> line_;
 };
 
+/// An input line that reports its edges.
 class GpioInput {
   public:
     static tl::expected<std::unique_ptr<GpioInput>, std::string> open(const GpioPlace& place,

@@ -54,7 +54,9 @@ class Link {
 /// For protocols that are a stream of bytes.
 class ByteLink : public Link {
   public:
+    /// Reads the waiting bytes, at most kBytesPerRead.
     virtual ReadStatus read(Reception& reception) = 0;
+    /// Writes one frame completely or drops it.
     virtual WriteStatus write(std::span<const std::uint8_t> frame) = 0;
     /// `write` in two steps, so that the caller can read the clock in between: a thread that is
     /// stopped stops at the end of a system call. `ask` makes all system calls except that of

@@ -30,6 +30,7 @@ struct RecordedCanFrame {
     CanFrame frame;
 };
 
+/// File formats of recordings.
 enum class RecordingKind : std::uint8_t {
     raw,      ///< the bytes themselves, as one burst
     hex,      ///< `20 40 dc! 05`, one burst per line; '#' starts a comment, '!' marks a damaged

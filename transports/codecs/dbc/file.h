@@ -81,6 +81,7 @@ struct DbcSignal {
     bool has_range() const { return minimum < maximum; }
 };
 
+/// One message (BO_) with its signals.
 struct DbcMessage {
     std::string name;
     /// 11 bits, or 29 if extended, without the flag bits of the file and of the kernel.
@@ -109,6 +110,7 @@ struct DbcMessage {
     const DbcSignal* find(std::string_view signal_name) const;
 };
 
+/// Content of a DBC file.
 struct DbcFile {
     /// Names are unique, and so are ids of one kind.
     std::vector<DbcMessage> messages;

@@ -41,6 +41,7 @@ struct DbcChannel {
     std::optional<DbcLayout> neutral{};
 };
 
+/// Meaning of a flag signal.
 enum class DbcFlagMeaning : std::uint8_t {
     failsafe,
     frame_lost,
@@ -83,6 +84,7 @@ struct DbcSelector {
     std::uint64_t sent = 0;                     ///< one of them
 };
 
+/// A signal that increases with each frame.
 struct DbcCounter {
     DbcLayout layout;
     std::uint64_t most = 0;  ///< counts from 0 to this, then starts again
@@ -119,6 +121,7 @@ struct DbcPart {
     std::vector<DbcValue> values;
 };
 
+/// One message with its counter and checksum.
 struct DbcMappedMessage {
     std::string name;
     CanIdMatch id;  ///< ids that are received; `sent_id` is sent
@@ -132,6 +135,7 @@ struct DbcMappedMessage {
     std::optional<DbcChecksum> checksum;
 };
 
+/// The messages of an input or output, and the content of their frames.
 struct DbcMap {
     std::vector<DbcMappedMessage> messages;
     std::vector<DbcPart> parts;
