@@ -38,7 +38,7 @@ std::vector<SettingMistake> check(const SettingValues& settings, SettingScope sc
     std::vector<SettingMistake> mistakes;
     if (scope == SettingScope::input) {
         mistakes.push_back({{"sensor_bus"},
-                            "protocol \"sensors\" only sends; allowed: in an output, while "
+                            "protocol \"sensors\" only sends; allowed: in an output; "
                             "[values.NAME] reads such messages with the DBC file that "
                             "\"tribus dbc --sensors\" prints"});
     }

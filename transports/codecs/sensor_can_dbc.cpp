@@ -82,7 +82,7 @@ class SensorsDbcText {
             add_message(address);
         }
         add("CM_ \"The readings of an i.Bus sensor bus, a message for each address, with the raw "
-            "value as the sensor sent it. The type says what it means. A reading counts while "
+            "value that the sensor sent. The type gives its meaning. A reading is valid while "
             "available is 1.\";\n");
         add_attributes();
         for (std::size_t address = 1; address <= kMostSensors; ++address) {

@@ -152,22 +152,22 @@ std::string existing_can_interfaces() {
         }
     }
     if (names.empty()) {
-        return "there is no CAN interface at all: a controller shows up when its driver is loaded "
-               "(on small boards an overlay enables it), and "
-               "`modprobe vcan; ip link add vcan0 type vcan; ip link set vcan0 up` makes a virtual "
+        return "there is no CAN interface: a controller appears when its driver is loaded "
+               "(on small boards an overlay enables it); `modprobe vcan; ip link add vcan0 type "
+               "vcan; ip link set vcan0 up` makes a virtual "
                "one";
     }
-    return "CAN interfaces that are there: " + names;
+    return "the CAN interfaces are: " + names;
 }
 
 std::string asking_problem(int error) {
     if (error == EAFNOSUPPORT || error == EACCES || error == EPERM) {
         return std::string(
-                   "not permitted to ask the kernel about network interfaces (AF_NETLINK; "
+                   "not permitted to read network interfaces from the kernel (AF_NETLINK; "
                    "a service needs it in RestrictAddressFamilies): ") +
                std::strerror(error);
     }
-    return std::string("cannot ask the kernel about it: ") + std::strerror(error);
+    return std::string("cannot read it from the kernel: ") + std::strerror(error);
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ tl::expected<void, std::string> restart_can_interface(const std::string& name) {
                                   ": it cannot be restarted now: it is down, or not in "
                                   "bus-off");
         case EOPNOTSUPP:
-            return tl::unexpected(name + ": its driver knows no restart: `ip link set " + name +
+            return tl::unexpected(name + ": its driver has no restart: `ip link set " + name +
                                   " down`, `ip link set " + name + " up`");
         default:
             return tl::unexpected(

@@ -62,7 +62,7 @@ bool set_options(int fd, const std::vector<can_filter>& filters, bool fd_frames)
 
 std::string bind_problem(int error) {
     if (error == ENODEV || error == ENXIO) {
-        return "it has just gone; is the adapter plugged in?";
+        return "it was just removed; is the adapter plugged in?";
     }
     return std::string("cannot use it: ") + std::strerror(error);
 }

@@ -94,12 +94,12 @@ tl::expected<void, Flaw> read_id(std::string_view digits, CanFrame& frame) {
     const bool right_size = digits.size() == kStandardDigits || digits.size() == kExtendedDigits;
     if (!id || !right_size) {
         return FlawFound(
-            {0, quoted(digits) + " is no id; an 11-bit id is 3 hex digits, a 29-bit id is 8"});
+            {0, quoted(digits) + " is not an id; an 11-bit id is 3 hex digits, a 29-bit id is 8"});
     }
     frame.extended = digits.size() == kExtendedDigits;
     frame.id = *id;
     if (*id > (frame.extended ? kMostExtendedId : kMostStandardId)) {
-        return FlawFound({0, quoted(digits) + " is beyond the highest id, " +
+        return FlawFound({0, quoted(digits) + " is above the highest id, " +
                                  (frame.extended ? "1FFFFFFF" : "7FF")});
     }
     return {};
@@ -117,11 +117,11 @@ tl::expected<void, Flaw> read_data(std::string_view& text, std::size_t offset, C
         const auto byte = parse_number<std::uint8_t>(text.substr(0, 2), 16);
         if (!byte || text.size() < 2) {
             return FlawFound(
-                {at, quoted(text.substr(0, 2)) + " is no byte; a byte is two hex digits"});
+                {at, quoted(text.substr(0, 2)) + " is not a byte; a byte is two hex digits"});
         }
         if (frame.length == most) {
             return FlawFound({at, "more than " + std::to_string(most) + " bytes in one frame" +
-                                      (frame.fd ? "" : "; FD frames have ## behind the id")});
+                                      (frame.fd ? "" : "; FD frames have ## after the id")});
         }
         frame.data[frame.length++] = *byte;
         text.remove_prefix(2);
@@ -132,7 +132,7 @@ tl::expected<void, Flaw> read_data(std::string_view& text, std::size_t offset, C
 tl::expected<void, Flaw> read_fd(std::string_view text, std::size_t offset, CanFrame& frame) {
     const auto flags = parse_hex(text.substr(0, 1));
     if (!flags) {
-        return FlawFound({offset, "behind ## stands one hex digit of flags, then the data"});
+        return FlawFound({offset, "## is followed by one hex digit of flags, then the data"});
     }
     frame.fd = true;
     frame.bit_rate_switch = (*flags & kBitRateSwitch) != 0;
@@ -169,14 +169,14 @@ tl::expected<void, Flaw> read_classic(std::string_view text, std::size_t offset,
         return {};
     }
     return FlawFound({offset + size - text.size(),
-                      quoted(text) + " does not belong here; behind 8 bytes may stand _9 to _F"});
+                      quoted(text) + " is not allowed here; 8 bytes may be followed by _9 to _F"});
 }
 
 /// `123#1122`, `12345678#R5`, `123##1` followed by up to 64 bytes.
 tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
     const std::size_t mark = word.find('#');
     if (mark == std::string_view::npos) {
-        return FlawFound({0, quoted(word) + " is no frame" + std::string(kWhatALineIs)});
+        return FlawFound({0, quoted(word) + " is not a frame" + std::string(kWhatALineIs)});
     }
     CanFrame frame;
     if (auto read = read_id(word.substr(0, mark), frame); !read) {
@@ -216,12 +216,13 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     }
     auto logged = parse_time(time.text);
     if (!logged) {
-        return mistake(time.column, quoted(time.text) + " is no time" + std::string(kWhatALineIs));
+        return mistake(time.column,
+                       quoted(time.text) + " is not a time" + std::string(kWhatALineIs));
     }
     if (log_start_ && *logged < latest_ - kMostStepBack) {
         return mistake(time.column,
                        "the time " + std::string(time.text) +
-                           " is more than 100 ms before that of the line ahead (sort -s -k1,1 puts "
+                           " is more than 100 ms before that of the line above (sort -s -k1,1 puts "
                            "a whole log in order)");
     }
     if (log_start_) {
@@ -234,8 +235,9 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
                        "a time without an interface and a frame" + std::string(kWhatALineIs));
     }
     if (interface.text.size() > kLongestInterface) {
-        return mistake(interface.column, quoted(interface.text) +
-                                             " is no interface; names have at most 15 characters");
+        return mistake(
+            interface.column,
+            quoted(interface.text) + " is not an interface; names have at most 15 characters");
     }
     const bool error_frame = is_error_frame(word.text);
     const auto frame = error_frame ? tl::expected<CanFrame, Flaw>() : parse_frame(word.text);
@@ -245,7 +247,7 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     Token further;
     if (tokens.next(further) && (!is_direction(further.text) || tokens.next(further))) {
         return mistake(further.column,
-                       quoted(further.text) + " behind the frame" + std::string(kWhatALineIs));
+                       quoted(further.text) + " after the frame" + std::string(kWhatALineIs));
     }
     latest_ = *logged;
     log_start_ = log_start_.value_or(*logged);

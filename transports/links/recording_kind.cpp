@@ -72,10 +72,9 @@ tl::expected<RecordingKind, std::string> tell_recording_kind(std::string_view co
         return RecordingKind::raw;
     }
     if (odd.count > 0) {
-        return mistake_at(
-            file_name, odd.line, odd.column,
-            "a byte that is no text in a file that otherwise is; mend it, or say that "
-            "the file holds raw bytes");
+        return mistake_at(file_name, odd.line, odd.column,
+                          "a byte that is not text in a file of text; correct it, or say that "
+                          "the file holds raw bytes");
     }
     Lines lines(content);
     Line line;

@@ -46,17 +46,17 @@ std::string open_problem(int error) {
         case ENOENT:
         case ENOTDIR:
             return "there is no such device; is it plugged in? `ls /dev/serial/by-id` lists the "
-                   "USB adapters that are there";
+                   "connected USB adapters";
         case EACCES:
         case EPERM:
             return "no permission to open it; serial devices belong to the group dialout: "
-                   "`sudo usermod -aG dialout $USER`, then log in anew";
+                   "`sudo usermod -aG dialout $USER`, then log in again";
         case EBUSY:
             return kInUse;
         case ENXIO:
         case ENODEV:
         case EIO:
-            return "the device node is there but no device is behind it; is the port enabled?";
+            return "the device node exists, but it has no device; is the port enabled?";
         default:
             return std::string("cannot open it: ") + std::strerror(error);
     }

@@ -45,7 +45,7 @@ std::string what_it_can_do(const PortFacts& facts) {
         "this UART divides " + std::to_string(base) + " baud by whole numbers";
     const std::uint64_t divisor = base / facts.asked.baud;
     if (divisor == 0) {
-        return divides + " and can go no faster";
+        return divides + " and cannot go faster";
     }
     return divides + ", its nearest rates are " +
            std::to_string(rate_at_divisor(base, divisor + 1)) + " and " +

@@ -82,8 +82,8 @@ void check_channels(const DbcMap& map, const SettingTree::Table& messages, Setti
             if (!first) {
                 mistakes.push_back({{"signals", message.key, signal.key},
                                     "channel " + std::to_string(channel->channel + 1) +
-                                        " comes from " + in_quotes(source->second) +
-                                        " already; allowed: one signal for each channel"});
+                                        " already comes from " + in_quotes(source->second) +
+                                        "; allowed: one signal for each channel"});
             }
         }
     }
@@ -98,8 +98,8 @@ void check_ids(const DbcMap& map, Mistakes& mistakes) {
                                     "a frame of this message may also be one of " +
                                         in_quotes(map.messages[j].name) +
                                         ", as their ids differ in the priority only, or one of "
-                                        "them comes from any source (0xFE); allowed: one of the "
-                                        "two"});
+                                        "them comes from any source (0xFE); allowed: only one "
+                                        "of the two"});
             }
         }
     }
@@ -108,7 +108,7 @@ void check_ids(const DbcMap& map, Mistakes& mistakes) {
 void check_part_count(const DbcMap& map, SettingScope scope, Mistakes& mistakes) {
     if (scope == SettingScope::output && map.parts.size() > kMostSnapshotFrames) {
         mistakes.push_back({{"signals"},
-                            "they lie in " + std::to_string(map.parts.size()) +
+                            "they need " + std::to_string(map.parts.size()) +
                                 " frames; allowed: at most " +
                                 std::to_string(kMostSnapshotFrames)});
     }

@@ -30,8 +30,8 @@ bool any_source(const DbcMessage& message) {
 }
 
 constexpr const char* kNotReceived =
-    "a named value is sent in this signal, but an input receives it; allowed: in the signals of an "
-    "output, while [values.NAME] makes the signals of a message named values";
+    "\"from\" sends a named value, but this is an input; allowed: in the signals of an output; "
+    "[values.NAME] makes named values of the signals of a message";
 
 /// The values of the selectors in a sent frame: the first selecting value of each.
 using Page = std::vector<std::pair<const DbcSignal*, std::uint64_t>>;
@@ -93,11 +93,11 @@ class MessageBuilder {
         }
         if (scope_ == SettingScope::output && any_source(message_)) {
             complain(path,
-                     "the id of the message has the source address 0xFE, from which nobody "
+                     "the id of the message has the source address 0xFE, from which no node "
                      "may send; allowed: the address of this node in the id of the DBC file");
         }
-        check_alone<DbcCounter>("the message has a counter already; allowed: one");
-        check_alone<DbcChecksum>("the message has a checksum already; allowed: one");
+        check_alone<DbcCounter>("the message already has a counter; allowed: one");
+        check_alone<DbcChecksum>("the message already has a checksum; allowed: one");
     }
 
     template <class Use>
@@ -215,7 +215,7 @@ class MessageBuilder {
             std::ranges::find(mistakes_, signal.path, &SettingMistake::path) != mistakes_.end();
         if (!free && !told) {
             complain(signal.path,
-                     "its bits are those of another signal that is sent in the same "
+                     "its bits overlap those of another signal in the same "
                      "frame; allowed: signals that do not overlap");
         }
     }

@@ -43,11 +43,12 @@ bool check_id(DbcTokens& tokens, const DbcMessage& message, DbcPlace place) {
     const std::string shown = "the id of message " + message.name + ", ";
     if (message.extended) {
         return tokens.fail(place, shown + std::to_string(message.id | kDbcExtendedFlag) +
-                                      ", has more than 29 bits beside bit 31");
+                                      ", has more than 29 bits besides bit 31");
     }
-    return tokens.fail(place, shown + std::to_string(message.id) +
-                                  ", has more than 11 bits; a 29-bit id stands in the file with "
-                                  "bit 31 set, so add 2147483648 to it");
+    return tokens.fail(place,
+                       shown + std::to_string(message.id) +
+                           ", has more than 11 bits; a 29-bit id has bit 31 set in the file, "
+                           "so add 2147483648 to it");
 }
 
 bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal& signal,
@@ -55,7 +56,7 @@ bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal&
     if (signal.bit_length < 1 || signal.bit_length > kLongestDbcSignal) {
         return tokens.fail(places.length, "signal " + signal.name + " is " +
                                               std::to_string(signal.bit_length) +
-                                              " bits long; 1 to 64 are possible");
+                                              " bits long; allowed are 1 to 64");
     }
     if (const unsigned needed = bits_needed(signal); needed > message.length * 8) {
         return tokens.fail(places.name, "signal " + signal.name + " needs " +
@@ -65,7 +66,7 @@ bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal&
     }
     if (signal.factor == 0) {
         return tokens.fail(places.factor, "the factor of signal " + signal.name +
-                                              " is 0: every raw value would mean the same");
+                                              " is 0: all raw values would have one meaning");
     }
     return true;
 }
@@ -73,7 +74,7 @@ bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal&
 /// Accepts M, m<number>, m<number>M, m, or nothing before the colon.
 bool read_multiplexing(DbcTokens& tokens, DbcSignal& signal) {
     if (tokens.token().kind != DbcTokenKind::word) {
-        return tokens.take_mark(':', "behind the name of the signal");
+        return tokens.take_mark(':', "after the name of the signal");
     }
     std::string_view text = tokens.token().text;
     signal.is_selector = text.ends_with('M');
@@ -93,25 +94,25 @@ bool read_multiplexing(DbcTokens& tokens, DbcSignal& signal) {
         return tokens.fail_expected("':' or a multiplexing mark (M, m0 or m0M)");
     }
     tokens.advance();
-    return tokens.take_mark(':', "behind the multiplexing mark");
+    return tokens.take_mark(':', "after the multiplexing mark");
 }
 
 bool read_position(DbcTokens& tokens, DbcSignal& signal, SignalPlaces& places) {
     constexpr std::uint32_t kLastBit = kLongestMessage * 8 - 1;
     std::uint32_t order = 0;
     if (!tokens.take_unsigned(signal.start_bit, kLastBit, "the start bit") ||
-        !tokens.take_mark('|', "behind the start bit")) {
+        !tokens.take_mark('|', "after the start bit")) {
         return false;
     }
     places.length = tokens.token().place;
     if (!tokens.take_unsigned(signal.bit_length, kAnyUnsigned, "the length in bits") ||
-        !tokens.take_mark('@', "behind the length in bits") ||
+        !tokens.take_mark('@', "after the length in bits") ||
         !tokens.take_unsigned(order, 1, "the byte order (0 Motorola, 1 Intel)")) {
         return false;
     }
     signal.byte_order = order == 0 ? DbcByteOrder::motorola : DbcByteOrder::intel;
     if (!tokens.token().is_mark('+') && !tokens.token().is_mark('-')) {
-        return tokens.fail_expected("'+' (unsigned) or '-' (signed) behind the byte order");
+        return tokens.fail_expected("'+' (unsigned) or '-' (signed) after the byte order");
     }
     signal.is_signed = tokens.take_sign();
     return true;
@@ -123,14 +124,14 @@ bool read_scaling(DbcTokens& tokens, DbcSignal& signal, SignalPlaces& places) {
     }
     places.factor = tokens.token().place;
     return tokens.take_double(signal.factor, "the factor") &&
-           tokens.take_mark(',', "behind the factor") &&
+           tokens.take_mark(',', "after the factor") &&
            tokens.take_double(signal.offset, "the offset") &&
-           tokens.take_mark(')', "behind the offset") &&
+           tokens.take_mark(')', "after the offset") &&
            tokens.take_mark('[', "before the minimum") &&
            tokens.take_limit(signal.minimum, "the minimum") &&
-           tokens.take_mark('|', "behind the minimum") &&
+           tokens.take_mark('|', "after the minimum") &&
            tokens.take_limit(signal.maximum, "the maximum") &&
-           tokens.take_mark(']', "behind the maximum") &&
+           tokens.take_mark(']', "after the maximum") &&
            tokens.take_string(signal.unit, "the unit in quotes");
 }
 
@@ -181,7 +182,7 @@ bool read_heading(DbcTokens& tokens, DbcMessageStatement& statement) {
     message.id = statement.file_id & ~kDbcExtendedFlag;
     statement.name_place = tokens.token().place;
     if (!tokens.take_word(statement.name, "the name of the message") ||
-        !tokens.take_mark(':', "behind the name of the message")) {
+        !tokens.take_mark(':', "after the name of the message")) {
         return false;
     }
     message.name = utf8_from_dbc(statement.name);

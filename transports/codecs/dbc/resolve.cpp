@@ -134,7 +134,7 @@ Result Resolver::apply_kinds() {
                                                                           : signal->bit_length;
         if (signal->bit_length != needed) {
             return dbc_mistake(statement.place, "signal " + signal->name +
-                                                    " is said to be a floating-point number of " +
+                                                    " is declared as a floating-point number of " +
                                                     std::to_string(needed) + " bits, but is " +
                                                     std::to_string(signal->bit_length) +
                                                     " bits long");
@@ -154,13 +154,14 @@ Result Resolver::apply_selectors() {
         const auto& signals = entries_[by_id_.at(statement.of.message)].signals;
         const auto selector = signals.find(statement.selector);
         if (selector == signals.end()) {
-            return dbc_mistake(statement.selector_place, "signal " + signal->name + " depends on " +
-                                                             utf8_from_dbc(statement.selector) +
-                                                             ", which is no signal of its message");
+            return dbc_mistake(statement.selector_place,
+                               "signal " + signal->name + " depends on " +
+                                   utf8_from_dbc(statement.selector) +
+                                   ", which is not a signal of its message");
         }
         if (signal->selector && *signal->selector != selector->second) {
             return dbc_mistake(statement.selector_place,
-                               "signal " + signal->name + " depends on another signal already");
+                               "signal " + signal->name + " already depends on another signal");
         }
         if (!signal->selector) {
             signal->selected_by.clear();
@@ -201,9 +202,9 @@ Result Resolver::check_selectors() const {
         for (std::size_t at = 0; at < signals.size(); ++at) {
             const DbcSignal* signal = &signals[at];
             if (signal->is_selector && signal->kind != DbcValueKind::integer) {
-                return dbc_mistake(statement.signal_places[at],
-                                   "signal " + signal->name +
-                                       " selects others, so it must be an integer, no float");
+                return dbc_mistake(
+                    statement.signal_places[at],
+                    "signal " + signal->name + " selects others, so it must be an integer");
             }
             for (std::size_t depth = 0; signal->selector; ++depth) {
                 if (depth == kDeepestDbcMultiplexing) {

@@ -60,7 +60,7 @@ bool DbcTokens::fail(DbcPlace place, std::string text) {
 
 bool DbcTokens::fail_expected(std::string_view what) {
     if (token_.kind == DbcTokenKind::unterminated) {
-        return fail(token_.place, "text without end: its closing quote is missing");
+        return fail(token_.place, "text without its closing quote");
     }
     return fail(token_.place, "expected " + std::string(what) + ", found " + shown(token_));
 }

@@ -220,12 +220,12 @@ void check_count(const SettingValues& settings, std::vector<SettingMistake>& mis
     const std::size_t count = servos ? format.channels : format.first + format.channels;
     if (count > most) {
         mistakes.push_back({{"channels"},
-                            std::to_string(count) + " are more than one message holds; allowed: " +
+                            std::to_string(count) + " do not fit into one message; allowed: " +
                                 std::to_string(most) + (servos ? " servos" : " motors, from 0") +
                                 ", or further outputs for more"});
     }
     if (servos && format.first + format.channels > 256) {
-        mistakes.push_back({{"first"}, "the numbers of actuators end at 255"});
+        mistakes.push_back({{"first"}, "actuator numbers go up to 255"});
     }
 }
 
