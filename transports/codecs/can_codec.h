@@ -15,7 +15,7 @@ namespace tribus {
 class ValueBoard;
 
 namespace dronecan {
-struct Voice;
+struct NodeIdentity;
 }  // namespace dronecan
 
 /// CAN frames in, snapshots of the channels out. Publishes only whole snapshots whose frames belong
@@ -60,7 +60,7 @@ class CanEncoder {
 
     /// Sets the node that it sends as, for protocols with nodes. Call at the start, before the
     /// first `encode`. Must outlive the encoder.
-    virtual void speak_as(const dronecan::Voice& /*voice*/) {}
+    virtual void send_as(const dronecan::NodeIdentity& /*identity*/) {}
 
     /// Continues with the counters of `before`, an encoder of the same protocol and settings, so
     /// that receivers see one sender.

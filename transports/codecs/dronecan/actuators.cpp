@@ -222,7 +222,7 @@ void CommandEncoder::continue_from(const CanEncoder& before) {
 
 std::size_t CommandEncoder::encode(const ChannelFrame& snapshot, Instant now,
                                    std::span<CanFrame, kMostSnapshotFrames> frames) {
-    if (voice_->id == kNobody) {
+    if (identity_->id == kNobody) {
         return 0;
     }
     const std::size_t count = format_.kind == CommandKind::servos ? encode_servos(snapshot, frames)
@@ -293,7 +293,7 @@ std::size_t CommandEncoder::encode_message(const Message& message, std::uint8_t 
     const auto payload = write(message, format_.fd);
     const TransferHead head{.kind = TransferKind::message,
                             .data_type_id = Message::kId,
-                            .source = voice_->id,
+                            .source = identity_->id,
                             .priority = priority,
                             .transfer_id = transfer_id};
     transfer_id = (transfer_id + 1) & kMostTransferId;

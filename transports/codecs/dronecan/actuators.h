@@ -10,10 +10,10 @@
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "transports/codecs/can_codec.h"
+#include "transports/codecs/dronecan/node_identity.h"
 #include "transports/codecs/dronecan/source.h"
 #include "transports/codecs/dronecan/transfer.h"
 #include "transports/codecs/dronecan/types_command.h"
-#include "transports/codecs/dronecan/voice.h"
 
 /// Channels as commands for servos (uavcan.equipment.actuator.ArrayCommand) and motors
 /// (uavcan.equipment.esc.RawCommand), both directions (docs/protocols/can.md, "DroneCAN:
@@ -114,11 +114,11 @@ struct CommandOutputFormat {
 class CommandEncoder final : public CanEncoder {
   public:
     explicit CommandEncoder(CommandOutputFormat format)
-        : format_(format), own_voice_{format_.node} {}
+        : format_(format), own_identity_{format_.node} {}
 
     bool uses_fd() const override { return format_.fd; }
     std::span<const CanIdMatch> sent() const override { return {}; }
-    void speak_as(const Voice& voice) override { voice_ = &voice; }
+    void send_as(const NodeIdentity& identity) override { identity_ = &identity; }
     /// An actuator without a command is left out. A motor gets 0, which stops it.
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     bool marks_frame_lost() const override { return false; }
@@ -136,8 +136,8 @@ class CommandEncoder final : public CanEncoder {
                                std::uint8_t& transfer_id, std::span<CanFrame> frames) const;
 
     CommandOutputFormat format_;
-    Voice own_voice_;
-    const Voice* voice_ = &own_voice_;
+    NodeIdentity own_identity_;
+    const NodeIdentity* identity_ = &own_identity_;
     std::uint8_t command_transfer_id_ = 0;
     std::uint8_t safety_transfer_id_ = 0;
     std::uint8_t arming_transfer_id_ = 0;

@@ -171,7 +171,7 @@ std::uint32_t RcEncoder::needed_channels(const ChannelFrame& snapshot) const {
 
 std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
                               std::span<CanFrame, kMostSnapshotFrames> frames) {
-    if (voice_->id == kNobody) {
+    if (identity_->id == kNobody) {
         return 0;
     }
     RcInput message;
@@ -193,7 +193,7 @@ std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
     const auto payload = write(message, format_.fd);
     const TransferHead head{.kind = TransferKind::message,
                             .data_type_id = RcInput::kId,
-                            .source = voice_->id,
+                            .source = identity_->id,
                             .priority = RcOutputFormat::kPriority,
                             .transfer_id = transfer_id_};
     transfer_id_ = (transfer_id_ + 1) & kMostTransferId;

@@ -12,10 +12,10 @@
 #include "core/time.h"
 #include "core/value_board.h"
 #include "transports/codecs/can_codec.h"
+#include "transports/codecs/dronecan/node_identity.h"
 #include "transports/codecs/dronecan/source.h"
 #include "transports/codecs/dronecan/transfer.h"
 #include "transports/codecs/dronecan/types_command.h"
-#include "transports/codecs/dronecan/voice.h"
 
 /// RC channels as dronecan.sensors.rc.RCInput (docs/protocols/can.md, "DroneCAN: RCInput").
 namespace tribus::dronecan {
@@ -93,12 +93,12 @@ struct RcOutputFormat {
 class RcEncoder final : public CanEncoder {
   public:
     explicit RcEncoder(RcOutputFormat format)
-        : format_(std::move(format)), own_voice_{format_.node} {}
+        : format_(std::move(format)), own_identity_{format_.node} {}
 
     bool uses_fd() const override { return format_.fd; }
     std::span<const CanIdMatch> sent() const override { return {}; }
     void use(const ValueBoard& board) override;
-    void speak_as(const Voice& voice) override { voice_ = &voice; }
+    void send_as(const NodeIdentity& identity) override { identity_ = &identity; }
     /// The channels before the last present one: the message has no gaps.
     std::uint32_t needed_channels(const ChannelFrame& snapshot) const override;
     /// As a link quality of 0.
@@ -113,8 +113,8 @@ class RcEncoder final : public CanEncoder {
     double share_of_good(const ChannelFrame& snapshot);
 
     RcOutputFormat format_;
-    Voice own_voice_;
-    const Voice* voice_ = &own_voice_;
+    NodeIdentity own_identity_;
+    const NodeIdentity* identity_ = &own_identity_;
     const ValueBoard* board_ = nullptr;
     std::optional<std::size_t> value_;
     std::uint8_t transfer_id_ = 0;

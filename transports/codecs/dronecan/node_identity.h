@@ -5,7 +5,7 @@
 namespace tribus::dronecan {
 
 /// The node that outputs of an interface send as.
-struct Voice {
+struct NodeIdentity {
     /// kNobody while the node has no id, or another node has the same one: nothing may be sent
     /// then.
     NodeId id = kNobody;
