@@ -14,28 +14,28 @@ class RateLimit {
     RateLimit(unsigned burst, Duration window) : burst_(burst), window_(window) {}
 
     /// Whether `pass` would let an event pass. Counts nothing.
-    bool may_pass(Instant now) const { return now >= window_end_ || said_ < burst_; }
+    bool may_pass(Instant now) const { return now >= window_end_ || passed_ < burst_; }
     /// Returns the number of events that were suppressed before this one, or nothing if this event
     /// is suppressed too.
     std::optional<std::uint64_t> pass(Instant now) {
         if (now >= window_end_) {
             window_end_ = later(now, window_);
-            said_ = 0;
+            passed_ = 0;
         }
         if (!may_pass(now)) {
-            ++swallowed_;
+            ++suppressed_;
             return std::nullopt;
         }
-        ++said_;
-        return std::exchange(swallowed_, 0);
+        ++passed_;
+        return std::exchange(suppressed_, 0);
     }
 
   private:
     unsigned burst_;
     Duration window_;
     Instant window_end_{};
-    unsigned said_ = 0;
-    std::uint64_t swallowed_ = 0;
+    unsigned passed_ = 0;
+    std::uint64_t suppressed_ = 0;
 };
 
 }  // namespace tribus

@@ -13,9 +13,9 @@ namespace tribus {
 /// becomes true: a change that must wait is reported as soon as the limit allows, unless it was
 /// undone before. Pure; thread-bound.
 template <class State>
-class LastWord {
+class ChangeReport {
   public:
-    explicit LastWord(State first) : seen_(first), said_(std::move(first)) {}
+    explicit ChangeReport(State first) : seen_(first), reported_(std::move(first)) {}
 
     /// Call at every look, also without a change: an earlier change may be waiting. If `state` is
     /// to be reported at `now`, returns the number of changes that were not reported before it.
@@ -24,24 +24,24 @@ class LastWord {
             seen_ = state;
             ++changes_;
         }
-        if (state == said_ || !limit.may_pass(now)) {
+        if (state == reported_ || !limit.may_pass(now)) {
             return std::nullopt;
         }
-        said_ = state;
+        reported_ = state;
         return *limit.pass(now) + std::exchange(changes_, 0) - 1;
     }
     /// Takes `state` as reported, without a report.
     void take_as_known(const State& state) {
         seen_ = state;
-        said_ = state;
+        reported_ = state;
     }
 
     const State& seen() const { return seen_; }
-    const State& said() const { return said_; }
+    const State& reported() const { return reported_; }
 
   private:
     State seen_;
-    State said_;
+    State reported_;
     std::uint64_t changes_ = 0;  ///< since the latest report
 };
 
