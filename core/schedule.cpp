@@ -9,17 +9,17 @@ namespace {
 /// Least distance of a locked grid behind the arrivals: time for the wake-up that reads them.
 constexpr Duration kLeastGuard = std::chrono::microseconds(50);
 /// Distance behind the guard that is not worth a longer step to improve.
-constexpr Duration kStandsWell = std::chrono::microseconds(300);
+constexpr Duration kGoodOffset = std::chrono::microseconds(300);
 /// Share of a late offset that one period corrects. An early offset is corrected at once: the frame
 /// was not there yet, so the values were a whole interval old.
-constexpr int kSteering = 16;
+constexpr int kCorrectionShare = 16;
 /// Share of an interval for which a point of a locked grid waits for a late frame.
-constexpr int kPatience = 16;
+constexpr int kFrameWaitShare = 16;
 /// Slowest input, in periods of the output, that the schedule waits for. A slower one is two frames
 /// with a long silence between them, or a bus with little traffic.
 constexpr int kSlowestInput = 2;
 /// If more frames than this are missing, the arrivals do not predict the next one.
-constexpr int kBeatsToWaitFor = 3;
+constexpr int kMostMissingFrames = 3;
 /// If this many frames in a row had to wait, it is no coincidence.
 constexpr int kHeldUpInARow = 8;
 /// A sender whose clock is fast by less than this share still has the requested period.
@@ -59,7 +59,7 @@ Instant Schedule::follow_due() const {
     const Instant due =
         latest_write_ ? std::max(latest, *latest_write_ + settings_.period) : latest;
     const Duration interval = arrivals_.interval();
-    const Instant next = arrivals_.rhythm() + interval;
+    const Instant next = arrivals_.fitted() + interval;
     const bool holds_up_next = due > latest && due < next && due + settings_.period > next;
     if (!holds_up_next || (next - due >= interval / 2 && held_up_ < kHeldUpInARow)) {
         return due;
@@ -67,9 +67,10 @@ Instant Schedule::follow_due() const {
     return std::min(expected_by(1), *latest_write_ + 2 * settings_.period);
 }
 
-/// When the frame `beats` intervals after the latest one should have arrived, even if it is late.
-Instant Schedule::expected_by(int beats) const {
-    return arrivals_.rhythm() + beats * arrivals_.interval() + 2 * arrivals_.lateness() +
+/// When the frame that comes `frames` frames after the latest one should have arrived, even if
+/// it is late.
+Instant Schedule::expected_by(int frames) const {
+    return arrivals_.fitted() + frames * arrivals_.interval() + 2 * arrivals_.lateness() +
            kLeastGuard;
 }
 
@@ -80,11 +81,11 @@ Instant Schedule::repeat_due(Instant now) const {
     const Instant planned = now + settings_.period;
     const Instant at_most = planned + settings_.period;
     const Duration interval = arrivals_.interval();
-    for (int beats = 1; beats <= kBeatsToWaitFor && interval > Duration::zero(); ++beats) {
-        const Instant expected = expected_by(beats);
+    for (int frames = 1; frames <= kMostMissingFrames && interval > Duration::zero(); ++frames) {
+        const Instant expected = expected_by(frames);
         if (expected > planned) {
             const Instant leaves_room =
-                arrivals_.rhythm() + (beats + 1) * interval - settings_.period - kLeastGuard;
+                arrivals_.fitted() + (frames + 1) * interval - settings_.period - kLeastGuard;
             return expected < at_most ? std::min(std::max(expected, leaves_room), at_most)
                                       : planned;
         }
@@ -110,14 +111,14 @@ std::optional<Duration> Schedule::locked_step() const {
 
 /// How far to move the planned point so that it ends up just behind the arrivals: back towards the
 /// arrival before it if the period leaves room for a shorter step, else on to the next one.
-Duration Schedule::steering(Instant planned, Duration step) const {
+Duration Schedule::correction(Instant planned, Duration step) const {
     const Duration interval = arrivals_.interval();
     const Duration guard = std::max(kLeastGuard, arrivals_.lateness());
-    const Duration behind = planned - guard - arrivals_.rhythm();
+    const Duration behind = planned - guard - arrivals_.fitted();
     const Duration late = (behind % interval + interval) % interval;
     const Duration slack = std::max(step - settings_.period, Duration::zero());
-    if (late < kStandsWell || (late <= interval / 2 && slack > Duration::zero())) {
-        return -std::min(late / kSteering, slack);
+    if (late < kGoodOffset || (late <= interval / 2 && slack > Duration::zero())) {
+        return -std::min(late / kCorrectionShare, slack);
     }
     return interval - late;
 }
@@ -127,7 +128,7 @@ Instant Schedule::locked_due() const {
     const Duration interval = arrivals_.interval();
     const bool frame_is_there = arrivals_.latest() >= point_ - interval / 2;
     const Instant due =
-        frame_is_there ? std::max(point_, arrivals_.latest()) : point_ + interval / kPatience;
+        frame_is_there ? std::max(point_, arrivals_.latest()) : point_ + interval / kFrameWaitShare;
     return latest_write_ ? std::max(due, *latest_write_ + least_step()) : due;
 }
 
@@ -137,7 +138,7 @@ void Schedule::done(Instant now, bool wrote) {
     }
     if (settings_.kind == ScheduleKind::follow) {
         overruns_ += static_cast<std::uint64_t>((now - due_) / settings_.period);
-        const bool waited = due_ > arrivals_.latest() + kStandsWell;
+        const bool waited = due_ > arrivals_.latest() + kGoodOffset;
         held_up_ = waited ? std::min(held_up_ + 1, kHeldUpInARow) : 0;
         due_ = repeat_due(now);
         return;
@@ -152,7 +153,7 @@ void Schedule::done(Instant now, bool wrote) {
         point_ += missed * step;
     }
     if (locked) {
-        point_ += steering(point_, step);
+        point_ += correction(point_, step);
     }
     if (locked_step()) {
         due_ = locked_due();

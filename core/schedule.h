@@ -62,11 +62,11 @@ class Schedule {
 
   private:
     Instant follow_due() const;
-    Instant expected_by(int beats) const;
+    Instant expected_by(int frames) const;
     Instant repeat_due(Instant now) const;
     Duration least_step() const;
     std::optional<Duration> locked_step() const;
-    Duration steering(Instant planned, Duration step) const;
+    Duration correction(Instant planned, Duration step) const;
     Instant locked_due() const;
 
     ScheduleSettings settings_;
