@@ -16,7 +16,7 @@
 #include "transports/codecs/counter_watch.h"
 #include "transports/codecs/dbc/map.h"
 #include "transports/codecs/protocol.h"
-#include "transports/codecs/rhythm_watch.h"
+#include "transports/codecs/two_sender_watch.h"
 
 /// RC channels in the messages of the user's own DBC file, both directions (docs/protocols/can.md,
 /// "DBC files").
@@ -69,7 +69,7 @@ class DbcDecoder final : public CanDecoder {
         std::optional<Instant> received;
         std::uint32_t id = 0;
         std::optional<CounterWatch> watch;              ///< only for a message with a counter
-        std::optional<RhythmWatch> rhythm;              ///< only for a message without counter and
+        std::optional<TwoSenderWatch> senders;          ///< only for a message without counter and
                                                         ///< without pages
         std::array<std::uint8_t, kMostFdBytes> data{};  ///< of its latest frame
     };
@@ -84,7 +84,7 @@ class DbcDecoder final : public CanDecoder {
     };
 
     void watch_counters();
-    void watch_rhythms();
+    void watch_senders();
     void describe_parts();
     bool sound(std::size_t message, const CanFrame& frame, Instant received);
     bool same_sender(std::size_t message, const CanFrame& frame, Instant received);

@@ -40,7 +40,7 @@ DbcDecoder::DbcDecoder(DbcMap map)
     : map_(std::move(map)), messages_(map_.messages.size()), parts_(map_.parts.size()) {
     std::ranges::transform(map_.messages, std::back_inserter(wanted_), &DbcMappedMessage::id);
     watch_counters();
-    watch_rhythms();
+    watch_senders();
     describe_parts();
 }
 
@@ -58,23 +58,23 @@ void DbcDecoder::watch_counters() {
     }
 }
 
-void DbcDecoder::watch_rhythms() {
+void DbcDecoder::watch_senders() {
     for (MessageState& message : messages_) {
         if (!message.watch) {
-            message.rhythm.emplace();
+            message.senders.emplace();
         }
     }
     for (const DbcPart& part : map_.parts) {
         if (!part.selectors.empty()) {
             // Pages may come in any order.
-            messages_[part.message].rhythm.reset();
+            messages_[part.message].senders.reset();
         }
     }
 }
 
 bool DbcDecoder::two_senders() const {
     return std::ranges::any_of(messages_, [](const MessageState& message) {
-        return message.rhythm && message.rhythm->two_senders();
+        return message.senders && message.senders->two_senders();
     });
 }
 
@@ -133,8 +133,8 @@ bool DbcDecoder::same_sender(std::size_t message, const CanFrame& frame, Instant
 bool DbcDecoder::counter_holds(std::size_t message, std::span<const std::uint8_t> data,
                                Instant received) {
     MessageState& state = messages_[message];
-    if (state.rhythm) {
-        state.rhythm->arrived(received);
+    if (state.senders) {
+        state.senders->arrived(received);
     }
     if (!state.watch) {
         return true;

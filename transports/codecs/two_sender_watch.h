@@ -14,7 +14,7 @@ namespace tribus {
 /// ten times as rare as the other; and senders that jitter by more than a few percent. So it may
 /// miss two senders, but reports a single one as two only if that sends in pairs. Pure;
 /// thread-bound; no heap.
-class RhythmWatch {
+class TwoSenderWatch {
   public:
     /// Number of arrivals that are judged together.
     static constexpr std::size_t kJudgedArrivals = 64;
