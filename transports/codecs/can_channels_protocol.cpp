@@ -108,7 +108,7 @@ const Protocol kCanProtocol{
     .settings = kSettings,
     .default_period = std::chrono::milliseconds(can_channels::kDefaultPeriodMilliseconds),
     .least_period = kLeastPeriod,
-    .says_failsafe = always_says_failsafe,
+    .signals_failsafe = always_signals_failsafe,
     .sure_channels = sure_channels,
     .check = check,
     .make_can_decoder = make_decoder,

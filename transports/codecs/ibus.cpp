@@ -153,7 +153,7 @@ const Protocol kIbusProtocol{
     .longest_frame = kLongestFrame,
     .default_period = std::chrono::milliseconds(7),
     .least_period = std::chrono::milliseconds(4),
-    .says_failsafe = never_says_failsafe,
+    .signals_failsafe = never_signals_failsafe,
     .sure_channels = always_has_first<kSlotCount>,
     .make_decoder = make_ibus_decoder,
     .make_encoder = make_ibus_encoder,

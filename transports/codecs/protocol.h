@@ -49,7 +49,7 @@ struct Protocol {
     std::optional<Duration> (*most_period)(const SettingValues&) = nullptr;
     /// Whether the wire format can signal failsafe with these settings. Frames of such a format are
     /// not judged as stale.
-    bool (*says_failsafe)(const SettingValues&) = nullptr;
+    bool (*signals_failsafe)(const SettingValues&) = nullptr;
     /// Pulse of the raw value zero, if receivers send zero for "no value". Null: they do not.
     Pulse (*raw_zero)(const SettingValues&) = nullptr;
     /// The channels that every good frame of an input with these settings has, one bit each; other
@@ -79,10 +79,10 @@ struct Protocol {
 };
 
 /// For formats that can always, or never, signal failsafe.
-inline bool always_says_failsafe(const SettingValues&) {
+inline bool always_signals_failsafe(const SettingValues&) {
     return true;
 }
-inline bool never_says_failsafe(const SettingValues&) {
+inline bool never_signals_failsafe(const SettingValues&) {
     return false;
 }
 

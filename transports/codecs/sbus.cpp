@@ -125,7 +125,7 @@ const Protocol kSbusProtocol{
     .longest_frame = kSbusFrameLength,
     .default_period = std::chrono::milliseconds(14),
     .least_period = std::chrono::milliseconds(7),
-    .says_failsafe = always_says_failsafe,
+    .signals_failsafe = always_signals_failsafe,
     .raw_zero = raw_zero,
     .sure_channels = always_has_first<kChannelCount>,
     .make_decoder = make_sbus_decoder,

@@ -159,7 +159,7 @@ const Protocol kSensorsProtocol{
     .default_period = kDefaultPeriod,
     .least_period = kLeastPeriod,
     // The frames themselves say which readings are fresh, independent of channels.
-    .says_failsafe = always_says_failsafe,
+    .signals_failsafe = always_signals_failsafe,
     .check = check,
     .value_names = value_names,
     .needs_pipeline = never_needs_pipeline,

@@ -147,7 +147,7 @@ std::optional<Duration> DbcMap::shortest_cycle() const {
     return shortest;
 }
 
-bool DbcMap::says_failsafe() const {
+bool DbcMap::signals_failsafe() const {
     bool flagged = false;
     bool coded = true;
     for (const DbcPart& part : parts) {

@@ -143,7 +143,7 @@ struct DbcMap {
     /// The shortest cycle time of the messages with channels; nothing if none has one.
     std::optional<Duration> shortest_cycle() const;
     /// Whether a frame can tell the receiver not to use the values.
-    bool says_failsafe() const;
+    bool signals_failsafe() const;
     /// Whether a frame carries a channel or a flag.
     bool needs_channels() const;
 };

@@ -38,9 +38,9 @@ std::vector<SettingMistake> check_dbc(const SettingValues& settings, SettingScop
     return map ? std::vector<SettingMistake>{} : std::move(map.error());
 }
 
-bool says_failsafe(const SettingValues& settings) {
+bool signals_failsafe(const SettingValues& settings) {
     const auto map = build_dbc_map(settings, SettingScope::output);
-    return map && map->says_failsafe();
+    return map && map->signals_failsafe();
 }
 
 std::optional<Duration> own_period(const SettingValues& settings) {
@@ -119,7 +119,7 @@ const Protocol kDbcProtocol{
     .default_period = std::chrono::milliseconds(20),
     .own_period = own_period,
     .least_period = kLeastDbcPeriod,
-    .says_failsafe = says_failsafe,
+    .signals_failsafe = signals_failsafe,
     .sure_channels = sure_dbc_channels,
     .check = check_dbc,
     .value_names = value_names,

@@ -289,7 +289,7 @@ const Protocol kDroneCanProtocol{
     // More than 100 Hz fills a shared bus, and autopilots do not distinguish shorter periods.
     .least_period = std::chrono::milliseconds(10),
     .most_period = dronecan::most_period,
-    .says_failsafe = dronecan::carries_rc,
+    .signals_failsafe = dronecan::carries_rc,
     .check = dronecan::check,
     .value_names = dronecan::value_names,
     .make_can_decoder = dronecan::make_decoder,

@@ -106,17 +106,19 @@ TEST(DbcMap, OnlyMessagesWithChannelsSetThePace) {
 }
 
 TEST(DbcMap, SaysFailsafeByAFlagOrACodeInEachChannel) {
-    EXPECT_FALSE(map_of(R"({"Command": {"Speed": 1}})").says_failsafe());
+    EXPECT_FALSE(map_of(R"({"Command": {"Speed": 1}})").signals_failsafe());
     EXPECT_FALSE(
-        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "frame_lost"}}})").says_failsafe());
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "frame_lost"}}})").signals_failsafe());
     EXPECT_FALSE(
-        map_of(R"({"Command": {"Speed": 1, "Pulse": {"flag": "cause"}}})").says_failsafe());
+        map_of(R"({"Command": {"Speed": 1, "Pulse": {"flag": "cause"}}})").signals_failsafe());
     EXPECT_TRUE(
-        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}})").says_failsafe());
-    EXPECT_TRUE(map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "good"}}})").says_failsafe());
-    EXPECT_TRUE(map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}}})").says_failsafe());
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}})").signals_failsafe());
+    EXPECT_TRUE(
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "good"}}})").signals_failsafe());
+    EXPECT_TRUE(
+        map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}}})").signals_failsafe());
     EXPECT_FALSE(map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}, "Pulse": 2}})")
-                     .says_failsafe());
+                     .signals_failsafe());
 }
 
 TEST(DbcMap, EachPageIsAFrameThatIsSent) {
