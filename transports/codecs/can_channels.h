@@ -229,7 +229,7 @@ class CanChannelsDecoder final : public CanDecoder {
     ChannelFrame publish(Instant received);
     void read_classic(ChannelFrame& channels, CanChannelsOrigin& origin) const;
     void read_fd(ChannelFrame& channels, CanChannelsOrigin& origin) const;
-    void tell_details(const CanChannelsOrigin& origin);
+    void set_details(const CanChannelsOrigin& origin);
     void add_detail(std::string_view name, std::uint16_t value);
 
     CanChannelsFormat format_;

@@ -211,11 +211,11 @@ ChannelFrame CanChannelsDecoder::publish(Instant received) {
     channels.link_quality =
         origin.link_quality <= kMostLinkQuality ? origin.link_quality : kNoLinkQuality;
     channels.origin = source_from_wire(origin.source);
-    tell_details(origin);
+    set_details(origin);
     return channels;
 }
 
-void CanChannelsDecoder::tell_details(const CanChannelsOrigin& origin) {
+void CanChannelsDecoder::set_details(const CanChannelsOrigin& origin) {
     detail_count_ = 0;
     add_detail("counter", static_cast<std::uint16_t>(counter_));
     if (format_.frame_count() == kQuads) {

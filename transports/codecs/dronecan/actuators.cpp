@@ -77,7 +77,7 @@ CommandDecoder::CommandDecoder(CommandInputFormat format)
       receiver_({wanted_command(format.kind), wanted_transfer<SafetyState>(),
                  wanted_transfer<ArmingStatus>()},
                 format.source.node ? 1 : kMostCandidates),
-      details_{{{"source_node", {&told_[0], 1}}}} {
+      details_{{{"source_node", {&detail_values_[0], 1}}}} {
     commanded_.fill(Instant::min());
 }
 
@@ -90,9 +90,9 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
     }
     const bool command = head->data_type_id == command_id(format_.kind);
     // Only permissions of the node that commands count.
-    const bool listens = command ? source_.would_listen_to(head->source, received)
-                                 : head->source == source_.current();
-    if (!listens) {
+    const bool accepted =
+        command ? source_.would_accept(head->source, received) : head->source == source_.current();
+    if (!accepted) {
         rejected_.count_other_source();
         return std::nullopt;
     }
@@ -108,7 +108,7 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
     if (!take_command(*taken.transfer)) {
         return std::nullopt;
     }
-    told_ = {head->source};
+    detail_values_ = {head->source};
     return snapshot(taken.transfer->first_at);
 }
 
@@ -121,8 +121,8 @@ bool CommandDecoder::refuse_layout() {
     return false;
 }
 
-bool CommandDecoder::believes(const ReceivedTransfer& transfer) {
-    if (!source_.listens_to(transfer.head.source, transfer.first_at)) {
+bool CommandDecoder::accepts(const ReceivedTransfer& transfer) {
+    if (!source_.accepts(transfer.head.source, transfer.first_at)) {
         rejected_.count_other_source();
         return false;
     }
@@ -144,7 +144,7 @@ bool CommandDecoder::take_servos(const ReceivedTransfer& transfer) {
     if (!message || std::ranges::none_of(message->commands, moves)) {
         return refuse_layout();
     }
-    if (!believes(transfer)) {
+    if (!accepts(transfer)) {
         return false;
     }
     for (const ActuatorCommand& command : message->commands) {
@@ -160,7 +160,7 @@ bool CommandDecoder::take_motors(const ReceivedTransfer& transfer) {
     if (!message || message->cmd.empty()) {
         return refuse_layout();
     }
-    if (!believes(transfer)) {
+    if (!accepts(transfer)) {
         return false;
     }
     for (std::size_t motor = 0; motor < message->cmd.size(); ++motor) {
@@ -187,9 +187,9 @@ void CommandDecoder::set(std::size_t actuator, Pulse pulse, Instant at) {
 }
 
 bool CommandDecoder::may_move(const Permission& permission, Instant now) const {
-    const bool heard =
-        permission.heard != Instant::min() && now - permission.heard <= kPermissionLasts;
-    return heard ? permission.granted : format_.safety != SafetyRule::required;
+    const bool known =
+        permission.received != Instant::min() && now - permission.received <= kPermissionLasts;
+    return known ? permission.granted : format_.safety != SafetyRule::required;
 }
 
 ChannelFrame CommandDecoder::snapshot(Instant now) {

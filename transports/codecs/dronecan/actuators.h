@@ -61,7 +61,7 @@ class CommandDecoder final : public CanDecoder {
   private:
     struct Permission {
         bool granted = false;
-        Instant heard = Instant::min();
+        Instant received = Instant::min();
     };
 
     /// Each returns whether the commands are accepted, and counts the cause if not.
@@ -70,7 +70,7 @@ class CommandDecoder final : public CanDecoder {
     bool take_motors(const ReceivedTransfer& transfer);
     bool refuse_layout();
     /// Whether a readable message is accepted.
-    bool believes(const ReceivedTransfer& transfer);
+    bool accepts(const ReceivedTransfer& transfer);
     void take_permission(const ReceivedTransfer& transfer);
     void set(std::size_t actuator, Pulse pulse, Instant at);
     bool may_move(const Permission& permission, Instant now) const;
@@ -88,7 +88,7 @@ class CommandDecoder final : public CanDecoder {
     Instant latest_ = Instant::min();
     Permission safety_;
     Permission arming_;
-    std::array<std::uint16_t, 1> told_{};
+    std::array<std::uint16_t, 1> detail_values_{};
     std::array<FrameDetail, 1> details_;
 };
 

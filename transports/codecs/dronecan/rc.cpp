@@ -56,16 +56,16 @@ RcDecoder::RcDecoder(RcInputFormat format)
       wanted_(ids_of(TransferKind::message, RcInput::kId)),
       source_(format.source),
       receiver_({wanted_transfer<RcInput>()}, format.source.node ? 1 : kMostCandidates),
-      details_{{{"source_node", {&told_[0], 1}},
-                {"quality", {&told_[1], 1}},
-                {"quality_type", {&told_[2], 1}}}} {}
+      details_{{{"source_node", {&detail_values_[0], 1}},
+                {"quality", {&detail_values_[1], 1}},
+                {"quality_type", {&detail_values_[2], 1}}}} {}
 
 std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant received) {
     const auto head = wanted_.matches(frame) ? head_of(frame) : std::nullopt;
     if (!head) {
         return std::nullopt;
     }
-    if (!source_.would_listen_to(head->source, received)) {
+    if (!source_.would_accept(head->source, received)) {
         rejected_.count_other_source();
         return std::nullopt;
     }
@@ -79,20 +79,20 @@ std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant recei
         rejected_.count_layout();
         return std::nullopt;
     }
-    if (!believes(*message, *taken.transfer)) {
+    if (!accepts(*message, *taken.transfer)) {
         return std::nullopt;
     }
-    told_ = {head->source, message->quality,
-             static_cast<std::uint16_t>(message->status & RcInput::kQualityTypeMask)};
+    detail_values_ = {head->source, message->quality,
+                      static_cast<std::uint16_t>(message->status & RcInput::kQualityTypeMask)};
     return channels_of(*message, taken.transfer->first_at);
 }
 
-bool RcDecoder::believes(const RcInput& message, const ReceivedTransfer& transfer) {
+bool RcDecoder::accepts(const RcInput& message, const ReceivedTransfer& transfer) {
     const NodeId source = transfer.head.source;
     bool of_source = !format_.receiver || message.id == *format_.receiver;
     // Messages without channels do not select a source.
     if (of_source && !message.rcin.empty()) {
-        of_source = source_.listens_to(source, transfer.first_at);
+        of_source = source_.accepts(source, transfer.first_at);
     }
     // All receivers of a node share one transfer id.
     const bool in_order = source != source_.current() ||
@@ -179,7 +179,7 @@ std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
     if (snapshot.failsafe) {
         message.status = RcInput::kFailsafe;
     } else {
-        tell_quality(snapshot, now, message);
+        write_quality(snapshot, now, message);
     }
     std::size_t count = 0;
     for (std::size_t channel = 0; channel < format_.channels; ++channel) {
@@ -200,7 +200,7 @@ std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
     return encode_transfer(head, RcInput::kSignature, payload, format_.fd, frames);
 }
 
-void RcEncoder::tell_quality(const ChannelFrame& snapshot, Instant now, RcInput& message) {
+void RcEncoder::write_quality(const ChannelFrame& snapshot, Instant now, RcInput& message) {
     if (snapshot.frame_lost) {
         share_of_good(snapshot);
         message.status = RcInput::kQualityValid | RcInput::kQualityTypeLinkQuality;

@@ -50,7 +50,7 @@ class RcDecoder final : public CanDecoder {
     std::span<const FrameDetail> details() const override { return details_; }
 
   private:
-    bool believes(const RcInput& message, const ReceivedTransfer& transfer);
+    bool accepts(const RcInput& message, const ReceivedTransfer& transfer);
     ChannelFrame channels_of(const RcInput& message, Instant at);
     Pulse pulse_of(std::uint16_t raw) const;
     void note_quality(const RcInput& message, Instant at);
@@ -64,7 +64,7 @@ class RcDecoder final : public CanDecoder {
     /// The latest quality in percent. Some senders send several kinds of quality in turn.
     std::uint8_t link_quality_ = kNoLinkQuality;
     Instant link_quality_at_{};
-    std::array<std::uint16_t, 3> told_{};
+    std::array<std::uint16_t, 3> detail_values_{};
     std::array<FrameDetail, 3> details_;
 };
 
@@ -108,7 +108,7 @@ class RcEncoder final : public CanEncoder {
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
 
   private:
-    void tell_quality(const ChannelFrame& snapshot, Instant now, RcInput& message);
+    void write_quality(const ChannelFrame& snapshot, Instant now, RcInput& message);
     std::optional<double> quality_of(const ChannelFrame& snapshot, Instant now);
     double share_of_good(const ChannelFrame& snapshot);
 

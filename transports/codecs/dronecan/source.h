@@ -51,22 +51,22 @@ class SourceWatch {
     }
     /// Whether a message of that source would be accepted. For single frames, which may be part of
     /// a broken message.
-    bool would_listen_to(NodeId source, Instant at) const {
+    bool would_accept(NodeId source, Instant at) const {
         return may_be(source) &&
-               (source == current_ || current_ == kNobody || at - heard_ >= kGone);
+               (source == current_ || current_ == kNobody || at - accepted_ >= kGone);
     }
     /// Whether a good message of that source is accepted. If so, that is the source from now on.
-    bool listens_to(NodeId source, Instant at, std::uint32_t instance = 0) {
+    bool accepts(NodeId source, Instant at, std::uint32_t instance = 0) {
         if (!may_be(source) || (choice_.instance && instance != *choice_.instance)) {
             return false;
         }
         const bool the_same = source == current_ && instance == current_instance_;
-        if (!the_same && current_ != kNobody && at - heard_ < kGone) {
+        if (!the_same && current_ != kNobody && at - accepted_ < kGone) {
             return false;
         }
         current_ = source;
         current_instance_ = instance;
-        heard_ = at;
+        accepted_ = at;
         return true;
     }
     /// kNobody: none yet.
@@ -76,7 +76,7 @@ class SourceWatch {
     SourceChoice choice_;
     NodeId current_ = kNobody;
     std::uint32_t current_instance_ = 0;
-    Instant heard_{};
+    Instant accepted_{};
 };
 
 /// Counts the refused frames and messages of a decoder, by cause.

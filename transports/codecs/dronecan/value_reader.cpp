@@ -227,7 +227,7 @@ class ValueReader final : public CanValueReader {
             rejected_.count_layout();
             return std::nullopt;
         }
-        if (!source_.listens_to(head->source, at, InstanceOf<T>{}(*message))) {
+        if (!source_.accepts(head->source, at, InstanceOf<T>{}(*message))) {
             rejected_.count_other_source();
             return std::nullopt;
         }
