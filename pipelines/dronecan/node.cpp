@@ -130,8 +130,9 @@ void Node::watch_for_conflict(const TransferHead& head, Instant at) {
 }
 
 void Node::count_errors(const TransferReceiver::Taken& taken) {
-    const bool error = taken.fate == FrameFate::out_of_turn || taken.fate == FrameFate::bad_crc ||
-                       taken.fate == FrameFate::too_long || taken.broke_off;
+    const bool error = taken.result == FrameResult::out_of_turn ||
+                       taken.result == FrameResult::bad_crc ||
+                       taken.result == FrameResult::too_long || taken.broke_off;
     counts_.errors += error ? 1U : 0U;
 }
 

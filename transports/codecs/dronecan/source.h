@@ -83,7 +83,7 @@ class SourceWatch {
 class TransferRejects {
   public:
     void count(const TransferReceiver::Taken& taken) {
-        ++counts_[cause_of(taken.fate)].count;
+        ++counts_[cause_of(taken.result)].count;
         counts_[kIncomplete].count += taken.broke_off ? 1U : 0U;
     }
     /// Complete, but not as its type describes it.
@@ -104,21 +104,21 @@ class TransferRejects {
         kCounterJump,
         kUncounted,
     };
-    static Cause cause_of(FrameFate fate) {
-        switch (fate) {
-            case FrameFate::bad_crc:
+    static Cause cause_of(FrameResult result) {
+        switch (result) {
+            case FrameResult::bad_crc:
                 return kCrc;
-            case FrameFate::out_of_turn:
+            case FrameResult::out_of_turn:
                 return kOutOfTurn;
-            case FrameFate::repeated:
+            case FrameResult::repeated:
                 return kRepeated;
-            case FrameFate::too_long:
+            case FrameResult::too_long:
                 return kLayout;
-            case FrameFate::foreign:
-            case FrameFate::unwanted:
-            case FrameFate::taken:
-            case FrameFate::complete:
-            case FrameFate::crowded_out:
+            case FrameResult::foreign:
+            case FrameResult::unwanted:
+            case FrameResult::taken:
+            case FrameResult::complete:
+            case FrameResult::crowded_out:
                 break;
         }
         return kUncounted;

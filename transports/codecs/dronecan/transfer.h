@@ -93,7 +93,7 @@ struct ReceivedTransfer {
 };
 
 /// What the receiver did with a frame.
-enum class FrameFate : std::uint8_t {
+enum class FrameResult : std::uint8_t {
     foreign,      ///< not a frame of DroneCAN
     unwanted,     ///< of another type, or a service to another node
     taken,        ///< part of an unfinished transfer
@@ -105,7 +105,7 @@ enum class FrameFate : std::uint8_t {
     too_long,     ///< longer than the type can be
     crowded_out,  ///< more senders than there is room for
 };
-inline constexpr std::size_t kFrameFateCount = 9;
+inline constexpr std::size_t kFrameResultCount = 9;
 
 /// Collects transfers by the rules of the specification (docs/protocols/can.md, "DroneCAN:
 /// transport"): one transfer at a time for each sender and type; a start of another transfer begins
@@ -127,7 +127,7 @@ class TransferReceiver {
     void set_own(NodeId own) { own_ = own; }
 
     struct Taken {
-        FrameFate fate = FrameFate::foreign;
+        FrameResult result = FrameResult::foreign;
         /// The transfer before, of this sender and type, was never finished.
         bool broke_off = false;
         std::optional<ReceivedTransfer> transfer;
@@ -135,7 +135,7 @@ class TransferReceiver {
     Taken take(const CanFrame& frame, Instant at);
 
     /// Number of frames by what was done with them. The counts only ever increase.
-    const std::array<std::uint64_t, kFrameFateCount>& fates() const { return fates_; }
+    const std::array<std::uint64_t, kFrameResultCount>& counts() const { return counts_; }
     std::uint64_t broken_off() const { return broken_off_; }
 
   private:
@@ -156,10 +156,10 @@ class TransferReceiver {
         bool forgotten(Instant at) const;
         void begin(std::uint8_t id, bool in_fd_frames, Instant at);
         bool ends_in(std::span<const std::uint8_t> bytes) const;
-        FrameFate start(const CanFrame& frame, Instant at, bool& broke_off);
-        FrameFate follow(const CanFrame& frame, Instant at, bool& broke_off);
+        FrameResult start(const CanFrame& frame, Instant at, bool& broke_off);
+        FrameResult follow(const CanFrame& frame, Instant at, bool& broke_off);
         /// `most_bytes`: limit of the payload.
-        FrameFate add(const CanFrame& frame, std::size_t most_bytes);
+        FrameResult add(const CanFrame& frame, std::size_t most_bytes);
     };
 
     Taken judge(const CanFrame& frame, Instant at);
@@ -173,7 +173,7 @@ class TransferReceiver {
     std::vector<Session> sessions_;  ///< those of the first wanted transfer, of the second, ...
     Session anonymous_;
     NodeId own_ = kNobody;
-    std::array<std::uint64_t, kFrameFateCount> fates_{};
+    std::array<std::uint64_t, kFrameResultCount> counts_{};
     std::uint64_t broken_off_ = 0;
 };
 
