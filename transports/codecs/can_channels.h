@@ -211,11 +211,11 @@ class CanChannelsDecoder final : public CanDecoder {
         kUnconfirmed,
         kCauses,
     };
-    enum class Collection : std::uint8_t { none, running, spoilt };
+    enum class Collection : std::uint8_t { none, running, discarded };
     using Payload = std::array<std::uint8_t, can_channels::kFdLength>;
     using Payloads = std::array<Payload, can_channels::kIds - 1>;
 
-    bool sound(const CanFrame& frame, std::size_t part);
+    bool valid(const CanFrame& frame, std::size_t part);
     unsigned counter_of(const CanFrame& frame) const;
     /// Both take one valid frame and return whether it completes the snapshot.
     bool take_first(const CanFrame& frame, Instant received);
@@ -223,7 +223,7 @@ class CanChannelsDecoder final : public CanDecoder {
     void add(const CanFrame& frame);
     bool same_as_taken(const CanFrame& frame, std::size_t part) const;
     void expire(Instant received);
-    void spoil(RejectCause cause);
+    void discard(RejectCause cause);
     /// Compares the whole snapshot with the one before it.
     bool continues(Instant received);
     ChannelFrame publish(Instant received);

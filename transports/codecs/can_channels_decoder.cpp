@@ -21,7 +21,7 @@ std::optional<ChannelFrame> CanChannelsDecoder::next(const CanFrame& frame, Inst
         return std::nullopt;
     }
     const auto part = static_cast<std::size_t>(match - ids.begin());
-    if (!sound(frame, part)) {
+    if (!valid(frame, part)) {
         return std::nullopt;
     }
     expire(received);
@@ -33,7 +33,7 @@ std::optional<ChannelFrame> CanChannelsDecoder::next(const CanFrame& frame, Inst
     return continues(received) ? std::optional(publish(received)) : std::nullopt;
 }
 
-bool CanChannelsDecoder::sound(const CanFrame& frame, std::size_t part) {
+bool CanChannelsDecoder::valid(const CanFrame& frame, std::size_t part) {
     if (frame.remote || frame.fd != format_.fd || frame.length != format_.frame_length()) {
         ++rejected_[kLength].count;
         return false;
@@ -74,19 +74,19 @@ void CanChannelsDecoder::expire(Instant received) {
 }
 
 /// Ignores the rest of the snapshot with this counter, for as long as its frames may still arrive.
-void CanChannelsDecoder::spoil(RejectCause cause) {
+void CanChannelsDecoder::discard(RejectCause cause) {
     ++rejected_[cause].count;
-    collection_ = Collection::spoilt;
+    collection_ = Collection::discarded;
 }
 
 bool CanChannelsDecoder::take_first(const CanFrame& frame, Instant received) {
     const unsigned counter = counter_of(frame);
     if (collection_ != Collection::none && counter == counter_) {
-        if (collection_ == Collection::spoilt) {
+        if (collection_ == Collection::discarded) {
             ++rejected_[kStray].count;
         } else if (!same_as_taken(frame, 0)) {
-            spoil(kConflict);
-            watch_.distrust();
+            discard(kConflict);
+            watch_.require_long_proof();
         }
         // Otherwise the bus repeated the frame, after an error in its last bit that only the sender
         // saw.
@@ -111,18 +111,18 @@ bool CanChannelsDecoder::take_further(const CanFrame& frame, std::size_t part) {
         // Another snapshot continues inside this one, or after the one that replaced it: a second
         // sender.
         if (collection_ == Collection::running || counter_of(frame) == interrupted_) {
-            watch_.doubt();
+            watch_.restart_proof();
         }
         return false;
     }
     if (part > taken_) {
-        spoil(kIncomplete);
+        discard(kIncomplete);
         return false;
     }
     if (part < taken_) {
         if (!same_as_taken(frame, part)) {
-            spoil(kConflict);
-            watch_.distrust();
+            discard(kConflict);
+            watch_.require_long_proof();
         }
         return false;
     }

@@ -15,18 +15,18 @@ constexpr int kTimeOf = 8;
 
 }  // namespace
 
-void CounterWatch::distrust() {
+void CounterWatch::require_long_proof() {
     // A queue that empties after an outage also ends in a jump, but its frames were never accepted.
     if (due_ > 0 || proof_ >= std::max(limits_.proof, 1U)) {
         const std::uint64_t ring = std::min(limits_.values, kLongestRing);
         due_ = std::max({due_, ring, run_ < kRemembered ? run_ + 1 : 0});
     }
     run_ = 0;
-    doubt();
+    restart_proof();
 }
 
 CounterWatch::Verdict CounterWatch::begin() {
-    doubt();
+    restart_proof();
     run_ = kRemembered;
     pace_ = spare_ = Duration::zero();
     return limits_.proof == 0 && due_ == 0 ? Verdict::good : Verdict::unconfirmed;
@@ -68,7 +68,7 @@ CounterWatch::Verdict CounterWatch::take(std::uint64_t count, bool same_content,
     count_ = count < limits_.values ? std::optional(count) : std::nullopt;
     received_ = received;
     if (!count_) {
-        doubt();
+        restart_proof();
         return Verdict::jump;
     }
     if (!previous) {
@@ -81,17 +81,17 @@ CounterWatch::Verdict CounterWatch::take(std::uint64_t count, bool same_content,
         return Verdict::repeated;
     }
     if (step == 0) {
-        distrust();
+        require_long_proof();
         return Verdict::conflict;
     }
     if (!time_allows(step, elapsed)) {
         spare_ = Duration::zero();
-        distrust();
+        require_long_proof();
         return Verdict::jump;
     }
     learn_pace(step, elapsed);
     if (step > limits_.most_step) {
-        doubt();
+        restart_proof();
         return Verdict::jump;
     }
     return advance(step);

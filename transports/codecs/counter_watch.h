@@ -51,9 +51,9 @@ class CounterWatch {
     /// content equals that of the one before.
     Verdict take(std::uint64_t count, bool same_content, Instant received);
     /// Another sign makes the sender doubtful: starts the proof again.
-    void doubt() { proof_ = 0; }
+    void restart_proof() { proof_ = 0; }
     /// Another sign shows a second sender or a ring: requires the long test.
-    void distrust();
+    void require_long_proof();
 
   private:
     Verdict begin();

@@ -110,20 +110,20 @@ void SensorFrameParser::give_up_after_pause(Instant received) {
 std::optional<SensorFrame> SensorFrameParser::judge() {
     while (size_ > 0) {
         const std::size_t length = wanted();
-        const bool believed = in_step_ || kept_[0] == kServoLength;
+        const bool in_step = in_step_ || kept_[0] == kServoLength;
         if (length == 0) {
             const bool unknown = in_step_ && size_ > 1 && is_length(kept_[0]);
             rejected_[kUnknownCommand].count += unknown ? 1 : 0;
             skip(1);
         } else if (size_ < length) {
-            if (believed || !ends_with_request()) {
+            if (in_step || !ends_with_request()) {
                 return std::nullopt;
             }
             skip(size_ - kSensorRequestBytes);
             return take_frame(kSensorRequestBytes);
         } else if (!holds({kept_.data(), length})) {
             ++rejected_[kChecksum].count;
-            damaged_end_ = believed ? position_ + length : damaged_end_;
+            damaged_end_ = in_step ? position_ + length : damaged_end_;
             skip(1);
         } else if (is_servo(kept_[0], kept_[1])) {
             ++servo_frames_;

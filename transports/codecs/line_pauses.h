@@ -34,7 +34,7 @@ class LinePauses {
     /// A frame came, with its first byte at position `first` of all bytes read.
     void frame_came(std::uint64_t first, std::size_t length) {
         frame_length_ = length;
-        holds_back_ -= holds_back_ / kForgetting;
+        holds_back_ -= holds_back_ / kHoldBackDecay;
         if (within_position_ > first && within_position_ < first + length) {
             holds_back_ = std::max(holds_back_, within_);
         }
@@ -44,15 +44,15 @@ class LinePauses {
 
   private:
     bool judge(Duration pause, std::uint64_t position, std::size_t waiting);
-    bool went_on(std::uint64_t position, std::size_t waiting);
+    bool was_wrong_cut(std::uint64_t position, std::size_t waiting);
 
     /// Delay of a UART that delivers at once, with the jitter of the reader.
     static constexpr Duration kPromptPort = std::chrono::milliseconds(1);
     /// Longest time for which any port holds bytes back.
     static constexpr Duration kSlowestPort = std::chrono::milliseconds(40);
     /// Share by which the hold-back time shrinks with each frame.
-    static constexpr int kForgetting = 256;
-    static constexpr int kCutsToBelieve = 2;
+    static constexpr int kHoldBackDecay = 256;
+    static constexpr int kWrongCutsNeeded = 2;
 
     Duration byte_time_;
     Instant latest_ = kNever;
