@@ -110,7 +110,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
         return ReadStatus::lost;
     }
     buffers_->prepare();
-    stamps_tell_ = !clock_step_.since_last_look(wall_time, now);
+    stamps_usable_ = !clock_step_.since_last_look(wall_time, now);
     const int taken =
         ::recvmmsg(fd_.get(), buffers_->headers.data(), kCanFramesPerRead, MSG_DONTWAIT, nullptr);
     if (taken < 0) {
@@ -118,7 +118,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
     }
     const auto count = static_cast<std::size_t>(taken);
     for (std::size_t index = 0; index < count; ++index) {
-        if (const auto received = digest(index, now, wall_time)) {
+        if (const auto received = process(index, now, wall_time)) {
             reception.frames[reception.count] = *received;
             ++reception.count;
         }
@@ -149,8 +149,8 @@ ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
     return ReadStatus::nothing;
 }
 
-std::optional<ReceivedCanFrame> CanSocket::digest(std::size_t index, Instant now,
-                                                  Duration wall_time) {
+std::optional<ReceivedCanFrame> CanSocket::process(std::size_t index, Instant now,
+                                                   Duration wall_time) {
     mmsghdr& message = buffers_->headers[index];
     const canfd_frame& wire = buffers_->frames[index];
     const Side side = side_of(message.msg_hdr);
@@ -158,7 +158,7 @@ std::optional<ReceivedCanFrame> CanSocket::digest(std::size_t index, Instant now
         note_drops(*side.drops);
     }
     if ((wire.can_id & CAN_ERR_FLAG) != 0) {
-        digest_error(wire, now);
+        process_error(wire, now);
         return std::nullopt;
     }
     const auto frame = from_wire(wire, message.msg_len);
@@ -178,18 +178,18 @@ std::optional<ReceivedCanFrame> CanSocket::digest(std::size_t index, Instant now
     }
     const Arrival arrival =
         plausible_arrival(side.stamp, wall_time, now, emptied_.value_or(now - kMostPlausibleAge));
-    const bool believed = arrival.believed && stamps_tell_;
-    counts_.implausible_times += believed ? 0 : 1;
-    if (!believed && !emptied_) {
+    const bool plausible = arrival.plausible && stamps_usable_;
+    counts_.implausible_times += plausible ? 0 : 1;
+    if (!plausible && !emptied_) {
         // Nothing has been read before, so the frame may be of any age.
         return std::nullopt;
     }
     return ReceivedCanFrame{.frame = *frame,
-                            .at = believed ? arrival.at : *emptied_,
+                            .at = plausible ? arrival.at : *emptied_,
                             .sender = local ? CanSender::local : CanSender::bus};
 }
 
-void CanSocket::digest_error(const canfd_frame& wire, Instant now) {
+void CanSocket::process_error(const canfd_frame& wire, Instant now) {
     using ErrorLevel = CanTransmitter::ErrorLevel;
     const CanErrorReport report = error_report(wire).value_or(CanErrorReport{});
     ++counts_.error_frames;

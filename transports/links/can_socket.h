@@ -83,8 +83,8 @@ class CanSocket final : public CanLink {
 
     CanSocket(UniqueFd fd, CanInterface interface);
 
-    std::optional<ReceivedCanFrame> digest(std::size_t index, Instant now, Duration wall_time);
-    void digest_error(const canfd_frame& wire, Instant now);
+    std::optional<ReceivedCanFrame> process(std::size_t index, Instant now, Duration wall_time);
+    void process_error(const canfd_frame& wire, Instant now);
     ReadStatus read_failed(int error, Instant now, Duration wall_time);
     void note_drops(std::uint32_t drops);
     void pump(Instant now);
@@ -103,7 +103,7 @@ class CanSocket final : public CanLink {
     std::unique_ptr<Buffers> buffers_;
     std::optional<Instant> emptied_;  ///< when a read last emptied the socket
     ClockStep clock_step_;            ///< since then
-    bool stamps_tell_ = true;         ///< whether the stamps of the current read are usable
+    bool stamps_usable_ = true;       ///< whether the stamps of the current read are usable
     Instant checked_{};
     std::uint32_t drops_ = 0;
     std::uint32_t drops_when_handed_ = 0;

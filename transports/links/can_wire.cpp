@@ -101,13 +101,13 @@ std::vector<can_filter> kernel_filters(std::span<const CanIdMatch> wanted) {
 Arrival plausible_arrival(std::optional<Duration> stamp, Duration wall_time, Instant now,
                           Instant oldest) {
     if (!stamp) {
-        return {.at = oldest, .believed = true};
+        return {.at = oldest, .plausible = true};
     }
     const Duration age = wall_time - *stamp;
     if (age < -kMostPlausibleAge || age > std::max(kMostPlausibleAge, now - oldest)) {
-        return {.at = oldest, .believed = false};
+        return {.at = oldest, .plausible = false};
     }
-    return {.at = age > Duration::zero() ? now - age : now, .believed = true};
+    return {.at = age > Duration::zero() ? now - age : now, .plausible = true};
 }
 
 }  // namespace tribus

@@ -65,7 +65,7 @@ std::vector<can_filter> kernel_filters(std::span<const CanIdMatch> wanted);
 /// Arrival of a frame on the monotonic time line.
 struct Arrival {
     Instant at{};
-    bool believed = true;  ///< the kernel's stamp was plausible, or there was none
+    bool plausible = true;  ///< the kernel's stamp was plausible, or there was none
 
     bool operator==(const Arrival&) const = default;
 };

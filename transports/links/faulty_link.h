@@ -24,9 +24,9 @@ struct FaultSettings {
 };
 
 /// Random numbers from a seed: the same on every machine. Pure. Thread-bound.
-class FaultDice {
+class FaultRandom {
   public:
-    explicit FaultDice(std::uint64_t seed) : state_(seed) {}
+    explicit FaultRandom(std::uint64_t seed) : state_(seed) {}
 
     std::uint64_t next();
     bool happens(double probability);
@@ -42,7 +42,7 @@ class FaultDice {
 class FaultInjector {
   public:
     FaultInjector(const FaultSettings& settings, std::uint64_t seed)
-        : settings_(settings), dice_(seed) {}
+        : settings_(settings), random_(seed) {}
 
     /// Appends `in` to `out` with faults of single bytes. Bytes for which `out` has no room are
     /// lost.
@@ -51,9 +51,9 @@ class FaultInjector {
     void apply(const Reception& in, Reception& out);
 
     /// Delay of the next burst.
-    Duration next_delay() { return dice_.delay(settings_.most_delay); }
+    Duration next_delay() { return random_.delay(settings_.most_delay); }
     /// Whether the next burst is lost as a whole.
-    bool drop_frame() { return dice_.happens(settings_.drop_frame); }
+    bool drop_frame() { return random_.happens(settings_.drop_frame); }
 
   private:
     /// The part of a burst that a cut leaves.
@@ -66,7 +66,7 @@ class FaultInjector {
     unsigned in_a_row();
 
     FaultSettings settings_;
-    FaultDice dice_;
+    FaultRandom random_;
     unsigned still_to_lose_ = 0;
 };
 
@@ -83,7 +83,7 @@ struct CanFaultSettings {
 class CanFaultInjector {
   public:
     CanFaultInjector(const CanFaultSettings& settings, std::uint64_t seed)
-        : settings_(settings), dice_(seed) {}
+        : settings_(settings), random_(seed) {}
 
     /// Appends the frame to `out`: not at all, once, or twice. Frames for which `out` has no room
     /// are lost. A late frame has a later `at`, so `out` may not be in order of arrival.
@@ -91,7 +91,7 @@ class CanFaultInjector {
 
   private:
     CanFaultSettings settings_;
-    FaultDice dice_;
+    FaultRandom random_;
 };
 
 /// Adds faults to both directions of another link, which must outlive it. The caller applies
