@@ -86,7 +86,7 @@ class DbcDecoder final : public CanDecoder {
     void watch_counters();
     void watch_senders();
     void describe_parts();
-    bool sound(std::size_t message, const CanFrame& frame, Instant received);
+    bool valid(std::size_t message, const CanFrame& frame, Instant received);
     bool same_sender(std::size_t message, const CanFrame& frame, Instant received);
     bool counter_holds(std::size_t message, std::span<const std::uint8_t> data, Instant received);
     bool refuse(RejectCause cause);
@@ -102,7 +102,7 @@ class DbcDecoder final : public CanDecoder {
     std::vector<MessageState> messages_;
     std::vector<PartState> parts_;
     std::optional<Instant> awaited_received_;  ///< the latest arrival of any awaited part
-    bool told_failsafe_ = false;               ///< whether the latest snapshot was marked failsafe
+    bool reported_failsafe_ = false;           ///< whether the latest snapshot was marked failsafe
     std::array<std::optional<Pulse>, kChannelCount> values_{};
     std::array<NamedCount, 8> rejected_{{{"length"},
                                          {"checksum"},

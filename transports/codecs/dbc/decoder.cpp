@@ -105,7 +105,7 @@ bool DbcDecoder::refuse(RejectCause cause) {
     return false;
 }
 
-bool DbcDecoder::sound(std::size_t message, const CanFrame& frame, Instant received) {
+bool DbcDecoder::valid(std::size_t message, const CanFrame& frame, Instant received) {
     const DbcMappedMessage& mapped = map_.messages[message];
     if (frame.remote || frame.length < mapped.length || frame.fd != mapped.fd) {
         return refuse(kLength);
@@ -240,7 +240,7 @@ ChannelFrame DbcDecoder::snapshot(Instant now) {
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         snapshot.set(channel, values_[channel]);
     }
-    told_failsafe_ = snapshot.failsafe;
+    reported_failsafe_ = snapshot.failsafe;
     return snapshot;
 }
 
@@ -251,7 +251,7 @@ std::optional<ChannelFrame> DbcDecoder::next(const CanFrame& frame, Instant rece
         return std::nullopt;
     }
     const auto message = static_cast<std::size_t>(match - wanted_.begin());
-    if (!sound(message, frame, received)) {
+    if (!valid(message, frame, received)) {
         return std::nullopt;
     }
     const auto data = frame.bytes().first(map_.messages[message].length);
@@ -274,7 +274,7 @@ std::optional<ChannelFrame> DbcDecoder::next(const CanFrame& frame, Instant rece
         }
         return snapshot(received);
     }
-    return failsafe && !told_failsafe_ ? std::optional(snapshot(received)) : std::nullopt;
+    return failsafe && !reported_failsafe_ ? std::optional(snapshot(received)) : std::nullopt;
 }
 
 }  // namespace tribus

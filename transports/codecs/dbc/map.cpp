@@ -71,8 +71,8 @@ void check_channels(const DbcMap& map, const SettingTree::Table& messages, Setti
     std::map<std::size_t, std::string> sources;
     for (const SettingEntry& message : messages) {
         for (const SettingEntry& signal : *message.value.as<SettingTree::Table>()) {
-            Mistakes told_already;
-            const auto role = read_dbc_role(signal.value, {}, told_already);
+            Mistakes ignored;
+            const auto role = read_dbc_role(signal.value, {}, ignored);
             const auto* channel = role ? std::get_if<DbcChannelRole>(&*role) : nullptr;
             if (scope != SettingScope::input || channel == nullptr) {
                 continue;

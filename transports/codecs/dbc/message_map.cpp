@@ -211,9 +211,9 @@ class MessageBuilder {
                 free = (!status || take_bits(*status, taken)) && free;
             }
         }
-        const bool told =
+        const bool reported =
             std::ranges::find(mistakes_, signal.path, &SettingMistake::path) != mistakes_.end();
-        if (!free && !told) {
+        if (!free && !reported) {
             complain(signal.path,
                      "its bits overlap those of another signal in the same "
                      "frame; allowed: signals that do not overlap");

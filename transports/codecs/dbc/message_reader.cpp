@@ -13,8 +13,8 @@ namespace {
 
 /// The placeholder message for signals that belong to no message (docs/protocols/can.md, "DBC
 /// files").
-constexpr std::string_view kOrphanage = "VECTOR__INDEPENDENT_SIG_MSG";
-constexpr std::uint32_t kOrphanageId = 0xC0000000U;
+constexpr std::string_view kPlaceholder = "VECTOR__INDEPENDENT_SIG_MSG";
+constexpr std::uint32_t kPlaceholderId = 0xC0000000U;
 constexpr std::uint32_t kLastStandardId = 0x7FF;
 constexpr std::uint32_t kLastExtendedId = 0x1FFFFFFF;
 /// Limit of J1939-21's transport protocol in bytes, the longest of all.
@@ -145,7 +145,7 @@ void skip_receivers(DbcTokens& tokens) {
     }
 }
 
-bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool orphan) {
+bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool placeholder) {
     DbcSignal signal;
     SignalPlaces places;
     places.name = tokens.token().place;
@@ -160,7 +160,7 @@ bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool orphan)
         return false;
     }
     skip_receivers(tokens);
-    if (orphan) {
+    if (placeholder) {
         return true;
     }
     if (!check_signal(tokens, statement.message, signal, places)) {
@@ -206,17 +206,17 @@ bool read_dbc_message(DbcTokens& tokens, std::vector<DbcMessageStatement>& messa
     if (!read_heading(tokens, statement)) {
         return false;
     }
-    const bool orphanage = statement.file_id == kOrphanageId || statement.name == kOrphanage;
-    if (!orphanage && !check_id(tokens, statement.message, place)) {
+    const bool placeholder = statement.file_id == kPlaceholderId || statement.name == kPlaceholder;
+    if (!placeholder && !check_id(tokens, statement.message, place)) {
         return false;
     }
     while (tokens.token().is_word("SG_")) {
         tokens.advance();
-        if (!read_signal(tokens, statement, orphanage)) {
+        if (!read_signal(tokens, statement, placeholder)) {
             return false;
         }
     }
-    if (!orphanage) {
+    if (!placeholder) {
         messages.push_back(std::move(statement));
     }
     return true;

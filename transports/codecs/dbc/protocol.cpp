@@ -67,8 +67,8 @@ std::vector<NamedUse> value_names(const SettingValues& settings) {
             continue;
         }
         for (const SettingEntry& signal : *roles) {
-            std::vector<SettingMistake> told_already;
-            const auto role = read_dbc_role(signal.value, {}, told_already);
+            std::vector<SettingMistake> ignored;
+            const auto role = read_dbc_role(signal.value, {}, ignored);
             if (const auto* value = role ? std::get_if<DbcValueRole>(&*role) : nullptr) {
                 uses.push_back({value->from, {"signals", message.key, signal.key, "from"}});
             }

@@ -152,8 +152,8 @@ class RoleTable {
 };
 
 std::optional<std::size_t> channel_index(std::optional<std::int64_t> number) {
-    const bool sound = number && *number >= 1 && *number <= std::int64_t{kChannelCount};
-    return sound ? std::optional(static_cast<std::size_t>(*number - 1)) : std::nullopt;
+    const bool valid = number && *number >= 1 && *number <= std::int64_t{kChannelCount};
+    return valid ? std::optional(static_cast<std::size_t>(*number - 1)) : std::nullopt;
 }
 
 std::optional<DbcRole> read_channel(RoleTable& table) {

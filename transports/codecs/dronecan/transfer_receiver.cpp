@@ -49,8 +49,8 @@ std::size_t room_for(std::size_t most_bytes) {
 }
 
 bool crc_is_right(std::uint64_t signature, std::span<const std::uint8_t> with_crc) {
-    const unsigned told = with_crc[0] | unsigned{with_crc[1]} << 8U;
-    return told == transfer_crc(signature, with_crc.subspan(kCrcBytes));
+    const unsigned stated = with_crc[0] | unsigned{with_crc[1]} << 8U;
+    return stated == transfer_crc(signature, with_crc.subspan(kCrcBytes));
 }
 
 }  // namespace
