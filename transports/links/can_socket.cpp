@@ -269,7 +269,7 @@ bool CanSocket::works() const {
 void CanSocket::pump(Instant now) {
     // Each turn hands over a waiting frame, so there cannot be more turns than this.
     for (std::size_t turn = 0; turn < kMostLanes * kMostSnapshotFrames && !lost_; ++turn) {
-        if (transmitter_.in_flight() != nullptr && !flight_landed(now)) {
+        if (transmitter_.in_flight() != nullptr && !flight_is_over(now)) {
             return;
         }
         const CanFrame* frame = transmitter_.next(now);
@@ -288,7 +288,7 @@ void CanSocket::pump(Instant now) {
     }
 }
 
-bool CanSocket::flight_landed(Instant now) {
+bool CanSocket::flight_is_over(Instant now) {
     if (interface_.echo || kernel_queues().sending > 0) {
         return false;
     }

@@ -92,7 +92,7 @@ class CanSocket final : public CanLink {
     void recheck(Instant now);
     void check_line(Instant now);
     void went_down();
-    bool flight_landed(Instant now);
+    bool flight_is_over(Instant now);
     KernelQueues kernel_queues() const;
     bool works() const;
 

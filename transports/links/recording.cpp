@@ -246,7 +246,7 @@ tl::expected<Recording, std::string> parse_recording(std::string_view content,
 
 tl::expected<Recording, std::string> parse_recording(std::string_view content,
                                                      std::string_view file_name) {
-    const auto kind = tell_recording_kind(content, file_name);
+    const auto kind = detect_recording_kind(content, file_name);
     if (!kind) {
         return Mistake(kind.error());
     }

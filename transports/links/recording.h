@@ -68,8 +68,8 @@ bool looks_raw(std::string_view beginning);
 /// - hex otherwise, and for an empty file.
 /// Thus a file whose lines all start with two digits (`20 40 ...`) is hex unless it has `# t_us`.
 /// The error is `file:line:column: text`. Pure and reentrant.
-tl::expected<RecordingKind, std::string> tell_recording_kind(std::string_view content,
-                                                             std::string_view file_name);
+tl::expected<RecordingKind, std::string> detect_recording_kind(std::string_view content,
+                                                               std::string_view file_name);
 
 /// Reads a recording of a known kind, or of the kind that its content shows. Returns the first
 /// error as `file:line:column: text`. An empty file is a recording without bursts. Pure and

@@ -65,8 +65,8 @@ bool looks_raw(std::string_view beginning) {
     return only_raw(find_oddities(beginning).count, beginning.size());
 }
 
-tl::expected<RecordingKind, std::string> tell_recording_kind(std::string_view content,
-                                                             std::string_view file_name) {
+tl::expected<RecordingKind, std::string> detect_recording_kind(std::string_view content,
+                                                               std::string_view file_name) {
     const Oddities odd = find_oddities(content);
     if (only_raw(odd.count, content.size())) {
         return RecordingKind::raw;
