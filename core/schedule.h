@@ -9,11 +9,9 @@
 namespace tribus {
 
 /// When an output sends.
-/// `follow`: when a new frame arrives, at most once per period, and once per period without one.
-/// `grid`: strictly periodic.
 enum class ScheduleKind : std::uint8_t {
-    follow,
-    grid,
+    follow,  ///< with each new frame, at most once per period; once per period without one
+    grid,    ///< strictly periodic
 };
 
 /// How a grid relates to the arrivals of the input.

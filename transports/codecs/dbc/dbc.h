@@ -26,10 +26,10 @@ extern const Protocol kDbcProtocol;
 
 /// Combines the latest frames of all mapped messages into snapshots. Thread-bound.
 ///
-/// A snapshot is complete when each awaited part has arrived since the snapshot before. Awaited are
-/// the parts with channels whose message is about as fast as the fastest of them, or has no known
-/// cycle time. `received` is the arrival of the oldest awaited part. If senders send in bursts, the
-/// parts of one snapshot are those of one burst.
+/// A snapshot is complete when each awaited part has arrived since the snapshot before. The awaited
+/// parts are those with channels whose message is about as fast as the fastest of them, or has no
+/// known cycle time. `received` is the arrival of the oldest awaited part. If senders send in
+/// bursts, the parts of one snapshot are those of one burst.
 /// Other parts (a heartbeat, a status, slow channels) are not awaited, but if one of them is
 /// missing for three of its cycles, or for 500 ms without a known cycle, the snapshot is marked
 /// failsafe. It is also marked failsafe if a fixed signal has another value, or a channel that is
