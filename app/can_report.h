@@ -8,7 +8,7 @@
 
 #include "app/appliance.h"
 #include "app/log_limit.h"
-#include "core/last_word.h"
+#include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 
@@ -32,7 +32,7 @@ class CanReport {
         std::size_t port = 0;
         std::uint64_t receive_overflows = 0;
         std::optional<Instant> bus_off_since;
-        LastWord<CanBusState> said{CanBusState::ready};
+        ChangeReport<CanBusState> said{CanBusState::ready};
         RateLimit limit = log_limit();
         RateLimit overflow_limit = log_limit();
     };

@@ -192,7 +192,7 @@ int decode_parsed(Recording recording, const std::string& name, std::span<const 
 int decode_whole(std::string_view content, const std::string& name, std::vector<ProtocolUse> uses,
                  std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
     if (!kind) {
-        const auto told = tell_recording_kind(content, name);
+        const auto told = detect_recording_kind(content, name);
         if (!told) {
             return fail(fmt::format("{} ({})", told.error(), kKindHint), kExitFailed);
         }

@@ -9,7 +9,7 @@
 namespace tribus {
 namespace {
 
-using dronecan::FrameFate;
+using dronecan::FrameResult;
 using dronecan::KnownPayload;
 using dronecan::TransferHead;
 using dronecan::TransferKind;
@@ -124,20 +124,20 @@ void DroneCanExplainer::take(Session& session, const TransferHead& head,
     if (taken.broke_off) {
         end_current(session, TransferFault::broke_off);
     }
-    switch (taken.fate) {
-        case FrameFate::taken:
-        case FrameFate::complete:
-        case FrameFate::bad_crc:
-        case FrameFate::too_long:
-            collect(session, head, recorded, taken.fate);
+    switch (taken.result) {
+        case FrameResult::taken:
+        case FrameResult::complete:
+        case FrameResult::bad_crc:
+        case FrameResult::too_long:
+            collect(session, head, recorded, taken.result);
             break;
-        case FrameFate::repeated:
+        case FrameResult::repeated:
             ++tally_.repeated_frames;
             if (!session.current.open) {
                 collect_stray(session, head, recorded, TransferFault::repeated);
             }
             break;
-        case FrameFate::out_of_turn:
+        case FrameResult::out_of_turn:
             if (session.current.open && session.current.head.transfer_id == head.transfer_id) {
                 session.current.disturbed = true;
                 ++session.current.frames;
@@ -146,15 +146,15 @@ void DroneCanExplainer::take(Session& session, const TransferHead& head,
                 collect_stray(session, head, recorded, TransferFault::start_missing);
             }
             break;
-        case FrameFate::foreign:
-        case FrameFate::unwanted:
-        case FrameFate::crowded_out:
+        case FrameResult::foreign:
+        case FrameResult::unwanted:
+        case FrameResult::crowded_out:
             break;
     }
 }
 
 void DroneCanExplainer::collect(Session& session, const TransferHead& head,
-                                const RecordedCanFrame& recorded, FrameFate fate) {
+                                const RecordedCanFrame& recorded, FrameResult result) {
     Part& current = session.current;
     if (has(recorded.frame, dronecan::kTailStart)) {
         end_stray(session);
@@ -165,10 +165,10 @@ void DroneCanExplainer::collect(Session& session, const TransferHead& head,
         return;
     }
     // The receiver does not know the signature of a type that is not known.
-    const bool crc_wrong = fate == FrameFate::bad_crc && session.type != nullptr;
-    if (fate == FrameFate::too_long) {
+    const bool crc_wrong = result == FrameResult::bad_crc && session.type != nullptr;
+    if (result == FrameResult::too_long) {
         end_current(session, TransferFault::too_long);
-    } else if (crc_wrong || (fate == FrameFate::bad_crc && current.disturbed)) {
+    } else if (crc_wrong || (result == FrameResult::bad_crc && current.disturbed)) {
         end_current(session, TransferFault::bad_crc);
     } else {
         end_current(session, TransferFault::none);

@@ -131,7 +131,7 @@ class DroneCanExplainer {
     void take(Session& session, const dronecan::TransferHead& head,
               const RecordedCanFrame& recorded);
     void collect(Session& session, const dronecan::TransferHead& head,
-                 const RecordedCanFrame& recorded, dronecan::FrameFate fate);
+                 const RecordedCanFrame& recorded, dronecan::FrameResult result);
     void collect_stray(Session& session, const dronecan::TransferHead& head,
                        const RecordedCanFrame& recorded, TransferFault fault);
     void end_current(Session& session, TransferFault fault);

@@ -15,8 +15,8 @@ NodeLog::NodeLog(const Appliance& appliance) {
         nodes_.push_back(
             {.interface = plan.port.device,
              .wanted = node.id,
-             .word = LastWord(node.dynamic ? Word{.stage = dronecan::NodeStage::allocating}
-                                           : Word{.id = node.id})});
+             .word = ChangeReport(node.dynamic ? Word{.stage = dronecan::NodeStage::allocating}
+                                               : Word{.id = node.id})});
     }
 }
 
@@ -42,10 +42,10 @@ void NodeLog::look(const Appliance& appliance, Instant now) {
 
 void NodeLog::say_change(const Memory& memory, const std::string& note) {
     const LogFields fields({"TRIBUS_INTERFACE", memory.interface});
-    switch (memory.word.said().stage) {
+    switch (memory.word.reported().stage) {
         case dronecan::NodeStage::online:
             log_info("{}: this program is DroneCAN node {}{}", memory.interface,
-                     memory.word.said().id, note);
+                     memory.word.reported().id, note);
             break;
         case dronecan::NodeStage::conflict:
             log_error(

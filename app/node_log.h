@@ -6,7 +6,7 @@
 
 #include "app/appliance.h"
 #include "app/log_limit.h"
-#include "core/last_word.h"
+#include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 #include "pipelines/carry_over.h"
@@ -34,7 +34,7 @@ class NodeLog {
     struct Memory {
         std::string interface;
         dronecan::NodeId wanted = dronecan::kNobody;  ///< that the configuration gives
-        LastWord<Word> word;
+        ChangeReport<Word> word;
         RateLimit limit = log_limit();
     };
 

@@ -87,7 +87,7 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
 void SensorBusLog::look_at_address(const std::optional<FoundSensor>& found, std::size_t address,
                                    Memory& memory, Instant now) {
     auto& [sensor, limit] = memory.found[address - 1];
-    const std::optional<FoundSensor> before = sensor.said();
+    const std::optional<FoundSensor> before = sensor.reported();
     const auto swallowed = sensor.look(found, limit, now);
     if (!swallowed) {
         return;

@@ -10,7 +10,7 @@
 
 #include "app/appliance.h"
 #include "app/log_limit.h"
-#include "core/last_word.h"
+#include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 #include "pipelines/carry_over.h"
@@ -31,7 +31,7 @@ class SensorBusLog {
   private:
     /// Of one address; a sensor that comes and goes takes no lines from the others.
     struct FoundMemory {
-        LastWord<std::optional<FoundSensor>> sensor{std::nullopt};
+        ChangeReport<std::optional<FoundSensor>> sensor{std::nullopt};
         RateLimit limit = log_limit();
     };
     struct Memory {
@@ -41,7 +41,7 @@ class SensorBusLog {
         Instant start;
         RateLimit limit = log_limit();
         bool silence_said = false;
-        LastWord<bool> asked{false};  ///< role sensor: by a receiver, lately
+        ChangeReport<bool> asked{false};  ///< role sensor: by a receiver, lately
         std::array<FoundMemory, kMostSensors> found{};
         std::uint64_t collisions = 0;
         std::uint64_t late = 0;

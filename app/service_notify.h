@@ -9,7 +9,7 @@
 #include "app/log_limit.h"
 #include "app/status_line.h"
 #include "app/watchdog.h"
-#include "core/last_word.h"
+#include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 #include "transports/links/unique_fd.h"
@@ -53,7 +53,7 @@ class ServiceNotify {
     NotifySocket socket_;
     /// None where the service manager has no watchdog.
     std::optional<Watchdog> watchdog_;
-    LastWord<Punctuality> said_{Punctuality::on_time};
+    ChangeReport<Punctuality> said_{Punctuality::on_time};
     RateLimit limit_ = log_limit();
     std::optional<StatusLine> status_;
     std::string told_;

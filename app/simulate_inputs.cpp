@@ -45,7 +45,7 @@ tl::expected<Recording, std::string> load_recording(const std::string& path,
     if (!content) {
         return tl::unexpected(content.error());
     }
-    const auto kind = tell_recording_kind(*content, path);
+    const auto kind = detect_recording_kind(*content, path);
     const bool log = kind == RecordingKind::candump;
     auto recording = parse_recording(*content, path);
     const bool empty = recording && is_empty(*recording);

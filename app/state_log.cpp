@@ -26,7 +26,8 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     for (const Appliance::DeviceEvent& device : appliance.devices()) {
         // A start says itself what it waits for.
         const bool told = !device.back && !appliance.waits_for().empty();
-        devices_[device.name] = {.present = device.back, .ever = !told, .word = LastWord(!told)};
+        devices_[device.name] = {
+            .present = device.back, .ever = !told, .word = ChangeReport(!told)};
     }
 }
 
@@ -125,7 +126,7 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                            {"TRIBUS_STATE", stage_word(status.state.stage, status.speaks)});
     const OutputWord word{.state = output_text(status.state, input_names_),
                           .outvoted = outvoted_names(status.state.outvoted, places)};
-    const bool same_votes = word.outvoted == memory.word.said().outvoted;
+    const bool same_votes = word.outvoted == memory.word.reported().outvoted;
     if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
         const bool fine = status.state.stage == OutputStage::control && word.outvoted.empty();
         const std::string votes = same_votes ? ""

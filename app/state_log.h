@@ -14,7 +14,7 @@
 #include "app/node_log.h"
 #include "app/sensor_bus_log.h"
 #include "config/carry_over.h"
-#include "core/last_word.h"
+#include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
 
@@ -40,7 +40,7 @@ class StateLog {
     struct InputMemory {
         bool on_can = false;
         Instant start;
-        LastWord<LinkCause> cause{LinkCause::never_seen};
+        ChangeReport<LinkCause> cause{LinkCause::never_seen};
         bool silence_said = false;
         bool two_senders_said = false;
         RateLimit limit = log_limit();
@@ -52,7 +52,7 @@ class StateLog {
         bool operator==(const OutputWord&) const = default;
     };
     struct OutputMemory {
-        LastWord<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
+        ChangeReport<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
         /// Those of `OutputState::by_preset` that were told.
         std::uint32_t presets_said = 0;
         std::uint64_t busy_drops = 0;
@@ -65,7 +65,7 @@ class StateLog {
     struct DeviceMemory {
         bool present = true;
         bool ever = true;
-        LastWord<bool> word{true};
+        ChangeReport<bool> word{true};
         RateLimit limit = log_limit();
     };
 

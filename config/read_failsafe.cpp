@@ -116,7 +116,7 @@ GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, c
 }
 
 FailsafeAction default_action(const OutputConfig& output) {
-    return output.protocol != nullptr && output.protocol->says_failsafe(output.settings)
+    return output.protocol != nullptr && output.protocol->signals_failsafe(output.settings)
                ? FailsafeAction::preset
                : FailsafeAction::silence;
 }
@@ -137,7 +137,7 @@ FailsafeSettings combine(const Given& own, const Given& shared, const OutputConf
 /// Fail silent or fail explicit, never fail stale.
 void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistakes) {
     if (given.action == FailsafeAction::hold && output.protocol != nullptr &&
-        !output.protocol->says_failsafe(output.settings)) {
+        !output.protocol->signals_failsafe(output.settings)) {
         mistakes.add(given.action_where,
                      fmt::format("\"action\" is \"hold\", but {} of output {} cannot say failsafe: "
                                  "it would repeat old values unmarked; allowed there: \"preset\", "

@@ -69,7 +69,7 @@ void check_use(const TableContent& content, const Protocol& protocol, const Sett
 }  // namespace
 
 bool has_flags(const Protocol& protocol, const SettingValues& settings) {
-    return protocol.link == LinkKind::can || protocol.says_failsafe(settings);
+    return protocol.link == LinkKind::can || protocol.signals_failsafe(settings);
 }
 
 SupervisionSettings read_supervision(const TableContent& content, const Protocol* protocol,

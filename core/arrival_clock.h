@@ -4,37 +4,42 @@
 
 namespace tribus {
 
-/// When frames of an input arrive, as far as the past tells. Pure; thread-bound.
+/// Estimates when the frames of an input arrive: fits a line through the latest arrivals. Pure;
+/// thread-bound.
 class ArrivalClock {
   public:
+    /// A frame arrived at `now`.
     void arrived(Instant now);
 
+    /// Whether any frame has arrived.
     bool ever() const { return ever_; }
+    /// Arrival of the latest frame. Valid only if `ever`.
     Instant latest() const { return latest_; }
-    /// Time between two frames, by the line through the latest arrivals; zero before the second.
+    /// Period of the fitted line; zero before the second arrival.
     Duration interval() const { return interval_; }
-    /// When the latest frame was due by the rhythm of those before it: its arrival without jitter.
-    Instant rhythm() const { return rhythm_; }
-    /// How long behind its place in the rhythm a late frame comes; about one in twenty comes later.
+    /// Arrival of the latest frame on the fitted line: its arrival without jitter.
+    Instant fitted() const { return fitted_; }
+    /// How far behind the line a late frame arrives. About one frame in twenty is later.
     Duration lateness() const { return lateness_; }
 
   private:
     bool period_has_changed(Duration delta);
-    void begin_rhythm(Instant now);
-    void follow_rhythm(Instant now);
+    void restart_line(Instant now);
+    void extend_line(Instant now);
 
     Instant latest_{};
     bool ever_ = false;
     Duration interval_{};
-    Instant rhythm_{};
+    Instant fitted_{};
     Duration lateness_{};
-    int remembered_ = 0;  ///< arrivals that the line goes through
+    int weighed_ = 0;  ///< arrivals that the line weighs
 
     Duration latest_delta_{};
-    int outliers_ = 0;        ///< in a row: not after an interval
-    int steady_misfits_ = 0;  ///< in a row: after the same time, but not after whole intervals
-    int off_beat_ = 0;        ///< in a row: far from their place in the rhythm
-    Duration off_by_{};       ///< by which the latest one missed it, if beyond jitter
+    int outliers_ = 0;        ///< in a row: not one interval after the frame before
+    int steady_misfits_ = 0;  ///< in a row: same time after the frame before, but no whole number
+                              ///< of intervals
+    int far_off_ = 0;         ///< in a row: more than a quarter of an interval off the line
+    Duration off_by_{};       ///< error of the latest frame if beyond jitter, else zero
 };
 
 }  // namespace tribus

@@ -12,56 +12,61 @@
 
 namespace tribus {
 
-/// As many channels as the widest wire format has: i.Bus 18, SBUS 16 and two switches.
+/// Channels of the widest wire format: i.Bus has 18, SBUS 16 and two switches.
 inline constexpr std::size_t kChannelCount = 18;
 
-/// A bit for each channel.
+/// One bit for each channel.
 inline constexpr std::uint32_t kAllChannels = (1U << kChannelCount) - 1;
 
-/// The format that values came in on at first, as far as it is known.
+/// The wire format that the values were first read from.
 enum class Origin : std::uint8_t { none, ibus, sbus, dronecan, can, dbc, unknown };
 
-/// Where nobody has told a link quality, which is 0 to 100 %.
+/// Marks an unknown link quality. Known ones are 0 to 100 %.
 inline constexpr std::uint8_t kNoLinkQuality = 0xFF;
 
-/// One snapshot of the sticks: the meaning of one frame, whatever wire it came on.
+/// One snapshot of the sticks: the content of one frame, independent of the wire format.
 ///
 /// RC data is a state, not a stream: a newer frame replaces an older one. A default frame has no
-/// channel and says failsafe. Channel numbers are zero-based here; people and files count from 1.
+/// channels and is marked failsafe. Channel numbers are zero-based here; users and files count from
+/// 1. Pure; thread-bound.
 class ChannelFrame {
   public:
-    /// The values are old but the link is still up (SBUS flag 0x04).
+    /// The values are old, but the link is up (SBUS flag 0x04; docs/protocols/sbus.md, "Flags").
     bool frame_lost = true;
-    /// The link is down: the values are presets or held (SBUS flag 0x08). Kept apart from
-    /// frame_lost because senders set them apart.
+    /// The link is down: the values are presets or held (SBUS flag 0x08). Separate from frame_lost
+    /// because senders set each of them alone.
     bool failsafe = true;
-    /// Index of the input that it came from.
+    /// Index of the input that the frame came from.
     std::uint8_t source = 0;
     Origin origin = Origin::unknown;
     std::uint8_t link_quality = kNoLinkQuality;
-    /// Why the input that it came from counts or not; of frames that an output makes.
+    /// Cause of the state of the source input. Only set in the frames of an output.
     LinkCause cause = LinkCause::never_seen;
-    /// Counts the frames of one input, wrapping.
+    /// Number of the frame within its input; wraps.
     std::uint32_t sequence = 0;
     /// When the last byte of the frame was read.
     Instant received{};
 
+    /// Whether the values come from a live link.
     bool good() const { return !frame_lost && !failsafe; }
 
-    /// A bit for each channel that is absent.
+    /// One bit for each channel that is absent.
     std::uint32_t absent() const { return absent_; }
     bool has_any() const { return absent_ != kAllChannels; }
-    /// Whether it has every channel that `other` has.
+    /// Whether every channel of `other` is present here.
     bool has_all_of(const ChannelFrame& other) const { return (absent_ & ~other.absent_) == 0; }
+    /// Whether the channel is present.
     bool has(std::size_t channel) const { return ((absent_ >> channel) & 1U) == 0; }
-    /// Whether none of the first `count` channels is absent.
+    /// Whether the first `count` channels are all present.
     bool has_first(std::size_t count) const { return (absent_ & ((1U << count) - 1)) == 0; }
+    /// Value of a channel, or nothing if it is absent.
     std::optional<Pulse> channel(std::size_t channel) const {
         return has(channel) ? std::optional(pulses_[channel]) : std::nullopt;
     }
     Pulse channel_or(std::size_t channel, Pulse absent) const {
         return has(channel) ? pulses_[channel] : absent;
     }
+    /// Sets a channel, which is present then.
     constexpr void set(std::size_t channel, Pulse pulse) {
         pulses_[channel] = pulse;
         absent_ &= ~(1U << channel);
@@ -73,23 +78,24 @@ class ChannelFrame {
             remove(channel);
         }
     }
-    /// Whatever value they have: the first `count` channels are not absent.
+    /// Marks the first `count` channels as present, with the values that they have.
     void mark_first(std::size_t count) { absent_ &= ~((1U << count) - 1); }
+    /// Makes a channel absent.
     void remove(std::size_t channel) {
         pulses_[channel] = Pulse{};
         absent_ |= 1U << channel;
     }
 
-    /// Of all channels; 0 for each absent one.
+    /// Pulses of all channels; 0 for each absent one.
     const std::array<Pulse, kChannelCount>& pulses() const { return pulses_; }
-    /// To write those of many channels at once; only of channels that are not absent.
+    /// For writing many channels at once. Write only channels that are present.
     std::array<Pulse, kChannelCount>& pulses() { return pulses_; }
 
-    /// Same channels, whatever the flags.
+    /// Same channels and values; flags do not count.
     bool same_channels(const ChannelFrame& other) const {
         return pulses_ == other.pulses_ && absent_ == other.absent_;
     }
-    /// Same channels and flags; where and when it came from does not count.
+    /// Same channels, values and flags; source and time do not count.
     bool same_content(const ChannelFrame& other) const {
         return same_channels(other) && frame_lost == other.frame_lost && failsafe == other.failsafe;
     }

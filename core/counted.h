@@ -6,7 +6,7 @@
 
 namespace tribus {
 
-/// `1 input`, `2 inputs`; of a noun whose plural is not formed with s, `plural`.
+/// `1 input`, `2 inputs`. Give `plural` for a noun whose plural is not formed with s.
 inline std::string counted(std::uint64_t count, std::string_view noun,
                            std::string_view plural = {}) {
     const bool one = count == 1;

@@ -8,13 +8,13 @@ namespace tribus {
 
 enum class Parity : std::uint8_t { none, even };
 
-/// How a byte is put on an asynchronous serial wire. Eight data bits, least significant first.
+/// How bytes travel on an asynchronous serial line: eight data bits, least significant first.
 struct LineSettings {
     std::uint32_t baud = 115200;
     Parity parity = Parity::none;
     std::uint8_t stop_bits = 1;
-    /// The wire idles low and a start bit is high (SBUS). A property of the wiring, which the
-    /// serial port itself cannot change.
+    /// The line idles low and the start bit is high (SBUS; docs/protocols/sbus.md, "Line"). The
+    /// wiring decides this; the serial port cannot invert.
     bool inverted_wire = false;
 
     bool operator==(const LineSettings&) const = default;
@@ -23,6 +23,7 @@ struct LineSettings {
     constexpr unsigned bits_per_byte() const {
         return 1U + 8U + (parity == Parity::even ? 1U : 0U) + stop_bits;
     }
+    /// Duration of `bits` on the line.
     constexpr Duration bits_time(std::uint64_t bits) const {
         return Duration(static_cast<std::int64_t>((bits * 1'000'000'000U + baud / 2) / baud));
     }

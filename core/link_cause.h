@@ -7,20 +7,20 @@
 
 namespace tribus {
 
-/// Why the frames of an input count, or do not. The numbers are those that go over a CAN bus.
+/// Why the frames of an input are used, or why not. The numbers are sent on a CAN bus.
 enum class LinkCause : std::uint8_t {
     good,
-    never_seen,        ///< not one byte since the start
-    wire_silent,       ///< no bytes any more
+    never_seen,        ///< no byte since the start
+    wire_silent,       ///< no more bytes
     garbled,           ///< bytes, but no frames
-    radio_lost,        ///< frames, but the receiver has lost its transmitter
-    stale,             ///< frames that do not change any more
+    radio_lost,        ///< frames, but the receiver has lost the transmitter
+    stale,             ///< frames that no longer change
     implausible,       ///< frames with values that no transmitter sends
-    channels_missing,  ///< frames without a channel that was there, or without any
+    channels_missing,  ///< frames that lack a channel that was present, or have no channels
 };
 inline constexpr std::size_t kLinkCauseCount = 8;
 
-/// For people, as "radio lost".
+/// Text for users, such as "radio lost".
 constexpr std::string_view name_of(LinkCause cause) {
     constexpr std::array<std::string_view, kLinkCauseCount> kNames{
         "good",       "never seen", "wire silent", "garbled",
@@ -28,13 +28,13 @@ constexpr std::string_view name_of(LinkCause cause) {
     return kNames[static_cast<std::size_t>(cause)];
 }
 
-/// How it shows that a radio link is down.
+/// The sign by which the loss of the radio link was detected.
 enum class RadioLossSign : std::uint8_t {
     none,
     failsafe_flag,
     value_rule,
-    frame_lost_run,    ///< nothing but frames marked frame-lost
-    frame_lost_ratio,  ///< too many of them among the good ones
+    frame_lost_run,    ///< every frame for some time is marked frame lost
+    frame_lost_ratio,  ///< too large a share of the frames is marked frame lost
 };
 
 }  // namespace tribus

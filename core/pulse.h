@@ -13,8 +13,8 @@ namespace tribus {
 /// A pulse width in eighths of a microsecond.
 ///
 /// One SBUS step (Betaflight's scale) is 5 eighths and one i.Bus microsecond is 8, so both decode
-/// without rounding. Holds -4096 to 4095.875 us; every way to make one saturates, none wraps.
-/// Pure and reentrant.
+/// without rounding (docs/protocols/sbus.md, "Scales"). Range -4096 to 4095.875 us. Every function
+/// that makes a pulse saturates; none wraps. Pure and reentrant.
 class Pulse {
   public:
     static constexpr int kEighthsPerMicrosecond = 8;
@@ -35,7 +35,7 @@ class Pulse {
                             kEighthsPerMicrosecond);
     }
 
-    /// The nearest eighth to a fractional number of microseconds; not-a-number becomes 0.
+    /// Rounds to the nearest eighth. Not-a-number becomes 0.
     static Pulse from_fractional_microseconds(double microseconds) {
         constexpr double kBeyondAnyPulse = 1 << 20;
         if (std::isnan(microseconds)) {
@@ -49,7 +49,7 @@ class Pulse {
     constexpr double microseconds() const {
         return static_cast<double>(eighths_) / kEighthsPerMicrosecond;
     }
-    /// Rounded to the nearest whole microsecond, halves upwards.
+    /// Rounds to the nearest whole microsecond, halves upwards.
     constexpr std::int32_t whole_microseconds() const {
         return (eighths_ + kEighthsPerMicrosecond / 2) >> 3;
     }
@@ -62,9 +62,9 @@ class Pulse {
 
 static_assert(sizeof(Pulse) == 2);
 
-/// The stick centre of the field's common scale: what an absent channel is sent as.
+/// Stick centre of the usual scale; sent for an absent channel.
 inline constexpr Pulse kCentrePulse = Pulse::from_microseconds(1500);
-/// What a two-state channel (SBUS channels 17 and 18, a switch) reads as.
+/// Values of a two-state channel (SBUS channels 17 and 18, a switch).
 inline constexpr Pulse kSwitchOffPulse = Pulse::from_microseconds(1000);
 inline constexpr Pulse kSwitchOnPulse = Pulse::from_microseconds(2000);
 

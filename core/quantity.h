@@ -5,7 +5,7 @@
 
 #include "core/time.h"
 
-/// Numbers with a unit behind them, as people write them. Pure and reentrant.
+/// Numbers followed by a unit, as users write them. Pure and reentrant.
 namespace tribus {
 
 struct Quantity {
@@ -13,11 +13,12 @@ struct Quantity {
     std::string_view unit;
 };
 
-/// Digits, perhaps a point and digits, then the unit. No sign, exponent or space.
+/// Reads digits, an optional decimal point with digits, then the unit. Sign, exponent and space are
+/// not allowed.
 std::optional<Quantity> parse_quantity(std::string_view text);
 
-/// "500us", "14ms", "1.5s": digits, perhaps a fraction, a unit, nothing else. Rounded to whole
-/// nanoseconds; nothing for anything else, and beyond a year.
+/// Reads "500us", "14ms" or "1.5s": digits, an optional fraction, and one of these units. Rounds to
+/// whole nanoseconds. Returns nothing for any other text and for more than 366 days.
 std::optional<Duration> parse_duration(std::string_view text);
 
 }  // namespace tribus

@@ -4,7 +4,7 @@ namespace tribus {
 
 namespace {
 
-/// The number of bytes of the whole UTF-8 characters within the first `most` bytes.
+/// Length of the whole UTF-8 characters within the first `most` bytes.
 std::size_t whole_characters(std::string_view text, std::size_t most) {
     while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0U) == 0x80U) {
         --most;

@@ -5,11 +5,11 @@
 #include <string>
 #include <string_view>
 
-/// What someone wrote, shown in a message of one line. Pure and reentrant.
+/// Quotes a user's text in a message of one line. Pure and reentrant.
 namespace tribus {
 
-/// In double quotes, on one line: control characters are escaped as TOML and JSON do. Of text that
-/// is longer than `most` bytes only the characters within those are shown, and "..." behind.
+/// `text` in double quotes on one line, with control characters escaped as in TOML and JSON. A text
+/// longer than `most` bytes is cut at a whole character and followed by "...".
 std::string in_quotes(std::string_view text, std::size_t most = std::string_view::npos);
 /// `"a", "b", "c"`
 std::string in_quotes_all(std::span<const std::string_view> names);

@@ -8,34 +8,34 @@
 
 namespace tribus {
 
-/// Answers "may I say this now, and how often was I silent since?": at most `burst` times in each
-/// `window`. Pure; thread-bound.
+/// Lets at most `burst` events pass in each `window` and counts the others. Pure; thread-bound.
 class RateLimit {
   public:
     RateLimit(unsigned burst, Duration window) : burst_(burst), window_(window) {}
 
-    /// Whether `pass` would let one through; counts nothing.
-    bool may_pass(Instant now) const { return now >= window_end_ || said_ < burst_; }
-    /// The number of times that were swallowed before, if it may be said now.
+    /// Whether `pass` would let an event pass. Counts nothing.
+    bool may_pass(Instant now) const { return now >= window_end_ || passed_ < burst_; }
+    /// Returns the number of events that were suppressed before this one, or nothing if this event
+    /// is suppressed too.
     std::optional<std::uint64_t> pass(Instant now) {
         if (now >= window_end_) {
             window_end_ = later(now, window_);
-            said_ = 0;
+            passed_ = 0;
         }
         if (!may_pass(now)) {
-            ++swallowed_;
+            ++suppressed_;
             return std::nullopt;
         }
-        ++said_;
-        return std::exchange(swallowed_, 0);
+        ++passed_;
+        return std::exchange(suppressed_, 0);
     }
 
   private:
     unsigned burst_;
     Duration window_;
     Instant window_end_{};
-    unsigned said_ = 0;
-    std::uint64_t swallowed_ = 0;
+    unsigned passed_ = 0;
+    std::uint64_t suppressed_ = 0;
 };
 
 }  // namespace tribus

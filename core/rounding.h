@@ -4,9 +4,8 @@
 
 namespace tribus {
 
-/// The nearest whole number; halves go away from zero, as std::llround does it. `value` lies within
-/// +-2^62. The mathematics library is not among what real time locks into memory
-/// (app/data_path.ld), so the data path rounds with this. Pure.
+/// The nearest whole number; halves go away from zero, as in std::llround. `value` must lie within
+/// +-2^62. The data path uses this because libm is not locked into memory (app/data_path.ld). Pure.
 constexpr std::int64_t nearest_whole(double value) {
     const auto towards_zero = static_cast<std::int64_t>(value);
     const double rest = value - static_cast<double>(towards_zero);

@@ -6,23 +6,23 @@
 namespace tribus {
 namespace {
 
-/// How far behind the arrivals a locked grid stands at least: room for the wake that reads them.
+/// Least distance of a locked grid behind the arrivals: time for the wake-up that reads them.
 constexpr Duration kLeastGuard = std::chrono::microseconds(50);
-/// A stand behind the guard that need not be improved where that would cost a longer step.
-constexpr Duration kStandsWell = std::chrono::microseconds(300);
-/// Share of a late stand that one period takes back. An early one is put right at once: the frame
+/// Distance behind the guard that is not worth a longer step to improve.
+constexpr Duration kGoodOffset = std::chrono::microseconds(300);
+/// Share of a late offset that one period corrects. An early offset is corrected at once: the frame
 /// was not there yet, so the values were a whole interval old.
-constexpr int kSteering = 16;
-/// Share of an interval for which a point of a locked grid waits for a frame that is late.
-constexpr int kPatience = 16;
-/// An input that is slower, in periods, is nothing to wait for: two frames with a long silence
-/// between them, or a bus that is asked for little.
+constexpr int kCorrectionShare = 16;
+/// Share of an interval for which a point of a locked grid waits for a late frame.
+constexpr int kFrameWaitShare = 16;
+/// Slowest input, in periods of the output, that the schedule waits for. A slower one is two frames
+/// with a long silence between them, or a bus with little traffic.
 constexpr int kSlowestInput = 2;
-/// With more frames missing, the rhythm of the input says nothing of the next.
-constexpr int kBeatsToWaitFor = 3;
-/// So many frames in a row that had to wait are no accident.
+/// If more frames than this are missing, the arrivals do not predict the next one.
+constexpr int kMostMissingFrames = 3;
+/// If this many frames in a row had to wait, it is no coincidence.
 constexpr int kHeldUpInARow = 8;
-/// A sender whose clock runs fast by so little still counts as having the period asked for.
+/// A sender whose clock is fast by less than this share still has the requested period.
 constexpr int kClockTolerance = 100;
 
 }  // namespace
@@ -47,19 +47,19 @@ void Schedule::continue_from(const Schedule& before, Instant now) {
     settings_ = settings;
     const Instant at_most = later(before.latest_write_.value_or(now), settings.period);
     due_ = std::max(now, std::min(before.due_, at_most));
-    // A grid that begins here must not count the time before it as missed.
+    // A grid that begins here must not count earlier time as missed.
     point_ = due_;
 }
 
-/// A frame that must wait because another was written not long ago holds up the one behind it as
-/// well, and that the next. Where the one behind it is nearly there, it is sent in its place; so it
-/// is when frame upon frame has had to wait, as after a stall where both periods are the same.
+/// A frame that must wait because another was written shortly before delays the next frame too, and
+/// that one the next. If the next frame is nearly there, it is sent instead. The same happens after
+/// a run of frames that had to wait, as after a stall where both periods are equal.
 Instant Schedule::follow_due() const {
     const Instant latest = arrivals_.latest();
     const Instant due =
         latest_write_ ? std::max(latest, *latest_write_ + settings_.period) : latest;
     const Duration interval = arrivals_.interval();
-    const Instant next = arrivals_.rhythm() + interval;
+    const Instant next = arrivals_.fitted() + interval;
     const bool holds_up_next = due > latest && due < next && due + settings_.period > next;
     if (!holds_up_next || (next - due >= interval / 2 && held_up_ < kHeldUpInARow)) {
         return due;
@@ -67,24 +67,25 @@ Instant Schedule::follow_due() const {
     return std::min(expected_by(1), *latest_write_ + 2 * settings_.period);
 }
 
-/// When the frame so many beats behind the latest one should be here, also if it is late.
-Instant Schedule::expected_by(int beats) const {
-    return arrivals_.rhythm() + beats * arrivals_.interval() + 2 * arrivals_.lateness() +
+/// When the frame that comes `frames` frames after the latest one should have arrived, even if
+/// it is late.
+Instant Schedule::expected_by(int frames) const {
+    return arrivals_.fitted() + frames * arrivals_.interval() + 2 * arrivals_.lateness() +
            kLeastGuard;
 }
 
-/// A period without a new frame has passed; but a frame that is just about due is worth waiting
-/// for: at 7.7 ms from the receiver and 7 ms here, a repeat would push each fresh frame back. A
-/// repeat that has to come is early enough not to hold up the frame behind the missing one.
+/// A period has passed without a new frame, but a frame that is about to arrive is worth waiting
+/// for: with 7.7 ms from the receiver and 7 ms here, a repeat would delay every fresh frame. A
+/// necessary repeat is sent early enough not to delay the frame after the missing one.
 Instant Schedule::repeat_due(Instant now) const {
     const Instant planned = now + settings_.period;
     const Instant at_most = planned + settings_.period;
     const Duration interval = arrivals_.interval();
-    for (int beats = 1; beats <= kBeatsToWaitFor && interval > Duration::zero(); ++beats) {
-        const Instant expected = expected_by(beats);
+    for (int frames = 1; frames <= kMostMissingFrames && interval > Duration::zero(); ++frames) {
+        const Instant expected = expected_by(frames);
         if (expected > planned) {
             const Instant leaves_room =
-                arrivals_.rhythm() + (beats + 1) * interval - settings_.period - kLeastGuard;
+                arrivals_.fitted() + (frames + 1) * interval - settings_.period - kLeastGuard;
             return expected < at_most ? std::min(std::max(expected, leaves_room), at_most)
                                       : planned;
         }
@@ -96,8 +97,8 @@ Duration Schedule::least_step() const {
     return settings_.period - settings_.period / kClockTolerance;
 }
 
-/// A whole number of input intervals, so that each point of the grid finds a frame equally old;
-/// nothing while the input has no rhythm, is slow, or has stopped.
+/// A whole number of input intervals, so that every point of the grid finds a frame of the same
+/// age. Nothing if the input has no period yet, is slow, or has stopped.
 std::optional<Duration> Schedule::locked_step() const {
     const Duration interval = arrivals_.interval();
     if (settings_.phase == Phase::free || interval <= Duration::zero() ||
@@ -108,27 +109,26 @@ std::optional<Duration> Schedule::locked_step() const {
     return (least_step() + interval - Duration(1)) / interval * interval;
 }
 
-/// How far to move the planned point so that it comes to stand just behind the arrivals: back to
-/// the one before it where the period leaves room for a shorter step, else on to the next.
-Duration Schedule::steering(Instant planned, Duration step) const {
+/// How far to move the planned point so that it ends up just behind the arrivals: back towards the
+/// arrival before it if the period leaves room for a shorter step, else on to the next one.
+Duration Schedule::correction(Instant planned, Duration step) const {
     const Duration interval = arrivals_.interval();
     const Duration guard = std::max(kLeastGuard, arrivals_.lateness());
-    const Duration behind = planned - guard - arrivals_.rhythm();
+    const Duration behind = planned - guard - arrivals_.fitted();
     const Duration late = (behind % interval + interval) % interval;
     const Duration slack = std::max(step - settings_.period, Duration::zero());
-    if (late < kStandsWell || (late <= interval / 2 && slack > Duration::zero())) {
-        return -std::min(late / kSteering, slack);
+    if (late < kGoodOffset || (late <= interval / 2 && slack > Duration::zero())) {
+        return -std::min(late / kCorrectionShare, slack);
     }
     return interval - late;
 }
 
-/// A point waits a moment for the frame that belongs to it: sent without, the values would be a
-/// whole interval older.
+/// A point waits briefly for its frame. Without it, the values would be a whole interval older.
 Instant Schedule::locked_due() const {
     const Duration interval = arrivals_.interval();
     const bool frame_is_there = arrivals_.latest() >= point_ - interval / 2;
     const Instant due =
-        frame_is_there ? std::max(point_, arrivals_.latest()) : point_ + interval / kPatience;
+        frame_is_there ? std::max(point_, arrivals_.latest()) : point_ + interval / kFrameWaitShare;
     return latest_write_ ? std::max(due, *latest_write_ + least_step()) : due;
 }
 
@@ -138,7 +138,7 @@ void Schedule::done(Instant now, bool wrote) {
     }
     if (settings_.kind == ScheduleKind::follow) {
         overruns_ += static_cast<std::uint64_t>((now - due_) / settings_.period);
-        const bool waited = due_ > arrivals_.latest() + kStandsWell;
+        const bool waited = due_ > arrivals_.latest() + kGoodOffset;
         held_up_ = waited ? std::min(held_up_ + 1, kHeldUpInARow) : 0;
         due_ = repeat_due(now);
         return;
@@ -153,13 +153,13 @@ void Schedule::done(Instant now, bool wrote) {
         point_ += missed * step;
     }
     if (locked) {
-        point_ += steering(point_, step);
+        point_ += correction(point_, step);
     }
     if (locked_step()) {
         due_ = locked_due();
         return;
     }
-    // A grid that nothing steers any more goes on from what waited for its frame and was late.
+    // When a grid is no longer locked, it continues from the point that was served late.
     if (settings_.phase == Phase::locked) {
         point_ = std::max(point_, served + settings_.period);
     }

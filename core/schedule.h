@@ -8,14 +8,16 @@
 
 namespace tribus {
 
+/// When an output sends.
 enum class ScheduleKind : std::uint8_t {
-    follow,  ///< send when a new frame arrives, at most once a period, and once a period without
-    grid,    ///< strictly periodic, whatever arrives
+    follow,  ///< with each new frame, at most once per period; once per period without one
+    grid,    ///< strictly periodic
 };
 
+/// How a grid relates to the arrivals of the input.
 enum class Phase : std::uint8_t {
     free,
-    locked,  ///< the grid is steered to stand just behind the input's arrival
+    locked,  ///< the grid is steered to stay just behind the arrivals of the input
 };
 
 struct ScheduleSettings {
@@ -26,50 +28,51 @@ struct ScheduleSettings {
     bool operator==(const ScheduleSettings&) const = default;
 };
 
-/// Decides when an output is due. Pure arithmetic on absolute instants; thread-bound.
+/// Decides when an output is due. Absolute instants, no clock. Pure; thread-bound.
 class Schedule {
   public:
     explicit Schedule(const ScheduleSettings& settings) : settings_(settings) {}
 
-    /// Sets the first deadline: `grid` at once, `follow` after a period without a first frame.
+    /// Sets the first deadline: a `grid` is due at once, `follow` one period later if no frame
+    /// arrives.
     void start(Instant now);
 
-    /// An input frame that this output should carry arrived, the latest that `arrivals` knows.
+    /// A frame for this output arrived: the latest one of `arrivals`.
     void frame_arrived(const ArrivalClock& arrivals);
 
-    /// Goes on at `now` as `before`, by its own settings: the next deadline stays, unless a shorter
-    /// period asks for an earlier one.
+    /// Continues at `now` where `before` stands, with its own settings. Keeps the next deadline
+    /// unless a shorter period requires an earlier one.
     void continue_from(const Schedule& before, Instant now);
 
-    /// From the next deadline on.
+    /// Takes effect with the next deadline.
     void set_period(Duration period) { settings_.period = period; }
 
     /// When the output is due next.
     Instant due() const { return due_; }
 
-    /// The output had its turn at `now`, which is not before `due()`; `wrote` unless it is silent.
-    /// Sets the next deadline: never `now` plus the period on a grid, whose whole missed periods
-    /// are skipped and counted.
+    /// Sets the next deadline. Call at `now`, not before `due()`; `wrote` is false if the output
+    /// sent nothing. A grid stays on its points: missed whole periods are skipped and counted.
     void done(Instant now, bool wrote);
 
+    /// Whole periods that were missed because `done` was called late.
     std::uint64_t overruns() const { return overruns_; }
     Duration period() const { return settings_.period; }
 
   private:
     Instant follow_due() const;
-    Instant expected_by(int beats) const;
+    Instant expected_by(int frames) const;
     Instant repeat_due(Instant now) const;
     Duration least_step() const;
     std::optional<Duration> locked_step() const;
-    Duration steering(Instant planned, Duration step) const;
+    Duration correction(Instant planned, Duration step) const;
     Instant locked_due() const;
 
     ScheduleSettings settings_;
     Instant due_ = kNever;
-    /// The latest point of the grid, which is not written before.
+    /// The latest point of the grid. Nothing is written before it.
     Instant point_ = kNever;
     std::optional<Instant> latest_write_;
-    /// Frames in a row that were written well behind their arrival.
+    /// Frames in a row that were written well after their arrival.
     int held_up_ = 0;
     ArrivalClock arrivals_;
     std::uint64_t overruns_ = 0;

@@ -14,8 +14,8 @@
 
 namespace tribus {
 
-/// What a key of the configuration may hold. The configuration language, its JSON schema and its
-/// messages are all made from tables of `Setting`.
+/// Type of a configuration key. The reader, the JSON schema and the messages are made from tables
+/// of `Setting`.
 enum class SettingType : std::uint8_t {
     boolean,
     integer,
@@ -27,36 +27,36 @@ enum class SettingType : std::uint8_t {
     pulses,    ///< [low, high], microseconds
     slew,      ///< text: "2000us/s"
     scale,     ///< one of `choices`, or { raw = [a, b], us = [c, d] }
-    file,      ///< text: the path of a text file, from the folder of the configuration
-    tree,      ///< a table whose inside the protocol judges itself
+    file,      ///< text: path of a text file, relative to the folder of the configuration
+    tree,      ///< a table whose content the protocol checks itself
 };
 
-/// Two points of a straight line between raw values of a wire format and microseconds.
+/// Two points that define a straight line between raw values of a wire format and microseconds.
 struct TwoPoints {
     std::array<double, 2> raw{};
     std::array<double, 2> microseconds{};
     bool operator==(const TwoPoints&) const = default;
 };
 
-/// Two numbers, the lower one first; both ends belong to it.
+/// A closed range: `low` <= `high`.
 struct NumberRange {
     double low = 0;
     double high = 0;
     bool operator==(const NumberRange&) const = default;
 };
 
-/// Where a protocol's own key may stand.
+/// Where a protocol's own key is allowed.
 enum class SettingScope : std::uint8_t { both, input, output };
 
 /// One row of the key table. All text has static storage.
 struct Setting {
     std::string_view key;
     SettingType type = SettingType::text;
-    /// As one would write it in the file; empty: the key has no default.
+    /// Default as written in a configuration file. Empty: the key has no default.
     std::string_view fallback = {};
     bool required = false;
-    /// Allowed range, ends included, in the unit of the type (durations: seconds, pulses and slew:
-    /// microseconds). No limit where both are 0.
+    /// Allowed range, ends included, in the unit of the type (durations: seconds; pulses and slew:
+    /// microseconds). Both 0: no limit.
     double least = 0;
     double most = 0;
     std::span<const std::string_view> choices = {};
@@ -64,7 +64,7 @@ struct Setting {
     std::string_view help = {};
 };
 
-/// A text file that a key names, with what it holds.
+/// A text file that a key names, with its content.
 struct SettingFile {
     std::string path;
     std::string content;
@@ -73,7 +73,7 @@ struct SettingFile {
 
 struct SettingEntry;
 
-/// A value as the user wrote it, however deep.
+/// A value as the user wrote it, of any depth.
 struct SettingTree {
     using List = std::vector<SettingTree>;
     using Table = std::vector<SettingEntry>;
@@ -86,6 +86,7 @@ struct SettingTree {
     bool operator==(const SettingTree&) const = default;
 };
 
+/// A key of a tree, with its value.
 struct SettingEntry {
     std::string key;
     SettingTree value;
@@ -95,21 +96,21 @@ struct SettingEntry {
 using SettingValue = std::variant<bool, std::int64_t, double, std::string, Duration, NumberRange,
                                   TwoPoints, SettingFile, SettingTree>;
 
-/// What is wrong with one of a protocol's own keys.
+/// An error in one of a protocol's own keys.
 struct SettingMistake {
-    /// The key, and further down the keys inside its tree.
+    /// The key, followed by the keys inside its tree.
     std::vector<std::string> path;
-    /// What is wrong; what is allowed.
+    /// What is wrong, and what is allowed.
     std::string text;
 };
 
-/// The checked values of one table: every key of its `Setting` rows that was given or has a
-/// default.
+/// The checked values of one table: each key of its `Setting` rows that was given or has a default.
 class SettingValues {
   public:
     void set(std::string_view key, SettingValue value) {
         values_.emplace_back(std::string(key), std::move(value));
     }
+    /// The value of a key, or null.
     const SettingValue* find(std::string_view key) const {
         for (const auto& [name, value] : values_) {
             if (name == key) {
@@ -118,6 +119,7 @@ class SettingValues {
         }
         return nullptr;
     }
+    /// The value of a key as a T, or null; also null if it has another type.
     template <class T>
     const T* find_as(std::string_view key) const {
         const SettingValue* value = find(key);

@@ -6,9 +6,9 @@
 
 namespace tribus {
 
-/// Tag of the one time line that the project knows: monotonic, zero anywhere. It has no now():
-/// time is an argument everywhere, and only pipelines/realtime/clock.cpp asks the machine for it.
-/// Wall-clock times have another tag and do not compile in its place.
+/// Tag of the only time line in the project: monotonic, with an arbitrary zero. It has no now():
+/// time is an argument, and only pipelines/realtime/clock.cpp reads the clock. Wall-clock times
+/// have another tag, so mixing them does not compile.
 struct MonotonicTag {};
 
 using Duration = std::chrono::nanoseconds;
@@ -17,7 +17,7 @@ using Instant = std::chrono::time_point<MonotonicTag, Duration>;
 /// "No deadline": later than every instant that occurs.
 inline constexpr Instant kNever = Instant::max();
 
-/// `instant + duration` that stays at kNever instead of overflowing.
+/// `instant + duration`, limited to kNever.
 constexpr Instant later(Instant instant, Duration duration) {
     return duration > kNever - std::max(instant, Instant{}) ? kNever : instant + duration;
 }

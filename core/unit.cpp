@@ -8,7 +8,7 @@
 namespace tribus {
 namespace {
 
-/// Numbers of one quantity can be converted.
+/// Units of one quantity can be converted into each other.
 enum class Measured : std::uint8_t {
     voltage,
     current,
@@ -30,8 +30,8 @@ enum class Measured : std::uint8_t {
     volume,
 };
 
-/// In the first unit of its quantity, a number is number * numerator / denominator + offset. As a
-/// fraction, because 1 / 1000 and 5 / 18 have no exact decimal.
+/// A number in this unit is number * numerator / denominator + offset in the first unit of its
+/// quantity. A fraction, because 1 / 1000 and 5 / 18 have no exact binary value.
 struct Unit {
     std::string_view spelling;
     Measured measured;
@@ -50,8 +50,8 @@ constexpr double kNauticalMileInMetres = 1852;
 constexpr double kPsiInPascals = 6894.757293168361;
 constexpr double kStandardGravity = 9.80665;
 
-// "\u00B0" is the degree sign, "\u2103" the sign of degrees Celsius, "\u00B2" a high 2, "\u00B5"
-// micro, for which many write the Greek letter, "\u03BC".
+// "\u00B0" is the degree sign, "\u2103" degrees Celsius, "\u00B2" superscript 2, "\u00B5" micro,
+// "\u03BC" the Greek letter that many write instead.
 constexpr std::array kUnits{
     Unit{"V", Measured::voltage},
     Unit{"Volt", Measured::voltage},

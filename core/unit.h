@@ -3,11 +3,11 @@
 #include <optional>
 #include <string_view>
 
-/// Units as data bases and people spell them, and how a number gets from one into another. Pure
-/// and reentrant.
+/// Units in the spellings that CAN databases and people use, and conversion between them. Pure and
+/// reentrant.
 namespace tribus {
 
-/// The number in the other unit is number * factor + offset.
+/// Converts a number into another unit: number * factor + offset.
 struct UnitConversion {
     double factor = 1;
     double offset = 0;
@@ -16,12 +16,12 @@ struct UnitConversion {
     bool operator==(const UnitConversion&) const = default;
 };
 
-/// Nothing where the units measure different things, or one of them is not known. The identity for
-/// equal texts, known or not. Rates of a signal in Hz are no rotation in rpm: nothing.
+/// Returns nothing if the units measure different quantities or if one of them is unknown. Equal
+/// texts give the identity, known or not. Hz and rpm do not convert: a signal's frequency is no
+/// rotation.
 std::optional<UnitConversion> unit_conversion(std::string_view from, std::string_view to);
 
-/// In any of its spellings, which are compared to the letter: "mW" is no "MW". The empty text is
-/// no unit.
+/// Whether `unit` is a known spelling. Case counts: "mW" is not "MW". The empty text is not a unit.
 bool is_known_unit(std::string_view unit);
 
 }  // namespace tribus

@@ -13,27 +13,28 @@
 
 namespace tribus {
 
-/// A number that has a name: a signal of a CAN message, the reading of a sensor, the health of a
-/// link, a fact of the machine, a constant.
+/// A number with a name: a signal of a CAN message, a sensor reading, the health of a link, a fact
+/// about the machine, a constant.
 struct NamedValue {
     std::string name;
-    std::string unit;  ///< "V", "degC"; empty where it is not known or has none
-    /// A number that is older is stale. `kForever`: it never is.
+    std::string unit;  ///< "V", "degC"; empty if unknown or if it has none
+    /// An older number is stale. `kForever`: it never becomes stale.
     Duration lasts{};
 };
 
-/// For values that do not grow stale.
+/// Lifetime of a value that never becomes stale.
 inline constexpr Duration kForever = Duration::max();
 
-/// Every named value of a configuration, each with its latest number and the instant of that.
-/// Latest value only: a newer number replaces an older one. No heap after construction. Thread-
-/// bound: the data thread's, once it runs.
+/// All named values of a configuration, each with its latest number and the instant of it. A newer
+/// number replaces an older one. No heap after construction. Thread-bound: belongs to the data
+/// thread once that runs.
 class ValueBoard {
   public:
     explicit ValueBoard(std::vector<NamedValue> values)
         : values_(std::move(values)), entries_(values_.size()) {}
 
-    /// The numbers of `before` at the places that `from` gives for each value; the others stay.
+    /// Copies numbers of `before`: `from` gives for each value its index there, or nothing to keep
+    /// the value.
     void continue_from(const ValueBoard& before, std::span<const std::optional<std::size_t>> from) {
         for (std::size_t i = 0; i < entries_.size(); ++i) {
             entries_[i] = from[i] ? before.entries_[*from[i]] : entries_[i];
@@ -41,37 +42,38 @@ class ValueBoard {
     }
 
     std::size_t size() const { return values_.size(); }
+    /// Name, unit and lifetime of a value.
     const NamedValue& value(std::size_t index) const { return values_[index]; }
-    /// Looks through all: for the start, not for the data path.
+    /// Linear search: for the start, not for the data path.
     std::optional<std::size_t> find(std::string_view name) const;
 
-    /// `tag` is for those who know this value: a sensor's reading carries the id of its type.
+    /// `tag` is for users that know this value: for a sensor reading it is the id of its type.
     void set(std::size_t index, double number, Instant at, std::uint8_t tag = 0) {
         entries_[index] = {.number = number, .at = at, .ever = true, .available = true, .tag = tag};
     }
-    /// Its source says that there is no number now. It keeps its tag and age.
+    /// The source reports that it has no number now. Tag and age stay.
     void remove(std::size_t index) { entries_[index].available = false; }
 
-    /// The number, if there is one and it is not stale.
+    /// The number, unless there is none or it is stale.
     std::optional<double> fresh(std::size_t index, Instant now) const {
         const Entry& entry = entries_[index];
         const bool fresh = entry.available && (values_[index].lasts == kForever ||
                                                now - entry.at <= values_[index].lasts);
         return fresh ? std::optional(entry.number) : std::nullopt;
     }
-    /// The number that it had last, stale or not; only where there ever was one.
+    /// The latest number, stale or not. Valid only if `ever`.
     double latest(std::size_t index) const { return entries_[index].number; }
-    /// Whether it ever had a number.
+    /// Whether there ever was a number.
     bool ever(std::size_t index) const { return entries_[index].ever; }
-    /// Its source has a number now, stale or not.
+    /// Whether the source has a number now, stale or not.
     bool available(std::size_t index) const { return entries_[index].available; }
-    /// Of the latest number; only where there ever was one.
+    /// Instant of the latest number. Valid only if `ever`.
     Instant at(std::size_t index) const { return entries_[index].at; }
-    /// Of the latest number, stale or not; only where there ever was one.
+    /// Age of the latest number, stale or not. Valid only if `ever`.
     Duration age(std::size_t index, Instant now) const { return now - entries_[index].at; }
     std::uint8_t tag(std::size_t index) const { return entries_[index].tag; }
-    /// The last instant at which `fresh` gives the number that it gives now; `kNever` for those
-    /// that never grow stale or have none.
+    /// The last instant at which `fresh` still returns the present number; `kNever` if the value
+    /// never becomes stale or has no number.
     Instant fresh_until(std::size_t index) const;
 
   private:

@@ -20,7 +20,7 @@ Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> ou
         node_of_.push_back(settings.node);
         outputs_.emplace_back(std::move(settings));
         if (node_of_.back()) {
-            outputs_.back().speak_as(nodes_[*node_of_.back()]->voice());
+            outputs_.back().send_as(nodes_[*node_of_.back()]->identity());
         }
     }
     fed_by_.resize(inputs_.size());

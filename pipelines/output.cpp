@@ -36,9 +36,9 @@ void Output::use(const ValueBoard& board) {
     }
 }
 
-void Output::speak_as(const dronecan::Voice& voice) {
+void Output::send_as(const dronecan::NodeIdentity& identity) {
     if (can_encoder_) {
-        can_encoder_->speak_as(voice);
+        can_encoder_->send_as(identity);
     }
 }
 

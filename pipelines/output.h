@@ -125,7 +125,7 @@ class Output {
     void continue_from(Output& before, const OutputCarry& carry,
                        std::span<const InputCarry> carried_inputs, Instant now);
     /// In whose name it sends. As above.
-    void speak_as(const dronecan::Voice& voice);
+    void send_as(const dronecan::NodeIdentity& identity);
     void set_period(Duration period) { schedule_.set_period(period); }
     /// A frame of input `index`, which is one of `inputs()`, has arrived.
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);

@@ -64,8 +64,8 @@ void Node::start(Instant now) {
         allocation_.start(now);
         return;
     }
-    voice_.id = settings_.id;
-    receiver_.set_own(voice_.id);
+    identity_.id = settings_.id;
+    receiver_.set_own(identity_.id);
     next_status_ = now;
 }
 
@@ -97,7 +97,7 @@ void Node::receive(const CanFrame& frame, Instant at) {
     ++counts_.received;
     const ReceivedTransfer& transfer = *taken.transfer;
     if (transfer.head.kind == TransferKind::request) {
-        if (voice_.id != kNobody && transfer.head.destination == voice_.id) {
+        if (identity_.id != kNobody && transfer.head.destination == identity_.id) {
             serve(transfer);
         }
     } else if (stage_ == NodeStage::allocating) {
@@ -108,7 +108,7 @@ void Node::receive(const CanFrame& frame, Instant at) {
 }
 
 void Node::watch_for_conflict(const TransferHead& head, Instant at) {
-    const NodeId mine = stage_ == NodeStage::conflict ? settings_.id : voice_.id;
+    const NodeId mine = stage_ == NodeStage::conflict ? settings_.id : identity_.id;
     if (mine == kNobody || head.source != mine) {
         return;
     }
@@ -118,7 +118,7 @@ void Node::watch_for_conflict(const TransferHead& head, Instant at) {
     }
     ++counts_.conflicts;
     waiting_count_ = 0;
-    voice_.id = kNobody;
+    identity_.id = kNobody;
     next_status_ = kNever;
     if (settings_.dynamic) {
         stage_ = NodeStage::allocating;
@@ -130,8 +130,9 @@ void Node::watch_for_conflict(const TransferHead& head, Instant at) {
 }
 
 void Node::count_errors(const TransferReceiver::Taken& taken) {
-    const bool error = taken.fate == FrameFate::out_of_turn || taken.fate == FrameFate::bad_crc ||
-                       taken.fate == FrameFate::too_long || taken.broke_off;
+    const bool error = taken.result == FrameResult::out_of_turn ||
+                       taken.result == FrameResult::bad_crc ||
+                       taken.result == FrameResult::too_long || taken.broke_off;
     counts_.errors += error ? 1U : 0U;
 }
 
@@ -140,13 +141,13 @@ Instant Node::poll(Instant now, NodeHealth health) {
     drop_old(now);
     if (stage_ == NodeStage::conflict && now - conflict_seen_ >= kConflictSilence) {
         stage_ = NodeStage::online;
-        voice_.id = settings_.id;
+        identity_.id = settings_.id;
         next_status_ = now;
     }
     if (stage_ == NodeStage::allocating) {
         if (const auto id = allocation_.id()) {
             stage_ = NodeStage::online;
-            voice_.id = *id;
+            identity_.id = *id;
             receiver_.set_own(*id);
             next_status_ = now;
         } else if (now >= allocation_.due()) {
@@ -188,14 +189,15 @@ void Node::dropped() {
 
 void Node::end(Instant now) {
     ending_ = true;
-    if (voice_.id != kNobody) {
+    if (identity_.id != kNobody) {
         say_status(now);
     }
     next_status_ = kNever;
 }
 
 NodeReport Node::report() const {
-    return {.stage = stage_, .id = voice_.id, .counts = counts_, .restart_wanted = restart_wanted_};
+    return {
+        .stage = stage_, .id = identity_.id, .counts = counts_, .restart_wanted = restart_wanted_};
 }
 
 std::optional<PeriodWish> Node::take_wish() {
@@ -310,7 +312,7 @@ void Node::respond(const ReceivedTransfer& request, const Message& message) {
     ++counts_.requests;
     queue({.kind = TransferKind::response,
            .data_type_id = request.head.data_type_id,
-           .source = voice_.id,
+           .source = identity_.id,
            .destination = request.head.source,
            .priority = request.head.priority,
            .transfer_id = request.head.transfer_id},
@@ -342,7 +344,7 @@ NodeStatus Node::status(Instant now) const {
 void Node::say_status(Instant now) {
     queue({.kind = TransferKind::message,
            .data_type_id = NodeStatus::kId,
-           .source = voice_.id,
+           .source = identity_.id,
            .priority = kStatusPriority,
            .transfer_id = status_transfer_id_},
           status(now), false, now);

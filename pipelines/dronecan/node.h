@@ -11,10 +11,10 @@
 #include "core/time.h"
 #include "pipelines/dronecan/allocation.h"
 #include "pipelines/dronecan/node_settings.h"
+#include "transports/codecs/dronecan/node_identity.h"
 #include "transports/codecs/dronecan/transfer.h"
 #include "transports/codecs/dronecan/types_node.h"
 #include "transports/codecs/dronecan/types_param.h"
-#include "transports/codecs/dronecan/voice.h"
 
 namespace tribus::dronecan {
 
@@ -83,7 +83,7 @@ class Node {
     void end(Instant now);
 
     /// Whose name others may send in. Lives as long as the node.
-    const Voice& voice() const { return voice_; }
+    const NodeIdentity& identity() const { return identity_; }
     /// The ids that it must hear. Constant.
     std::span<const CanIdMatch> wanted() const { return wanted_; }
     NodeReport report() const;
@@ -123,7 +123,7 @@ class Node {
     static constexpr std::size_t kMostWaiting = 8;
 
     NodeSettings settings_;
-    Voice voice_;
+    NodeIdentity identity_;
     NodeStage stage_ = NodeStage::online;
     AllocationClient allocation_;
     TransferReceiver receiver_;

@@ -154,7 +154,7 @@ bool SensorRole::prepare_reply(const SensorFrame& frame, std::size_t sensor, Ins
 /// Whether this program was held up when the request came, as far as the rhythm of the receiver
 /// tells: an answer would leave too late, although it was read just now.
 bool SensorRole::read_late(Instant now) {
-    const Duration behind = now - std::min(now, requests_.rhythm());
+    const Duration behind = now - std::min(now, requests_.fitted());
     const bool late = behind + settings_.reply_after > settings_.reply_within;
     const bool believed = rhythm_belief_ >= kEnoughBelief;
     rhythm_belief_ = std::clamp(rhythm_belief_ + (late ? -kCostOfLate : 1), 0, kMostBelief);

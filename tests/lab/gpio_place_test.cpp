@@ -77,7 +77,7 @@ TEST(GpioErrors, OfferTheNamesThatAreThere) {
     const GpioBank bank({.names = {{4, "VALVE"}, {6, "LAMP"}}});
     EXPECT_EQ(error_of({bank.chip(), "LAMPE"}),
               bank.chip() + ":LAMPE: no line of " + bank.chip() +
-                  " has the name \"LAMPE\"; names there: \"LAMP\", \"VALVE\"");
+                  " has the name \"LAMPE\"; the names are: \"LAMP\", \"VALVE\"");
 }
 
 TEST(GpioErrors, SayHowManyLinesThereAre) {
@@ -91,7 +91,7 @@ TEST(GpioErrors, SayWhichChipsThereAre) {
     for (const std::string chip : {"gpiochip99", "/dev/null", "/dev/ttyS0", "/etc/passwd", "/"}) {
         EXPECT_EQ(error_of({chip, 1U}), chip + ":1: there is no such GPIO chip; this machine has " +
                                             bank.chip() +
-                                            ", of which `gpiodetect` (package gpiod) tells more");
+                                            "; `gpiodetect` (package gpiod) describes them");
     }
 }
 

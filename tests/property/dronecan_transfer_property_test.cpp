@@ -139,15 +139,15 @@ RC_GTEST_PROP(DronecanTransferProperty, AFlippedBurstInSeveralFramesIsAlwaysFoun
         carried[at / 8] ^= static_cast<std::uint8_t>((flipped ? 0x80U : 0U) >> at % 8);
     }
     std::span<const std::uint8_t> rest = carried;
-    FrameFate last = FrameFate::foreign;
+    FrameResult last = FrameResult::foreign;
     for (CanFrame& frame : frames) {
         std::ranges::copy(rest.first(frame.length - 1U), frame.data.begin());
         rest = rest.subspan(frame.length - 1U);
         const auto taken = receiver.take(frame, kStart);
         RC_ASSERT(!taken.transfer);
-        last = taken.fate;
+        last = taken.result;
     }
-    RC_ASSERT(last == FrameFate::bad_crc);
+    RC_ASSERT(last == FrameResult::bad_crc);
 }
 
 /// Identifies a transfer: index of the wanted transfer, sender, number.
@@ -393,7 +393,7 @@ TEST(DronecanTransferProperty, AnyFramesAtAllAreJudgedAndNoPayloadIsTooLong) {
         }
     }
     EXPECT_GT(delivered, 0U);
-    EXPECT_EQ(std::reduce(receiver.fates().begin(), receiver.fates().end()), kFrames);
+    EXPECT_EQ(std::reduce(receiver.counts().begin(), receiver.counts().end()), kFrames);
 }
 
 }  // namespace

@@ -49,16 +49,17 @@ TEST(DronecanTransfer, NeitherSideAllocatesOnceItIsMade) {
         }
     }
     EXPECT_EQ(trap.allocations(), 0U);
-    std::uint64_t fate_total = 0;
-    for (const std::uint64_t count : receiver.fates()) {
-        fate_total += count;
+    std::uint64_t result_total = 0;
+    for (const std::uint64_t count : receiver.counts()) {
+        result_total += count;
     }
-    EXPECT_EQ(fate_total, frame_total);
-    for (const FrameFate fate :
-         {FrameFate::taken, FrameFate::complete, FrameFate::repeated, FrameFate::out_of_turn,
-          FrameFate::bad_crc, FrameFate::too_long, FrameFate::crowded_out}) {
-        EXPECT_GT(receiver.fates()[static_cast<std::size_t>(fate)], 0U)
-            << "fate " << static_cast<int>(fate);
+    EXPECT_EQ(result_total, frame_total);
+    for (const FrameResult result :
+         {FrameResult::taken, FrameResult::complete, FrameResult::repeated,
+          FrameResult::out_of_turn, FrameResult::bad_crc, FrameResult::too_long,
+          FrameResult::crowded_out}) {
+        EXPECT_GT(receiver.counts()[static_cast<std::size_t>(result)], 0U)
+            << "result " << static_cast<int>(result);
     }
     EXPECT_GT(receiver.broken_off(), 0U);
 }

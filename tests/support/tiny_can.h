@@ -67,7 +67,7 @@ inline const Protocol kTinyCan{
     .line = {},
     .settings = {},
     .default_period = std::chrono::milliseconds(20),
-    .says_failsafe = never_says_failsafe,
+    .signals_failsafe = never_signals_failsafe,
     .make_can_decoder = [](const SettingValues&) -> std::unique_ptr<CanDecoder> {
         return std::make_unique<TinyCanDecoder>(kTinyId);
     },

@@ -10,7 +10,7 @@ using namespace can_channels;
 
 namespace {
 
-/// `Field`s of one status: those of classic and of FD frames.
+/// Status fields of classic frames and of FD frames.
 struct StatusFields {
     Field counter;
     std::array<Field, kFlagCount> flags;
@@ -171,8 +171,8 @@ std::uint16_t to_wire(const PulseScale& scale, std::optional<Pulse> pulse) {
         return scale.not_available;
     }
     const std::int32_t above = pulse->eighths() - scale.offset_eighths;
-    // Halves go down: FrSky's scale has steps of a little less than 0.625 us, and the SBUS value
-    // 991 would come back as 992.
+    // Halves go down: FrSky's scale has steps slightly below 0.625 us, so the SBUS value 991 would
+    // otherwise come back as 992.
     const std::int32_t nearest = (2 * above + scale.step_eighths - 1) / (2 * scale.step_eighths);
     return static_cast<std::uint16_t>(
         above < 0 ? 0 : std::min<std::int32_t>(nearest, scale.not_available - 1));

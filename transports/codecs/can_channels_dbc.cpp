@@ -34,7 +34,7 @@ struct SignalText {
 
 struct MessageText {
     std::string name;
-    std::size_t index = 0;  ///< distance of its id from the base id
+    std::size_t index = 0;  ///< distance of the frame's id from the base id
     std::vector<SignalText> signals;
 };
 
@@ -189,10 +189,11 @@ class ChannelsDbcText {
 
     void add_comments() {
         add("CM_ \"RC channels on CAN, the native format of tribus. A snapshot of the channels is "
-            "either RcA to RcE, in this order, with the same counter, or RcFd; RcE may be left "
-            "out. The CRC is AUTOSAR E2E profile 22 in the 8-byte frames (or profile 1, if both "
-            "ends are set so) and profile 5 in RcFd. Profile 1 and 5: the data id is RcE2eDataId. "
-            "Profile 22: the data id list of a message is 16 x (RcE2eDataId - {}) + counter.\";\n",
+            "either RcA to RcE, in this order, with the same counter, or RcFd; RcE may be "
+            "omitted. The CRC is AUTOSAR E2E profile 22 in the 8-byte frames (or profile 1, if "
+            "both ends are configured so) and profile 5 in RcFd. Profile 1 and 5: the data id is "
+            "RcE2eDataId. Profile 22: the data id list of a message is 16 x (RcE2eDataId - {}) + "
+            "counter.\";\n",
             kFirstDataId);
         for (const MessageText& message : messages_) {
             const bool fd = message.index == kFdIndex;
@@ -200,13 +201,13 @@ class ChannelsDbcText {
                 fd ? "CRC-16 0x1021 of E2E profile 5, over bytes 2 to 47"
                    : "CRC-8 of E2E profile 22 (0x2F) or 1 (0x1D), over bytes 1 to 7");
             add("CM_ SG_ {} {}_Cnt \"{}\";\n", id_of(message), message.name,
-                fd ? "One more for each snapshot, 0 to 255"
-                   : "One more for each snapshot, the same in all of its frames: 0 to 15 with "
-                     "profile 22, 0 to 14 with profile 1");
+                fd ? "Increases by 1 with each snapshot, 0 to 255"
+                   : "Increases by 1 with each snapshot, the same in all of its frames: 0 to 15 "
+                     "with profile 22, 0 to 14 with profile 1");
             add("CM_ SG_ {} {}_Failsafe \"The RC link is down: the channels are presets or held\""
                 ";\n",
                 id_of(message), message.name);
-            add("CM_ SG_ {} {}_FrameLost \"The channels are old, the RC link is still up\";\n",
+            add("CM_ SG_ {} {}_FrameLost \"The channels are old, but the RC link is up\";\n",
                 id_of(message), message.name);
         }
     }

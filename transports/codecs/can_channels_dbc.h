@@ -6,9 +6,9 @@
 
 namespace tribus {
 
-/// The DBC text of the native CAN format: all six messages, classic and FD, from the table that the
-/// codec itself uses. Of `format` it takes the ids; deploy/can/native.dbc is that of the defaults.
-/// Pure and reentrant.
+/// Returns the DBC text of the native CAN format: all six messages, classic and FD, made from the
+/// table that the codec uses. Only the ids of `format` are used; deploy/can/native.dbc is the text
+/// of the default format. Pure and reentrant.
 std::string native_dbc(const CanChannelsFormat& format = {});
 
 }  // namespace tribus

@@ -21,7 +21,7 @@ std::optional<ChannelFrame> CanChannelsDecoder::next(const CanFrame& frame, Inst
         return std::nullopt;
     }
     const auto part = static_cast<std::size_t>(match - ids.begin());
-    if (!sound(frame, part)) {
+    if (!valid(frame, part)) {
         return std::nullopt;
     }
     expire(received);
@@ -33,14 +33,14 @@ std::optional<ChannelFrame> CanChannelsDecoder::next(const CanFrame& frame, Inst
     return continues(received) ? std::optional(publish(received)) : std::nullopt;
 }
 
-bool CanChannelsDecoder::sound(const CanFrame& frame, std::size_t part) {
+bool CanChannelsDecoder::valid(const CanFrame& frame, std::size_t part) {
     if (frame.remote || frame.fd != format_.fd || frame.length != format_.frame_length()) {
         ++rejected_[kLength].count;
         return false;
     }
     const std::size_t index = format_.first_index() + part;
     const std::uint16_t sent_crc = get(frame.bytes(), format_.fd ? kFdCrc : kCrc8);
-    // A counter that the profile never sends is another profile's frame.
+    // A counter that the profile never sends belongs to another profile.
     if (sent_crc != can_channels_crc(format_, index, frame.bytes()) ||
         counter_of(frame) >= format_.counter_values()) {
         ++rejected_[kChecksum].count;
@@ -63,7 +63,7 @@ bool CanChannelsDecoder::same_as_taken(const CanFrame& frame, std::size_t part) 
 }
 
 void CanChannelsDecoder::expire(Instant received) {
-    // Stamps of a receiver may also run backwards a little.
+    // A receiver's time stamps may also run backwards a little.
     if (collection_ == Collection::none || std::chrono::abs(received - begun_) <= kWindow) {
         return;
     }
@@ -73,22 +73,23 @@ void CanChannelsDecoder::expire(Instant received) {
     collection_ = Collection::none;
 }
 
-/// Nothing under this counter is believed any more, for as long as parts of it may still arrive.
-void CanChannelsDecoder::spoil(RejectCause cause) {
+/// Ignores the rest of the snapshot with this counter, for as long as its frames may still arrive.
+void CanChannelsDecoder::discard(RejectCause cause) {
     ++rejected_[cause].count;
-    collection_ = Collection::spoilt;
+    collection_ = Collection::discarded;
 }
 
 bool CanChannelsDecoder::take_first(const CanFrame& frame, Instant received) {
     const unsigned counter = counter_of(frame);
     if (collection_ != Collection::none && counter == counter_) {
-        if (collection_ == Collection::spoilt) {
+        if (collection_ == Collection::discarded) {
             ++rejected_[kStray].count;
         } else if (!same_as_taken(frame, 0)) {
-            spoil(kConflict);
-            watch_.distrust();
+            discard(kConflict);
+            watch_.require_long_proof();
         }
-        // Else the bus repeated it: an error in its last bit, which only the sender saw.
+        // Otherwise the bus repeated the frame, after an error in its last bit that only the sender
+        // saw.
         return false;
     }
     interrupted_.reset();
@@ -107,21 +108,21 @@ bool CanChannelsDecoder::take_first(const CanFrame& frame, Instant received) {
 bool CanChannelsDecoder::take_further(const CanFrame& frame, std::size_t part) {
     if (collection_ != Collection::running || counter_of(frame) != counter_) {
         ++rejected_[kStray].count;
-        // Another snapshot goes on inside this one, or behind the one that cut it short: a second
+        // Another snapshot continues inside this one, or after the one that replaced it: a second
         // sender.
         if (collection_ == Collection::running || counter_of(frame) == interrupted_) {
-            watch_.doubt();
+            watch_.restart_proof();
         }
         return false;
     }
     if (part > taken_) {
-        spoil(kIncomplete);
+        discard(kIncomplete);
         return false;
     }
     if (part < taken_) {
         if (!same_as_taken(frame, part)) {
-            spoil(kConflict);
-            watch_.distrust();
+            discard(kConflict);
+            watch_.require_long_proof();
         }
         return false;
     }
@@ -130,7 +131,7 @@ bool CanChannelsDecoder::take_further(const CanFrame& frame, std::size_t part) {
 }
 
 bool CanChannelsDecoder::continues(Instant received) {
-    // Unused bytes and parts are zero in both.
+    // Unused bytes and frames are zero in both.
     const bool same = parts_ == reference_;
     reference_ = parts_;
     switch (watch_.take(counter_, same, received)) {
@@ -201,8 +202,8 @@ ChannelFrame CanChannelsDecoder::publish(Instant received) {
     if (origin.age < age.not_available) {
         channels.received -= origin.age * std::chrono::microseconds(age.step_microseconds);
     }
-    // The greatest age also stands for every greater one. Values that were fresh since the snapshot
-    // before would have told less, so these are at least as old as those.
+    // The greatest age also stands for every greater one. If the values had been refreshed since
+    // the snapshot before, the age would be lower, so they are at least as old as those.
     if (origin.age == age.not_available - 1) {
         channels.received = std::min(channels.received, published_received_);
     }
@@ -210,11 +211,11 @@ ChannelFrame CanChannelsDecoder::publish(Instant received) {
     channels.link_quality =
         origin.link_quality <= kMostLinkQuality ? origin.link_quality : kNoLinkQuality;
     channels.origin = source_from_wire(origin.source);
-    tell_details(origin);
+    set_details(origin);
     return channels;
 }
 
-void CanChannelsDecoder::tell_details(const CanChannelsOrigin& origin) {
+void CanChannelsDecoder::set_details(const CanChannelsOrigin& origin) {
     detail_count_ = 0;
     add_detail("counter", static_cast<std::uint16_t>(counter_));
     if (format_.frame_count() == kQuads) {

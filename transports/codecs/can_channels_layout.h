@@ -8,7 +8,7 @@
 
 #include "core/channel_frame.h"
 
-/// Where each value of the native CAN format stands (docs/protocols/can.md, "Native format";
+/// Position of each value in the native CAN format (docs/protocols/can.md, "Native format";
 /// deploy/can/native.dbc): the one table for the codec and for the DBC text that describes it.
 ///
 /// Classic frames, 8 bytes. Four of them have four channels each, in order:
@@ -28,11 +28,11 @@
 ///   byte 4      channel count in the low 5 bits
 ///   byte 5      link quality in the low 7 bits
 ///   bytes 6, 7  age
-///   bytes 8-43  18 words, one a channel
+///   bytes 8-43  18 words, one for each channel
 ///   bytes 44-47 zero: an FD frame has no length between 32 and 48
 namespace tribus::can_channels {
 
-/// Bits of a payload, low bit first; bit 8 is the lowest of byte 1 (in a DBC: Intel order).
+/// Bits of a payload, lowest bit first. Bit 8 is the lowest of byte 1 (Intel order in a DBC).
 struct Field {
     unsigned start = 0;
     unsigned width = 0;  ///< at most 16
@@ -41,6 +41,7 @@ struct Field {
     constexpr unsigned end() const { return start + width; }
 };
 
+/// Reads a field.
 constexpr std::uint16_t get(std::span<const std::uint8_t> payload, Field field) {
     std::uint32_t bits = 0;
     const std::size_t last = (field.end() - 1) / 8;
@@ -50,7 +51,7 @@ constexpr std::uint16_t get(std::span<const std::uint8_t> payload, Field field) 
     return static_cast<std::uint16_t>((bits >> field.start % 8) & field.most());
 }
 
-/// The field was zero; bits of `value` above its width are cut off.
+/// The field must be zero before. Bits of `value` above its width are cut off.
 constexpr void put(std::span<std::uint8_t> payload, Field field, unsigned value) {
     std::uint32_t bits = (value & field.most()) << field.start % 8;
     for (std::size_t at = field.start / 8; bits != 0; ++at, bits >>= 8U) {
@@ -70,28 +71,28 @@ inline constexpr std::size_t kIds = kFdIndex + 1;
 inline constexpr std::size_t kClassicLength = 8;
 inline constexpr std::size_t kFdLength = 48;
 
-/// The E2E data id of the frame with the base id; those of the others follow it.
+/// E2E data id of the frame with the base id. Those of the others follow it.
 inline constexpr std::uint16_t kFirstDataId = 0x5243;
 
 inline constexpr std::uint32_t kDefaultBaseId = 0x300;
 inline constexpr unsigned kDefaultPeriodMilliseconds = 10;
 
-/// Pulses as they stand on the wire: raw = (eighths of a microsecond - offset) / step.
+/// Scale of pulses on the wire: raw = (eighths of a microsecond - offset) / step.
 struct PulseScale {
     std::int32_t offset_eighths = 0;
     std::int32_t step_eighths = 1;
     std::uint16_t not_available = 0;  ///< every smaller raw value is a pulse
 };
-/// 0.5 us from 476 us: keeps all 2048 values of SBUS apart, and the microseconds of i.Bus.
+/// Steps of 0.5 us from 476 us: keeps all 2048 values of SBUS and all microseconds of i.Bus apart.
 inline constexpr PulseScale kClassicPulse{476 * 8, 4, 0xFFF};
-/// 0.125 us from 0: what a Pulse holds.
+/// Steps of 0.125 us from 0: exactly those of a Pulse.
 inline constexpr PulseScale kFdPulse{0, 1, 0xFFFF};
 
-/// Raw values of link quality: 0 to 100 %, or:
+/// Raw link quality is 0 to 100 %, or "not available".
 inline constexpr std::uint8_t kMostLinkQuality = 100;
 inline constexpr std::uint8_t kLinkQualityNotAvailable = 127;
 
-/// The format that the values came in on at first.
+/// The format that the values were first read from.
 struct Source {
     std::uint8_t raw = 0;
     Origin origin = Origin::none;
@@ -105,8 +106,8 @@ inline constexpr std::array<Source, 6> kSources{{{0, Origin::none, "None"},
                                                  {5, Origin::dbc, "DbcMapped"}}};
 inline constexpr std::uint8_t kSourceNotAvailable = 15;
 
-/// Age of the values when they were sent, in steps of so many microseconds. An older one is told as
-/// the highest.
+/// Scale of the age of the values when they were sent. An age above the highest is sent as the
+/// highest.
 struct AgeScale {
     unsigned step_microseconds = 1;
     std::uint16_t not_available = 0;  ///< every smaller raw value is an age
@@ -114,7 +115,7 @@ struct AgeScale {
 inline constexpr AgeScale kTailAgeScale{250, 0xFF};
 inline constexpr AgeScale kFdAgeScale{10, 0xFFFF};
 
-/// The states that every frame has, one bit each, in this order.
+/// Number of status bits of each frame. The arrays of flags have them in wire order.
 inline constexpr std::size_t kFlagCount = 4;
 
 inline constexpr Field kCrc8{0, 8};

@@ -81,8 +81,7 @@ std::unique_ptr<CanEncoder> make_encoder(const SettingValues& settings) {
     return std::make_unique<CanChannelsEncoder>(CanChannelsFormat::from_settings(settings));
 }
 
-// Snapshots this much apart still stand for themselves: five frames take 5.4 ms at 125 kbit/s, but
-// 0.7 ms at 1 Mbit/s.
+// Least period at 1 Mbit/s, where five frames take 0.7 ms. At 125 kbit/s they take 5.4 ms.
 constexpr Duration kLeastPeriod = std::chrono::milliseconds(2);
 static_assert(CanChannelsDecoder::kWindow < 15 * kLeastPeriod,
               "no part may meet those of the snapshot that has the same counter next");
@@ -109,7 +108,7 @@ const Protocol kCanProtocol{
     .settings = kSettings,
     .default_period = std::chrono::milliseconds(can_channels::kDefaultPeriodMilliseconds),
     .least_period = kLeastPeriod,
-    .says_failsafe = always_says_failsafe,
+    .signals_failsafe = always_signals_failsafe,
     .sure_channels = sure_channels,
     .check = check,
     .make_can_decoder = make_decoder,

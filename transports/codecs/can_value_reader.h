@@ -11,40 +11,41 @@
 
 namespace tribus {
 
-/// What a message says of one of its values.
+/// One value of a received message.
 struct ValueReading {
     enum class State : std::uint8_t {
         absent,         ///< the message does not hold it: another page of a multiplexed one
-        not_available,  ///< it is there and says that there is no number, or none that is allowed
+        not_available,  ///< the message holds it, but marks it as not available or gives no allowed
+                        ///< number
         number,
     };
     State state = State::absent;
-    double number = 0;  ///< in the unit of the value; 0 where there is none
+    double number = 0;  ///< in the unit of the value; 0 without a number
 };
 
-/// CAN frames in, the numbers of one kind of message out. No heap after construction. Thread-bound:
-/// one thread at a time.
+/// CAN frames in, the numbers of one kind of message out. No heap after construction. Thread-bound.
 class CanValueReader {
   public:
     struct Value {
         std::string name;
-        std::string unit;  ///< empty where there is none
+        std::string unit;  ///< empty if it has none
     };
 
     virtual ~CanValueReader() = default;
 
-    /// Every frame that it is to be given. Constant.
+    /// The ids of the frames that `take` needs. Constant.
     virtual std::span<const CanIdMatch> wanted() const = 0;
     virtual bool uses_fd() const = 0;
     /// In the order of the message. Constant.
     virtual std::span<const Value> values() const = 0;
 
-    /// Takes a frame that came at `at`. If a message is complete with it, `readings` has one for
-    /// each value, in their order, and the instant is the one that they are of. Needs room for all.
+    /// Takes a frame that arrived at `at`. If it completes a message, fills `readings` with one
+    /// entry for each value, in their order, and returns the instant of the numbers. `readings`
+    /// needs room for all values.
     virtual std::optional<Instant> take(const CanFrame& frame, Instant at,
                                         std::span<ValueReading> readings) = 0;
 
-    /// What was refused, by cause; only ever incremented.
+    /// Refused frames by cause. The counts only ever increase.
     virtual std::span<const NamedCount> rejected() const = 0;
 
   protected:

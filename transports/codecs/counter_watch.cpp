@@ -5,28 +5,28 @@
 namespace tribus {
 namespace {
 
-/// No sender of sticks is quicker. Frames that waited in a queue do come quicker.
+/// Least time of one count: no sender of channels is faster. Frames from a queue can be.
 constexpr Duration kLeastPace = std::chrono::milliseconds(2);
-/// One count may weigh this share of the pace.
+/// Share of the pace by which one count changes the estimate.
 constexpr int kPaceShare = 8;
-/// Of the time that so many counts take, this much must have passed: arrivals jitter.
+/// At least 5/8 of the time of the counts must have passed, because arrivals jitter.
 constexpr int kTimeNeeded = 5;
 constexpr int kTimeOf = 8;
 
 }  // namespace
 
-void CounterWatch::distrust() {
-    // What waited in a queue over an outage is soon followed by a jump. It was never believed.
+void CounterWatch::require_long_proof() {
+    // A queue that empties after an outage also ends in a jump, but its frames were never accepted.
     if (due_ > 0 || proof_ >= std::max(limits_.proof, 1U)) {
         const std::uint64_t ring = std::min(limits_.values, kLongestRing);
         due_ = std::max({due_, ring, run_ < kRemembered ? run_ + 1 : 0});
     }
     run_ = 0;
-    doubt();
+    restart_proof();
 }
 
 CounterWatch::Verdict CounterWatch::begin() {
-    doubt();
+    restart_proof();
     run_ = kRemembered;
     pace_ = spare_ = Duration::zero();
     return limits_.proof == 0 && due_ == 0 ? Verdict::good : Verdict::unconfirmed;
@@ -62,13 +62,13 @@ CounterWatch::Verdict CounterWatch::advance(std::uint64_t step) {
 }
 
 CounterWatch::Verdict CounterWatch::take(std::uint64_t count, bool same_content, Instant received) {
-    // Stamps of a receiver may also run backwards a little.
+    // A receiver's time stamps may also run backwards a little.
     const Duration elapsed = std::max(received - received_, Duration::zero());
     const auto previous = elapsed > limits_.silence ? std::nullopt : count_;
     count_ = count < limits_.values ? std::optional(count) : std::nullopt;
     received_ = received;
     if (!count_) {
-        doubt();
+        restart_proof();
         return Verdict::jump;
     }
     if (!previous) {
@@ -81,17 +81,17 @@ CounterWatch::Verdict CounterWatch::take(std::uint64_t count, bool same_content,
         return Verdict::repeated;
     }
     if (step == 0) {
-        distrust();
+        require_long_proof();
         return Verdict::conflict;
     }
     if (!time_allows(step, elapsed)) {
         spare_ = Duration::zero();
-        distrust();
+        require_long_proof();
         return Verdict::jump;
     }
     learn_pace(step, elapsed);
     if (step > limits_.most_step) {
-        doubt();
+        restart_proof();
         return Verdict::jump;
     }
     return advance(step);

@@ -8,50 +8,52 @@
 
 namespace tribus {
 
-/// Judges the counter that a sender raises with each frame or snapshot, which tells a live sender
-/// from one that hangs, from two senders, from a queue that empties late (docs/protocols/can.md,
-/// "Native format"), and from old frames that something repeats in a ring.
+/// Checks the counter that a sender increases with each frame or snapshot. It distinguishes a live
+/// sender from one that hangs, from two senders, from a queue that empties late
+/// (docs/protocols/can.md, "Native format"), and from a ring: old frames that are replayed in a
+/// loop.
 ///
-/// A ring shows itself where it begins again: its counter is suddenly further on than the time
-/// since the frame before allows. After that nothing is believed until the counter has gone on,
-/// without another such break, further than any ring of at most `kLongestRing` frames can. A ring
-/// as long as the counter's whole range cannot be told from a live sender. A sender that restarts
-/// within `silence` pays the same; after a pause that its counter fits, or after `silence`, it does
-/// not. Pure and thread-bound; no heap.
+/// A ring shows where it starts again: its counter jumps further than the time since the last frame
+/// allows. After such a break nothing is accepted until the counter has advanced, without another
+/// break, by more than any ring of up to `kLongestRing` frames can. A ring as long as the counter's
+/// range cannot be told from a live sender. A sender that restarts within `silence` must pass the
+/// same test, unless its counter fits the pause. Pure; thread-bound. No heap.
 class CounterWatch {
   public:
-    /// So often in a row the counter must go on rightly before anything is believed: at the start
-    /// and after whatever makes the sender doubtful.
+    /// Number of advances in a row before frames are accepted: at the start and after everything
+    /// that makes the sender doubtful.
     static constexpr unsigned kProof = 2;
-    /// Counts that must pass after a break, or all that the counter has if those are less.
+    /// Counts without a break that are required after a break; at most the range of the counter.
     static constexpr std::uint64_t kLongestRing = 256;
-    /// A second break within so many counts of the first makes the proof as long as what lay
-    /// between them: a second sender that is rare, or a longer ring.
+    /// A second break within this many counts requires as many counts as lay between the two: it
+    /// shows a rare second sender or a longer ring.
     static constexpr std::uint64_t kRemembered = 512;
 
     struct Limits {
-        std::uint64_t values = 0;     ///< the counter goes from 0 to one less than this
-        std::uint64_t most_step = 1;  ///< of one advance: more than 1 where frames may be lost
-        Duration silence{};           ///< after more than this the counter says nothing any more
-        unsigned proof = kProof;      ///< 0: what comes first is believed
+        std::uint64_t values = 0;     ///< the counter goes from 0 to `values` - 1
+        std::uint64_t most_step = 1;  ///< largest accepted step: above 1 if frames may be lost
+        Duration silence{};           ///< after a longer pause the counter proves nothing
+        unsigned proof = kProof;      ///< advances in a row before frames are accepted; 0: none
     };
 
     enum class Verdict : std::uint8_t {
         good,
-        unconfirmed,  ///< it may go on rightly, but proof is still missing
+        unconfirmed,  ///< the counter advanced correctly, but the proof is incomplete
         repeated,     ///< the same counter with the same content
-        conflict,     ///< the same counter with another content
-        jump,         ///< beyond the most step, further than time allows, or never a value of it
+        conflict,     ///< the same counter with other content
+        jump,         ///< step above `most_step`, too soon for its step, or a value that the
+                      ///< counter cannot have
     };
 
     explicit CounterWatch(const Limits& limits) : limits_(limits) {}
 
-    /// `same_content`: it equals what was taken before.
+    /// Takes the counter of a frame or snapshot that arrived at `received`. `same_content`: its
+    /// content equals that of the one before.
     Verdict take(std::uint64_t count, bool same_content, Instant received);
-    /// Something else makes the sender doubtful: `proof` is due again.
-    void doubt() { proof_ = 0; }
-    /// Something else shows a second sender or a ring: the long proof is due.
-    void distrust();
+    /// Another sign makes the sender doubtful: starts the proof again.
+    void restart_proof() { proof_ = 0; }
+    /// Another sign shows a second sender or a ring: requires the long test.
+    void require_long_proof();
 
   private:
     Verdict begin();
@@ -60,14 +62,14 @@ class CounterWatch {
     void learn_pace(std::uint64_t step, Duration elapsed);
 
     Limits limits_;
-    /// What was taken last, if the counter can have that value.
+    /// The latest counter value, unless it was one that the counter cannot have.
     std::optional<std::uint64_t> count_;
     Instant received_{};
     unsigned proof_ = 0;
-    std::uint64_t due_ = 0;            ///< counts that must still pass after a break
-    std::uint64_t run_ = kRemembered;  ///< counts since the last break, at most this
-    Duration pace_{};                  ///< of one count, about; zero: not known
-    Duration spare_{};                 ///< how much later than its pace the last frame came
+    std::uint64_t due_ = 0;            ///< counts still required after a break
+    std::uint64_t run_ = kRemembered;  ///< counts since the last break, limited
+    Duration pace_{};                  ///< estimated time of one count; zero: unknown
+    Duration spare_{};                 ///< by how much the latest frame came later than the pace
 };
 
 }  // namespace tribus

@@ -6,7 +6,7 @@
 namespace tribus {
 namespace {
 
-/// What each value of the top byte does to the rest, for a CRC that starts with the top bit.
+/// Effect of each value of the top byte on a CRC that shifts out its top bit first.
 template <class Crc>
 constexpr std::array<Crc, 256> crc_table(Crc polynomial) {
     constexpr int kShift = std::numeric_limits<Crc>::digits - 8;
@@ -41,8 +41,8 @@ constexpr std::uint8_t high_byte(std::uint16_t word) {
     return static_cast<std::uint8_t>(word >> 8);
 }
 
-// The AUTOSAR library's CRC-8 starts with FF and ends with an XOR of FF; profile 1 calls it so that
-// both cancel, profile 22 keeps them.
+// AUTOSAR's CRC-8 routine starts with FF and ends with XOR FF. Profile 1 calls it so that both
+// cancel; profile 22 keeps them.
 constexpr std::uint8_t kP01Start = 0x00;
 constexpr std::uint8_t kP22StartAndXor = 0xFF;
 constexpr std::uint16_t kP05Start = 0xFFFF;

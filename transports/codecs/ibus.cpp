@@ -20,15 +20,15 @@ void put_word(std::span<std::uint8_t> bytes, std::size_t position, std::uint16_t
 
 constexpr unsigned kEighthsBits = 3;
 constexpr std::uint16_t kNibbleOnTop = 0xF000;
-// The last eighth that rounds to 4095 us; and where the second eight slots end after six.
+// The last eighth that rounds to 4095 us. The second vector holds the last six slots.
 constexpr std::int16_t kMostSlot = kChannelMask * 8 + 3;
 constexpr SignedLanes kMostOfEight{kMostSlot, kMostSlot, kMostSlot, kMostSlot,
                                    kMostSlot, kMostSlot, kMostSlot, kMostSlot};
 constexpr SignedLanes kMostOfSix{kMostSlot, kMostSlot, kMostSlot, kMostSlot,
                                  kMostSlot, kMostSlot, 0,         0};
 
-/// Eighths of a microsecond, 0 to `most`, with the half for rounding added: three bits more than
-/// what goes onto the wire.
+/// Pulses limited to 0 to `most` eighths, plus half a microsecond for rounding. Three bits more
+/// than the wire value.
 inline Lanes wire_eighths(SignedLanes pulses, const SignedLanes& most) {
     constexpr std::int16_t kHalf = 4;
     pulses = pulses > 0 ? pulses : 0;
@@ -36,10 +36,10 @@ inline Lanes wire_eighths(SignedLanes pulses, const SignedLanes& most) {
     return reinterpret_cast<Lanes>(pulses + kHalf);
 }
 
-/// Channels 15 to 18, named a to d, beside the slots that carry their nibbles: three slots each.
+/// Channels 15 to 18, called a to d, each repeated for the three slots that carry its nibbles.
 struct Thrice {
     Lanes first;  ///< aaabbbcc
-    Lanes last;   ///< cddd, and what counts for nothing
+    Lanes last;   ///< cddd, then four unused lanes
 };
 inline Thrice thrice(const Lanes& abcd) {
     const Lanes aabc = __builtin_shufflevector(abcd, abcd, 0, 0, 1, 2, 4, 5, 6, 7);
@@ -48,15 +48,16 @@ inline Thrice thrice(const Lanes& abcd) {
             .last = __builtin_shufflevector(abcd, abcd, 2, 3, 3, 3, 4, 5, 6, 7)};
 }
 
-/// 0xFFFF less each byte before it (docs/protocols/ibus.md, "Servo frame"). A word has its high
-/// byte 256 times in it: that byte 255 times off the word is the sum of its two bytes.
+/// 0xFFFF less each byte before it (docs/protocols/ibus.md, "Servo frame"). A word is its high byte
+/// times 256 plus its low byte, so word - 255 x high byte is the sum of its two bytes.
 inline std::uint16_t checksum(const Lanes& first, const Lanes& last) {
     const Lanes high_bytes = (first >> 8U) + (last >> 8U);
     const Lanes less = high_bytes * 255 - (first + last);
     return static_cast<std::uint16_t>(0xFFFF - kLongestFrame - kServoCommand + total(less));
 }
 
-/// With 1500 us for each absent channel of 1 to 14, and 0, which is not present, for the others.
+/// Fills each absent channel of 1 to 14 with 1500 us, and each other one with 0, which means "not
+/// present".
 ChannelFrame filled_ibus(const ChannelFrame& frame) {
     ChannelFrame full = frame;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -142,8 +143,8 @@ std::unique_ptr<Encoder> make_ibus_encoder(const SettingValues& settings) {
 
 }  // namespace
 
-// Period: real receivers send each 7.7 ms, one each 4.0 ms; readers that wait for 2 to 3 ms of
-// silence need 7 (docs/protocols/ibus.md, "Period and gaps").
+// Real receivers send every 7.7 ms, one every 4.0 ms; readers that wait for 2 to 3 ms of silence
+// need 7 ms (docs/protocols/ibus.md, "Period and gaps").
 const Protocol kIbusProtocol{
     .name = "ibus",
     .description = "FlySky i.Bus servo frames, 14 or 18 channels",
@@ -152,7 +153,7 @@ const Protocol kIbusProtocol{
     .longest_frame = kLongestFrame,
     .default_period = std::chrono::milliseconds(7),
     .least_period = std::chrono::milliseconds(4),
-    .says_failsafe = never_says_failsafe,
+    .signals_failsafe = never_signals_failsafe,
     .sure_channels = always_has_first<kSlotCount>,
     .make_decoder = make_ibus_decoder,
     .make_encoder = make_ibus_encoder,

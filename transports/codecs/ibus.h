@@ -12,29 +12,29 @@
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/wire_words.h"
 
-/// FlySky i.Bus servo frames, both ways (docs/protocols/ibus.md).
+/// FlySky i.Bus servo frames, both directions (docs/protocols/ibus.md).
 namespace tribus {
 
 extern const Protocol kIbusProtocol;
 
-/// What the 14 slots of 16 bits hold.
+/// Layout of the 14 slots of 16 bits.
 enum class IbusSlots : std::uint8_t {
-    nibbles,  ///< 12 bits of a channel, and 4 bits of channels 15 to 18 on top
-    plain,    ///< 16 bits of one channel: some senders without channels 15 to 18
+    nibbles,  ///< 12 bits of one channel, and 4 bits of channels 15 to 18 on top
+    plain,    ///< 16 bits of one channel: some senders, without channels 15 to 18
 };
 
-/// Finds frames by content: header, length and checksum, scanning on inside its buffer after a bad
-/// one. It needs no gaps: a real receiver leaves 0.95 ms between frames (docs/protocols/ibus.md,
-/// "Period and gaps"), less than many readers wait for. Where a pause tells that no more of a frame
-/// comes, it does not wait for more.
+/// Finds frames by header, length and checksum, and continues the search inside its buffer after a
+/// bad frame. Needs no gaps: a real receiver leaves 0.95 ms between frames (docs/protocols/ibus.md,
+/// "Period and gaps"), less than many readers wait for. If a pause shows that a frame has ended, it
+/// does not wait for more bytes.
 ///
-/// A sender's length does not change for one frame: the first frame tells it, and another one
-/// counts when it has come three times in a row. Until then such frames are rejected as "length".
+/// A sender always sends frames of one length: the first frame sets it, and another length is
+/// accepted when it came three times in a row. Until then such frames are rejected as "length".
 ///
-/// Takes frames of 6 to 32 bytes with command 0x40, 32 bytes with command 0x00 (Betaflight does not
-/// check the command, and its public test frames have 0), and the 31-byte 0x55 variant
-/// (docs/protocols/ibus.md, "Variants"). 18 channels are told from 14 frame by frame: a nibble
-/// channel of 0 is not present (docs/protocols/ibus.md, "Channels 15 to 18").
+/// Accepts frames of 6 to 32 bytes with command 0x40, of 32 bytes with command 0x00 (Betaflight
+/// does not check the command, and its public test frames have 0), and the 31-byte 0x55 variant
+/// (docs/protocols/ibus.md, "Variants"). Whether channels 15 to 18 are present is decided for each
+/// frame: a value of 0 is not present (docs/protocols/ibus.md, "Channels 15 to 18").
 class IbusDecoder final : public Decoder {
   public:
     explicit IbusDecoder(IbusSlots slots = IbusSlots::nibbles) : slots_(slots) {}
@@ -52,15 +52,16 @@ class IbusDecoder final : public Decoder {
     enum class Kind : std::uint8_t { noise, undecided, servo, ia6, ibus2 };
     struct Candidate {
         Kind kind = Kind::noise;
-        std::size_t length = 0;  ///< bytes wanted to judge it
+        std::size_t length = 0;  ///< bytes needed to check it
         bool whole = true;
     };
-    /// What is judged at once: what begins at `start` or behind, and before `end`.
+    /// The bytes that are checked together: frames that begin from `start` on and before `end`.
     struct Window {
         std::span<const std::uint8_t> bytes;
         std::size_t end = 0;
         std::size_t start = 0;
-        std::uint64_t damage = 0;  ///< marks of the first bytes, the first lowest
+        std::uint64_t damage = 0;  ///< error marks of the first bytes, the first byte in the lowest
+                                   ///< bit
     };
     enum class Outcome : std::uint8_t { nothing, wait, frame };
     enum RejectCause : std::size_t { kChecksum, kDamaged, kIbus2, kLength };
@@ -72,7 +73,7 @@ class IbusDecoder final : public Decoder {
     Taken decode_byte(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     Taken decode_pieces(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     bool decode_long(std::span<const std::uint8_t>& bytes, Instant received, DecodedFrame& frame);
-    /// `holds`: the checksum of what came as a frame of 32 bytes.
+    /// `holds`: whether the checksum of a frame of 32 bytes is correct.
     Taken search_last(bool holds, Instant received, DecodedFrame& frame);
     Taken search_kept(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     bool search_instead(bool holds, std::span<const std::uint8_t>& bytes, Instant received,
@@ -93,20 +94,21 @@ class IbusDecoder final : public Decoder {
                     DecodedFrame& frame);
 
     IbusSlots slots_;
-    /// Of the frames that count; 0: none has come. And times `kOneOther`, in the same word because
-    /// each frame sets both, how many of another length have come since.
+    /// Low byte: length of the accepted frames, 0 before the first one. High byte: how many frames
+    /// of another length came since. One word, because each accepted frame sets both.
     std::uint16_t usual_length_ = 0;
     std::uint8_t other_length_ = 0;
-    /// Frames of 32 bytes, with channels in nibbles, count without a further look.
+    /// Whether frames of 32 bytes with nibble channels are accepted without further checks.
     bool long_frames_count_ = slots_ == IbusSlots::nibbles;
     std::array<NamedCount, 4> rejected_{{{"checksum"}, {"damaged"}, {"ibus2"}, {"length"}}};
     std::uint64_t skipped_bytes_ = 0;
 };
 
-/// Writes 32-byte frames of 14 channels, or of 18. Whole microseconds, 0 to 4095; an absent channel
-/// of 1 to 14 is sent as 1500 us (what receivers send for unused ones, docs/protocols/ibus.md,
-/// "Variants"), one of 15 to 18 as not present. i.Bus cannot say failsafe or frame lost
-/// (docs/protocols/ibus.md, "Loss of signal"): the caller decides whether to send.
+/// Writes 32-byte frames of 14 or 18 channels, in whole microseconds, 0 to 4095. An absent channel
+/// of 1 to 14 is sent as 1500 us, as receivers do for unused ones (docs/protocols/ibus.md,
+/// "Variants"), one of 15 to 18 as not present. i.Bus has no sign for failsafe or frame lost
+/// (docs/protocols/ibus.md, "Loss of signal"): the caller decides whether to send. Pure and
+/// reentrant.
 class IbusEncoder final : public Encoder {
   public:
     explicit IbusEncoder(std::size_t channel_count = 14);
@@ -119,8 +121,8 @@ class IbusEncoder final : public Encoder {
     std::size_t encode_filled(const ChannelFrame& frame,
                               std::span<std::uint8_t, kLongestSerialFrame> wire) const;
 
-    /// What each slot multiplies the value beside it by, to bring the nibble that it carries to its
-    /// top; 0 where it carries none.
+    /// Factor for each slot that moves its nibble of the channel value to the top bits; 0 if the
+    /// slot carries none.
     std::array<Lanes, 2> nibble_to_top_{};
 };
 

@@ -8,7 +8,7 @@
 
 #include "transports/codecs/ibus_wire.h"
 
-/// What tells an i.Bus frame from noise; for its decoder only.
+/// Checks that tell an i.Bus frame from noise; only for the decoder.
 namespace tribus::ibus_checks {
 
 using namespace ibus_wire;
@@ -17,10 +17,11 @@ inline constexpr std::uint8_t kIa6Header = 0x55;
 inline constexpr std::size_t kIa6Length = 31;
 inline constexpr std::size_t kIa6SlotsAt = 1;
 
-// i-BUS2 (AFHDS 3, another protocol): the two low bits of the first byte are the packet type, 0
-// for channels, the next four its subtype (0 to 2 in use); then the length; a CRC-8 with
-// polynomial 0x25 and start value 0xFF ends it. Facts: ArduPilot AP_IBus2, from FlySky's document
-// V2.4 and captures of a FTr8B (the start value; Betaflight has 0, which the captures refute).
+// i-BUS2 (AFHDS 3, another protocol; docs/protocols/ibus.md, "Variants"): bits 0 and 1 of the first
+// byte are the packet type, 0 for channels; the next four its subtype, 0 to 2. The second byte is
+// the length. The last byte is a CRC-8 with polynomial 0x25 and start value 0xFF. The start value
+// is that of ArduPilot AP_IBus2 and its captures of a FTr8B; Betaflight has 0, which the captures
+// refute.
 inline constexpr std::uint8_t kIbus2TypeMask = 0x03;
 inline constexpr unsigned kIbus2SubtypeShift = 2;
 inline constexpr std::uint8_t kIbus2SubtypeMask = 0x0F;
@@ -38,7 +39,7 @@ inline std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t po
 
 inline constexpr std::uint16_t kLongFrameHeader = kLongestFrame | kServoCommand << 8U;
 
-/// Of at most 32 bytes.
+/// Sum of at most 32 bytes.
 inline unsigned sum_of(std::span<const std::uint8_t> bytes) {
     std::uint64_t words = 0;
     for (; bytes.size() >= kGroupBytes; bytes = bytes.subspan(kGroupBytes)) {
@@ -52,7 +53,8 @@ inline std::uint16_t servo_checksum(std::span<const std::uint8_t> body) {
     return static_cast<std::uint16_t>(0xFFFF - sum_of(body));
 }
 
-/// A whole frame of 32 bytes, whose checksum is the upper half of its last group.
+/// Whether the checksum of a frame of 32 bytes is correct. It is the upper quarter of the last
+/// group.
 inline bool long_frame_holds(std::span<const std::uint8_t, kLongestFrame> wire) {
     std::uint64_t words = 0;
     for (std::size_t at = 0; at < kLongestFrame - kGroupBytes; at += kGroupBytes) {
@@ -63,8 +65,9 @@ inline bool long_frame_holds(std::span<const std::uint8_t, kLongestFrame> wire) 
     return total(words) + (last >> 48U) == 0xFFFF;
 }
 
-/// The sum of the 14 words, without the header (docs/protocols/ibus.md, "Variants"). Words beyond
-/// 12 bits are no channel: the plain sum is weak, and this keeps noise out.
+/// Whether the checksum of a 0x55 frame is correct: the sum of the 14 words without the header
+/// (docs/protocols/ibus.md, "Variants"). The plain sum is weak, so words above 12 bits, which are
+/// no channel values, are refused too.
 inline bool ia6_holds(std::span<const std::uint8_t> frame) {
     unsigned sum = 0;
     for (std::size_t slot = 0; slot < kSlotCount; ++slot) {
@@ -77,7 +80,7 @@ inline bool ia6_holds(std::span<const std::uint8_t> frame) {
     return (sum & 0xFFFFU) == word_at(frame, kIa6Length - kChecksumBytes);
 }
 
-/// What a byte does to the CRC of i-BUS2 when so many more bytes follow it as the index says.
+/// Effect of a byte on the CRC of i-BUS2 when as many more bytes follow it as the index says.
 using CrcTables = std::array<std::array<std::uint8_t, 256>, kGroupBytes>;
 inline constexpr CrcTables kIbus2Crc = [] {
     CrcTables tables{};
@@ -124,7 +127,7 @@ constexpr bool may_be_ibus2(std::uint8_t first) {
            ((first >> kIbus2SubtypeShift) & kIbus2SubtypeMask) <= kIbus2LastSubtype;
 }
 
-// What may begin with a byte.
+// Frames that may begin with a byte, as bits.
 inline constexpr std::uint8_t kServo = 1;
 inline constexpr std::uint8_t kIa6 = 2;
 inline constexpr std::uint8_t kIbus2Channels = 4;

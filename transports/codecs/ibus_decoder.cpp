@@ -18,7 +18,7 @@ void put_slots(ChannelFrame& channels, std::span<const std::uint8_t> slots, std:
     }
 }
 
-/// All 14 slots, 12 bits each, microseconds to eighths.
+/// Reads all 14 slots of 12 bits, from microseconds to eighths.
 inline void put_all_slots(ChannelFrame& channels, const std::uint8_t* slots) {
     constexpr unsigned kEighthBits = 3;
     constexpr std::size_t kLast = kSlotCount - kLanes;
@@ -29,8 +29,8 @@ inline void put_all_slots(ChannelFrame& channels, const std::uint8_t* slots) {
     channels.mark_first(kSlotCount);
 }
 
-/// The three nibbles of a channel stand on top of three slots, the lowest first. The factor brings
-/// each to its place in one number.
+/// The three nibbles of a channel are the top nibbles of three slots, the lowest first. The
+/// multiplication moves all of them to their places in one number.
 void put_nibble_channels(ChannelFrame& channels, const std::uint8_t* slots) {
     constexpr std::uint64_t kTogether = 1ULL << 36U | 1ULL << 24U | 1ULL << 12U;
     constexpr std::uint64_t kThreeNibbles = kNibbles & 0x0000FFFF'FFFFFFFF;
@@ -51,7 +51,8 @@ inline bool IbusDecoder::may_begin(std::uint8_t first) const {
            (usual_length_ == 0 && may_be_ibus2(first));
 }
 
-/// What stands at the front of what there is, if `begins` may.
+/// Kind and length of the frame that may begin with the first byte. `begins`: the frames that the
+/// byte allows.
 inline IbusDecoder::Candidate IbusDecoder::candidate(std::uint8_t begins,
                                                      std::span<const std::uint8_t> bytes) {
     if (begins == kIa6) {
@@ -118,7 +119,7 @@ inline void IbusDecoder::read_long_frame(std::span<const std::uint8_t, kLongFram
               slots_ == IbusSlots::plain ? std::uint16_t{0xFFFF} : kChannelMask);
 }
 
-/// Of a frame whose checksum holds.
+/// Whether a frame of this length, with a correct checksum, is accepted.
 [[gnu::noinline]] bool IbusDecoder::length_counts(std::size_t length) {
     constexpr std::uint8_t kInARow = 3;
     const auto now = static_cast<std::uint8_t>(length);
@@ -136,7 +137,7 @@ inline void IbusDecoder::read_long_frame(std::span<const std::uint8_t, kLongFram
     return true;
 }
 
-/// All that waits has come: where a frame stands whose end is not there, it is none.
+/// No more bytes will come for those that wait: an incomplete frame is none.
 bool IbusDecoder::silence(DecodedFrame& frame) {
     std::span<const std::uint8_t> nothing;
     for (std::size_t start = 0; buffer_.size() != 0; start = 1) {
@@ -163,14 +164,14 @@ void IbusDecoder::damaged_byte() {
     ++rejected_[kDamaged].count;
 }
 
-/// Judges what begins at `position` or behind it and before `end`; `damage` marks the first bytes.
-/// Says what stands at the position that it has come to then: a frame, one that is not there as a
-/// whole yet, or noise, if nothing is left.
+/// Checks the bytes from `position` on and before `end`; `damage` marks the first bytes. Moves
+/// `position` to what it found and returns it: a frame, an incomplete frame, or noise if nothing is
+/// left.
 inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8_t> bytes,
                                                       std::size_t end, std::uint64_t damage,
                                                       std::size_t& position) {
-    // Waiting for an i-BUS2 frame to end may take longer than the next i.Bus frame needs, so it is
-    // looked for only on a line that has not shown i.Bus yet: a line speaks one of the two.
+    // Waiting for the end of an i-BUS2 frame may take longer than the next i.Bus frame needs, so it
+    // is searched only on a line that has not shown i.Bus yet: a line carries one of the two.
     const std::uint8_t looked_for =
         usual_length_ != 0 ? kServo | kIa6 : kServo | kIa6 | kIbus2Channels;
     std::size_t at = position;
@@ -209,7 +210,7 @@ inline IbusDecoder::Candidate IbusDecoder::find_frame(std::span<const std::uint8
 
 IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
                                        DecodedFrame& frame) {
-    // What usually comes is a frame in its place, in one read; the rest comes to the same.
+    // The usual case, a whole frame in one read. The general path below gives the same result.
     if (buffer_.size() == 0 && bytes.size() >= kLongestFrame) {
         const auto wire = bytes.first<kLongestFrame>();
         if (word_at(wire, 0) == kLongFrameHeader && long_frame_holds(wire) && long_frames_count_) {
@@ -225,8 +226,8 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
                                                          : search_kept(bytes, received, frame);
 }
 
-/// The bytes of a long frame that decide something: the first two and the last. Not inline, nor is
-/// the next: the usual case needs no registers saved.
+/// Handles the bytes of a long frame that decide something: the first two and the last. This
+/// function and those below are not inline, so that the usual case saves no registers.
 [[gnu::noinline]] IbusDecoder::Taken IbusDecoder::decode_byte(std::span<const std::uint8_t> bytes,
                                                               Instant received,
                                                               DecodedFrame& frame) {
@@ -259,7 +260,7 @@ IbusDecoder::Taken IbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
                                : search_kept(bytes, received, frame);
 }
 
-/// What shows by its first byte that no frame begins here.
+/// Removes bytes at which no frame can begin.
 inline void IbusDecoder::pass_noise(std::span<const std::uint8_t>& bytes) {
     std::size_t noise = 0;
     while (noise < bytes.size() && !may_begin(bytes[noise])) {
@@ -309,7 +310,7 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
     return true;
 }
 
-/// The same, with its last byte the last one that there is.
+/// The frame was complete with the only byte of this read, but is not accepted as it is.
 [[gnu::noinline]] IbusDecoder::Taken IbusDecoder::search_last(bool holds, Instant received,
                                                               DecodedFrame& frame) {
     std::span<const std::uint8_t> nothing_more;
@@ -324,14 +325,14 @@ inline bool IbusDecoder::decode_long(std::span<const std::uint8_t>& bytes, Insta
     return {bytes.size() - rest.size(), found};
 }
 
-/// What stands as a long frame at the front is none, or does not count yet.
+/// The long frame at the front has a wrong checksum, or its length is not accepted yet.
 [[gnu::noinline]] bool IbusDecoder::search_instead(bool holds, std::span<const std::uint8_t>& bytes,
                                                    Instant received, DecodedFrame& frame) {
     rejected_[kChecksum].count += holds ? 0U : 1U;
     return search(bytes, holds ? 0 : 1, received, frame);
 }
 
-/// Judges all from `start` on, which is behind the front by no more than a byte.
+/// Checks everything from `start` on, which is 0 or 1 behind the front.
 bool IbusDecoder::search(std::span<const std::uint8_t>& bytes, std::size_t start, Instant received,
                          DecodedFrame& frame) {
     const std::size_t kept = buffer_.size();

@@ -75,7 +75,8 @@ std::size_t encode_sensor_frame(SensorCommand command, std::uint8_t address,
 
 std::optional<SensorFrame> SensorFrameParser::next(std::span<const std::uint8_t>& bytes,
                                                    Instant received) {
-    // One byte can complete a frame that stood behind what it shows to be none, and another.
+    // The last byte of the read may complete two frames: if it shows that the first bytes are no
+    // frame, another one may be behind them.
     auto frame = judge();
     while (!frame && !bytes.empty()) {
         give_up_after_pause(received);
@@ -104,24 +105,25 @@ void SensorFrameParser::give_up_after_pause(Instant received) {
     last_ = received;
 }
 
-/// Takes off whatever the last byte kept decides. Without a frame, less is kept than fits.
+/// Removes the bytes that the last one decides. If it returns no frame, fewer bytes are left than a
+/// frame has.
 std::optional<SensorFrame> SensorFrameParser::judge() {
     while (size_ > 0) {
         const std::size_t length = wanted();
-        const bool believed = in_step_ || kept_[0] == kServoLength;
+        const bool in_step = in_step_ || kept_[0] == kServoLength;
         if (length == 0) {
             const bool unknown = in_step_ && size_ > 1 && is_length(kept_[0]);
             rejected_[kUnknownCommand].count += unknown ? 1 : 0;
             skip(1);
         } else if (size_ < length) {
-            if (believed || !ends_with_request()) {
+            if (in_step || !ends_with_request()) {
                 return std::nullopt;
             }
             skip(size_ - kSensorRequestBytes);
             return take_frame(kSensorRequestBytes);
         } else if (!holds({kept_.data(), length})) {
             ++rejected_[kChecksum].count;
-            damaged_end_ = believed ? position_ + length : damaged_end_;
+            damaged_end_ = in_step ? position_ + length : damaged_end_;
             skip(1);
         } else if (is_servo(kept_[0], kept_[1])) {
             ++servo_frames_;
@@ -135,7 +137,7 @@ std::optional<SensorFrame> SensorFrameParser::judge() {
     return std::nullopt;
 }
 
-/// Bytes that decide what the first one is part of; 0 if it is part of nothing.
+/// Number of bytes that decide what the first byte belongs to; 0 if it belongs to nothing.
 std::size_t SensorFrameParser::wanted() const {
     const std::uint8_t length = kept_[0];
     if (size_ == 1) {
@@ -163,14 +165,14 @@ SensorFrame SensorFrameParser::take_frame(std::size_t length) {
     return frame;
 }
 
-/// They belong to no frame, and what follows is out of step.
+/// Removes bytes that belong to no frame. The bytes after them are out of step.
 void SensorFrameParser::skip(std::size_t count) {
     skipped_bytes_ += count;
     drop(count);
     in_step_ = false;
 }
 
-/// They are a frame, and what follows is in step.
+/// Removes a frame. The bytes after it are in step.
 void SensorFrameParser::drop(std::size_t count) {
     std::copy(kept_.begin() + static_cast<std::ptrdiff_t>(count),
               kept_.begin() + static_cast<std::ptrdiff_t>(size_), kept_.begin());

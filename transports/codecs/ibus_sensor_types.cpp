@@ -9,8 +9,7 @@ namespace {
 enum class Sign : std::uint8_t {
     none,
     twos_complement,
-    /// -18000 to 47535: what is written as -180.00 to 180.00 degrees and what is written as 0 to
-    /// 360.00 both read right.
+    /// -18000 to 47535: reads both -180.00 to 180.00 degrees and 0 to 360.00 degrees correctly.
     either_turn,
 };
 constexpr Sign kNone = Sign::none;
@@ -18,7 +17,7 @@ constexpr Sign kSigned = Sign::twos_complement;
 constexpr Sign kTurn = Sign::either_turn;
 constexpr std::int64_t kLeastOfTurn = -18000;
 
-/// One field; a type of several has its rows one behind the other.
+/// One field. A type with several fields has one row for each, in order.
 struct Row {
     std::uint8_t id;
     std::string_view type;
@@ -33,21 +32,21 @@ struct Row {
     std::optional<std::int64_t> not_available{};
 };
 
-constexpr double kColdest = -40;  // degrees: raw 0 of every temperature
+constexpr double kColdest = -40;  // degrees Celsius of raw 0, for every temperature
 constexpr double kMilliGravity = 9.80665 / 1000;
 
-/// docs/protocols/ibus.md, "Sensor types". Where the sources disagree, the row is what FlySky's own
-/// sensors and transmitters do, or else most of the others; who does otherwise has rows of its own
-/// below.
+/// The types of docs/protocols/ibus.md, "Sensor types". Where sources disagree, the row follows
+/// FlySky's own sensors and transmitters, or else most of the others. The tables below have the
+/// rows of those that differ.
 constexpr Row kFlysky[] = {
     {0x00, "internal_voltage", 2, "voltage", "V", 0, 16, kNone, 0.01},
     {0x01, "temperature", 2, "temperature", "degC", 0, 16, kNone, 0.1, kColdest},
     {0x02, "rotation_speed", 2, "speed", "rpm", 0, 16, kNone},
-    // A genuine sensor with an open input sends FFFF and FFFE: it has a sign.
+    // Signed, because a genuine sensor with an open input sends FFFF and FFFE.
     {0x03, "external_voltage", 2, "voltage", "V", 0, 16, kSigned, 0.01, 0, -0x8000},
     {0x04, "average_cell_voltage", 2, "voltage", "V", 0, 16, kNone, 0.01},
     {0x05, "battery_current", 2, "current", "A", 0, 16, kNone, 0.01},
-    // Percent or mAh, as its sender chose.
+    // Percent or mAh, as the sender chose.
     {0x06, "fuel", 2, "fuel", "", 0, 16, kNone},
     {0x07, "engine_speed", 2, "speed", "rpm", 0, 16, kNone},
     {0x08, "heading", 2, "heading", "deg", 0, 16, kNone},
@@ -116,7 +115,7 @@ constexpr Row kBetaflight[] = {
     {0x05, "battery_current", 2, "current", "A", 0, 16, kSigned, 0.01},
     // The throttle command while armed, else the battery's capacity in mAh.
     {0x07, "throttle_or_capacity", 2, "value", "", 0, 16, kNone},
-    // Ten times too big, and so it wraps at 65.5 degrees.
+    // Sent ten times too large, so it wraps at 65.5 degrees.
     {0x0A, "course_over_ground", 2, "course", "deg", 0, 16, kNone, 0.001},
     {0x0C, "acceleration_x", 2, "acceleration", "m/s^2", 0, 16, kSigned, kMilliGravity},
     {0x0D, "acceleration_y", 2, "acceleration", "m/s^2", 0, 16, kSigned, kMilliGravity},
@@ -124,7 +123,7 @@ constexpr Row kBetaflight[] = {
     // The distance from home.
     {0x7C, "odometer_1", 2, "distance", "m", 0, 16, kNone},
     {0x7D, "odometer_2", 2, "distance", "m", 0, 16, kNone},
-    // Filled in by the functions that fill in the single types.
+    // Betaflight fills these with the functions of the single types.
     {0xEF, "acceleration_full", 12, "acceleration_x", "m/s^2", 0, 16, kSigned, kMilliGravity},
     {0xEF, "acceleration_full", 12, "acceleration_y", "m/s^2", 16, 16, kSigned, kMilliGravity},
     {0xEF, "acceleration_full", 12, "acceleration_z", "m/s^2", 32, 16, kSigned, kMilliGravity},
@@ -210,7 +209,7 @@ SensorField field_of(const Row& row) {
             .least = row.sign == kTurn ? std::optional(kLeastOfTurn) : std::nullopt};
 }
 
-/// Adds those whose id and name are still free.
+/// Adds the types whose id and name are still free.
 void add_types(std::vector<SensorType>& types, std::span<const Row> rows) {
     for (std::size_t first = 0; first < rows.size();) {
         const Row& row = rows[first];

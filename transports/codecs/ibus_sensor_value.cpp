@@ -9,7 +9,7 @@ namespace {
 
 constexpr unsigned kByteBits = 8;
 constexpr unsigned kMostBits = 64;
-/// From here on every double is whole.
+/// From here on, every double is whole.
 constexpr double kAlwaysWhole = 9007199254740992.0;
 
 std::uint64_t mask_of(const SensorField& field) {
@@ -38,7 +38,7 @@ bool fits(const SensorField& field, std::size_t bytes) {
     return field.bits <= kMostBits && field.first_bit + field.bits <= bytes * kByteBits;
 }
 
-/// `bit` of a value whose lowest byte comes first.
+/// Position of a bit in a value whose lowest byte comes first.
 struct BitPlace {
     std::size_t byte;
     unsigned bit;
@@ -60,7 +60,7 @@ std::optional<std::int64_t> raw_in(const SensorField& field, std::span<const std
         done += kByteBits - place.bit;
     }
     const auto least = static_cast<std::uint64_t>(least_of(field));
-    // Counted on from the least, within the bits that there are.
+    // Counted upwards from the least raw value, within the bits of the field.
     return static_cast<std::int64_t>(least + ((bits - least) & mask_of(field)));
 }
 

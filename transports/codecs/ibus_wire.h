@@ -7,7 +7,8 @@
 #include "core/channel_frame.h"
 #include "transports/codecs/wire_words.h"
 
-/// Where things stand in an i.Bus frame; for its decoder and encoder only.
+/// Layout of an i.Bus frame (docs/protocols/ibus.md, "Servo frame"); only for its decoder and
+/// encoder.
 namespace tribus::ibus_wire {
 
 inline constexpr std::size_t kSlotCount = 14;
@@ -33,7 +34,7 @@ inline constexpr std::uint64_t kNibbles = 0xF000F000'F000F000;
 inline std::uint64_t sum_by_words(std::uint64_t bytes) {
     return (bytes & kLowBytes) + ((bytes >> 8U) & kLowBytes);
 }
-/// The four words added up; fewer than 2^16.
+/// Sum of the four words, which must be less than 2^16.
 inline unsigned total(std::uint64_t words) {
     return static_cast<unsigned>((words * kEachWord) >> 48U);
 }

@@ -10,13 +10,13 @@
 
 namespace tribus {
 
-/// Which of the bytes that are kept the line damaged.
+/// Marks of the buffered bytes that had a parity or framing error.
 class DamageMarks {
   public:
     static constexpr std::size_t kWordBits = 64;
 
     bool any() const { return (words_[0] | words_[1]) != 0; }
-    /// Those of the next 64 bytes, the first lowest.
+    /// Marks of the 64 bytes from `position` on, the first in the lowest bit.
     std::uint64_t from(std::size_t position) const {
         assert(position <= 4 * kWordBits);
         const std::uint64_t upper = words_[1];
@@ -43,19 +43,19 @@ class DamageMarks {
     std::array<std::uint64_t, 2> words_{};
 };
 
-/// The bytes that a decoder has not judged yet, each with a mark if the line damaged it, and their
-/// place in the whole stream.
+/// The bytes that a decoder has not decided yet, each with a mark if it was damaged, and their
+/// position in the whole stream.
 ///
-/// While a decoder works on a read, they stand where the read put them; only what outlasts the read
-/// is copied. A decoder sees no more bytes than it asked for, so what it finds does not depend on
-/// how the stream is cut into reads. Thread-bound; no heap.
+/// While a decoder works on a read, the bytes stay where the read put them; only those that outlast
+/// the read are copied. A decoder sees only the bytes that it asked for, so its result does not
+/// depend on how the stream is cut into reads. Thread-bound; no heap.
 class LineBuffer {
   public:
-    /// No decoder asks for more bytes at once, or leaves more.
+    /// Upper limit of the bytes that a decoder asks for at once, and of those that it leaves.
     static constexpr std::size_t kCapacity = 128;
 
-    /// Between two reads: if the decoder waits for more bytes than with these, keeps them all and
-    /// says so.
+    /// Between two reads: if the decoder needs more bytes than it has with these, keeps all of them
+    /// and returns true.
     bool keep(std::span<const std::uint8_t> bytes) {
         if (bytes.size() >= missing_) {
             return false;
@@ -69,8 +69,8 @@ class LineBuffer {
         }
         return true;
     }
-    /// Between two reads: a byte stood here that cannot be read. It decides something by itself, or
-    /// not before the bytes are there that the decoder waits for.
+    /// Between two reads: a damaged byte stood here. `decides`: it decides something by itself;
+    /// else only once the bytes are there that the decoder waits for.
     void append_damaged(bool decides = true) {
         assert(size_ < kCapacity);
         kept_[size_] = 0;
@@ -85,7 +85,7 @@ class LineBuffer {
         missing_ = 0;
         in_place_ = false;
     }
-    /// Ends it, and returns what the decoder has not asked for.
+    /// Ends work on a read. Returns the bytes that the decoder has not asked for.
     std::span<const std::uint8_t> close() {
         if (size_ == 0) {
             front_ = kept_.data();
@@ -95,29 +95,30 @@ class LineBuffer {
         }
         return unseen_;
     }
-    /// Instead of both: one more byte is kept, and so many more decide something.
+    /// Instead of open and close: keeps one more byte. `missing` more bytes are needed to decide
+    /// something.
     void keep_one(std::uint8_t byte, std::size_t missing) {
         assert(size_ < kCapacity);
         kept_[size_] = byte;
         ++size_;
         missing_ = missing;
     }
-    /// Instead of both: all that is kept is judged.
+    /// Instead of open and close: everything in the buffer is decided.
     void pass_kept() {
         first_position_ += size_;
         size_ = 0;
         missing_ = 1;
     }
     const std::uint8_t* kept() const { return kept_.data(); }
-    // Instead of both, for a decoder that knows what comes: a look at `count` bytes at once, where
-    // they stand if none are kept. Only while none is damaged.
+    // Instead of open and close, for a decoder that knows what to expect: access to `count` bytes
+    // at once, in place if none are buffered. Only while no byte is damaged.
 
-    /// The byte that stands at this place among those that are kept and read.
+    /// The byte at this position of the buffered bytes and the read.
     std::uint8_t peek(std::size_t position, std::span<const std::uint8_t> read) const {
         return position < size_ ? kept_[position] : read[position - size_];
     }
-    /// Whether there are `count` bytes, no more than that of them kept; if not, keeps those of the
-    /// read.
+    /// Whether buffer and read have `count` bytes; the buffer holds at most that many. If not,
+    /// keeps the bytes of the read.
     bool reaches(std::size_t count, std::span<const std::uint8_t>& read) {
         if (size_ + read.size() >= count) {
             return true;
@@ -127,7 +128,8 @@ class LineBuffer {
         read = {};
         return false;
     }
-    /// The `count` bytes that there are; keeps those of the read too if it has not all of them.
+    /// The first `count` bytes, which must be there. Copies bytes of the read if the buffer has
+    /// fewer.
     const std::uint8_t* whole(std::size_t count, std::span<const std::uint8_t>& read) {
         if (size_ == 0) {
             return read.data();
@@ -139,9 +141,9 @@ class LineBuffer {
         }
         return kept_.data();
     }
-    /// They are judged: none was kept.
+    /// The first `count` bytes of the read are decided. The buffer is empty.
     void pass(std::size_t count) { first_position_ += count; }
-    /// They are judged, of those that are kept and then of the read.
+    /// The first `count` bytes are decided: the buffered ones, then those of the read.
     void pass(std::size_t count, std::span<const std::uint8_t>& read) {
         first_position_ += count;
         if (count >= size_) {
@@ -156,8 +158,8 @@ class LineBuffer {
             damaged_.drop(count);
         }
     }
-    /// The first `judged` of those that are kept and read are; `rest`, all behind, is kept until
-    /// there are `count`.
+    /// The first `judged` bytes of buffer and read are decided. Keeps `rest`, all bytes after them,
+    /// until there are `count`.
     void hold(std::span<const std::uint8_t> rest, std::size_t judged, std::size_t count) {
         if (rest.data() == kept_.data() + judged) {
             to_front(rest.data(), rest.size());
@@ -169,8 +171,8 @@ class LineBuffer {
         size_ = rest.size();
         missing_ = count - size_;
     }
-    /// What is kept, and behind it what the read begins with, `most` bytes of it; all that is kept
-    /// can be judged so, and stays kept.
+    /// The buffered bytes followed by the first `most` bytes of the read. All buffered bytes can
+    /// then be decided, and stay in the buffer.
     std::span<const std::uint8_t> join(std::span<const std::uint8_t> read, std::size_t most) {
         const std::size_t more = std::min(most, read.size());
         assert(size_ + more <= kept_.size());
@@ -185,7 +187,8 @@ class LineBuffer {
 
     bool any_damaged() const { return damaged_.any(); }
 
-    /// Makes at least `count` bytes visible. False if the read ends before; then all are.
+    /// Makes at least `count` bytes visible. If the read has too few, makes all visible and returns
+    /// false.
     bool see(std::size_t count) {
         if (count <= size_) {
             return true;
@@ -213,7 +216,7 @@ class LineBuffer {
         damaged_.drop(count);
     }
 
-    /// The visible bytes.
+    /// Number of visible bytes.
     std::size_t size() const { return size_; }
     std::uint8_t operator[](std::size_t position) const {
         assert(position < size_);
@@ -224,24 +227,25 @@ class LineBuffer {
         return {front_ + start, count};
     }
     bool damaged(std::size_t position) const { return (damaged_.from(position) & 1U) != 0; }
-    /// Whether one of so many is; no more than 63.
+    /// Whether one of `count` bytes, at most 63, is damaged.
     bool damaged(std::size_t start, std::size_t count) const {
         assert(count < DamageMarks::kWordBits);
         return (damaged_.from(start) & ((std::uint64_t{1} << count) - 1)) != 0;
     }
     const DamageMarks& damage() const { return damaged_; }
-    /// Position in the stream of the first of them.
+    /// Position in the stream of the first visible byte.
     std::uint64_t first_position() const { return first_position_; }
 
   private:
-    /// Not inline: single bytes, which come most often, need no registers for this.
+    /// Not inline: single bytes, the most frequent case, then save no registers for it.
     [[gnu::noinline]] void keep_all(std::span<const std::uint8_t> bytes) {
         assert(size_ + bytes.size() <= kept_.size());
         std::copy(bytes.begin(), bytes.end(), kept_.data() + size_);
         size_ += bytes.size();
         missing_ -= std::min(missing_, bytes.size());
     }
-    /// Of what is kept; a few bytes go as a piece of fixed size, for which no loop is needed.
+    /// Moves buffered bytes to the front; a few of them as a piece of fixed size, which needs no
+    /// loop.
     void to_front(const std::uint8_t* begin, std::size_t count) {
         constexpr std::size_t kPiece = 64;
         static_assert(2 * kPiece <= kCapacity);
@@ -279,9 +283,9 @@ class LineBuffer {
     std::size_t size_ = 0;
     std::uint64_t first_position_ = 0;
     std::span<const std::uint8_t> unseen_;
-    /// So many more bytes decide something; 0 if those that are kept do.
+    /// Number of further bytes that decide something; 0 if the buffered ones do.
     std::size_t missing_ = 1;
-    /// The visible bytes stand in the read, and not in `kept_`.
+    /// The visible bytes are in the read, not in `kept_`.
     bool in_place_ = false;
     DamageMarks damaged_;
     static_assert(kCapacity <= 2 * DamageMarks::kWordBits);

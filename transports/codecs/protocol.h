@@ -23,54 +23,54 @@ enum class LinkKind : std::uint8_t { serial, can };
 /// A named value that an output sends.
 struct NamedUse {
     std::string name;
-    /// The key that says so, and where it is inside a tree the keys that lead there.
+    /// The key that names the value. Inside a tree: the keys that lead to it.
     std::vector<std::string> path;
 };
 
-/// All that the rest of the program needs to know of one protocol: one of these is one line of the
-/// table in transports/registry.cpp.
+/// Description of a protocol for the rest of the program. Each one is a line of the table in
+/// transports/registry/registry.cpp. The functions are pure and reentrant.
 struct Protocol {
     std::string_view name;
     std::string_view description;
     LinkKind link = LinkKind::serial;
     /// Serial protocols only.
     LineSettings line;
-    /// Keys that only this protocol has, beside those that every input or output has.
+    /// Keys of this protocol, in addition to those of every input or output.
     std::span<const Setting> settings;
     /// Longest frame that an encoder of a serial protocol writes, in bytes.
     std::size_t longest_frame = 0;
     Duration default_period{};
-    /// The period that these settings themselves tell, if they do; null: they never do.
+    /// The period that the settings themselves give, if any. Null: they never give one.
     std::optional<Duration> (*own_period)(const SettingValues&) = nullptr;
-    /// Shorter periods need `force = true`: readers in the field would lose frames.
+    /// Shorter periods need `force = true`, because usual receivers would lose frames.
     Duration least_period{};
-    /// Receivers of these settings' frames stop what they do if they wait longer; null, or nothing:
-    /// none does.
+    /// Longest period before receivers of these frames stop acting on them. Null or nothing: no
+    /// limit.
     std::optional<Duration> (*most_period)(const SettingValues&) = nullptr;
-    /// Whether the wire format, with these settings, can say "failsafe", so that a frame that says
-    /// it is not stale.
-    bool (*says_failsafe)(const SettingValues&) = nullptr;
-    /// What a channel reads whose value on the wire is zero, where receivers send that for "no
-    /// value"; null: none does.
+    /// Whether the wire format can signal failsafe with these settings. Frames of such a format are
+    /// not judged as stale.
+    bool (*signals_failsafe)(const SettingValues&) = nullptr;
+    /// Pulse of the raw value zero, if receivers send zero for "no value". Null: they do not.
     Pulse (*raw_zero)(const SettingValues&) = nullptr;
-    /// The channels that every good frame of an input with these settings has, a bit each; others
-    /// it may have or not. Null, or nothing: that is up to the sender.
+    /// The channels that every good frame of an input with these settings has, one bit each; other
+    /// channels may be absent. Null or nothing: the sender decides.
     std::optional<std::uint32_t> (*sure_channels)(const SettingValues&) = nullptr;
-    /// What is wrong with settings that are each sound alone; null: nothing can be.
+    /// Errors in settings that are each valid alone. Null: none possible.
     std::vector<SettingMistake> (*check)(const SettingValues&, SettingScope) = nullptr;
-    /// The named values that an output with these settings sends; null: never any.
+    /// The named values that an output with these settings sends. Null: none.
     std::vector<NamedUse> (*value_names)(const SettingValues&) = nullptr;
-    /// Whether an output with these settings tells anything of channels; else it needs no pipeline.
-    /// Null: always.
+    /// Whether an output with these settings sends channels. If not, it needs no pipeline. Null:
+    /// always.
     bool (*needs_pipeline)(const SettingValues&) = nullptr;
 
-    /// A serial protocol has the first two, a CAN protocol the other two. Settings are checked.
+    /// A serial protocol has the first two, a CAN protocol the other two; null where there is no
+    /// codec. Settings must be checked.
     std::unique_ptr<Decoder> (*make_decoder)(const SettingValues&) = nullptr;
     std::unique_ptr<Encoder> (*make_encoder)(const SettingValues&) = nullptr;
     std::unique_ptr<CanDecoder> (*make_can_decoder)(const SettingValues&) = nullptr;
     std::unique_ptr<CanEncoder> (*make_can_encoder)(const SettingValues&) = nullptr;
 
-    /// Whether there is a codec for this way.
+    /// Whether there is a codec for this direction.
     bool goes(SettingScope way) const {
         const bool in = make_decoder != nullptr || make_can_decoder != nullptr;
         const bool out = make_encoder != nullptr || make_can_encoder != nullptr;
@@ -78,15 +78,15 @@ struct Protocol {
     }
 };
 
-/// For formats that always, or never, can say failsafe.
-inline bool always_says_failsafe(const SettingValues&) {
+/// For formats that can always, or never, signal failsafe.
+inline bool always_signals_failsafe(const SettingValues&) {
     return true;
 }
-inline bool never_says_failsafe(const SettingValues&) {
+inline bool never_signals_failsafe(const SettingValues&) {
     return false;
 }
 
-/// The first so many channels, as bits.
+/// The first `count` channels, one bit each.
 constexpr std::uint32_t first_channels(std::size_t count) {
     return (1U << count) - 1;
 }

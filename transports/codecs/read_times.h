@@ -9,19 +9,20 @@
 
 namespace tribus {
 
-/// When the latest bytes of a stream were read: as far back as a decoder can hold a frame that
-/// waits for what proves it. Thread-bound; no heap.
+/// Times at which the latest bytes of a stream were read: as many as a decoder can hold back while
+/// a frame waits for its proof. Thread-bound; no heap.
 class ReadTimes {
   public:
-    /// All bytes before the position `end` that did not come earlier were read at `now`. Nothing if
-    /// there are none.
+    /// The bytes before position `end` that were not there before were read at `now`. Does nothing
+    /// if there are none.
     void add(std::uint64_t end, Instant now) {
         if (end != reads_[latest_].end) {
             latest_ = (latest_ + 1) % reads_.size();
             reads_[latest_] = {end, now};
         }
     }
-    /// When the byte at `position` was read; it is one of the latest `LineBuffer::kCapacity`.
+    /// When the byte at `position` was read. It must be one of the latest `LineBuffer::kCapacity`
+    /// bytes.
     Instant of(std::uint64_t position) const {
         std::size_t read = latest_;
         for (std::size_t i = 1; i < reads_.size(); ++i) {
@@ -39,7 +40,7 @@ class ReadTimes {
         std::uint64_t end = 0;
         Instant at{};
     };
-    /// Each brings a byte at least, so no more of them matter.
+    /// Each read brings at least one byte, so no more reads matter.
     std::array<Read, LineBuffer::kCapacity> reads_{};
     std::size_t latest_ = 0;
 };

@@ -15,7 +15,7 @@ using namespace sbus_wire;
 
 namespace {
 
-/// With a value for every channel.
+/// Fills the absent channels.
 ChannelFrame filled_sbus(const ChannelFrame& frame) {
     ChannelFrame full = frame;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -30,7 +30,7 @@ inline unsigned wire_flags(bool channel_17, bool channel_18, bool frame_lost, bo
            unsigned{frame_lost} * kFrameLostFlag + unsigned{failsafe} * kFailsafeFlag;
 }
 
-/// No channel is absent.
+/// `frame` must have all channels.
 inline void write_frame(const SbusRaw& raw, const ChannelFrame& frame,
                         std::span<std::uint8_t, kSbusFrameLength> wire) {
     const bool channel_17 = frame.pulses()[16] > kCentrePulse;
@@ -114,8 +114,8 @@ Pulse raw_zero(const SettingValues& settings) {
 
 }  // namespace
 
-// Period: 14 ms is Futaba's normal mode, which analogue servos stand; below 7 ms a frame leaves
-// less than the 4 ms of silence that ArduPilot waits for (docs/protocols/sbus.md, "Periods" and
+// 14 ms is Futaba's normal mode, which analogue servos tolerate. Below 7 ms a frame leaves less
+// than the 4 ms of silence that ArduPilot waits for (docs/protocols/sbus.md, "Periods" and
 // "Synchronisation").
 const Protocol kSbusProtocol{
     .name = "sbus",
@@ -125,15 +125,15 @@ const Protocol kSbusProtocol{
     .longest_frame = kSbusFrameLength,
     .default_period = std::chrono::milliseconds(14),
     .least_period = std::chrono::milliseconds(7),
-    .says_failsafe = always_says_failsafe,
+    .signals_failsafe = always_signals_failsafe,
     .raw_zero = raw_zero,
     .sure_channels = always_has_first<kChannelCount>,
     .make_decoder = make_sbus_decoder,
     .make_encoder = make_sbus_encoder,
 };
 
-/// In how many bytes before the footer, which cycles in SBUS2, the frame at `start` equals the last
-/// one that is beyond doubt.
+/// Number of bytes in which the frame at `start` equals the last one that is beyond doubt. The
+/// footer does not count, since it cycles in SBUS2.
 int SbusDecoder::likeness(std::size_t start) const {
     const auto bytes = buffer_.view(start, kFooterAt);
     return std::inner_product(bytes.begin(), bytes.end(), trusted().begin(), 0, std::plus<>{},

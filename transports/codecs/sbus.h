@@ -13,14 +13,14 @@
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/sbus_scale.h"
 
-/// Futaba SBUS, both ways, and SBUS2 frames on the way in (docs/protocols/sbus.md).
+/// Futaba SBUS, both directions, and SBUS2 frames as input (docs/protocols/sbus.md).
 namespace tribus {
 
 extern const Protocol kSbusProtocol;
 
 inline constexpr std::size_t kSbusFrameLength = 25;
 
-/// What one frame says, in its own terms (docs/protocols/sbus.md, "Frame").
+/// Content of one frame in the terms of the wire format (docs/protocols/sbus.md, "Frame").
 struct SbusFrame {
     SbusRaw raw{};  ///< 0 to 2047
     bool channel_17 = false;
@@ -32,25 +32,25 @@ struct SbusFrame {
     bool operator==(const SbusFrame&) const = default;
 };
 
-/// Reads 25 bytes without judging them.
+/// Reads 25 bytes. Does not check them.
 SbusFrame parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire);
 /// Writes 25 bytes.
 void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength> wire);
 
-/// Finds frames by content and by pauses. There is no checksum: a frame has the header, a zero high
+/// Finds frames by content and by pauses. SBUS has no checksum: a frame has the header, a zero high
 /// nibble in its flags and a footer whose low nibble is 0, 4 or 8. 0x0F is common inside the
-/// payload, so while it is unlocked the decoder wants a second frame behind as proof, with the slot
-/// triples of SBUS2 between them or not. Once locked, a frame is taken with its last byte.
+/// payload, so an unlocked decoder requires a second frame after it as proof, with or without SBUS2
+/// slots in between. A locked decoder accepts a frame with its last byte. Thread-bound.
 ///
-/// A pause locks it: the next byte is expected to begin a frame. So it does not matter what stands
-/// between a frame and the next pause, and nothing behind a pause completes what stands before it.
+/// A pause locks the decoder: the next byte is expected to begin a frame. So bytes between a frame
+/// and the next pause do no harm, and bytes after a pause never complete bytes before it.
 ///
-/// Where no pause tells, and an expected frame is bad, it looks first where the next one stands if
-/// one byte was lost, none, or one added; only then does it scan. A payload that itself looks like
-/// a frame boundary, repeated by sticks that stand still, can thus not pull it out of step. Where
-/// SBUS2 slots may be the bad part, it takes the place where the frame is most like the last one.
-/// What remains: flags 0F on the wire, or a header mistaken for a slot, together with such a
-/// payload.
+/// If a locked decoder meets a bad frame without a pause after it, it first looks where the next
+/// frame would be with one byte lost, none, or one added; only then does it scan. A payload that
+/// looks like a frame boundary and is repeated by sticks at rest can therefore not pull it out of
+/// step. If SBUS2 slots may be the bad part, it takes the place whose frame is most like the last
+/// one. It can still fail on flags 0F on the wire, or a header mistaken for a slot, together with
+/// such a payload.
 class SbusDecoder final : public Decoder {
   public:
     explicit SbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
@@ -68,15 +68,15 @@ class SbusDecoder final : public Decoder {
     enum class Verdict : std::uint8_t { no, undecided, yes };
     struct Judgement {
         Verdict verdict = Verdict::no;
-        std::size_t wanted = 0;  ///< while undecided: bytes that would tell more
+        std::size_t wanted = 0;  ///< if undecided: number of bytes that decides more
     };
-    /// What one step came to: a frame stands at the front, or not yet, or more bytes are needed.
+    /// Result of one step: call it again, a frame is at the front, or more bytes are needed.
     enum class Step : std::uint8_t { again, frame, wait };
     using Wire = std::span<const std::uint8_t, kSbusFrameLength>;
     enum RejectCause : std::size_t { kFraming, kDamaged };
 
-    /// Where a bad frame may end, the likeliest first: one byte of it was lost (a UART overruns, it
-    /// does not invent), none, or one added; then, among slots, anywhere.
+    /// Possible lengths of a bad frame, the likeliest first: one byte lost (a UART overruns, it
+    /// does not invent bytes), none, or one added; among slots, then any other length.
     static constexpr std::array kEnds = [] {
         std::array<std::size_t, kSbusFrameLength + 1> ends{kSbusFrameLength - 1, kSbusFrameLength,
                                                            kSbusFrameLength + 1};
@@ -86,8 +86,8 @@ class SbusDecoder final : public Decoder {
     static constexpr std::size_t kSlotLength = 3;
     static constexpr std::size_t kSlotsPerFrame = 8;
     static constexpr std::size_t kSlotsLength = kSlotLength * kSlotsPerFrame;
-    /// A bad frame with one byte added, then a frame and a second one as proof, each with slots in
-    /// front; and room for a damaged byte.
+    /// A bad frame with one byte added, then a frame and a second one as proof, each with slots
+    /// before it, and room for a damaged byte.
     static_assert((kSbusFrameLength + 1) + 2 * (kSlotsLength + kSbusFrameLength) + 1 <=
                   LineBuffer::kCapacity);
 
@@ -132,21 +132,21 @@ class SbusDecoder final : public Decoder {
     Wire front() const { return buffer_.view(0, kSbusFrameLength).first<kSbusFrameLength>(); }
 
     State state_ = State::unlocked;
-    /// What stood in the place of a frame did not begin like one: it counts as a bad frame only if
-    /// no pause follows, and a frame that ends with that pause is none of its bytes.
+    /// The bytes in the place of a frame did not begin like one. They count as a bad frame only if
+    /// no pause follows, and do not belong to a frame that ends with that pause.
     bool stray_bytes_ = false;
-    /// Of the first byte ever, or of the first behind a reset.
+    /// Position of the first byte of the stream, or of the first one after a reset.
     std::uint64_t start_position_ = 0;
     std::size_t slots_left_ = 0;
-    /// How far the search among slots has come: each end is judged once, in the order of `kEnds`.
+    /// Progress of the search among slots: each length is checked once, in the order of `kEnds`.
     struct Search {
         std::size_t judged = 0;
         std::optional<std::size_t> found;
         int found_likeness = 0;
     };
     Search search_;
-    /// The latest frame, and the one before: that one is beyond doubt, for the latest stood in its
-    /// place behind it. They take turns.
+    /// The latest frame and the one before it, in turns. The earlier one is beyond doubt, because
+    /// the latest came in the expected place after it.
     struct KeptFrame {
         alignas(Lanes) std::array<std::uint8_t, kSbusFrameLength> wire{};
     };
@@ -156,14 +156,14 @@ class SbusDecoder final : public Decoder {
     std::array<NamedCount, 2> rejected_{{{"framing"}, {"damaged"}}};
     std::uint64_t skipped_bytes_ = 0;
 
-    // Taken from the latest frame when somebody asks.
+    // Filled from the latest frame on request.
     mutable SbusRaw raw_{};
     mutable std::array<std::uint16_t, 1> footer_{};
     std::array<FrameDetail, 2> details_{{{"raw", raw_, true}, {"footer", footer_, false}}};
 };
 
-/// Writes footer 00 and the flags as the frame has them. An absent channel is sent as 1500 us, an
-/// absent 17 or 18 as off; 17 and 18 are on above 1500 us.
+/// Writes footer 00 and the flags of the frame. An absent channel is sent as 1500 us, an absent 17
+/// or 18 as off; 17 and 18 are on above 1500 us. Pure and reentrant.
 class SbusEncoder final : public Encoder {
   public:
     explicit SbusEncoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}

@@ -13,8 +13,8 @@ inline bool SbusDecoder::well_formed(std::size_t start) const {
            !buffer_.damaged(start, kSbusFrameLength);
 }
 
-/// All that is legible agrees that a frame stands here, so the next one follows in its place. Where
-/// a slot may stand as well, an illegible header proves nothing.
+/// Whether all undamaged bytes agree that a frame stands at `start`, so that the next one follows
+/// in its place. Where a slot is possible too, a damaged header proves nothing.
 bool SbusDecoder::only_damaged(std::size_t start) const {
     const auto fits = [&](std::size_t offset, bool right) {
         return buffer_.damaged(start + offset) || right;
@@ -102,7 +102,7 @@ inline SbusDecoder::Step SbusDecoder::step_locked() {
     }
     if (may_be_frame && only_damaged(0)) {
         skip(kSbusFrameLength);
-        // Its footer may be illegible: whether slots follow is unknown, so they are let pass.
+        // Its footer may be damaged, so slots may follow: they are passed over.
         slots_left_ = kSlotsPerFrame;
     } else {
         stray_bytes_ = !may_be_frame;
@@ -137,8 +137,8 @@ SbusDecoder::Step SbusDecoder::step_recovering() {
     return Step::again;
 }
 
-/// With slots around, the fault may as well have hit them, or the frame in front of them, so the
-/// next frame may stand anywhere. Sticks that move hardly feign a frame twice; if they stand still,
+/// Among slots, the fault may also have hit a slot or the frame before it, so the next frame may be
+/// anywhere. With moving sticks, a payload hardly looks like a frame twice. With sticks at rest,
 /// the true frame is the one most like the last.
 SbusDecoder::Step SbusDecoder::step_recovering_among_slots() {
     constexpr int kSticksStandStill = 20;
@@ -176,7 +176,7 @@ void SbusDecoder::give_up_recovering() {
     end_recovering(State::unlocked);
 }
 
-/// A frame with another behind it stands at `start`.
+/// Locks onto the frame at `start`, which has another frame after it.
 void SbusDecoder::lock_onto(std::size_t start) {
     skip(start);
     std::ranges::copy(buffer_.view(0, kSbusFrameLength), frames_[latest_].wire.begin());
@@ -223,7 +223,7 @@ inline SbusDecoder::Step SbusDecoder::step() {
 
 SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
                                        DecodedFrame& frame) {
-    // What usually comes is a frame in its place, in one read; the rest comes to the same.
+    // The usual case, a whole frame in one read. The general path below gives the same result.
     if (state_ == State::locked && buffer_.size() == 0 && bytes.size() >= kSbusFrameLength &&
         bytes[0] == kHeader && flags_and_footer_plain(bytes.first<kSbusFrameLength>())) {
         read_frame(bytes.first<kSbusFrameLength>(), received, frame);
@@ -248,8 +248,8 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     return decode_pieces(bytes, received, frame);
 }
 
-/// The bytes of a frame in its place that decide something: the first and the last. Not inline,
-/// nor is the next: the usual case needs no registers saved.
+/// Handles the bytes of a locked frame that decide something: the first and the last. This function
+/// and those below are not inline, so that the usual case saves no registers.
 [[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_byte(std::span<const std::uint8_t> bytes,
                                                               Instant received,
                                                               DecodedFrame& frame) {
@@ -269,8 +269,8 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     return decode_pieces(bytes, received, frame);
 }
 
-/// Passes what shows by itself that no frame begins there: what is no header, and headers without
-/// flags and a footer in their places behind.
+/// Passes over bytes at which no frame can begin: bytes that are no header, and headers without
+/// flags and footer in their places.
 [[gnu::noinline]] SbusDecoder::Taken SbusDecoder::decode_unlocked(
     std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame) {
     auto rest = bytes;
@@ -295,7 +295,7 @@ SbusDecoder::Taken SbusDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     return rest.empty() ? Taken{bytes.size(), false} : decode_header(bytes, rest, received, frame);
 }
 
-/// The last byte of what begins with a header tells that it is no frame.
+/// The last byte shows that the bytes after a header are no frame.
 [[gnu::noinline]] SbusDecoder::Taken SbusDecoder::refuse_kept(std::uint8_t last) {
     buffer_.keep_one(last, 0);
     const std::uint8_t* const kept = buffer_.kept();
@@ -317,7 +317,7 @@ inline void SbusDecoder::pass_noise(std::size_t noise, std::span<const std::uint
     skipped_bytes_ += noise;
 }
 
-/// A header stands at the front, which may begin a frame.
+/// The byte at the front is a header, which may begin a frame.
 inline SbusDecoder::Taken SbusDecoder::decode_header(std::span<const std::uint8_t> bytes,
                                                      std::span<const std::uint8_t> rest,
                                                      Instant received, DecodedFrame& frame) {
@@ -373,7 +373,7 @@ void SbusDecoder::take_front(Instant received, DecodedFrame& frame) {
     buffer_.drop(kSbusFrameLength);
 }
 
-/// A frame stands there, and only lacks what would follow it.
+/// Whether a frame stands at `start` and only lacks the bytes after it.
 bool SbusDecoder::last_frame_at(std::size_t start) const {
     return start + kSbusFrameLength <= buffer_.size() && judge(start).verdict == Verdict::undecided;
 }

@@ -5,13 +5,13 @@
 #include "transports/codecs/sbus.h"
 #include "transports/codecs/sbus_wire.h"
 
-/// Where a line pauses, is taken away, or a recording ends.
+/// What the SBUS decoder does when the line pauses or is unplugged, or a recording ends.
 namespace tribus {
 
 using namespace sbus_wire;
 
-/// A pause behind what looks like a frame is as good a proof as a second frame, if nothing came
-/// before it that may have been its beginning.
+/// A pause proves a frame as well as a second frame does, if no bytes before the frame may belong
+/// to it.
 bool SbusDecoder::silence(DecodedFrame& frame) {
     buffer_.open({});
     const std::size_t size = buffer_.size();

@@ -15,12 +15,12 @@ struct NamedScale {
     TwoPoints points;
 };
 
-/// ArduPilot reads floor(0.625 raw) + 875; the line half a microsecond below that, read to the
-/// nearest microsecond, is the same number for all raw values, and writes its 201, 1001 and 1801
-/// for 1000, 1500 and 2000 us. PX4 reads to the nearest of 0.625 raw + 874.
-/// FrSky and Futaba: -100 % and +100 % of the sticks as the maker sends them, at the pulses that
-/// the field gives them: 988 and 2012 us (OpenTX), and 1000 and 2000 us, so that Futaba's centre
-/// 1024 is 1500. (In Betaflight's scale Futaba's own 1100, 1520 and 1940 us come out.)
+/// ArduPilot reads floor(0.625 raw) + 875. The line half a microsecond lower, rounded to the
+/// nearest microsecond, gives the same number for all raw values, and writes its 201, 1001 and 1801
+/// for 1000, 1500 and 2000 us. PX4 reads the nearest of 0.625 raw + 874. FrSky and Futaba: -100 %
+/// and +100 % of the sticks as the maker sends them, at the pulses in common use: 988 and 2012 us
+/// (OpenTX), and 1000 and 2000 us, so that Futaba's centre 1024 is 1500 us. (Betaflight's scale
+/// gives 1100, 1520 and 1940 us for Futaba.) Source: docs/protocols/sbus.md, "Scales".
 constexpr std::array<NamedScale, 5> kScales{{
     {"betaflight", {{0, 1600}, {880, 1880}}},
     {"ardupilot", {{0, 1600}, {874.5, 1874.5}}},
@@ -38,7 +38,7 @@ SbusScale::SbusScale(double slope_eighths, double offset_eighths)
       encode_offset_(
           std::llround(std::ldexp(0.5 - offset_eighths / slope_eighths, kFractionBits))) {
     constexpr double kLeastStep = 2;
-    constexpr double kMostStep = 31;  // 2047 of them fit 16 bits
+    constexpr double kMostStep = 31;  // 2047 steps fit 16 bits
     if (slope_eighths < kLeastStep || slope_eighths > kMostStep) {
         return;
     }
@@ -66,7 +66,7 @@ bool SbusScale::whole_steps_are_exact() const {
             return false;
         }
     }
-    // Beyond both ends, too, they are as at the ends.
+    // Beyond both ends, values are those of the ends.
     return encode(Pulse::from_eighths(least)) == 0 &&
            encode(Pulse::from_eighths(most)) == kSbusRawMost;
 }

@@ -17,10 +17,10 @@
 namespace tribus {
 
 inline constexpr std::uint16_t kSbusRawMost = 2047;
-/// Channels that have a number in a frame; 17 and 18 are only on or off.
+/// Channels with a raw value in a frame. Channels 17 and 18 are only on or off.
 inline constexpr std::size_t kSbusChannels = 16;
 using SbusRaw = std::array<std::uint16_t, kSbusChannels>;
-/// The same, to be worked on at once.
+/// The raw values of a frame as vectors.
 struct SbusLanes {
     Lanes first;
     Lanes last;
@@ -30,16 +30,16 @@ inline SbusRaw from_lanes(const SbusLanes& lanes) {
 }
 
 /// The straight line between the 11-bit values of SBUS and pulses (docs/protocols/sbus.md,
-/// "Scales"). Senders and readers disagree about it, so it is a setting. Decoding then encoding
-/// gives the same raw value, for all 2048. Pure and reentrant.
+/// "Scales"). Senders and receivers disagree about it, so it is a setting. Decoding and then
+/// encoding gives back all 2048 raw values. Pure and reentrant.
 class SbusScale {
   public:
-    /// Needs two different raw values and a slope that keeps neighbouring raw values apart
-    /// (0.25 us or more); the configuration checks that.
+    /// The two raw values must differ, and the slope must keep neighbouring raw values apart (0.25
+    /// us or more); the configuration checks that.
     static SbusScale through(const TwoPoints& points);
-    /// "betaflight", "ardupilot", "px4", "frsky" or "futaba".
+    /// Accepts "betaflight", "ardupilot", "px4", "frsky" and "futaba".
     static std::optional<SbusScale> named(std::string_view name);
-    /// By a setting's value: a name or two points. Betaflight's for anything else.
+    /// The scale of a setting: a name or two points. Betaflight's scale for anything else.
     static SbusScale from_setting(const SettingValue* value);
 
     Pulse decode(std::uint16_t raw) const {
@@ -48,15 +48,16 @@ class SbusScale {
     /// The nearest raw value, 0 to 2047.
     std::uint16_t encode(Pulse pulse) const;
 
-    /// The same for all channels of a frame.
+    /// Convert all channels of a frame. To encode, all must be present.
     void decode_each(const SbusRaw& raw, ChannelFrame& channels) const;
     SbusRaw encode_each(const ChannelFrame& channels) const;
 
     /// Whether a raw step is a whole number of eighths, as in three of the five named scales. Then
-    /// 16-bit arithmetic gives the same, which is checked for every value when the scale is made,
-    /// and is several times quicker.
+    /// 16-bit arithmetic gives the same result, several times faster; the constructor checks that
+    /// for every value.
     bool whole_steps() const { return whole_steps_; }
-    /// Only where the steps are whole; to encode, no channel may be absent.
+    /// Like the functions above. Only if the steps are whole; to encode, all channels must be
+    /// present.
     void decode_whole(const SbusLanes& raw, ChannelFrame& channels) const {
         auto& pulses = channels.pulses();
         store_numbers(&pulses[0], decode_whole(raw.first));
@@ -82,7 +83,7 @@ class SbusScale {
         return reinterpret_cast<SignedLanes>(raw * whole_.step +
                                              reinterpret_cast<Lanes>(whole_.least));
     }
-    /// Divides by the step through multiplying by its reciprocal.
+    /// Divides by the step by multiplying with its reciprocal.
     std::uint16_t encode_whole(std::size_t lane, std::int16_t eighths) const {
         const auto inside =
             std::clamp<std::int16_t>(eighths, whole_.least[lane], whole_.most[lane]);
@@ -91,18 +92,18 @@ class SbusScale {
     }
     bool whole_steps_are_exact() const;
 
-    // Fixed point with 32 bits of fraction; the offsets hold the half for rounding.
+    // Fixed point with 32 bits of fraction. The offsets include the half for rounding.
     std::int64_t decode_slope_;
     std::int64_t decode_offset_;
     std::int64_t encode_slope_;
     std::int64_t encode_offset_;
 
-    /// For whole steps, in eighths: the same for each of eight channels.
+    /// For whole steps, in eighths. Every lane has the same value.
     struct WholeSteps {
         Lanes step{};
         SignedLanes least{};
         SignedLanes most{};
-        Lanes rounding{};  ///< makes `least` half a step
+        Lanes rounding{};  ///< moves `least` to half a step
         Lanes per_step{};  ///< 2^16 / step, rounded up
     };
     WholeSteps whole_;

@@ -11,7 +11,8 @@
 #include "transports/codecs/sbus.h"
 #include "transports/codecs/wire_words.h"
 
-/// Where things stand in the 25 bytes of an SBUS frame; for its decoder and encoder only.
+/// Layout of the 25 bytes of an SBUS frame (docs/protocols/sbus.md, "Frame"); only for its decoder
+/// and encoder.
 namespace tribus::sbus_wire {
 
 inline constexpr std::uint8_t kHeader = 0x0F;
@@ -29,10 +30,10 @@ inline constexpr std::uint8_t kFlagsUnused = 0xF0;
 static_assert(kPayloadAt + kSbusChannels * kBitsPerChannel / 8 == kFlagsAt);
 static_assert(kFooterAt + 1 == kSbusFrameLength);
 
-// Four channels are a group of 44 bits, which all stand within eight bytes of the frame, even
-// groups from a whole byte on and odd ones from half a byte on. Two channels are a pair of 22 bits.
-// In a group of 64 bits and a pair of 32, each so far up that the lower of two channels ends where
-// the upper one begins, at the middle, one multiplication moves all lower, or all upper ones.
+// Four channels are a group of 44 bits, all within eight bytes of the frame. Even groups begin at a
+// whole byte, odd ones at half a byte. Two channels are a pair of 22 bits. If a group of 64 bits,
+// or a pair of 32 bits, is shifted so that the boundary between its two halves is in the middle,
+// one multiplication moves all lower, or all upper, channels.
 using EightBytes = std::uint64_t;
 inline constexpr std::array<std::size_t, 4> kGroupAt{1, 6, 12, 17};
 inline constexpr unsigned kOddShift = 4;
@@ -44,7 +45,8 @@ inline constexpr std::uint16_t kUp = 1U << kChannelsApart;
 inline constexpr Lanes kUppersUp{1, kUp, 1, kUp, 1, kUp, 1, kUp};
 inline constexpr Lanes kLowersUp{kUp, 1, kUp, 1, kUp, 1, kUp, 1};
 
-/// Two groups from bit `From` of each to pairs: the lower ones of both, then the upper ones.
+/// Turns two groups, each from bit `From` on, into pairs: the lower pairs of both, then the upper
+/// ones.
 template <unsigned From>
 inline PairLanes pairs_of(GroupLanes groups) {
     const auto lower = reinterpret_cast<PairLanes>(groups << (kChannelsApart - From));
@@ -53,7 +55,7 @@ inline PairLanes pairs_of(GroupLanes groups) {
 }
 
 inline SbusLanes unpack(std::span<const std::uint8_t, kSbusFrameLength> wire) {
-    // The order of the pairs in a group, and of the channels in a pair, is the machine's own.
+    // The order of the pairs in a group, and of the channels in a pair, is that of the machine.
     static_assert(std::endian::native == std::endian::little);
     const auto even =
         pairs_of<0>(GroupLanes{load_word(&wire[kGroupAt[0]]), load_word(&wire[kGroupAt[2]])});
@@ -67,7 +69,7 @@ inline SbusLanes unpack(std::span<const std::uint8_t, kSbusFrameLength> wire) {
             .last = channels(__builtin_shufflevector(even, odd, 1, 3, 5, 7))};
 }
 
-/// Writes the whole frame; no raw value may have more than 11 bits.
+/// Writes the whole frame. Raw values must not exceed 11 bits.
 inline void pack(const SbusRaw& raw, std::uint32_t flags, std::uint8_t footer,
                  std::span<std::uint8_t, kSbusFrameLength> wire) {
     constexpr EightBytes kUpperPair = 0xFFFFFFFF'00000000;
@@ -80,7 +82,7 @@ inline void pack(const SbusRaw& raw, std::uint32_t flags, std::uint8_t footer,
     for (EightBytes& group : groups) {
         group = (group & kUpperPair) | (group << 32U) >> (32U - kPairsApart);
     }
-    // Two groups are eleven bytes: eight of them, and 24 bits, behind which there is room.
+    // Two groups are eleven bytes: eight of them, then 24 bits, after which there is room.
     const auto last_bits = [](EightBytes group) {
         return static_cast<std::uint32_t>(group >> (kGroupUp + 20U));
     };
@@ -96,8 +98,8 @@ inline bool flags_allowed(std::uint8_t flags) {
     return (flags & kFlagsUnused) == 0;
 }
 
-/// 00 is SBUS; x4 is SBUS2, 08 FASSTest 12CH, both with slots behind (docs/protocols/sbus.md,
-/// "Footer and SBUS2").
+/// 00 is SBUS; x4 is SBUS2 and 08 FASSTest 12CH, both with slots after the frame
+/// (docs/protocols/sbus.md, "Footer and SBUS2").
 inline bool footer_allowed(std::uint8_t footer) {
     const unsigned low = footer & 0x0FU;
     return low == 0x0 || low == 0x4 || low == 0x8;
@@ -106,7 +108,8 @@ inline bool slots_follow(std::uint8_t footer) {
     return (footer & 0x0FU) != 0;
 }
 
-/// The 32 slot ids: a five-bit number, then 011 (docs/protocols/sbus.md, "Footer and SBUS2").
+/// Whether a byte is one of the 32 slot ids: a five-bit number, then 011 (docs/protocols/sbus.md,
+/// "Footer and SBUS2").
 inline bool is_slot_id(std::uint8_t byte) {
     return (byte & 0x07U) == 0x03;
 }
@@ -115,7 +118,7 @@ inline bool well_formed_wire(std::span<const std::uint8_t, kSbusFrameLength> wir
     return wire[0] == kHeader && flags_allowed(wire[kFlagsAt]) && footer_allowed(wire[kFooterAt]);
 }
 
-/// The flags are allowed, and the footer tells of no slots behind.
+/// Whether the flags are allowed and the footer announces no slots.
 inline bool flags_and_footer_plain(std::span<const std::uint8_t, kSbusFrameLength> wire) {
     constexpr std::uint64_t kNeitherOf = std::uint64_t{kFlagsUnused} << 48U | 0x0FULL << 56U;
     static_assert(kGroupAt[3] + 6 == kFlagsAt && kGroupAt[3] + 7 == kFooterAt);
@@ -126,7 +129,8 @@ inline bool flags_and_footer_allowed(const std::uint8_t* frame) {
     return flags_allowed(frame[kFlagsAt]) && footer_allowed(frame[kFooterAt]);
 }
 
-/// How many bytes before `end` are no header, or one without flags and footer in their places.
+/// Number of bytes before `end` that come before the first possible frame: bytes that are no
+/// header, and headers without flags and footer in their places.
 inline std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end) {
     std::size_t at = 0;
     for (; at < end; ++at) {
@@ -138,7 +142,7 @@ inline std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end
     return at;
 }
 
-/// The same with some of the first bytes damaged.
+/// The same if some of the first bytes are damaged.
 inline std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end,
                             const DamageMarks& marks) {
     constexpr std::uint64_t kWhole = (1ULL << kSbusFrameLength) - 1;
@@ -154,7 +158,7 @@ inline std::size_t noise_in(std::span<const std::uint8_t> bytes, std::size_t end
     return at;
 }
 
-/// All that is the same in frames with the same flags, for each of the 16 ways that they can be.
+/// The part of a ChannelFrame that depends only on the flags, for each of their 16 values.
 inline constexpr auto kByFlags = [] {
     std::array<ChannelFrame, 16> frames{};
     for (unsigned flags = 0; flags < frames.size(); ++flags) {

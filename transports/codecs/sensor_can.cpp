@@ -38,7 +38,7 @@ std::vector<SettingMistake> check(const SettingValues& settings, SettingScope sc
     std::vector<SettingMistake> mistakes;
     if (scope == SettingScope::input) {
         mistakes.push_back({{"sensor_bus"},
-                            "protocol \"sensors\" only sends; allowed: in an output, while "
+                            "protocol \"sensors\" only sends; allowed: in an output; "
                             "[values.NAME] reads such messages with the DBC file that "
                             "\"tribus dbc --sensors\" prints"});
     }
@@ -55,12 +55,12 @@ std::vector<SettingMistake> check(const SettingValues& settings, SettingScope sc
     return mistakes;
 }
 
-/// The raw value at an address from 1.
+/// Name of the raw value at an address from 1.
 std::string value_name(const std::string& sensor_bus, std::size_t address) {
     return sensor_bus + "." + std::to_string(address) + ".raw";
 }
 
-/// A bus has the values of all its addresses or none, so the first stands for them.
+/// A bus has the values of all its addresses or none, so the first one represents them.
 std::vector<NamedUse> value_names(const SettingValues& settings) {
     return {{value_name(SensorCanFormat::from_settings(settings).sensor_bus, 1), {"sensor_bus"}}};
 }
@@ -73,7 +73,7 @@ std::unique_ptr<CanEncoder> make_sensor_encoder(const SettingValues& settings) {
     return std::make_unique<SensorCanEncoder>(SensorCanFormat::from_settings(settings));
 }
 
-/// Signed and unsigned values of 32 bits have their bits here; others are cut to the nearest.
+/// The 32 bits of a signed or unsigned raw value. Other values are limited to the nearest.
 std::uint32_t raw_bits(double raw) {
     constexpr double kLeast = std::numeric_limits<std::int32_t>::min();
     constexpr double kMost = std::numeric_limits<std::uint32_t>::max();
@@ -158,8 +158,8 @@ const Protocol kSensorsProtocol{
     .settings = kSensorSettings,
     .default_period = kDefaultPeriod,
     .least_period = kLeastPeriod,
-    // It says itself which readings are fresh, whatever becomes of channels.
-    .says_failsafe = always_says_failsafe,
+    // The frames themselves say which readings are fresh, independent of channels.
+    .signals_failsafe = always_signals_failsafe,
     .check = check,
     .value_names = value_names,
     .needs_pipeline = never_needs_pipeline,

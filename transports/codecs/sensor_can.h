@@ -18,10 +18,10 @@
 #include "transports/codecs/protocol.h"
 
 /// The readings of a sensor bus on CAN: one frame of 8 bytes for each address, with the raw value
-/// as the sensor sent it. A format of this project.
+/// that the sensor sent. The format is tribus' own.
 ///
-///   byte 0     id of the sensor's type, which says what the raw value means
-///   byte 1     bit 0: the reading is fresh; bits 4 to 7: a counter, from 0 to 15 and again
+///   byte 0     id of the sensor's type, which gives the meaning of the raw value
+///   byte 1     bit 0: the reading is fresh; bits 4 to 7: counter, 0 to 15
 ///   bytes 2-3  age of the reading in ms, low byte first; 65535 is that or more
 ///   bytes 4-7  the raw value, low byte first, extended to 32 bits by the sign of its type
 namespace tribus {
@@ -43,15 +43,15 @@ inline constexpr std::size_t kRawByte = 4;
 extern const Protocol kSensorsProtocol;
 
 struct SensorCanFormat {
-    std::string sensor_bus{};                            ///< its name
-    std::uint32_t base_id = sensor_can::kDefaultBaseId;  ///< of address 1
+    std::string sensor_bus{};                            ///< name of the bus
+    std::uint32_t base_id = sensor_can::kDefaultBaseId;  ///< id of address 1
     bool extended = false;
 
     static SensorCanFormat from_settings(const SettingValues& settings);
 };
 
 /// Sends the values `BUS.N.raw` of the board, whose tags are the ids of the types, for each address
-/// N that ever had one, fresh or not; of a snapshot it takes nothing.
+/// N that ever had one, fresh or not. Ignores the channels of the snapshot. Thread-bound.
 class SensorCanEncoder final : public CanEncoder {
   public:
     explicit SensorCanEncoder(SensorCanFormat format);
@@ -69,7 +69,7 @@ class SensorCanEncoder final : public CanEncoder {
 
     SensorCanFormat format_;
     const ValueBoard* board_ = nullptr;
-    std::array<CanIdMatch, kMostSensors> sent_{};  ///< of each address; the first is 1
+    std::array<CanIdMatch, kMostSensors> sent_{};  ///< one for each address from 1
     std::array<std::optional<std::size_t>, kMostSensors> indexes_{};  ///< on the board
     std::array<std::uint8_t, kMostSensors> counters_{};
 };

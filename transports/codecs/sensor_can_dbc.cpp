@@ -38,12 +38,12 @@ bool fits(const SensorType& type) {
     });
 }
 
-/// A field that is the whole value takes all bits of the raw value, so that it reads right whatever
-/// size its sensor says.
+/// A field that is the whole value takes all bits of the raw value, so that it is read correctly
+/// whatever size the sensor reports.
 std::vector<PageSignal> page_signals(const SensorTypes& types) {
     std::vector<PageSignal> signals;
     for (const SensorType& type : types.all()) {
-        // The user's own come first and replace others.
+        // The user's own types come first and replace others.
         if (!fits(type) || types.find(type.id) != &type) {
             continue;
         }
@@ -60,7 +60,7 @@ std::vector<PageSignal> page_signals(const SensorTypes& types) {
     return signals;
 }
 
-/// Raw values that are numbers, at either end without the code for none.
+/// The range of raw values that are numbers, without a "not available" at either end.
 std::pair<std::int64_t, std::int64_t> raw_range(const SensorField& field) {
     const std::int64_t values = std::int64_t{1} << field.bits;
     std::int64_t least = field.least.value_or(field.is_signed ? -values / 2 : 0);
@@ -82,7 +82,7 @@ class SensorsDbcText {
             add_message(address);
         }
         add("CM_ \"The readings of an i.Bus sensor bus, a message for each address, with the raw "
-            "value as the sensor sent it. The type says what it means. A reading counts while "
+            "value that the sensor sent. The type gives its meaning. A reading is valid while "
             "available is 1.\";\n");
         add_attributes();
         for (std::size_t address = 1; address <= kMostSensors; ++address) {

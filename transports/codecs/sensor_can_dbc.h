@@ -7,9 +7,9 @@
 
 namespace tribus {
 
-/// The DBC text of the readings of a sensor bus: a message for each address, with a page for each
-/// of these types whose value has at most 4 bytes. Of `format` it takes the ids;
-/// deploy/can/sensors.dbc is that of the defaults. Pure and reentrant.
+/// Returns the DBC text of the readings of a sensor bus: one message for each address, with one
+/// page for each type whose value has at most 4 bytes. Only the ids of `format` are used;
+/// deploy/can/sensors.dbc is the text of the default format. Pure and reentrant.
 std::string sensor_can_dbc(const SensorCanFormat& format = {},
                            const SensorTypes& types = SensorTypes());
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <cstring>
 
-/// Eight bytes of a wire at once, the first byte lowest, whatever the machine's own order is.
+/// Converts between machine order and wire order, in which the first byte is the lowest.
 namespace tribus {
 
 inline std::uint64_t in_wire_order(std::uint64_t word) {
@@ -34,7 +34,7 @@ inline void store_half_word(std::uint8_t* wire, std::uint32_t half_word) {
     std::memcpy(wire, &half_word, sizeof half_word);
 }
 
-/// Four numbers side by side in each word, the first lowest.
+/// Four numbers in each word, the first one lowest.
 template <std::size_t Numbers>
 std::array<std::uint64_t, Numbers / 4> to_words(const std::array<std::uint16_t, Numbers>& numbers) {
     static_assert(Numbers % 4 == 0);
@@ -48,14 +48,14 @@ std::array<std::uint64_t, Numbers / 4> to_words(const std::array<std::uint16_t, 
     return words;
 }
 
-/// Eight numbers of 16 bits that the compiler works on at once (a vector as GCC and Clang have it).
+/// Vector of eight 16-bit numbers (GCC and Clang extension).
 using Lanes [[gnu::vector_size(16)]] = std::uint16_t;
 using SignedLanes [[gnu::vector_size(16)]] = std::int16_t;
 using PairLanes [[gnu::vector_size(16)]] = std::uint32_t;
 using GroupLanes [[gnu::vector_size(16)]] = std::uint64_t;
 constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(std::uint16_t);
 
-/// Numbers as they stand in memory; the second form reads four, and 0 for the others.
+/// Numbers in memory order. `load_half_lanes` reads four numbers and sets the others to 0.
 inline SignedLanes load_lanes(const void* numbers) {
     SignedLanes lanes;
     std::memcpy(&lanes, numbers, sizeof lanes);
@@ -71,14 +71,14 @@ inline SignedLanes load_half_lanes(const void* numbers) {
     return reinterpret_cast<SignedLanes>(Halves{half, 0});
 }
 
-/// The eight added up, modulo 2^16: halves, then quarters, then what is left.
+/// Sum of the eight lanes modulo 2^16: adds halves, then quarters, then the rest.
 inline std::uint16_t total(Lanes lanes) {
     lanes += __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7, 6, 7, 6, 7);
     lanes += __builtin_shufflevector(lanes, lanes, 2, 3, 0, 1, 6, 7, 4, 5);
     return static_cast<std::uint16_t>(lanes[0] + lanes[1]);
 }
 
-/// Eight numbers as they stand on a wire, the low byte first.
+/// Eight numbers in wire order, the low byte first.
 inline Lanes in_wire_order(Lanes lanes) {
     if constexpr (std::endian::native == std::endian::big) {
         return lanes << 8U | lanes >> 8U;

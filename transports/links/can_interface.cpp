@@ -24,10 +24,10 @@ std::optional<T> take(std::span<const std::byte> bytes) {
     return value;
 }
 
-/// The rest are flags of the attribute.
+/// The other bits are flags of the attribute.
 constexpr unsigned kTypeBits = 0x3FFF;
 
-/// Calls `each(type, payload)` for every attribute, up to the first that is damaged.
+/// Calls `each(type, payload)` for every attribute up to the first damaged one.
 template <typename Each>
 void for_attributes(std::span<const std::byte> bytes, Each each) {
     while (const auto head = take<rtattr>(bytes)) {
@@ -55,7 +55,7 @@ std::optional<CanControllerState> controller_state(std::uint32_t state) {
     if (state >= CAN_STATE_MAX) {
         return std::nullopt;
     }
-    // Our enum has the kernel's order.
+    // CanControllerState has the kernel's order.
     static_assert(static_cast<int>(CanControllerState::bus_off) == CAN_STATE_BUS_OFF);
     static_assert(static_cast<int>(CanControllerState::sleeping) == CAN_STATE_SLEEPING);
     return static_cast<CanControllerState>(state);
@@ -109,7 +109,7 @@ void take_link_info(std::span<const std::byte> bytes, CanInterface& interface) {
             data = payload;
         }
     });
-    // The same attribute numbers mean other things for vxcan.
+    // For vxcan, the same attribute numbers have other meanings.
     if (interface.kind == "can") {
         for_attributes(data, [&](unsigned type, std::span<const std::byte> payload) {
             take_controller_attribute(type, payload, interface);
@@ -146,7 +146,7 @@ std::string set_link(const CanInterface& interface, const std::string& what) {
     return "`ip link set " + interface.name + " " + what + "`";
 }
 
-/// A setting of the controller, which is refused while the interface is up.
+/// Commands for a controller setting, which the kernel refuses while the interface is up.
 std::string set_controller(const CanInterface& interface, const std::string& what) {
     return "`ip link set " + interface.name + " down`, " + set_link(interface, "type can " + what) +
            ", " + set_link(interface, "up");
@@ -168,8 +168,8 @@ void advise_on_sending(const CanInterface& interface, std::vector<std::string>& 
     }
     if (interface.queue_length > kMostUsefulQueue) {
         sentences.push_back("its queue holds " + std::to_string(interface.queue_length) +
-                            " frames: those of other programs pile up there while nobody listens, "
-                            "and are old when they leave: " +
+                            " frames: while no node acknowledges, frames of other programs "
+                            "collect there and are old when they are sent: " +
                             set_link(interface, "txqueuelen 16"));
     }
 }
@@ -219,11 +219,11 @@ std::optional<std::string> fd_problem(const CanInterface& interface) {
     }
     if (interface.kind == "can") {
         const std::string bit_rate = std::to_string(interface.bit_rate.value_or(1000000));
-        return "FD frames are wanted but its controller is not in FD mode: " +
+        return "FD frames are configured, but its controller is not in FD mode: " +
                set_controller(interface, "bitrate " + bit_rate + " dbitrate 4000000 fd on") +
                ", with the bit rates of the bus";
     }
-    return "FD frames are wanted but its MTU is " + std::to_string(interface.mtu) +
+    return "FD frames are configured, but its MTU is " + std::to_string(interface.mtu) +
            ": `ip link set " + interface.name + " down`, " + set_link(interface, "mtu 72") + ", " +
            set_link(interface, "up");
 }
@@ -237,15 +237,15 @@ std::vector<std::string> advice(const CanInterface& interface, bool sends, bool 
             set_link(interface, without_rate ? "up type can bitrate 1000000" : "up") +
             (without_rate ? " with the bit rate of the bus" : ""));
     } else if (!interface.lower_up && interface.state != CanControllerState::bus_off) {
-        sentences.push_back("it has no carrier: nothing is at its other end, or that is down");
+        sentences.push_back("it has no carrier: its other end is not connected, or down");
     }
     if (interface.state == CanControllerState::bus_off) {
-        sentences.push_back(
-            "its controller is in bus-off and silent: " + set_link(interface, "type can restart") +
-            ", then check bit rate, wiring and termination");
+        sentences.push_back("its controller is in bus-off and sends nothing: " +
+                            set_link(interface, "type can restart") +
+                            ", then check bit rate, wiring and termination");
     }
     if (interface.restart_ms == 0U) {
-        sentences.push_back("after a bus-off it stays silent until somebody restarts it: " +
+        sentences.push_back("after a bus-off it sends nothing until it is restarted by hand: " +
                             set_controller(interface, "restart-ms 100"));
     }
     if (sends) {

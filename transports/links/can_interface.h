@@ -10,10 +10,11 @@
 
 namespace tribus {
 
-/// More queued frames than the snapshots of all outputs have would be old when they leave.
+/// The snapshots of all outputs need no more. Frames in a longer queue would be old when they are
+/// sent.
 inline constexpr std::uint32_t kMostUsefulQueue = 64;
 
-/// The controller's own view of its part in the traffic; the kernel's enum can_state.
+/// Error state of the controller, as in the kernel's enum can_state.
 enum class CanControllerState : std::uint8_t {
     active,
     warning,
@@ -23,8 +24,8 @@ enum class CanControllerState : std::uint8_t {
     sleeping
 };
 
-/// A network interface as the kernel describes it (rtnetlink). What its driver does not tell is
-/// absent: virtual interfaces have neither bit rate nor controller.
+/// A network interface as described by the kernel (rtnetlink). Values that its driver does not
+/// report are absent: virtual interfaces have neither bit rate nor controller.
 struct CanInterface {
     std::string name;
     std::string kind;  ///< "can" (a controller), "vcan", "vxcan"; may be empty
@@ -35,11 +36,11 @@ struct CanInterface {
     /// Own frames come back when they have left the controller, not before.
     bool echo = false;
     std::uint32_t mtu = 0;
-    std::uint32_t queue_length = 0;                      ///< frames; 0 is no queue
+    std::uint32_t queue_length = 0;                      ///< frames; 0: no queue
     std::optional<std::uint32_t> bit_rate;               ///< bit/s
     std::optional<std::uint32_t> data_bit_rate;          ///< bit/s, in the fast part of FD frames
-    std::optional<std::uint32_t> sample_point_permille;  ///< of the bit
-    std::optional<std::uint32_t> restart_ms;             ///< 0: never by itself
+    std::optional<std::uint32_t> sample_point_permille;  ///< position in the bit
+    std::optional<std::uint32_t> restart_ms;             ///< 0: no automatic restart
     std::optional<CanControllerState> state;
     std::optional<std::uint16_t> transmit_errors;  ///< the controller's error counters
     std::optional<std::uint16_t> receive_errors;
@@ -52,24 +53,25 @@ struct CanInterface {
     bool takes_fd() const;
 };
 
-/// What one RTM_NEWLINK message says; nothing if it is none or is damaged. Pure.
+/// Reads an RTM_NEWLINK message. Returns nothing for another or a damaged message. Pure and
+/// reentrant.
 std::optional<CanInterface> parse_link_message(std::span<const std::byte> message);
 
-/// Why it does not take FD frames and what to do; nothing if it does. Pure.
+/// Why the interface cannot send FD frames, and what to do; nothing if it can. Pure and reentrant.
 std::optional<std::string> fd_problem(const CanInterface& interface);
 
-/// What of the interface makes RC over it worse, each as a sentence with the command that changes
-/// it. Pure.
+/// Settings of the interface that are bad for RC, each as a sentence with the command that changes
+/// it. Pure and reentrant.
 std::vector<std::string> advice(const CanInterface& interface, bool sends, bool fd_wanted);
 
-/// One line for the log at start-up. Pure.
+/// One line for the log at the start. Pure and reentrant.
 std::string summary(const CanInterface& interface);
 
-/// Asks the kernel. The error says what is wrong with the name and which CAN interfaces there are.
-/// May block: not for the data path.
+/// Reads the interface from the kernel. The error says what is wrong with the name and lists the
+/// CAN interfaces. May block: not for the data path.
 tl::expected<CanInterface, std::string> query_can_interface(const std::string& name);
 
-/// Ends a bus-off, as `ip link set can0 type can restart`: needs CAP_NET_ADMIN. May block.
+/// Ends a bus-off like `ip link set can0 type can restart`. Needs CAP_NET_ADMIN. May block.
 tl::expected<void, std::string> restart_can_interface(const std::string& name);
 
 }  // namespace tribus

@@ -21,11 +21,11 @@ namespace tribus {
 
 namespace {
 
-/// The kernel answers a dump in parts of at most 32 kB.
+/// The kernel sends the answer to a dump in parts of at most 32 kB.
 constexpr std::size_t kAnswerBytes = 32768;
-/// Parts of one answer: far more than interfaces fit any machine.
+/// Limit of the parts of one answer: far more interfaces than any machine has.
 constexpr int kMostParts = 1000;
-/// The kernel answers at once, or after another program's change of an interface.
+/// The kernel answers at once, or after another program has changed an interface.
 constexpr int kMostSecondsToAnswer = 5;
 
 /// One rtnetlink request, built attribute by attribute.
@@ -49,7 +49,7 @@ class Request {
         add(type, text.c_str(), text.size() + 1);
     }
 
-    /// Attributes that are added until `close` stand inside this one.
+    /// Begins an attribute that contains those that are added until `close`.
     std::size_t open(std::uint16_t type) {
         const std::size_t start = bytes_.size();
         rtattr head{};
@@ -78,7 +78,7 @@ class Request {
     std::vector<std::byte> bytes_;
 };
 
-/// The messages in one datagram. Returns whether more will come, or the kernel's error.
+/// Reads the messages in one datagram. Returns whether more will follow, or the kernel's error.
 tl::expected<bool, int> take_messages(std::span<const std::byte> datagram,
                                       std::vector<CanInterface>& found) {
     bool more = false;
@@ -109,7 +109,7 @@ tl::expected<bool, int> take_messages(std::span<const std::byte> datagram,
     return more;
 }
 
-/// Sends the request and collects the interfaces that the answer describes, or gives an errno.
+/// Sends a request. Returns the interfaces in the answer, or an errno.
 tl::expected<std::vector<CanInterface>, int> ask(Request request) {
     const UniqueFd fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE));
     if (!fd.valid()) {
@@ -152,22 +152,22 @@ std::string existing_can_interfaces() {
         }
     }
     if (names.empty()) {
-        return "there is no CAN interface at all: a controller shows up when its driver is loaded "
-               "(on small boards an overlay enables it), and "
-               "`modprobe vcan; ip link add vcan0 type vcan; ip link set vcan0 up` makes a virtual "
+        return "there is no CAN interface: a controller appears when its driver is loaded "
+               "(on small boards an overlay enables it); `modprobe vcan; ip link add vcan0 type "
+               "vcan; ip link set vcan0 up` makes a virtual "
                "one";
     }
-    return "CAN interfaces that are there: " + names;
+    return "the CAN interfaces are: " + names;
 }
 
 std::string asking_problem(int error) {
     if (error == EAFNOSUPPORT || error == EACCES || error == EPERM) {
         return std::string(
-                   "not permitted to ask the kernel about network interfaces (AF_NETLINK; "
+                   "not permitted to read network interfaces from the kernel (AF_NETLINK; "
                    "a service needs it in RestrictAddressFamilies): ") +
                std::strerror(error);
     }
-    return std::string("cannot ask the kernel about it: ") + std::strerror(error);
+    return std::string("cannot read it from the kernel: ") + std::strerror(error);
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ tl::expected<void, std::string> restart_can_interface(const std::string& name) {
                                   ": it cannot be restarted now: it is down, or not in "
                                   "bus-off");
         case EOPNOTSUPP:
-            return tl::unexpected(name + ": its driver knows no restart: `ip link set " + name +
+            return tl::unexpected(name + ": its driver has no restart: `ip link set " + name +
                                   " down`, `ip link set " + name + " up`");
         default:
             return tl::unexpected(

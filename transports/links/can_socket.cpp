@@ -28,7 +28,7 @@ bool interface_is_gone(int error) {
 constexpr std::size_t kControlBytes =
     CMSG_SPACE(sizeof(timespec)) + CMSG_SPACE(sizeof(std::uint32_t));
 
-/// What the kernel says beside a frame.
+/// Control data of a received frame.
 struct Side {
     std::optional<Duration> stamp;  ///< since 1970
     std::optional<std::uint32_t> drops;
@@ -57,7 +57,7 @@ Side side_of(msghdr& header) {
 
 }  // namespace
 
-/// Outside of the object because of its size, and of the system's headers.
+/// Outside the object because of its size and its system headers.
 struct CanSocket::Buffers {
     std::array<canfd_frame, kCanFramesPerRead> frames{};
     std::array<iovec, kCanFramesPerRead> vectors{};
@@ -68,7 +68,7 @@ struct CanSocket::Buffers {
     std::array<mmsghdr, kCanFramesPerRead> headers{};
     ifreq line{};
 
-    /// The kernel writes into the headers, so they are set anew for each read.
+    /// The kernel writes into the headers, so they are reset before each read.
     void prepare() {
         for (std::size_t index = 0; index < headers.size(); ++index) {
             vectors[index] = {.iov_base = &frames[index], .iov_len = sizeof(canfd_frame)};
@@ -110,7 +110,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
         return ReadStatus::lost;
     }
     buffers_->prepare();
-    stamps_tell_ = !clock_step_.since_last_look(wall_time, now);
+    stamps_usable_ = !clock_step_.since_last_look(wall_time, now);
     const int taken =
         ::recvmmsg(fd_.get(), buffers_->headers.data(), kCanFramesPerRead, MSG_DONTWAIT, nullptr);
     if (taken < 0) {
@@ -118,7 +118,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
     }
     const auto count = static_cast<std::size_t>(taken);
     for (std::size_t index = 0; index < count; ++index) {
-        if (const auto received = digest(index, now, wall_time)) {
+        if (const auto received = process(index, now, wall_time)) {
             reception.frames[reception.count] = *received;
             ++reception.count;
         }
@@ -129,7 +129,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
         clock_step_.look(wall_time, now);
     }
     counts_.received += reception.count;
-    // A confirmation lets the next frame go without another wake.
+    // A confirmation lets the next frame go without waiting for another wake-up.
     pump(now);
     return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
 }
@@ -139,8 +139,8 @@ ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
         emptied_ = now;
         clock_step_.look(wall_time, now);
     } else if (error == ENETDOWN) {
-        // Told once; the same socket works again when the interface is up (docs/protocols/can.md,
-        // "SocketCAN: loss and errors").
+        // Reported once. The same socket works again when the interface is up
+        // (docs/protocols/can.md, "SocketCAN: loss and errors").
         went_down();
     } else if (interface_is_gone(error)) {
         lost_ = true;
@@ -149,8 +149,8 @@ ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
     return ReadStatus::nothing;
 }
 
-std::optional<ReceivedCanFrame> CanSocket::digest(std::size_t index, Instant now,
-                                                  Duration wall_time) {
+std::optional<ReceivedCanFrame> CanSocket::process(std::size_t index, Instant now,
+                                                   Duration wall_time) {
     mmsghdr& message = buffers_->headers[index];
     const canfd_frame& wire = buffers_->frames[index];
     const Side side = side_of(message.msg_hdr);
@@ -158,7 +158,7 @@ std::optional<ReceivedCanFrame> CanSocket::digest(std::size_t index, Instant now
         note_drops(*side.drops);
     }
     if ((wire.can_id & CAN_ERR_FLAG) != 0) {
-        digest_error(wire, now);
+        process_error(wire, now);
         return std::nullopt;
     }
     const auto frame = from_wire(wire, message.msg_len);
@@ -178,18 +178,18 @@ std::optional<ReceivedCanFrame> CanSocket::digest(std::size_t index, Instant now
     }
     const Arrival arrival =
         plausible_arrival(side.stamp, wall_time, now, emptied_.value_or(now - kMostPlausibleAge));
-    const bool believed = arrival.believed && stamps_tell_;
-    counts_.implausible_times += believed ? 0 : 1;
-    if (!believed && !emptied_) {
-        // Nobody has read yet: it may be of any age.
+    const bool plausible = arrival.plausible && stamps_usable_;
+    counts_.implausible_times += plausible ? 0 : 1;
+    if (!plausible && !emptied_) {
+        // Nothing has been read before, so the frame may be of any age.
         return std::nullopt;
     }
     return ReceivedCanFrame{.frame = *frame,
-                            .at = believed ? arrival.at : *emptied_,
+                            .at = plausible ? arrival.at : *emptied_,
                             .sender = local ? CanSender::local : CanSender::bus};
 }
 
-void CanSocket::digest_error(const canfd_frame& wire, Instant now) {
+void CanSocket::process_error(const canfd_frame& wire, Instant now) {
     using ErrorLevel = CanTransmitter::ErrorLevel;
     const CanErrorReport report = error_report(wire).value_or(CanErrorReport{});
     ++counts_.error_frames;
@@ -207,7 +207,7 @@ void CanSocket::digest_error(const canfd_frame& wire, Instant now) {
     }
     if (report.bus_off) {
         transmitter_.bus_off(now);
-        // Without confirmations nobody will tell what became of a frame that left the queue.
+        // Without confirmations, nothing reports what happens to a frame that left the queue.
         if (!interface_.echo && kernel_queues().sending == 0) {
             transmitter_.forget_flight();
         }
@@ -267,9 +267,9 @@ bool CanSocket::works() const {
 }
 
 void CanSocket::pump(Instant now) {
-    // Each turn hands over a frame that waited, so this is the most there can be.
+    // Each turn hands over a waiting frame, so there cannot be more turns than this.
     for (std::size_t turn = 0; turn < kMostLanes * kMostSnapshotFrames && !lost_; ++turn) {
-        if (transmitter_.in_flight() != nullptr && !flight_landed(now)) {
+        if (transmitter_.in_flight() != nullptr && !flight_is_over(now)) {
             return;
         }
         const CanFrame* frame = transmitter_.next(now);
@@ -288,14 +288,14 @@ void CanSocket::pump(Instant now) {
     }
 }
 
-bool CanSocket::flight_landed(Instant now) {
+bool CanSocket::flight_is_over(Instant now) {
     if (interface_.echo || kernel_queues().sending > 0) {
         return false;
     }
     if (transmitter_.state() == CanBusState::bus_off) {
         check_line(now);
     }
-    // Going off line empties the queue, too.
+    // An interface without carrier also empties its queue.
     if (no_carrier_) {
         transmitter_.forget_flight();
     } else {
@@ -321,16 +321,15 @@ void CanSocket::recheck(Instant now) {
     if (!interface_.echo || transmitter_.state() != CanBusState::stalled) {
         return;
     }
-    // A confirmation that the socket had no room for will never come.
+    // A confirmation for which the socket had no room will never come.
     const bool all_read = emptied_ && *emptied_ > transmitter_.in_flight_since();
     if (all_read && kernel_queues().drops != drops_when_handed_) {
         transmitter_.forget_flight();
     }
 }
 
-/// Frames for an interface without carrier vanish, and sending them succeeds
-/// (docs/protocols/can.md, "SocketCAN: transmit queue"). A controller has a carrier from when it is
-/// up, but in bus-off.
+/// Frames for an interface without carrier vanish although sending succeeds (docs/protocols/can.md,
+/// "SocketCAN: transmit queue"). A controller has a carrier while it is up, except in bus-off.
 void CanSocket::check_line(Instant now) {
     checked_ = now;
     if (::ioctl(fd_.get(), SIOCGIFFLAGS, &buffers_->line) != 0) {

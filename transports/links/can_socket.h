@@ -22,10 +22,11 @@
 
 namespace tribus {
 
-/// What the users of one interface need of it.
+/// Requirements of all users of one interface.
 struct CanSocketSettings {
     std::vector<CanIdMatch> wanted;  ///< ids that inputs read
-    /// Ids that outputs send: confirmations come by them, and other senders of them are seen.
+    /// Ids that outputs send. Needed to receive confirmations and to notice other senders of these
+    /// ids.
     std::vector<CanIdMatch> sent;
     bool fd = false;  ///< an input or output uses FD frames
 
@@ -34,18 +35,17 @@ struct CanSocketSettings {
 
 /// A SocketCAN interface. Thread-bound. No heap after `open`.
 ///
-/// A frame counts as gone when the controller has sent it: the kernel then returns it to its
-/// sender. Drivers without that (vcan, vxcan, slcan) return it at once; there it counts as gone
-/// when the kernel's queue has nothing of this socket any more (docs/protocols/can.md, "SocketCAN:
-/// sockets").
+/// A frame is sent when the controller has sent it: the kernel then returns it to the sender.
+/// Drivers without this (vcan, vxcan, slcan) return it at once; for them, a frame is sent when the
+/// kernel's queue has none of this socket left (docs/protocols/can.md, "SocketCAN: sockets").
 class CanSocket final : public CanLink {
   public:
-    /// Opens the interface, also if it is down. The error begins with the interface and says what
+    /// Opens the interface, even if it is down. The error begins with the interface and says what
     /// to do. May block: not for the data path.
     static tl::expected<std::unique_ptr<CanSocket>, std::string> open(
         const std::string& interface, const CanSocketSettings& settings);
 
-    /// No network interface has that name, which is a possible one: it may be plugged in later.
+    /// Whether no network interface has that name although it is valid: it may be plugged in later.
     static bool is_missing(const std::string& interface);
 
     CanSocket(const CanSocket&) = delete;
@@ -53,23 +53,24 @@ class CanSocket final : public CanLink {
     ~CanSocket() override;
 
     ReadStatus read(CanReception& reception, Instant now, Duration wall_time) override;
-    /// Frames of the snapshot have ids of CanSocketSettings::sent and are no remote frames.
+    /// All frames need ids of CanSocketSettings::sent and must not be remote frames.
     WriteStatus write(std::size_t lane, std::span<const CanFrame> snapshot, Instant now) override;
     Instant poll(Instant now) override;
     CanLinkStatus status() const override { return {transmitter_.state(), counts_}; }
     int descriptor() const override { return fd_.get(); }
 
-    /// As it was when it was opened.
+    /// The interface as it was when it was opened.
     const CanInterface& interface() const { return interface_; }
 
-    /// How often an interface that does not send is looked at.
+    /// Period of the checks of an interface that does not send.
     static constexpr Duration kRecheckPeriod = std::chrono::milliseconds(20);
-    /// After an interface has come up, the kernel may show its carrier so much later.
+    /// Longest delay between an interface coming up and the kernel showing its carrier.
     static constexpr Duration kCarrierLag = std::chrono::seconds(2);
-    /// Where nothing tells that a frame has gone: three frames of 1 Mbit/s.
+    /// Period of the checks whether a frame was sent, for drivers without confirmations: three
+    /// frames at 1 Mbit/s.
     static constexpr Duration kQueueCheckPeriod = std::chrono::microseconds(500);
-    /// Room for some hundred frames, each of which takes about 800 bytes of the kernel's memory:
-    /// 50 ms of a full bus.
+    /// Receive buffer for some hundred frames, 50 ms of a full bus. A frame takes about 800 bytes
+    /// of kernel memory.
     static constexpr int kReceiveBufferBytes = 256 * 1024;
 
   private:
@@ -82,8 +83,8 @@ class CanSocket final : public CanLink {
 
     CanSocket(UniqueFd fd, CanInterface interface);
 
-    std::optional<ReceivedCanFrame> digest(std::size_t index, Instant now, Duration wall_time);
-    void digest_error(const canfd_frame& wire, Instant now);
+    std::optional<ReceivedCanFrame> process(std::size_t index, Instant now, Duration wall_time);
+    void process_error(const canfd_frame& wire, Instant now);
     ReadStatus read_failed(int error, Instant now, Duration wall_time);
     void note_drops(std::uint32_t drops);
     void pump(Instant now);
@@ -91,7 +92,7 @@ class CanSocket final : public CanLink {
     void recheck(Instant now);
     void check_line(Instant now);
     void went_down();
-    bool flight_landed(Instant now);
+    bool flight_is_over(Instant now);
     KernelQueues kernel_queues() const;
     bool works() const;
 
@@ -100,14 +101,14 @@ class CanSocket final : public CanLink {
     CanCounts counts_;
     CanTransmitter transmitter_{counts_};
     std::unique_ptr<Buffers> buffers_;
-    std::optional<Instant> emptied_;  ///< when a read last left nothing behind
+    std::optional<Instant> emptied_;  ///< when a read last emptied the socket
     ClockStep clock_step_;            ///< since then
-    bool stamps_tell_ = true;         ///< of the read that goes on
+    bool stamps_usable_ = true;       ///< whether the stamps of the current read are usable
     Instant checked_{};
     std::uint32_t drops_ = 0;
     std::uint32_t drops_when_handed_ = 0;
     std::optional<Instant> up_since_;
-    bool no_carrier_ = false;  ///< in bus-off: seen without carrier, so it must come back
+    bool no_carrier_ = false;  ///< in bus-off: the carrier was gone, so it must return
     bool lost_ = false;
 };
 

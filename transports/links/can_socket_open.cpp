@@ -13,11 +13,11 @@ namespace tribus {
 
 namespace {
 
-/// The most that programs without CAP_NET_ADMIN may have; the first band of the usual queues.
+/// Highest priority without CAP_NET_ADMIN; the first band of the usual queues.
 constexpr int kPriority = 6;
-/// The kernel makes its least of it, some 4 kB: at most one of our frames is queued, and if that
-/// rule ever broke, this would keep the old ones few (docs/protocols/can.md, "SocketCAN: transmit
-/// queue").
+/// The kernel raises this to its minimum, about 4 kB. At most one of our frames is queued; if that
+/// ever failed, this would limit the number of old frames (docs/protocols/can.md, "SocketCAN:
+/// transmit queue").
 constexpr int kSendBufferBytes = 1;
 
 std::string socket_problem(int error) {
@@ -40,10 +40,10 @@ bool set(int fd, int level, int option, const T& value) {
     return ::setsockopt(fd, level, option, &value, sizeof value) == 0;
 }
 
-/// Everything but what the kernel may do without.
+/// Returns false only for options that are necessary.
 bool set_options(int fd, const std::vector<can_filter>& filters, bool fd_frames) {
     constexpr int kOn = 1;
-    // More than the system's limit where permitted, else as much as it allows.
+    // Above the system's limit if permitted, else up to that limit.
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, CanSocket::kReceiveBufferBytes)) {
         set(fd, SOL_SOCKET, SO_RCVBUF, CanSocket::kReceiveBufferBytes);
     }
@@ -51,7 +51,7 @@ bool set_options(int fd, const std::vector<can_filter>& filters, bool fd_frames)
     set(fd, SOL_SOCKET, SO_PRIORITY, kPriority);
     set(fd, SOL_SOCKET, SO_RXQ_OVFL, kOn);
     set(fd, SOL_SOCKET, SO_TIMESTAMPNS, kOn);
-    // FD frames of others are read also where we send none.
+    // FD frames of other nodes are read even if we send none.
     const bool fd_set = set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, kOn);
     return (fd_set || !fd_frames) && set(fd, SOL_CAN_RAW, CAN_RAW_LOOPBACK, kOn) &&
            set(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, kOn) &&
@@ -62,7 +62,7 @@ bool set_options(int fd, const std::vector<can_filter>& filters, bool fd_frames)
 
 std::string bind_problem(int error) {
     if (error == ENODEV || error == ENXIO) {
-        return "it has just gone; is the adapter plugged in?";
+        return "it was just removed; is the adapter plugged in?";
     }
     return std::string("cannot use it: ") + std::strerror(error);
 }
@@ -93,7 +93,7 @@ tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(
                       " different ids; the kernel filters at most " +
                       std::to_string(kMostCanFilters) + " for one program: use fewer messages");
     }
-    // Before it is bound: nothing gets in that no filter has seen.
+    // Before the socket is bound, so that every frame passes the filters.
     if (!set_options(fd.get(), filters, settings.fd)) {
         return failed(std::string("the kernel refuses the socket's settings: ") +
                       std::strerror(errno));
@@ -101,7 +101,7 @@ tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(
     sockaddr_can address{};
     address.can_family = AF_CAN;
     address.can_ifindex = static_cast<int>(found->index);
-    // The one kind of address that bind knows.
+    // bind accepts only this kind of address.
     const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
     if (::bind(fd.get(), generic, sizeof address) != 0) {
         return failed(bind_problem(errno));

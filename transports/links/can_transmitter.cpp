@@ -15,7 +15,8 @@ WriteStatus CanTransmitter::offer(std::size_t lane, std::span<const CanFrame> sn
         return WriteStatus::unavailable;
     }
     if (bus_off_) {
-        // What the controller still holds is a probe already: a second one would make a queue.
+        // A frame that the controller still holds is already a probe. A second one would form a
+        // queue.
         if (in_flight_ || anything_pending() || now < probe_at_) {
             return WriteStatus::unavailable;
         }
@@ -41,7 +42,8 @@ const CanFrame* CanTransmitter::next(Instant now) {
     if (in_flight_ || down_ || now < retry_at_) {
         return nullptr;
     }
-    // A snapshot goes out whole before another lane has its turn: its receiver waits for all parts.
+    // A snapshot is sent whole before the next lane has its turn, because its receiver waits for
+    // all frames.
     for (std::size_t step = 0; step < kMostLanes; ++step) {
         const std::size_t lane = (serving_ + step) % kMostLanes;
         if (lanes_[lane].pending()) {
@@ -136,8 +138,8 @@ void CanTransmitter::alive(Instant now) {
     if (!bus_off_) {
         return;
     }
-    // Some adapters recover by themselves and send what they hold, others throw it away: it has
-    // the usual time to show.
+    // Some adapters recover by themselves and send the frame that they hold, others discard it.
+    // Waits the usual time to find out.
     bus_off_ = false;
     flight_since_ = now;
     flight_may_be_gone_ = true;
@@ -207,7 +209,7 @@ void CanTransmitter::abandon(Lane& lane) {
     if (!lane.pending()) {
         return;
     }
-    // On a bus too slow for all, the lane that just had its time does not begin again.
+    // If the bus is too slow for all lanes, the lane that just had its turn does not begin again.
     if (lane.begun()) {
         end_turn();
     }

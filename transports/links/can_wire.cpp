@@ -47,7 +47,7 @@ std::optional<CanFrame> from_wire(const canfd_frame& wire, std::size_t size) {
     frame.extended = (wire.can_id & CAN_EFF_FLAG) != 0;
     frame.id = wire.can_id & (frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK);
     frame.fd = size == CANFD_MTU;
-    // In a classic frame that byte means something else.
+    // In a classic frame this byte has another meaning.
     frame.bit_rate_switch = frame.fd && (wire.flags & CANFD_BRS) != 0;
     frame.error_state_indicator = frame.fd && (wire.flags & CANFD_ESI) != 0;
     frame.remote = !frame.fd && (wire.can_id & CAN_RTR_FLAG) != 0;
@@ -101,13 +101,13 @@ std::vector<can_filter> kernel_filters(std::span<const CanIdMatch> wanted) {
 Arrival plausible_arrival(std::optional<Duration> stamp, Duration wall_time, Instant now,
                           Instant oldest) {
     if (!stamp) {
-        return {.at = oldest, .believed = true};
+        return {.at = oldest, .plausible = true};
     }
     const Duration age = wall_time - *stamp;
     if (age < -kMostPlausibleAge || age > std::max(kMostPlausibleAge, now - oldest)) {
-        return {.at = oldest, .believed = false};
+        return {.at = oldest, .plausible = false};
     }
-    return {.at = age > Duration::zero() ? now - age : now, .believed = true};
+    return {.at = age > Duration::zero() ? now - age : now, .plausible = true};
 }
 
 }  // namespace tribus

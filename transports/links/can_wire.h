@@ -14,67 +14,70 @@
 
 namespace tribus {
 
-/// The frame as a raw CAN socket takes it, and how many bytes of it: CAN_MTU or CANFD_MTU.
+/// A frame in the form of a raw CAN socket, and its size: CAN_MTU or CANFD_MTU.
 struct WireCanFrame {
     canfd_frame frame{};
     std::size_t size = CAN_MTU;
 };
 
+/// Converts a frame. Limits its length to what its kind allows.
 WireCanFrame to_wire(const CanFrame& frame);
 
-/// What a raw CAN socket read, if it is a data or remote frame: `size` tells classic from FD
-/// frames, whose length is limited to what the frame holds. Nothing for error frames and sizes
-/// that are no frame.
+/// Converts a data or remote frame from a raw CAN socket. `size` distinguishes classic from FD
+/// frames, whose length is limited to that of the frame. Returns nothing for error frames and sizes
+/// of no frame.
 std::optional<CanFrame> from_wire(const canfd_frame& wire, std::size_t size);
 
-/// Same id and content. The flags that say how an FD frame travelled are the drivers' business.
+/// Same id and content. The transmission flags of FD frames may differ, since drivers set them.
 bool same_message(const CanFrame& a, const CanFrame& b);
 
-/// What an error frame of the kernel says (linux/can/error.h).
+/// Content of an error frame of the kernel (linux/can/error.h).
 struct CanErrorReport {
     bool transmit_timeout = false;
     bool no_acknowledge = false;
     bool bus_off = false;
     bool restarted = false;
-    bool active = false;   ///< recovered to few errors
+    bool active = false;   ///< back to few errors
     bool warning = false;  ///< many errors, receiving or sending
     bool passive = false;
-    bool receive_overflow = false;   ///< of the controller
-    bool transmit_overflow = false;  ///< of the controller
+    bool receive_overflow = false;   ///< in the controller
+    bool transmit_overflow = false;  ///< in the controller
 
     bool operator==(const CanErrorReport&) const = default;
 };
 
-/// Nothing if it is no error frame.
+/// Returns nothing if the frame is no error frame.
 std::optional<CanErrorReport> error_report(const canfd_frame& wire);
 
-/// The error classes to ask for. Bus errors in single frames are left out: they can flood.
+/// The error classes to request. Without single bus errors, which can flood.
 extern const can_err_mask_t kWantedErrors;
 
-/// Most filters of one socket; 513 are refused (docs/protocols/can.md, "SocketCAN: sockets").
+/// Most filters of one socket; the kernel refuses 513 (docs/protocols/can.md, "SocketCAN:
+/// sockets").
 inline constexpr std::size_t kMostCanFilters = 512;
 
-/// Kernel filters for data frames of these ids, each once; who wants all ids gets remote frames
-/// too. The bits for extended and remote frames are in every other mask: without them 0x123 also
-/// passes 29-bit ids that end so (docs/protocols/can.md, "SocketCAN: sockets").
+/// Kernel filters for data frames of these ids, without repetitions. A filter for all ids also
+/// passes remote frames. All others have the bits for extended and remote frames in their mask:
+/// without them, 0x123 also passes 29-bit ids with this end (docs/protocols/can.md, "SocketCAN:
+/// sockets").
 std::vector<can_filter> kernel_filters(std::span<const CanIdMatch> wanted);
 
-/// When a frame arrived, on our time line.
+/// Arrival of a frame on the monotonic time line.
 struct Arrival {
     Instant at{};
-    bool believed = true;  ///< the kernel's stamp was plausible, or there was none
+    bool plausible = true;  ///< the kernel's stamp was plausible, or there was none
 
     bool operator==(const Arrival&) const = default;
 };
 
-/// A frame with an older stamp has a wrong stamp (docs/protocols/can.md, "SocketCAN: time stamps"),
-/// unless reading was held up.
+/// Limit of a plausible age (docs/protocols/can.md, "SocketCAN: time stamps"), unless reading was
+/// delayed.
 inline constexpr Duration kMostPlausibleAge = std::chrono::milliseconds(100);
 
-/// `stamp` is the kernel's time of arrival, since 1970; `wall_time` that of the instant `now`. The
-/// frame came after `oldest`, when nothing waited. Ages from 0 to that, or kMostPlausibleAge, are
-/// believed; with another stamp, or none, it may have come at `oldest`. A stamp up to
-/// kMostPlausibleAge later than `now` is no fault: the frame came while the caller was at work.
+/// `stamp` is the kernel's time of arrival, `wall_time` the system clock at `now`, both since 1970.
+/// The frame arrived after `oldest`, when no frame was waiting. Accepts ages from 0 to that, or to
+/// kMostPlausibleAge. With another stamp, or none, the arrival is `oldest`. A stamp up to
+/// kMostPlausibleAge after `now` is valid: the frame arrived while the caller was working.
 Arrival plausible_arrival(std::optional<Duration> stamp, Duration wall_time, Instant now,
                           Instant oldest);
 

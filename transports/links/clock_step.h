@@ -6,11 +6,11 @@
 
 namespace tribus {
 
-/// Whether the system clock was set between two looks at both clocks, apart from what it is slewed:
-/// stamps from before the second look do not tell ages then.
+/// Detects whether the system clock was set between two looks at both clocks; slewing does not
+/// count. If so, time stamps from before the second look give no ages. Pure; thread-bound.
 class ClockStep {
   public:
-    /// `wall_time` is that of the system clock at `now`.
+    /// Whether the clock was set since the latest look. `wall_time` is the system clock at `now`.
     bool since_last_look(Duration wall_time, Instant now) const;
     void look(Duration wall_time, Instant now);
 

@@ -15,14 +15,14 @@ void append(std::uint8_t byte, bool damaged, Reception& out) {
     ++out.count;
 }
 
-std::uint8_t random_bit(FaultDice& dice) {
-    return static_cast<std::uint8_t>(1U << (dice.next() % 8));
+std::uint8_t random_bit(FaultRandom& random) {
+    return static_cast<std::uint8_t>(1U << (random.next() % 8));
 }
 
 }  // namespace
 
-std::uint64_t FaultDice::next() {
-    // SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed is good.
+std::uint64_t FaultRandom::next() {
+    // SplitMix64 (Steele, Lea, Flood 2014): one word of state, any seed works.
     state_ += 0x9E3779B97F4A7C15U;
     std::uint64_t mixed = state_;
     mixed = (mixed ^ (mixed >> 30)) * 0xBF58476D1CE4E5B9U;
@@ -30,13 +30,13 @@ std::uint64_t FaultDice::next() {
     return mixed ^ (mixed >> 31);
 }
 
-bool FaultDice::happens(double probability) {
+bool FaultRandom::happens(double probability) {
     // The upper 53 bits as a fraction: exact in a double, so equal on every machine.
     constexpr double kFraction = 1.0 / 9007199254740992.0;
     return static_cast<double>(next() >> 11) * kFraction < probability;
 }
 
-Duration FaultDice::delay(Duration most) {
+Duration FaultRandom::delay(Duration most) {
     if (most <= Duration::zero()) {
         return Duration::zero();
     }
@@ -58,78 +58,78 @@ void FaultInjector::apply(const Reception& in, Reception& out) {
     }
 }
 
-/// A fault that is turned off takes no dice: those of the others stay as they are.
+/// A fault that is off draws no random number, so the other faults stay the same.
 FaultInjector::Part FaultInjector::cut(std::size_t count) {
     still_to_lose_ = 0;
-    if (settings_.cut_frame == 0 || !dice_.happens(settings_.cut_frame) || count == 0) {
+    if (settings_.cut_frame == 0 || !random_.happens(settings_.cut_frame) || count == 0) {
         return {0, count};
     }
-    const bool head = dice_.next() % 2 == 0;
-    const auto at = static_cast<std::size_t>(dice_.next() % count);
+    const bool head = random_.next() % 2 == 0;
+    const auto at = static_cast<std::size_t>(random_.next() % count);
     return head ? Part{at, count} : Part{0, at};
 }
 
 unsigned FaultInjector::in_a_row() {
     return settings_.most_in_a_row <= 1
                ? 1
-               : 1 + static_cast<unsigned>(dice_.next() % settings_.most_in_a_row);
+               : 1 + static_cast<unsigned>(random_.next() % settings_.most_in_a_row);
 }
 
 void FaultInjector::apply_byte(std::uint8_t byte, bool damaged, Reception& out) {
-    if (dice_.happens(settings_.add_byte)) {
+    if (random_.happens(settings_.add_byte)) {
         for (unsigned left = in_a_row(); left > 0; --left) {
-            append(static_cast<std::uint8_t>(dice_.next()), false, out);
+            append(static_cast<std::uint8_t>(random_.next()), false, out);
         }
     }
     if (still_to_lose_ > 0) {
         --still_to_lose_;
         return;
     }
-    if (dice_.happens(settings_.lose_byte)) {
+    if (random_.happens(settings_.lose_byte)) {
         still_to_lose_ = in_a_row() - 1;
         return;
     }
     std::uint8_t wire = byte;
-    if (dice_.happens(settings_.flip_bit)) {
-        wire ^= random_bit(dice_);
+    if (random_.happens(settings_.flip_bit)) {
+        wire ^= random_bit(random_);
     }
-    if (dice_.happens(settings_.damage_byte)) {
-        append(wire ^ random_bit(dice_), true, out);
+    if (random_.happens(settings_.damage_byte)) {
+        append(wire ^ random_bit(random_), true, out);
         return;
     }
     append(wire, damaged, out);
 }
 
 void CanFaultInjector::apply(const ReceivedCanFrame& in, CanReception& out) {
-    if (dice_.happens(settings_.lose_frame)) {
+    if (random_.happens(settings_.lose_frame)) {
         return;
     }
-    const int copies = dice_.happens(settings_.duplicate_frame) ? 2 : 1;
+    const int copies = random_.happens(settings_.duplicate_frame) ? 2 : 1;
     for (int copy = 0; copy < copies && out.count < out.frames.size(); ++copy) {
         ReceivedCanFrame& wire = out.frames[out.count];
         wire = in;
-        if (wire.frame.length > 0 && dice_.happens(settings_.flip_bit)) {
-            const auto place = static_cast<std::size_t>(dice_.next() % wire.frame.length);
-            wire.frame.data[place] ^= random_bit(dice_);
+        if (wire.frame.length > 0 && random_.happens(settings_.flip_bit)) {
+            const auto place = static_cast<std::size_t>(random_.next() % wire.frame.length);
+            wire.frame.data[place] ^= random_bit(random_);
         }
-        if (dice_.happens(settings_.late_frame)) {
-            wire.at += dice_.delay(settings_.most_delay);
+        if (random_.happens(settings_.late_frame)) {
+            wire.at += random_.delay(settings_.most_delay);
         }
         ++out.count;
     }
 }
 
 ReadStatus FaultyLink::read(Reception& reception) {
-    Reception sound;
-    const ReadStatus status = link_.read(sound);
+    Reception received;
+    const ReadStatus status = link_.read(received);
     reception.count = 0;
     reception.damaged.reset();
-    reception.full = sound.full;
+    reception.full = received.full;
     if (status != ReadStatus::received) {
         return status;
     }
     if (!injector_.drop_frame()) {
-        injector_.apply(sound, reception);
+        injector_.apply(received, reception);
     }
     return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
 }

@@ -10,27 +10,27 @@
 
 namespace tribus {
 
-/// What goes wrong on a bad wire. Probabilities from 0 to 1.
+/// Faults of a bad line. Probabilities from 0 to 1.
 struct FaultSettings {
     double lose_byte = 0;
-    double flip_bit = 0;     ///< one bit of a byte reads wrong and nobody notices
+    double flip_bit = 0;     ///< one bit of a byte is read wrong without an error
     double add_byte = 0;     ///< a byte of noise before a byte
-    double damage_byte = 0;  ///< one bit reads wrong and the receiver sees a parity error
-    double drop_frame = 0;   ///< a whole burst, one read or one write, is gone
-    double cut_frame = 0;    ///< a burst lacks some bytes at its beginning or at its end
-    Duration most_delay{};   ///< bursts come late by nothing up to this
-    /// Where a byte is lost or added, one up to so many in a row are.
+    double damage_byte = 0;  ///< one bit is read wrong with a parity error
+    double drop_frame = 0;   ///< a whole burst, one read or one write, is lost
+    double cut_frame = 0;    ///< a burst lacks some bytes at its beginning or its end
+    Duration most_delay{};   ///< bursts come late by 0 up to this
+    /// If bytes are lost or added: 1 up to this many in a row.
     unsigned most_in_a_row = 1;
 };
 
-/// Chances from a seed: the same on every machine. Pure. Thread-bound.
-class FaultDice {
+/// Random numbers from a seed: the same on every machine. Pure. Thread-bound.
+class FaultRandom {
   public:
-    explicit FaultDice(std::uint64_t seed) : state_(seed) {}
+    explicit FaultRandom(std::uint64_t seed) : state_(seed) {}
 
     std::uint64_t next();
     bool happens(double probability);
-    /// Nothing up to this.
+    /// From 0 up to `most`.
     Duration delay(Duration most);
 
   private:
@@ -42,20 +42,21 @@ class FaultDice {
 class FaultInjector {
   public:
     FaultInjector(const FaultSettings& settings, std::uint64_t seed)
-        : settings_(settings), dice_(seed) {}
+        : settings_(settings), random_(seed) {}
 
-    /// Appends `in` with faults of single bytes to `out`; what `out` has no room for is lost.
+    /// Appends `in` to `out` with faults of single bytes. Bytes for which `out` has no room are
+    /// lost.
     void apply(std::span<const std::uint8_t> in, Reception& out);
-    /// As above, and keeps the damage that `in` has already.
+    /// The same, and keeps the error marks of `in`.
     void apply(const Reception& in, Reception& out);
 
-    /// How late the next burst is.
-    Duration next_delay() { return dice_.delay(settings_.most_delay); }
-    /// Whether the next burst is gone as a whole.
-    bool drop_frame() { return dice_.happens(settings_.drop_frame); }
+    /// Delay of the next burst.
+    Duration next_delay() { return random_.delay(settings_.most_delay); }
+    /// Whether the next burst is lost as a whole.
+    bool drop_frame() { return random_.happens(settings_.drop_frame); }
 
   private:
-    /// What a cut leaves of a burst of `count` bytes.
+    /// The part of a burst that a cut leaves.
     struct Part {
         std::size_t begin = 0;
         std::size_t end = 0;
@@ -65,37 +66,36 @@ class FaultInjector {
     unsigned in_a_row();
 
     FaultSettings settings_;
-    FaultDice dice_;
+    FaultRandom random_;
     unsigned still_to_lose_ = 0;
 };
 
-/// What goes wrong on a bad bus, or in the gateways and drivers on the way. Probabilities from 0 to
-/// 1, each for one frame.
+/// Faults of a bad bus, or of gateways and drivers. Probabilities from 0 to 1 for each frame.
 struct CanFaultSettings {
     double lose_frame = 0;
     double duplicate_frame = 0;
-    double flip_bit = 0;    ///< one bit of its data reads wrong and the bus does not notice
-    double late_frame = 0;  ///< it comes later than the frames around it
-    Duration most_delay{};  ///< of a late frame: by nothing up to this
+    double flip_bit = 0;    ///< one bit of its data is read wrong and the bus does not notice
+    double late_frame = 0;  ///< the frame arrives later than the frames around it
+    Duration most_delay{};  ///< of a late frame: from 0 up to this
 };
 
 /// The same for CAN frames.
 class CanFaultInjector {
   public:
     CanFaultInjector(const CanFaultSettings& settings, std::uint64_t seed)
-        : settings_(settings), dice_(seed) {}
+        : settings_(settings), random_(seed) {}
 
-    /// Appends the frame to `out`: not at all, once, or twice; what `out` has no room for is lost.
-    /// A late one has a later `at`, so they may no longer stand in the order of arrival.
+    /// Appends the frame to `out`: not at all, once, or twice. Frames for which `out` has no room
+    /// are lost. A late frame has a later `at`, so `out` may not be in order of arrival.
     void apply(const ReceivedCanFrame& in, CanReception& out);
 
   private:
     CanFaultSettings settings_;
-    FaultDice dice_;
+    FaultRandom random_;
 };
 
-/// Puts faults on both directions of another link, which must outlive it. Delays are the
-/// caller's, who has the time; a written byte cannot carry a parity error, only its wrong bit.
+/// Adds faults to both directions of another link, which must outlive it. The caller applies
+/// delays. A written byte cannot carry a parity error, only the wrong bit. Thread-bound.
 class FaultyLink : public ByteLink {
   public:
     FaultyLink(ByteLink& link, const FaultSettings& settings, std::uint64_t seed)

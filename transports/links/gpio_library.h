@@ -8,12 +8,11 @@
 
 #include "transports/links/gpio_search.h"
 
-/// What differs between the versions 1 and 2 of libgpiod, behind one face: gpio_library_v1.cpp and
-/// gpio_library_v2.cpp, of which the build takes the one for the library that it finds. Errors are
-/// values of errno.
+/// Common interface of versions 1 and 2 of libgpiod. The build takes gpio_library_v1.cpp or
+/// gpio_library_v2.cpp, for the version that it finds. Errors are values of errno.
 namespace tribus {
 
-/// A line that this program holds; given back with this object. Thread-bound.
+/// A GPIO line held by this program; released with this object. Thread-bound.
 class GpioHeldLine {
   public:
     GpioHeldLine() = default;
@@ -21,9 +20,9 @@ class GpioHeldLine {
     GpioHeldLine& operator=(const GpioHeldLine&) = delete;
     virtual ~GpioHeldLine() = default;
 
-    /// False if the kernel did not take it.
+    /// Returns false if the kernel refused.
     virtual bool set(bool active) = 0;
-    /// Nothing if the kernel does not tell.
+    /// Returns nothing if the kernel gives no level.
     virtual std::optional<bool> get() const = 0;
     virtual int descriptor() const = 0;
 };
@@ -32,14 +31,16 @@ struct GpioRequest {
     unsigned offset = 0;
     GpioUse use = GpioUse::input;
     bool active_low = false;
-    bool active_at_start = false;     ///< of an output
-    GpioBias bias = GpioBias::as_is;  ///< of an input, which tells both its edges
+    bool active_at_start = false;     ///< output only
+    GpioBias bias = GpioBias::as_is;  ///< input only; an input reports both edges
 };
 
-/// Who the kernel says holds the line.
+/// Name under which the kernel shows the line's user.
 inline constexpr const char* kGpioConsumer = "tribus";
 
+/// Reads the description of a chip's lines. May block.
 tl::expected<std::vector<GpioLineFacts>, int> read_gpio_lines(const std::string& chip_path);
+/// Requests a line. May block.
 tl::expected<std::unique_ptr<GpioHeldLine>, int> request_gpio_line(const std::string& chip_path,
                                                                    const GpioRequest& request);
 

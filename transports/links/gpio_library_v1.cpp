@@ -26,8 +26,8 @@ class HeldLine : public GpioHeldLine {
     int descriptor() const override { return gpiod_line_event_get_fd(line_); }
 
   private:
-    Chip chip_;         ///< gives back its lines when it is closed
-    gpiod_line* line_;  ///< the chip's
+    Chip chip_;         ///< releases its lines when it is closed
+    gpiod_line* line_;  ///< owned by the chip
 };
 
 int bias_flag(GpioBias bias) {

@@ -64,7 +64,7 @@ std::string text_or_nothing(const char* text) {
     return text == nullptr ? "" : text;
 }
 
-/// Each setter takes what it is given here: it refuses only what is none of its enum's values.
+/// The setters only refuse values outside their enum, so their results are ignored.
 void apply(const GpioRequest& request, gpiod_line_settings* settings) {
     gpiod_line_settings_set_active_low(settings, request.active_low);
     if (request.use == GpioUse::output) {

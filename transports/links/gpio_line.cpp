@@ -22,19 +22,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of an edge in version 2 of the kernel's interface, the larger one; and how many the kernel
-/// keeps for a line before it forgets the oldest.
+/// Size of an edge event in version 2 of the kernel's interface, the larger one; and number of
+/// events that the kernel keeps for a line before it drops the oldest.
 constexpr std::size_t kEdgeBytes = 48;
 constexpr std::size_t kMostEdges = 16;
 
-/// Of all GPIO chips, in the order of their numbers.
+/// Paths of all GPIO chips, in the order of their numbers.
 std::vector<std::string> gpio_chip_paths() {
     std::vector<std::string> paths;
     std::error_code error;
     for (fs::directory_iterator entry("/dev", error); !error && entry != fs::directory_iterator();
          entry.increment(error)) {
         std::error_code unknown;
-        // Some systems have a symbolic link under a chip's former name: that is not another chip.
+        // Some systems have a symbolic link with a chip's former name. It is not another chip.
         if (entry->path().filename().string().starts_with("gpiochip") &&
             entry->symlink_status(unknown).type() == fs::file_type::character) {
             paths.push_back(entry->path().string());
@@ -60,7 +60,7 @@ std::vector<GpioChip> gpio_chips() {
     return chips;
 }
 
-/// Without symbolic links, if it leads anywhere; empty for any chip.
+/// Path of the chip with symbolic links resolved, if it exists; empty for any chip.
 std::string followed_chip_path(const GpioPlace& place) {
     if (place.chip.empty()) {
         return "";
@@ -70,7 +70,7 @@ std::string followed_chip_path(const GpioPlace& place) {
     return error ? chip_path(place) : path.string();
 }
 
-/// `request` without its offset.
+/// Requests the line. `request` needs no offset.
 tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold(const GpioPlace& place,
                                                               GpioRequest request) {
     const auto failed = [&place](const std::string& why) {
@@ -138,7 +138,7 @@ int GpioInput::descriptor() const {
 }
 
 std::optional<bool> GpioInput::read() {
-    // Edges before level: one that comes in between is still there for the next wake.
+    // Reads edges before the level: an edge in between is then still there for the next wake-up.
     std::array<char, kMostEdges * kEdgeBytes> edges;
     if (::read(descriptor(), edges.data(), edges.size()) < 0 && errno != EAGAIN && errno != EINTR) {
         return std::nullopt;

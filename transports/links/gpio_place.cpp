@@ -28,10 +28,10 @@ tl::unexpected<std::string> refused(std::string_view text, const std::string& wh
 tl::expected<GpioPlace, std::string> parse_gpio_place(std::string_view text) {
     const bool path = text.starts_with('/');
     const bool chip = path || text.starts_with(kChip);
-    // A line's name may have a colon, and so may a path.
+    // A line's name may contain a colon, and so may a path.
     const std::size_t colon = path ? text.rfind(':') : text.find(':');
     if (chip && colon == std::string_view::npos) {
-        return refused(text, "names a chip but none of its lines");
+        return refused(text, "names a chip but no line");
     }
     GpioPlace place;
     std::string_view line = text;
@@ -51,7 +51,7 @@ tl::expected<GpioPlace, std::string> parse_gpio_place(std::string_view text) {
     }
     unsigned offset = 0;
     if (std::from_chars(line.data(), line.data() + line.size(), offset).ec != std::errc()) {
-        return refused(text, "has an offset that no chip has");
+        return refused(text, "has an offset that is too large");
     }
     place.line = offset;
     return place;

@@ -13,7 +13,7 @@ namespace tribus {
 namespace {
 
 constexpr std::size_t kMostNames = 6;
-/// The kernel's own ENOTSUPP, which gets out to programs but not into their headers.
+/// The kernel's internal ENOTSUPP, which reaches programs but is not in their headers.
 constexpr int kDriverCannot = 524;
 
 constexpr const char* kNoChips =
@@ -24,13 +24,13 @@ constexpr const char* kNoPermission =
     "no permission to open it; GPIO chips belong to root alone unless a rule says otherwise: put "
     "SUBSYSTEM==\"gpio\", KERNEL==\"gpiochip*\", GROUP=\"gpio\", MODE=\"0660\" into "
     "/etc/udev/rules.d/60-gpio.rules, then `sudo groupadd --system gpio; sudo usermod -aG gpio "
-    "$USER; sudo udevadm trigger`, and log in anew";
+    "$USER; sudo udevadm trigger`, and log in again";
 constexpr const char* kForbidden =
-    "this program may open no GPIO chip, whoever runs it; does its service's unit lack "
+    "this program may not open any GPIO chip, not even as root; does its service's unit lack "
     "`DeviceAllow=char-gpiochip rw`?";
 constexpr const char* kOldKernel =
     "the kernel lacks the GPIO interface that this program is built for: version 2 of libgpiod "
-    "takes Linux 5.10 or newer, version 1 takes CONFIG_GPIO_CDEV_V1";
+    "needs Linux 5.10 or newer, version 1 needs CONFIG_GPIO_CDEV_V1";
 
 std::string short_name(const GpioChip& chip) {
     return chip.path.substr(chip.path.rfind('/') + 1);
@@ -57,7 +57,7 @@ std::string chip_problem(int error) {
         case ENOENT:
             return "it has just been removed";
         default:
-            return std::string("the kernel does not tell its lines: ") + std::strerror(error);
+            return std::string("the kernel does not describe its lines: ") + std::strerror(error);
     }
 }
 
@@ -71,7 +71,7 @@ std::size_t common_start(std::string_view a, std::string_view b) {
         a.begin());
 }
 
-/// The names that begin most like `wrong` first.
+/// All names; those that begin most like `wrong` come first.
 std::vector<std::string_view> names_like(std::string_view wrong, std::span<const GpioChip> chips) {
     std::vector<std::string_view> names;
     for (const GpioChip& chip : chips) {
@@ -91,16 +91,17 @@ std::string no_such_name(const std::string& name, std::span<const GpioChip> chip
     std::string text = "no line of " + short_names(chips) + " has the name " + in_quotes(name);
     const auto names = names_like(name, chips);
     if (names.empty()) {
-        text += "; no line there has one: give chip and offset, such as " +
-                short_name(chips.front()) + ":0";
+        text += "; no line has a name: give chip and offset, such as " + short_name(chips.front()) +
+                ":0";
     } else {
         const std::size_t shown = std::min(names.size(), kMostNames);
-        text += "; names there: " + in_quotes_all(std::span(names).first(shown));
+        text += "; the names are: " + in_quotes_all(std::span(names).first(shown));
         text += shown < names.size() ? " and more, which `gpioinfo` (package gpiod) shows" : "";
     }
     for (const GpioChip& chip : chips) {
         if (chip.error != 0) {
-            text += "; of " + short_name(chip) + " it is not known: " + chip_problem(chip.error);
+            text +=
+                "; the lines of " + short_name(chip) + " are unknown: " + chip_problem(chip.error);
         }
     }
     return text;
@@ -143,7 +144,7 @@ tl::expected<GpioFinding, std::string> find_offset(unsigned offset, const GpioCh
 
 std::string in_use(const std::string& consumer) {
     if (consumer.empty()) {
-        return "it is in use, the kernel does not tell by whom: another program, a driver, or "
+        return "it is in use, the kernel does not say by what: another program, a driver, or "
                "another function of this pin (UART, SPI, ...); free it, or use another line";
     }
     return "it is in use by " + in_quotes(consumer) +
@@ -166,7 +167,7 @@ tl::expected<GpioFinding, std::string> find_gpio_line(const GpioPlace& place,
         if (chip == chips.end()) {
             return tl::unexpected("there is no such GPIO chip; this machine has " +
                                   short_names(chips) +
-                                  ", of which `gpiodetect` (package gpiod) tells more");
+                                  "; `gpiodetect` (package gpiod) describes them");
         }
         searched = {chip, 1};
     }
@@ -180,7 +181,7 @@ tl::expected<GpioFinding, std::string> find_gpio_line(const GpioPlace& place,
         return find_name(*name, searched);
     }
     if (chip_path.empty()) {
-        return tl::unexpected("an offset takes a chip, such as " + short_name(chips.front()) + ":" +
+        return tl::unexpected("an offset needs a chip, such as " + short_name(chips.front()) + ":" +
                               to_text(place));
     }
     return find_offset(std::get<unsigned>(place.line), searched.front());
@@ -191,12 +192,12 @@ std::string gpio_refusal(int error, const GpioLineFacts& line, GpioUse use, Gpio
         return in_use(line.consumer);
     }
     if (error == EINVAL && bias != GpioBias::as_is) {
-        return "the kernel takes no bias for it: that takes Linux 5.5 or newer and a chip that has "
-               "such resistors; ask for none, and put a resistor of your own to the line";
+        return "the kernel refuses a bias for it: that needs Linux 5.5 or newer and a chip with "
+               "such resistors; set no bias, and connect a resistor to the line";
     }
     if (use == GpioUse::input && (error == ENODEV || error == ENXIO)) {
-        return "its chip tells no changes of this line (it has no interrupt), or is gone; use a "
-               "line of another chip";
+        return "its chip does not report changes of this line (it has no interrupt), or is gone; "
+               "use a line of another chip";
     }
     if (error == kDriverCannot || error == EOPNOTSUPP || error == EIO) {
         return use == GpioUse::output

@@ -10,34 +10,36 @@
 
 namespace tribus {
 
-/// A link whose far side is the caller: for simulation and tests. No descriptor and no heap.
+/// A link whose other end is the caller, for simulation and tests. No descriptor and no heap.
+/// Thread-bound.
 class MemoryLink : public ByteLink {
   public:
-    /// Bytes that may stand in each direction: as much as a terminal's input buffer holds.
+    /// Capacity of each direction in bytes: that of a terminal's input buffer.
     static constexpr std::size_t kCapacity = 4096;
 
     ReadStatus read(Reception& reception) override;
-    /// Busy where `kCapacity` would be exceeded: the far side has not cleared what was written.
+    /// Busy if `kCapacity` would be exceeded because the other end has not cleared the written
+    /// bytes.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
     void discard_unread() override { waiting_ = 0; }
     int descriptor() const override { return -1; }
 
-    /// The far side sends. Returns how many bytes were taken: none while the link is lost; what
-    /// does not fit is gone, as in an overrun.
+    /// The other end sends. Returns how many bytes were accepted: none while the link is lost;
+    /// bytes without room are lost, as in an overrun.
     std::size_t send(std::span<const std::uint8_t> bytes);
-    /// As `send`, with the marks of parity or framing errors.
+    /// Like `send`, with marks of parity or framing errors.
     std::size_t send(const Reception& bytes);
-    /// One byte with a parity or framing error.
+    /// Sends one byte with a parity or framing error.
     bool send_damaged(std::uint8_t byte);
 
-    /// What was written since the last `clear_written`, and in how many frames.
+    /// Bytes and frames written since the latest `clear_written`.
     std::span<const std::uint8_t> written() const { return {written_.data(), written_count_}; }
     std::size_t frames_written() const { return frames_written_; }
     void clear_written();
 
     /// While busy, every write is refused.
     void set_busy(bool busy) { busy_ = busy; }
-    /// The device vanishes, with all bytes that were not read, or is back.
+    /// Removes the device, with all unread bytes, or returns it.
     void set_lost(bool lost);
 
   private:

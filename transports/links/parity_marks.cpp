@@ -57,8 +57,8 @@ void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {
                 place_ = Place::before_damaged;
                 return;
             }
-            // The kernel puts nothing but FF or 00 here. Should another byte come, a byte is
-            // missing in between: not to be trusted.
+            // The kernel puts only FF or 00 here. Before any other byte, one is missing, so it is
+            // marked as damaged.
             append_byte(byte, byte != kMark, reception);
             place_ = Place::plain;
             return;

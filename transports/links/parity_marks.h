@@ -7,14 +7,14 @@
 
 namespace tribus {
 
-/// Undoes the marks that a Linux terminal line puts into its bytes under INPCK and PARMRK
+/// Removes the marks that a Linux terminal line inserts with INPCK and PARMRK
 /// (docs/protocols/sbus.md, "Serial port: parity"): FF FF is one good byte FF; FF 00 xx is a byte
-/// xx with a parity or framing error, and FF 00 00 is also what a break looks like. Keeps its place
-/// from one read to the next, since the kernel may cut anywhere. Pure; thread-bound.
+/// xx with a parity or framing error, and FF 00 00 also a break. Keeps its state between reads,
+/// since the kernel may cut anywhere. Pure; thread-bound.
 class ParityMarks {
   public:
-    /// Appends what `raw` means to `reception`: at most one byte for each raw byte. Promises
-    /// nothing about raw bytes beyond the room that `reception` has.
+    /// Appends the bytes of `raw` to `reception`: at most one for each raw byte. Raw bytes for
+    /// which `reception` has no room are lost.
     void take(std::span<const std::uint8_t> raw, Reception& reception);
 
   private:

@@ -24,12 +24,12 @@ using recording_text::trimmed;
 
 constexpr std::string_view kSaleaeHeading = "Time [s],Value,Parity Error,Framing Error";
 
-/// Bytes that start less than this apart are one burst. Longer than two bytes of any line that is
-/// read (120 us at 100000 baud 8E2), shorter than the step between SBUS2 slots
-/// (docs/protocols/sbus.md, "Footer and SBUS2").
+/// Bytes that start less than this apart are one burst. Longer than two bytes of any supported line
+/// (120 us at 100000 baud 8E2), shorter than the distance of SBUS2 slots (docs/protocols/sbus.md,
+/// "Footer and SBUS2").
 constexpr Duration kBurstGap = std::chrono::microseconds(300);
 
-/// Beyond any recording; its nanoseconds fit.
+/// Above any recording; in nanoseconds it fits.
 constexpr double kMostSeconds = 1e9;
 
 std::optional<std::uint8_t> parse_byte(std::string_view text, int base) {
@@ -43,7 +43,7 @@ std::optional<std::uint8_t> parse_hex_byte(std::string_view text) {
     return text.size() == 2 ? parse_byte(text, 16) : std::nullopt;
 }
 
-/// The analyser writes seconds, short ones perhaps as 5E-05.
+/// The analyser writes seconds, small values also as 5E-05.
 std::optional<Duration> parse_seconds(std::string_view text) {
     double seconds = 0;
     const char* end = text.data() + text.size();
@@ -76,8 +76,8 @@ tl::expected<Burst, std::string> parse_bytes(std::string_view file, const Line& 
         if (!byte) {
             return mistake_at(file, line.number, token.column,
                               quoted(token.text) +
-                                  " is no byte; a byte is two hex digits, bytes "
-                                  "stand apart: 20 40 dc 05");
+                                  " is not a byte; a byte is two hex digits, with "
+                                  "a space between bytes: 20 40 dc 05");
         }
         burst.bytes.push_back(*byte);
         burst.damaged.push_back(damaged);
@@ -118,13 +118,13 @@ tl::expected<Recording, std::string> parse_timed(std::string_view content, std::
         if (!start) {
             return mistake_at(file, line.number, time.column,
                               quoted(time.text) +
-                                  " is no time; a line of a timed recording starts "
+                                  " is not a time; a line of a timed recording starts "
                                   "with decimal microseconds: 1146 20 40 dc 05");
         }
         if (!recording.bursts.empty() && *start < *recording.bursts.back().start) {
             return mistake_at(file, line.number, time.column,
                               "the time " + std::string(time.text) +
-                                  " is before that of the line ahead; times may not go back");
+                                  " is before that of the line above; times must not decrease");
         }
         auto burst = parse_bytes(file, line, tokens);
         if (!burst) {
@@ -204,16 +204,17 @@ tl::expected<Recording, std::string> parse_saleae(std::string_view content, std:
         }
         const auto start = parse_seconds((*row)[kTime].text);
         if (!start || (!recording.bursts.empty() && *start < previous)) {
-            return mistake_at(file, line.number, (*row)[kTime].column,
-                              quoted((*row)[kTime].text) +
-                                  (start ? " is before the time of the row ahead" : " is no time") +
-                                  "; times are seconds and do not go back");
+            return mistake_at(
+                file, line.number, (*row)[kTime].column,
+                quoted((*row)[kTime].text) +
+                    (start ? " is before the time of the row above" : " is not a time") +
+                    "; times are seconds and must not decrease");
         }
         const auto byte = parse_saleae_value((*row)[kValue].text);
         if (!byte) {
-            return mistake_at(
-                file, line.number, (*row)[kValue].column,
-                quoted((*row)[kValue].text) + " is no byte; export with hexadecimal values: 0x0F");
+            return mistake_at(file, line.number, (*row)[kValue].column,
+                              quoted((*row)[kValue].text) +
+                                  " is not a byte; export with hexadecimal values: 0x0F");
         }
         const bool damaged =
             !(*row)[kParityError].text.empty() || !(*row)[kFramingError].text.empty();
@@ -245,7 +246,7 @@ tl::expected<Recording, std::string> parse_recording(std::string_view content,
 
 tl::expected<Recording, std::string> parse_recording(std::string_view content,
                                                      std::string_view file_name) {
-    const auto kind = tell_recording_kind(content, file_name);
+    const auto kind = detect_recording_kind(content, file_name);
     if (!kind) {
         return Mistake(kind.error());
     }

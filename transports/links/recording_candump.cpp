@@ -25,24 +25,24 @@ constexpr Duration kMostStepBack = std::chrono::milliseconds(100);
 constexpr std::string_view kWhatALineIs =
     "; a line is (1436509052.249713) can0 123#1122, as candump -L and candump -l write it";
 
-/// Set in the id of a line that is a note of the controller (CAN_ERR_FLAG).
+/// Set in the id of a line that is an error frame of the kernel (CAN_ERR_FLAG).
 constexpr std::uint32_t kErrorFlag = 0x2000'0000;
 constexpr std::size_t kStandardDigits = 3;
 constexpr std::size_t kExtendedDigits = 8;
 
-/// Flags behind "##"; 4 says FD once more, and 8 has no meaning.
+/// Flags after "##". 4 also marks FD, 8 has no meaning.
 constexpr unsigned kBitRateSwitch = 1;
 constexpr unsigned kErrorStateIndicator = 2;
 
 /// Names of interfaces have at most 15 characters in Linux.
 constexpr std::size_t kLongestInterface = 15;
 
-/// 10 digits of seconds reach to the year 2286; their nanoseconds fit.
+/// 10 digits of seconds reach to the year 2286; in nanoseconds they fit.
 constexpr std::size_t kMostSecondDigits = 10;
 constexpr std::uint64_t kMostUnixSeconds = 9'000'000'000;
 constexpr std::size_t kMostFractionDigits = 9;
 
-/// What is wrong with a word, and how far into it.
+/// An error in a word, and its position in the word.
 struct Flaw {
     std::size_t at = 0;
     std::string text;
@@ -94,18 +94,18 @@ tl::expected<void, Flaw> read_id(std::string_view digits, CanFrame& frame) {
     const bool right_size = digits.size() == kStandardDigits || digits.size() == kExtendedDigits;
     if (!id || !right_size) {
         return FlawFound(
-            {0, quoted(digits) + " is no id; an 11-bit id is 3 hex digits, a 29-bit id is 8"});
+            {0, quoted(digits) + " is not an id; an 11-bit id is 3 hex digits, a 29-bit id is 8"});
     }
     frame.extended = digits.size() == kExtendedDigits;
     frame.id = *id;
     if (*id > (frame.extended ? kMostExtendedId : kMostStandardId)) {
-        return FlawFound({0, quoted(digits) + " is beyond the highest id, " +
+        return FlawFound({0, quoted(digits) + " is above the highest id, " +
                                  (frame.extended ? "1FFFFFFF" : "7FF")});
     }
     return {};
 }
 
-/// Takes bytes off the front of `text`; points may stand between them.
+/// Removes bytes from the front of `text`; points may separate them.
 tl::expected<void, Flaw> read_data(std::string_view& text, std::size_t offset, CanFrame& frame) {
     const std::size_t most = frame.fd ? kMostFdBytes : kMostClassicBytes;
     const std::size_t size = text.size();
@@ -117,11 +117,11 @@ tl::expected<void, Flaw> read_data(std::string_view& text, std::size_t offset, C
         const auto byte = parse_number<std::uint8_t>(text.substr(0, 2), 16);
         if (!byte || text.size() < 2) {
             return FlawFound(
-                {at, quoted(text.substr(0, 2)) + " is no byte; a byte is two hex digits"});
+                {at, quoted(text.substr(0, 2)) + " is not a byte; a byte is two hex digits"});
         }
         if (frame.length == most) {
             return FlawFound({at, "more than " + std::to_string(most) + " bytes in one frame" +
-                                      (frame.fd ? "" : "; FD frames have ## behind the id")});
+                                      (frame.fd ? "" : "; FD frames have ## after the id")});
         }
         frame.data[frame.length++] = *byte;
         text.remove_prefix(2);
@@ -132,7 +132,7 @@ tl::expected<void, Flaw> read_data(std::string_view& text, std::size_t offset, C
 tl::expected<void, Flaw> read_fd(std::string_view text, std::size_t offset, CanFrame& frame) {
     const auto flags = parse_hex(text.substr(0, 1));
     if (!flags) {
-        return FlawFound({offset, "behind ## stands one hex digit of flags, then the data"});
+        return FlawFound({offset, "## is followed by one hex digit of flags, then the data"});
     }
     frame.fd = true;
     frame.bit_rate_switch = (*flags & kBitRateSwitch) != 0;
@@ -162,21 +162,21 @@ tl::expected<void, Flaw> read_classic(std::string_view text, std::size_t offset,
     } else if (auto read = read_data(text, offset, frame); !read) {
         return read;
     }
-    // The length code as sent, where 9 to F also mean 8 bytes.
+    // The length code as sent; 9 to F also mean 8 bytes.
     const auto code =
         text.size() == 2 && text.front() == '_' ? parse_hex(text.substr(1)) : std::nullopt;
     if (text.empty() || (code && *code > kMostClassicBytes && frame.length == kMostClassicBytes)) {
         return {};
     }
     return FlawFound({offset + size - text.size(),
-                      quoted(text) + " does not belong here; behind 8 bytes may stand _9 to _F"});
+                      quoted(text) + " is not allowed here; 8 bytes may be followed by _9 to _F"});
 }
 
-/// `123#1122`, `12345678#R5`, `123##1` and up to 64 bytes.
+/// `123#1122`, `12345678#R5`, `123##1` followed by up to 64 bytes.
 tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
     const std::size_t mark = word.find('#');
     if (mark == std::string_view::npos) {
-        return FlawFound({0, quoted(word) + " is no frame" + std::string(kWhatALineIs)});
+        return FlawFound({0, quoted(word) + " is not a frame" + std::string(kWhatALineIs)});
     }
     CanFrame frame;
     if (auto read = read_id(word.substr(0, mark), frame); !read) {
@@ -192,7 +192,7 @@ tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
     return frame;
 }
 
-/// Newer versions of candump add whether the frame was received or sent.
+/// Newer versions of candump append whether the frame was received or sent.
 bool is_direction(std::string_view word) {
     return word == "R" || word == "T";
 }
@@ -216,12 +216,13 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     }
     auto logged = parse_time(time.text);
     if (!logged) {
-        return mistake(time.column, quoted(time.text) + " is no time" + std::string(kWhatALineIs));
+        return mistake(time.column,
+                       quoted(time.text) + " is not a time" + std::string(kWhatALineIs));
     }
     if (log_start_ && *logged < latest_ - kMostStepBack) {
         return mistake(time.column,
                        "the time " + std::string(time.text) +
-                           " is more than 100 ms before that of the line ahead (sort -s -k1,1 puts "
+                           " is more than 100 ms before that of the line above (sort -s -k1,1 puts "
                            "a whole log in order)");
     }
     if (log_start_) {
@@ -234,8 +235,9 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
                        "a time without an interface and a frame" + std::string(kWhatALineIs));
     }
     if (interface.text.size() > kLongestInterface) {
-        return mistake(interface.column, quoted(interface.text) +
-                                             " is no interface; names have at most 15 characters");
+        return mistake(
+            interface.column,
+            quoted(interface.text) + " is not an interface; names have at most 15 characters");
     }
     const bool error_frame = is_error_frame(word.text);
     const auto frame = error_frame ? tl::expected<CanFrame, Flaw>() : parse_frame(word.text);
@@ -245,7 +247,7 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     Token further;
     if (tokens.next(further) && (!is_direction(further.text) || tokens.next(further))) {
         return mistake(further.column,
-                       quoted(further.text) + " behind the frame" + std::string(kWhatALineIs));
+                       quoted(further.text) + " after the frame" + std::string(kWhatALineIs));
     }
     latest_ = *logged;
     log_start_ = log_start_.value_or(*logged);
@@ -265,7 +267,7 @@ tl::expected<Recording, std::string> parse_candump(std::string_view content,
     Lines lines(content);
     Line line;
     while (lines.next(line)) {
-        // In this form a '#' starts no comment but the data.
+        // In this format '#' starts the data, not a comment.
         const std::string_view whole(line.text.data(), line.text.size() + line.comment.size());
         auto frame = reader.next(whole);
         if (!frame) {

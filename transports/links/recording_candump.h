@@ -11,25 +11,25 @@
 #include "core/time.h"
 #include "transports/links/recording.h"
 
-/// The log of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"): one CAN
-/// frame a line.
+/// Logs of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"): one CAN
+/// frame per line.
 namespace tribus {
 
-/// Reads the lines of one log in their order, as they come. Thread-bound.
+/// Reads the lines of one log in order, as they arrive. Thread-bound.
 class CandumpReader {
   public:
     explicit CandumpReader(std::string_view file_name) : file_(file_name) {}
 
-    /// Takes the next line, without its end. The kernel stamps a frame when it is sent or taken
-    /// from the controller, and hands it over later: frames of two senders may change places, by a
-    /// few milliseconds on a busy machine. Such a step back, of 100 ms at most, counts as none: the
-    /// frame has the time of the one ahead. Nothing for a blank line, a comment and an error
-    /// frame. The error is `file:line:column: text`; the line is left out then, and reading may go
-    /// on.
+    /// Takes the next line, without its line end. The kernel stamps a frame when it is sent or
+    /// taken from the controller, and delivers it later, so frames of two senders may change
+    /// places, by a few milliseconds on a busy machine. A step back of at most 100 ms is therefore
+    /// corrected: the frame gets the time of the one before. Returns nothing for a blank line, a
+    /// comment and an error frame. The error is `file:line:column: text`; that line is skipped, and
+    /// reading may continue.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next(std::string_view line);
 
-    /// What the log calls its zero: the time of its first line, or, as the flight recorder writes
-    /// it, of a comment `# zero (1436509052.249713)` above.
+    /// Time of the log's zero: that of its first line, or of a comment `# zero (1436509052.249713)`
+    /// above it, as the flight recorder writes it.
     Duration log_start() const { return log_start_.value_or(Duration::zero()); }
     std::uint64_t error_frames() const { return error_frames_; }
 
@@ -44,7 +44,7 @@ class CandumpReader {
 tl::expected<Recording, std::string> parse_candump(std::string_view content,
                                                    std::string_view file_name);
 
-/// The interfaces that a log names, in the order in which they first appear.
+/// The interfaces in a log, in the order in which they first appear.
 std::vector<std::string> interfaces_in(const Recording& recording);
 
 }  // namespace tribus

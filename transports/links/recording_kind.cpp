@@ -21,11 +21,11 @@ constexpr std::string_view kTimedHeadingStart = "t_us";
 constexpr std::string_view kSaleaeStart = "Time [s]";
 constexpr char kCandumpStart = '(';
 
-/// One byte in so many must be none of text for the content to be taken as raw. Frames of the
-/// serial protocols are far above: i.Bus has a control character in every second byte.
+/// Content is raw if at least one byte in this many does not occur in text. Frames of serial
+/// protocols are far above: in i.Bus every second byte is a control character.
 constexpr std::size_t kRawShare = 16;
 
-/// What the first words of the lines tell.
+/// Decides by the first words of the lines.
 RecordingKind hex_or_timed(std::string_view content) {
     Lines lines(content);
     Line line;
@@ -65,17 +65,16 @@ bool looks_raw(std::string_view beginning) {
     return only_raw(find_oddities(beginning).count, beginning.size());
 }
 
-tl::expected<RecordingKind, std::string> tell_recording_kind(std::string_view content,
-                                                             std::string_view file_name) {
+tl::expected<RecordingKind, std::string> detect_recording_kind(std::string_view content,
+                                                               std::string_view file_name) {
     const Oddities odd = find_oddities(content);
     if (only_raw(odd.count, content.size())) {
         return RecordingKind::raw;
     }
     if (odd.count > 0) {
-        return mistake_at(
-            file_name, odd.line, odd.column,
-            "a byte that is no text in a file that otherwise is; mend it, or say that "
-            "the file holds raw bytes");
+        return mistake_at(file_name, odd.line, odd.column,
+                          "a byte that is not text in a file of text; correct it, or say that "
+                          "the file holds raw bytes");
     }
     Lines lines(content);
     Line line;

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
-/// 15 digits of microseconds are 31 years, and their nanoseconds fit.
+/// 15 digits of microseconds are 31 years; in nanoseconds they fit.
 constexpr std::size_t kMostTimeDigits = 15;
 
 bool is_digit(char character) {

@@ -9,37 +9,38 @@
 
 #include "core/time.h"
 
-/// What the readers of recordings share: lines, words, numbers, mistakes. Pure.
+/// Common parts of the readers of recordings: lines, words, numbers, errors. Pure and reentrant,
+/// except for the classes, which are thread-bound.
 namespace tribus::recording_text {
 
-/// Behind a byte that came with a parity or framing error.
+/// Follows a byte with a parity or framing error.
 inline constexpr char kDamagedMark = '!';
 
-/// A comment that says what a log of candump calls its zero; the time follows.
+/// Start of a comment in a candump log that gives the time of its zero.
 inline constexpr std::string_view kCandumpZero = "# zero ";
 
 using Mistake = tl::unexpected<std::string>;
 
-/// `file:line:column: text`, both counted from 1.
+/// An error as `file:line:column: text`. Line and column count from 1.
 Mistake mistake_at(std::string_view file, unsigned line, unsigned column, std::string_view text);
 
-/// In quotation marks, a long one cut.
+/// `text` in quotation marks; a long one is cut.
 std::string quoted(std::string_view text);
 
-/// Without those of `blanks` that it starts or ends with.
+/// `text` without the characters of `blanks` at its start and end.
 std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r");
 
-/// Decimal microseconds with an optional sign and fraction, of which nanoseconds are kept.
+/// Reads decimal microseconds with an optional sign and fraction; keeps nanoseconds.
 std::optional<Duration> parse_microseconds(std::string_view text);
 
-/// One line: what stands before its comment, and the comment.
+/// One line: the text before its comment, and the comment.
 struct Line {
     unsigned number = 0;
     std::string_view text;
     std::string_view comment;
 };
 
-/// Walks over the lines of a text; a byte order mark in front is none of it.
+/// Iterates over the lines of a text. Skips a byte order mark at its start.
 class Lines {
   public:
     explicit Lines(std::string_view content);
@@ -55,7 +56,7 @@ struct Token {
     unsigned column = 1;
 };
 
-/// Walks over the words of a line.
+/// Iterates over the words of a line.
 class Tokens {
   public:
     explicit Tokens(std::string_view line) : line_(line) {}
@@ -66,15 +67,15 @@ class Tokens {
     std::size_t at_ = 0;
 };
 
-/// Bytes that no text has: how many, and where the first one stands.
+/// Bytes that do not occur in text: their number, and the place of the first one.
 struct Oddities {
     std::size_t count = 0;
     unsigned line = 0;
     unsigned column = 0;
 };
 
-/// Control characters anywhere; bytes above ASCII outside comments, where they may be a word in
-/// someone's language.
+/// Counts control characters everywhere, and bytes above ASCII outside comments, which may be in
+/// any language.
 Oddities find_oddities(std::string_view content);
 
 }  // namespace tribus::recording_text

@@ -17,7 +17,7 @@ void append_byte(std::string& text, std::uint8_t byte) {
     text += kDigits[byte & 0xFU];
 }
 
-/// As candump writes it: in capital letters.
+/// In capital letters, as candump writes it.
 void append_hex_number(std::string& text, std::uint32_t number, unsigned digits) {
     constexpr std::string_view kDigits = "0123456789ABCDEF";
     while (digits > 0) {

@@ -1,6 +1,7 @@
 #include "transports/links/serial_port.h"
 
-// <termios.h> knows neither termios2 nor BOTHER and cannot stand beside this header.
+// <termios.h> lacks termios2 and BOTHER and cannot be included beside this header
+// (docs/protocols/sbus.md, "Serial port: bit rate").
 #include <asm/termbits.h>
 #include <fcntl.h>
 #include <linux/serial.h>
@@ -24,7 +25,7 @@ namespace tribus {
 
 namespace {
 
-// A read that a signal interrupts is repeated so often and no more: only the end of a stop
+// Number of tries of a read that a signal interrupts. Only the signal that stops the program
 // interrupts the data thread.
 constexpr int kInterruptedTries = 3;
 
@@ -45,17 +46,17 @@ std::string open_problem(int error) {
         case ENOENT:
         case ENOTDIR:
             return "there is no such device; is it plugged in? `ls /dev/serial/by-id` lists the "
-                   "USB adapters that are there";
+                   "connected USB adapters";
         case EACCES:
         case EPERM:
             return "no permission to open it; serial devices belong to the group dialout: "
-                   "`sudo usermod -aG dialout $USER`, then log in anew";
+                   "`sudo usermod -aG dialout $USER`, then log in again";
         case EBUSY:
             return kInUse;
         case ENXIO:
         case ENODEV:
         case EIO:
-            return "the device node is there but no device is behind it; is the port enabled?";
+            return "the device node exists, but it has no device; is the port enabled?";
         default:
             return std::string("cannot open it: ") + std::strerror(error);
     }
@@ -76,7 +77,7 @@ tl::expected<UniqueFd, std::string> open_device(const std::string& device) {
     if (::stat(device.c_str(), &node) != 0) {
         return tl::unexpected(open_problem(errno));
     }
-    // Only then open it: opening can have effects on what is no serial device.
+    // Checked before opening, because opening other devices can have effects.
     if (!S_ISCHR(node.st_mode)) {
         return tl::unexpected(not_serial());
     }
@@ -87,13 +88,14 @@ tl::expected<UniqueFd, std::string> open_device(const std::string& device) {
     return fd;
 }
 
-/// Nothing, or why the device cannot be ours alone. Called before any setting is touched.
+/// Why the device cannot be used by this program alone; nothing if it can. Called before any
+/// setting is changed.
 std::optional<std::string> claim(int fd, bool pseudo_terminal) {
     if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
         return errno == EWOULDBLOCK ? std::string(kInUse) : open_problem(errno);
     }
-    // TIOCEXCL keeps out everyone but root, so root has to ask. Not on a pty, where the mark of
-    // a program that was killed stays for as long as the other end is open.
+    // TIOCEXCL excludes everyone but root, so root must ask. Not on a pty, where the mark of a
+    // killed program stays as long as the other end is open.
     int exclusive = 0;
     if (!pseudo_terminal && ::ioctl(fd, TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
         return kInUse;
@@ -114,20 +116,20 @@ struct termios2 raw_line(const LineSettings& settings) {
     }
     line.c_ispeed = settings.baud;
     line.c_ospeed = settings.baud;
-    // With VMIN 0 an empty queue and a device that is gone would both read as no bytes.
+    // With VMIN 0, an empty queue and a missing device would both read as no bytes.
     line.c_cc[VMIN] = 1;
     line.c_cc[VTIME] = 0;
     return line;
 }
 
-/// Sets the line and reports what the port made of it.
+/// Sets the line and reports which settings the port kept.
 tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSettings& settings) {
     struct termios2 line {};
     if (::ioctl(fd, TCGETS2, &line) != 0) {
         return tl::unexpected(settings_problem(errno));
     }
-    // Raw mode and line in one call, then the flush: what came in while echo was on is neither
-    // read nor sent back.
+    // Sets raw mode and line in one call, then flushes: bytes that came while echo was on are
+    // neither read nor sent back.
     const struct termios2 wanted = raw_line(settings);
     if (::ioctl(fd, TCSETS2, &wanted) != 0) {
         return tl::unexpected(settings_problem(errno));
@@ -136,7 +138,7 @@ tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSett
     if (::ioctl(fd, TCGETS2, &line) != 0) {
         return tl::unexpected(settings_problem(errno));
     }
-    // Never compare c_cflag whole: the kernel puts B115200 where BOTHER was asked
+    // Never compare the whole of c_cflag: the kernel replaces BOTHER by B115200
     // (docs/protocols/sbus.md, "Serial port: bit rate").
     const tcflag_t changed = line.c_cflag ^ wanted.c_cflag;
     PortFacts facts;
@@ -147,7 +149,7 @@ tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSett
     facts.parity_kept = (changed & (PARENB | PARODD | CMSPAR)) == 0;
     facts.stop_bits_kept = (changed & CSTOPB) == 0;
     facts.data_bits_kept = (changed & CSIZE) == 0;
-    // After the rate is set: some drivers change their base clock with it.
+    // After setting the rate, because some drivers change their base clock with it.
     struct serial_struct driver {};
     if (::ioctl(fd, TIOCGSERIAL, &driver) == 0 && driver.baud_base > 0) {
         facts.driver = SerialDriverFacts{driver.type, static_cast<std::uint32_t>(driver.baud_base)};
@@ -155,8 +157,9 @@ tl::expected<PortFacts, std::string> set_line(int fd, dev_t node, const LineSett
     return facts;
 }
 
-/// Asks for bytes as soon as they arrive (an FTDI holds them back 16 ms otherwise) and for a
-/// short wait at close. Drivers without either, and users without the right, go on without.
+/// Requests delivery of bytes without delay (an FTDI holds them back 16 ms otherwise;
+/// docs/protocols/sbus.md, "Serial port: latency") and a short wait at close. Optional: some
+/// drivers support neither, and some users lack the right.
 void prefer_low_latency(int fd) {
     constexpr unsigned short kClosingWaitCentiseconds = 10;
     struct serial_struct driver {};
@@ -165,7 +168,7 @@ void prefer_low_latency(int fd) {
     }
     driver.flags = static_cast<int>(static_cast<unsigned>(driver.flags) | ASYNC_LOW_LATENCY);
     ::ioctl(fd, TIOCSSERIAL, &driver);
-    // A call of its own: only root may change this, and would take the latency down with it.
+    // A separate call: only root may change this, and its refusal would undo the low latency.
     driver.closing_wait = kClosingWaitCentiseconds;
     ::ioctl(fd, TIOCSSERIAL, &driver);
 }
@@ -220,7 +223,8 @@ SerialPort::~SerialPort() {
     if (queued > 0) {
         ::ioctl(fd_.get(), TCFLSH, TCOFLUSH);
     }
-    // The mark outlives us where something else keeps the terminal, as a pty's other end does.
+    // The mark would outlive the port if something else keeps the terminal open, such as the other
+    // end of a pty.
     ::ioctl(fd_.get(), TIOCNXCL);
 }
 
@@ -231,7 +235,7 @@ ReadStatus SerialPort::read(Reception& reception) {
     if (lost_) {
         return ReadStatus::lost;
     }
-    // No larger than a Reception: marks only shrink, so all of it finds room.
+    // Not larger than a Reception: removing marks only shortens the bytes, so they always fit.
     std::array<std::uint8_t, kBytesPerRead> raw;
     ssize_t taken = -1;
     int error = EINTR;
@@ -247,14 +251,15 @@ ReadStatus SerialPort::read(Reception& reception) {
     if (taken < 0 && (error == EAGAIN || error == EINTR)) {
         return ReadStatus::nothing;
     }
-    // End of file is a hang-up. Any other error would come again at every wake: give up, too.
+    // End of file is a hang-up. Any other error would occur again at every wake-up, so the port is
+    // given up too.
     lost_ = true;
     return ReadStatus::lost;
 }
 
 void SerialPort::discard_unread() {
-    // What the line buffer had no room for is handed to it a while after it was read: only the
-    // kernel can throw away both.
+    // Bytes for which the line buffer has no room are moved there later, so only the kernel can
+    // discard both.
     ::ioctl(fd_.get(), TCFLSH, TCIFLUSH);
     marks_ = {};
 }
@@ -268,7 +273,7 @@ WriteStatus SerialPort::ask() {
     int queued = 0;
     if (!lost_ && ::ioctl(fd_.get(), TIOCOUTQ, &queued) != 0) {
         lost_ = device_is_gone(errno);
-        queued = 0;  // a driver that cannot tell: let the write decide
+        queued = 0;  // a driver that gives no count: the write decides
     }
     return lost_ ? WriteStatus::lost : queued > 0 ? WriteStatus::busy : WriteStatus::written;
 }
@@ -277,7 +282,7 @@ WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame) {
     const ssize_t taken = ::write(fd_.get(), frame.data(), frame.size());
     const int error = errno;
     if (taken < 0 && error == EINTR) {
-        // Not tried again: nobody knows how long that took.
+        // Not repeated: the time that it took is unknown.
         return WriteStatus::busy;
     }
     if (taken < 0 && device_is_gone(error)) {
@@ -285,7 +290,7 @@ WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame) {
         return WriteStatus::lost;
     }
     if (taken != static_cast<ssize_t>(frame.size())) {
-        // What was queued is a part of a frame, or on a pty what nobody reads: stale either way.
+        // The queue holds a part of a frame, or on a pty bytes that nobody reads: both are stale.
         ::ioctl(fd_.get(), TCFLSH, TCOFLUSH);
         return WriteStatus::busy;
     }

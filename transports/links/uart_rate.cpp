@@ -11,11 +11,11 @@ namespace {
 // linux/major.h: UNIX98_PTY_SLAVE_MAJOR and the seven majors after it.
 constexpr std::uint32_t kFirstPtyMajor = 136;
 constexpr std::uint32_t kLastPtyMajor = 143;
-// Documentation/admin-guide/devices.txt: char major 4 is tty0..63, then ttyS0 and on.
+// Documentation/admin-guide/devices.txt: char major 4 is tty0 to tty63, then ttyS0 and up.
 constexpr std::uint32_t kTtyMajor = 4;
 constexpr std::uint32_t kFirstTtySMinor = 64;
 // linux/serial_core.h: PORT_AMBA. A PL011 has a fractional divisor, so whole divisors of its
-// baud_base say nothing (docs/protocols/sbus.md, "Serial port: bit rate").
+// baud_base prove nothing (docs/protocols/sbus.md, "Serial port: bit rate").
 constexpr int kPl011PortType = 32;
 
 bool divides_by_whole_numbers(const PortFacts& facts) {
@@ -45,7 +45,7 @@ std::string what_it_can_do(const PortFacts& facts) {
         "this UART divides " + std::to_string(base) + " baud by whole numbers";
     const std::uint64_t divisor = base / facts.asked.baud;
     if (divisor == 0) {
-        return divides + " and can go no faster";
+        return divides + " and cannot go faster";
     }
     return divides + ", its nearest rates are " +
            std::to_string(rate_at_divisor(base, divisor + 1)) + " and " +
@@ -100,7 +100,7 @@ std::optional<std::string> port_refusal(const PortFacts& facts) {
     if (rate_is_off(facts)) {
         return rate_refusal(facts);
     }
-    // A pty keeps neither parity nor size and needs neither: its bytes are never put on a wire.
+    // A pty keeps neither parity nor size and needs neither, since its bytes are never on a wire.
     if (is_pseudo_terminal(facts.device_major)) {
         return std::nullopt;
     }

@@ -25,8 +25,8 @@ class UniqueFd {
     int get() const { return fd_; }
     bool valid() const { return fd_ >= 0; }
 
-    /// Closes what it owns and takes over `fd`. Linux frees the descriptor even where close
-    /// reports an error, so there is nothing to retry.
+    /// Closes the descriptor and takes over `fd`. Linux frees the descriptor even if close reports
+    /// an error, so there is nothing to retry.
     void reset(int fd = -1) {
         if (fd_ >= 0) {
             ::close(fd_);

@@ -7,10 +7,10 @@
 
 namespace tribus {
 
-/// THE table: every protocol that the program speaks, one line each.
+/// All protocols of the program, one line each in the source. Reentrant.
 std::span<const Protocol* const> protocols();
 
-/// The protocol of that name, or null.
+/// The protocol with that name, or null. Reentrant.
 const Protocol* find_protocol(std::string_view name);
 
 }  // namespace tribus

@@ -123,9 +123,10 @@ TEST_F(ProgramCan, SerialProtocolRefusesALogOfCan) {
 TEST_F(ProgramCan, CanProtocolRefusesBytes) {
     const Ended text = run("echo 20 40 | \"$TRIBUS\" decode --protocol can");
     EXPECT_EQ(text.status, 1);
-    EXPECT_EQ(text.output,
-              "tribus: standard input:1:1: \"20\" is no time; a line is (1436509052.249713) can0 "
-              "123#1122, as candump -L and candump -l write it\n");
+    EXPECT_EQ(
+        text.output,
+        "tribus: standard input:1:1: \"20\" is not a time; a line is (1436509052.249713) can0 "
+        "123#1122, as candump -L and candump -l write it\n");
     const Ended raw = run("printf '\\017\\000\\000\\000' | \"$TRIBUS\" decode --protocol can");
     EXPECT_EQ(raw.status, 2);
     EXPECT_EQ(raw.output,

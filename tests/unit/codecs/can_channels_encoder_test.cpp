@@ -302,7 +302,7 @@ TEST(CanProtocol, MakesCodecsAsTheSettingsSay) {
     EXPECT_EQ(encoder->sent()[0].id, 0x123U);
     EXPECT_TRUE(encoder->sent()[0].extended);
     EXPECT_EQ(kCanProtocol.link, LinkKind::can);
-    EXPECT_TRUE(kCanProtocol.says_failsafe(settings));
+    EXPECT_TRUE(kCanProtocol.signals_failsafe(settings));
     std::array<CanFrame, kMostSnapshotFrames> frames{};
     encoder->encode(numbered_snapshot(1), can_time({}), frames);
     EXPECT_EQ(frames[0].data[0],

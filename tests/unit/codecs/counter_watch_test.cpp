@@ -31,8 +31,8 @@ class Watched {
         }
         return verdicts;
     }
-    void doubt() { watch_.doubt(); }
-    void distrust() { watch_.distrust(); }
+    void restart_proof() { watch_.restart_proof(); }
+    void require_long_proof() { watch_.require_long_proof(); }
 
   private:
     CounterWatch watch_{{.values = 16, .most_step = 3, .silence = kSilence}};
@@ -188,11 +188,11 @@ TEST(CounterWatch, AnotherContentUnderTheSameCounterCostsTheProof) {
 TEST(CounterWatch, ASecondBreakSoonMakesTheProofLongerThanWhatLayBetween) {
     Watched watched;
     watched.take_all({0, 1, 2});
-    watched.distrust();
+    watched.require_long_proof();
     for (std::uint64_t count = 3; count < 103; ++count) {
         watched.take(count % 16);
     }
-    watched.distrust();
+    watched.require_long_proof();
     for (std::uint64_t count = 103; count < 203; ++count) {
         EXPECT_EQ(watched.take(count % 16), Verdict::unconfirmed) << count;
     }
@@ -229,7 +229,7 @@ TEST(CounterWatch, WhatIsRefusedEndsTheSilenceToo) {
 TEST(CounterWatch, DoubtFromOutsideMakesAllProofDueButKeepsTheReference) {
     Watched watched;
     watched.take_all({0, 1, 2});
-    watched.doubt();
+    watched.restart_proof();
     EXPECT_EQ(watched.take_all({3, 4}), (Verdicts{Verdict::unconfirmed, Verdict::good}));
 }
 

@@ -133,7 +133,7 @@ TEST(IbusProtocol, ReadsNibblesAndWritesFourteenChannelsByDefault) {
 TEST(IbusProtocol, LeavesTimeForAWholeFrame) {
     EXPECT_LT(kIbusProtocol.line.bytes_time(kIbusProtocol.longest_frame),
               kIbusProtocol.least_period);
-    EXPECT_FALSE(kIbusProtocol.says_failsafe({}));
+    EXPECT_FALSE(kIbusProtocol.signals_failsafe({}));
 }
 
 }  // namespace

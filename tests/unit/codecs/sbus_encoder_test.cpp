@@ -145,7 +145,7 @@ TEST(SbusProtocol, MakesBothWithTheScaleOfItsSettings) {
 TEST(SbusProtocol, LeavesTheSilenceThatReadersWaitFor) {
     EXPECT_GE(kSbusProtocol.least_period,
               kSbusProtocol.line.bytes_time(kSbusFrameLength) + std::chrono::milliseconds(4));
-    EXPECT_TRUE(kSbusProtocol.says_failsafe({}));
+    EXPECT_TRUE(kSbusProtocol.signals_failsafe({}));
     EXPECT_TRUE(kSbusProtocol.line.inverted_wire);
 }
 

@@ -162,7 +162,7 @@ TEST(SensorsProtocol, RefusesIdsThatDoNotExist) {
 TEST(SensorsProtocol, IsForOutputsOnly) {
     EXPECT_EQ(told(kSensorsProtocol.check(settings(0x320, false), SettingScope::input)),
               std::vector<std::string>{
-                  "sensor_bus: protocol \"sensors\" only sends; allowed: in an output, while "
+                  "sensor_bus: protocol \"sensors\" only sends; allowed: in an output; "
                   "[values.NAME] reads such messages with the DBC file that \"tribus dbc "
                   "--sensors\" prints"});
 }

@@ -164,9 +164,9 @@ TEST_F(DbcSettings, WrongTypesAreToldWhereTheyStand) {
                        "Good = true\n"
                        "[output.bus.cycles]\n"
                        "Command = 20\n"),
-              (Lines{"13:32: \"value\" is not what it can be; allowed: two different numbers, such "
+              (Lines{"13:32: \"value\" has a wrong value; allowed: two different numbers, such "
                      "as [-100, 100]",
-                     "14:8: it is not clear what this signal is for; allowed: a channel number, or "
+                     "14:8: this gives the signal no role; allowed: a channel number, or "
                      "one of { channel = 1 }, { flag = \"failsafe\" }, { fixed = 0 }, "
                      "{ counter = true }, { checksum = \"xor\" }, { from = \"battery.voltage\" }",
                      "16:11: a cycle time is a duration, text with a unit; allowed: \"1ms\" to "
@@ -180,7 +180,7 @@ TEST_F(DbcSettings, SignalsAreATable) {
 
 TEST_F(DbcSettings, AnInputTakesEachChannelFromOneSignal) {
     EXPECT_EQ(mistakes_of_input("[input.bus.signals.Command]\nSpeed = 1\nGood = 1\n"),
-              Lines{"12:8: channel 1 comes from \"Command.Speed\" already; allowed: one signal for "
+              Lines{"12:8: channel 1 already comes from \"Command.Speed\"; allowed: one signal for "
                     "each channel"});
 }
 

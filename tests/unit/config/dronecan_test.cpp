@@ -191,7 +191,7 @@ TEST(DroneCanConfiguration, RefusesTheIdsOfToolsForItself) {
 TEST(DroneCanConfiguration, RefusesMoreMotorsThanAMessageHolds) {
     const std::string mistakes =
         mistakes_of(with_output("node_id = 42\ncarries = \"motors\"\nfirst = 10\nchannels = 11"));
-    EXPECT_NE(mistakes.find("21 are more than one message holds; allowed: 20 motors"),
+    EXPECT_NE(mistakes.find("21 do not fit into one message; allowed: 20 motors"),
               std::string::npos)
         << mistakes;
 }

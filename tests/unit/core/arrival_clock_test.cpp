@@ -102,7 +102,7 @@ TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
     }
 }
 
-TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_rhythm_with_frames_missing) {
+TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_period_with_frames_missing) {
     // 7 ms is five quarters of 5.6 ms: every fifth frame would be missing.
     ArrivalClock arrivals = arrivals_each(4ms, at(0ms), 2);
     const Instant regular = arrivals.latest() + 5ms;

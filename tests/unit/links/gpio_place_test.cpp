@@ -76,7 +76,7 @@ TEST(GpioPlaceTest, KnowsThePathOfAChip) {
 
 TEST(GpioPlaceTest, RefusesAChipWithoutALine) {
     EXPECT_EQ(error_of("gpiochip0"),
-              "\"gpiochip0\" names a chip but none of its lines: give a line's name, such as "
+              "\"gpiochip0\" names a chip but no line: give a line's name, such as "
               "\"GPIO17\", or chip and offset, such as \"gpiochip0:17\"");
     EXPECT_TRUE(error_of("/dev/gpiochip0").starts_with("\"/dev/gpiochip0\" names a chip but none"));
     EXPECT_TRUE(error_of("gpiochip0:").starts_with("\"gpiochip0:\" names no line"));
@@ -93,7 +93,7 @@ TEST(GpioPlaceTest, RefusesNothing) {
 TEST(GpioPlaceTest, RefusesAnOffsetBeyondAllNumbers) {
     EXPECT_TRUE(error_of("gpiochip0:4294967295").empty());
     EXPECT_TRUE(error_of("gpiochip0:4294967296")
-                    .starts_with("\"gpiochip0:4294967296\" has an offset that no chip has"));
+                    .starts_with("\"gpiochip0:4294967296\" has an offset that is too large"));
 }
 
 }  // namespace

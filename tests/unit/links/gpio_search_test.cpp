@@ -43,7 +43,7 @@ TEST(GpioSearchTest, FindsANameOnAnyChip) {
 
 TEST(GpioSearchTest, FindsANameOnTheNamedChipOnly) {
     EXPECT_EQ(error_of({"gpiochip0", "BT_ON"}, kBoard),
-              "no line of gpiochip0 has the name \"BT_ON\"; names there: \"GPIO0\", \"GPIO1\", "
+              "no line of gpiochip0 has the name \"BT_ON\"; the names are: \"GPIO0\", \"GPIO1\", "
               "\"GPIO2\"");
 }
 
@@ -61,8 +61,8 @@ TEST(GpioSearchTest, SaysThatTheMachineHasNoChips) {
 
 TEST(GpioSearchTest, SaysWhichChipsThereAre) {
     EXPECT_EQ(error_of({"gpiochip2", 1U}, kBoard),
-              "there is no such GPIO chip; this machine has gpiochip0, gpiochip1, of which "
-              "`gpiodetect` (package gpiod) tells more");
+              "there is no such GPIO chip; this machine has gpiochip0, gpiochip1; `gpiodetect` "
+              "(package gpiod) describes them");
 }
 
 TEST(GpioSearchTest, SaysWhichOffsetsThereAre) {
@@ -72,22 +72,23 @@ TEST(GpioSearchTest, SaysWhichOffsetsThereAre) {
 }
 
 TEST(GpioSearchTest, SaysThatAnOffsetTakesAChip) {
-    EXPECT_EQ(error_of({"", 3U}, kBoard), "an offset takes a chip, such as gpiochip0:3");
+    EXPECT_EQ(error_of({"", 3U}, kBoard), "an offset needs a chip, such as gpiochip0:3");
 }
 
 TEST(GpioSearchTest, OffersTheNamesThatBeginMostAlikeFirst) {
     const std::vector<GpioChip> chips{
         chip("/dev/gpiochip0", {"ID_SD", "GPIO1", "GPIO2", "GPIO17", "", "GPIO18", "GPIO3", "X"})};
-    EXPECT_EQ(error_of({"", "gpio177"}, chips),
-              "no line of gpiochip0 has the name \"gpio177\"; names there: \"GPIO17\", \"GPIO1\", "
-              "\"GPIO18\", \"GPIO2\", \"GPIO3\", \"ID_SD\" and more, which `gpioinfo` (package "
-              "gpiod) shows");
+    EXPECT_EQ(
+        error_of({"", "gpio177"}, chips),
+        "no line of gpiochip0 has the name \"gpio177\"; the names are: \"GPIO17\", \"GPIO1\", "
+        "\"GPIO18\", \"GPIO2\", \"GPIO3\", \"ID_SD\" and more, which `gpioinfo` (package "
+        "gpiod) shows");
 }
 
 TEST(GpioSearchTest, SaysThatNoLineHasAName) {
     EXPECT_EQ(error_of({"", "LAMP"}, {chip("/dev/gpiochip3", {"", ""})}),
-              "no line of gpiochip3 has the name \"LAMP\"; no line there has one: give chip "
-              "and offset, such as gpiochip3:0");
+              "no line of gpiochip3 has the name \"LAMP\"; no line has a name: give chip and "
+              "offset, such as gpiochip3:0");
 }
 
 TEST(GpioSearchTest, SaysWhereANameIsThereTwice) {
@@ -102,24 +103,23 @@ TEST(GpioSearchTest, SaysHowToGetThePermission) {
         "no permission to open it; GPIO chips belong to root alone unless a rule says otherwise: "
         "put SUBSYSTEM==\"gpio\", KERNEL==\"gpiochip*\", GROUP=\"gpio\", MODE=\"0660\" into "
         "/etc/udev/rules.d/60-gpio.rules, then `sudo groupadd --system gpio; sudo usermod -aG gpio "
-        "$USER; sudo udevadm trigger`, and log in anew";
+        "$USER; sudo udevadm trigger`, and log in again";
     EXPECT_EQ(error_of({"gpiochip0", 1U}, chips), permission);
     EXPECT_EQ(error_of({"", "LAMP"}, chips), "gpiochip0: " + permission);
 }
 
 TEST(GpioSearchTest, SaysWhyANameMayBeOnAnotherChip) {
     const std::vector<GpioChip> chips{kBoard[1], {"/dev/gpiochip7", EPERM, {}}};
-    EXPECT_EQ(
-        error_of({"", "LAMP"}, chips),
-        "no line of gpiochip1, gpiochip7 has the name \"LAMP\"; names there: \"BT_ON\"; of "
-        "gpiochip7 it is not known: this program may open no GPIO chip, whoever runs it; does "
-        "its service's unit lack `DeviceAllow=char-gpiochip rw`?");
+    EXPECT_EQ(error_of({"", "LAMP"}, chips),
+              "no line of gpiochip1, gpiochip7 has the name \"LAMP\"; the names are: \"BT_ON\"; "
+              "the lines of gpiochip7 are unknown: this program may not open any GPIO chip, not "
+              "even as root; does its service's unit lack `DeviceAllow=char-gpiochip rw`?");
 }
 
 TEST(GpioSearchTest, SaysWhichKernelItTakes) {
     EXPECT_EQ(error_of({"gpiochip0", 1U}, {{"/dev/gpiochip0", EINVAL, {}}}),
               "the kernel lacks the GPIO interface that this program is built for: version 2 of "
-              "libgpiod takes Linux 5.10 or newer, version 1 takes CONFIG_GPIO_CDEV_V1");
+              "libgpiod needs Linux 5.10 or newer, version 1 needs CONFIG_GPIO_CDEV_V1");
 }
 
 struct Refusal {
@@ -139,9 +139,8 @@ TEST_P(GpioRefusalTest, SaysWhatToDo) {
 }
 
 constexpr std::string_view kInUseByNobodyKnown =
-    "it is in use, the kernel does not tell by whom: another program, a driver, or another "
-    "function "
-    "of this pin (UART, SPI, ...); free it, or use another line";
+    "it is in use, the kernel does not say by what: another program, a driver, or another "
+    "function of this pin (UART, SPI, ...); free it, or use another line";
 
 // 524 is ENOTSUPP of the kernel's include/linux/errno.h.
 INSTANTIATE_TEST_SUITE_P(
@@ -155,19 +154,18 @@ INSTANTIATE_TEST_SUITE_P(
                 "use another line"},
         Refusal{EBUSY, {"", false, ""}, GpioUse::output, GpioBias::as_is, kInUseByNobodyKnown},
         Refusal{EINVAL, {"", true, ""}, GpioUse::output, GpioBias::as_is, kInUseByNobodyKnown},
-        Refusal{
-            EINVAL,
-            {},
-            GpioUse::input,
-            GpioBias::pull_up,
-            "the kernel takes no bias for it: that takes Linux 5.5 or newer and a chip that has "
-            "such resistors; ask for none, and put a resistor of your own to the line"},
+        Refusal{EINVAL,
+                {},
+                GpioUse::input,
+                GpioBias::pull_up,
+                "the kernel refuses a bias for it: that needs Linux 5.5 or newer and a chip with "
+                "such resistors; set no bias, and connect a resistor to the line"},
         Refusal{ENXIO,
                 {},
                 GpioUse::input,
                 GpioBias::as_is,
-                "its chip tells no changes of this line (it has no interrupt), or is gone; use a "
-                "line of another chip"},
+                "its chip does not report changes of this line (it has no interrupt), or is gone; "
+                "use a line of another chip"},
         Refusal{ENODEV, {}, GpioUse::output, GpioBias::as_is, "it has just been removed"},
         Refusal{524,
                 {},

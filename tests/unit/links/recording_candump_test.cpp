@@ -179,20 +179,21 @@ TEST(CandumpRecording, AFrameStampedALittleBeforeTheOneAheadHasItsTime) {
 
 TEST(CandumpRecording, TimesMayNotGoFarBack) {
     EXPECT_EQ(mistake_in("(2.000000) can0 123#\n(1.899999) can0 123#\n"),
-              "can.log:2:1: the time (1.899999) is more than 100 ms before that of the line ahead "
+              "can.log:2:1: the time (1.899999) is more than 100 ms before that of the line above "
               "(sort -s -k1,1 puts a whole log in order)");
 }
 
 // `candump -ta can0`, without -L.
 TEST(CandumpRecording, ScreenFormIsRefusedWithTheFormThatIsRead) {
-    EXPECT_EQ(mistake_in(" (1436509052.249713)  can0  123   [2]  11 22\n"),
-              "can.log:1:29: \"123\" is no frame; a line is (1436509052.249713) can0 123#1122, as "
-              "candump -L and candump -l write it");
+    EXPECT_EQ(
+        mistake_in(" (1436509052.249713)  can0  123   [2]  11 22\n"),
+        "can.log:1:29: \"123\" is not a frame; a line is (1436509052.249713) can0 123#1122, as "
+        "candump -L and candump -l write it");
 }
 
 TEST(CandumpRecording, TimeThatIsADateIsRefused) {
     EXPECT_EQ(mistake_in("(2015-07-10 08:17:32.249713) can0 123#\n").substr(0, 37),
-              "can.log:1:1: \"(2015-07-10\" is no time");
+              "can.log:1:1: \"(2015-07-10\" is not a time");
 }
 
 TEST(CandumpRecording, LineThatEndsEarlyIsRefused) {
@@ -202,7 +203,7 @@ TEST(CandumpRecording, LineThatEndsEarlyIsRefused) {
 
 TEST(CandumpRecording, WordBehindTheFrameIsRefused) {
     EXPECT_EQ(mistake_in("(1.000000) can0 123#11 22\n").substr(0, 38),
-              "can.log:1:24: \"22\" behind the frame; a");
+              "can.log:1:24: \"22\" after the frame; a");
 }
 
 struct WrongFrame {
@@ -219,18 +220,20 @@ TEST_P(WrongFrames, AreRefusedWithTheirColumn) {
 INSTANTIATE_TEST_SUITE_P(
     CandumpRecording, WrongFrames,
     testing::Values(
-        WrongFrame{"12#", "17: \"12\" is no id; an 11-bit id is 3 hex digits, a 29-bit id is 8"},
-        WrongFrame{"12x#", "17: \"12x\" is no id; an 11-bit id is 3 hex digits, a 29-bit id is 8"},
-        WrongFrame{"800#", "17: \"800\" is beyond the highest id, 7FF"},
-        WrongFrame{"80000123#", "17: \"80000123\" is beyond the highest id, 1FFFFFFF"},
-        WrongFrame{"123#1", "21: \"1\" is no byte; a byte is two hex digits"},
-        WrongFrame{"123#112x", "23: \"2x\" is no byte; a byte is two hex digits"},
+        WrongFrame{"12#",
+                   "17: \"12\" is not an id; an 11-bit id is 3 hex digits, a 29-bit id is 8"},
+        WrongFrame{"12x#",
+                   "17: \"12x\" is not an id; an 11-bit id is 3 hex digits, a 29-bit id is 8"},
+        WrongFrame{"800#", "17: \"800\" is above the highest id, 7FF"},
+        WrongFrame{"80000123#", "17: \"80000123\" is above the highest id, 1FFFFFFF"},
+        WrongFrame{"123#1", "21: \"1\" is not a byte; a byte is two hex digits"},
+        WrongFrame{"123#112x", "23: \"2x\" is not a byte; a byte is two hex digits"},
         WrongFrame{"123#112233445566778899",
-                   "37: more than 8 bytes in one frame; FD frames have ## behind the id"},
+                   "37: more than 8 bytes in one frame; FD frames have ## after the id"},
         WrongFrame{"123#11_9",
-                   "23: \"_9\" does not belong here; behind 8 bytes may stand _9 to _F"},
-        WrongFrame{"123#R9", "22: \"9\" does not belong here; behind 8 bytes may stand _9 to _F"},
-        WrongFrame{"123##", "22: behind ## stands one hex digit of flags, then the data"},
+                   "23: \"_9\" is not allowed here; 8 bytes may be followed by _9 to _F"},
+        WrongFrame{"123#R9", "22: \"9\" is not allowed here; 8 bytes may be followed by _9 to _F"},
+        WrongFrame{"123##", "22: ## is followed by one hex digit of flags, then the data"},
         WrongFrame{"123##1112233445566778899",
                    "22: an FD frame has 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes of data, this "
                    "one has 9"}));

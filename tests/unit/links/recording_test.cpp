@@ -119,25 +119,26 @@ TEST(Recording, AMarkBehindAByteSaysThatItCameDamaged) {
 
 TEST(Recording, OneLongTokenAmongHexLinesIsAMistakeNotATime) {
     EXPECT_EQ(mistake_in("20 40 dc\n204 0d\n20 40 dc\n"),
-              "bytes.txt:2:1: \"204\" is no byte; a byte is two hex digits, bytes stand apart: 20 "
-              "40 dc 05");
+              "bytes.txt:2:1: \"204\" is not a byte; a byte is two hex digits, with a space "
+              "between bytes: 20 40 dc 05");
 }
 
 TEST(Recording, SaysWhereAByteIsWrong) {
     EXPECT_EQ(mistake_in("0f e0\n0f e0 # fine\n0f 0x1 00\n"),
-              "bytes.txt:3:4: \"0x1\" is no byte; a byte is two hex digits, bytes stand apart: 20 "
-              "40 dc 05");
+              "bytes.txt:3:4: \"0x1\" is not a byte; a byte is two hex digits, with a space "
+              "between bytes: 20 40 dc 05");
 }
 
 TEST(Recording, RefusesBytesWithoutSpacesBetween) {
     EXPECT_EQ(mistake_in("2040dc05\n"),
-              "bytes.txt:1:1: \"2040dc05\" is no byte; a byte is two hex digits, bytes stand "
-              "apart: 20 40 dc 05");
+              "bytes.txt:1:1: \"2040dc05\" is not a byte; a byte is two hex digits, with a space "
+              "between bytes: 20 40 dc 05");
 }
 
 TEST(Recording, RefusesTimesThatGoBack) {
-    EXPECT_EQ(mistake_in("# t_us\n10 20\n9 20\n"),
-              "bytes.txt:3:1: the time 9 is before that of the line ahead; times may not go back");
+    EXPECT_EQ(
+        mistake_in("# t_us\n10 20\n9 20\n"),
+        "bytes.txt:3:1: the time 9 is before that of the line above; times must not decrease");
 }
 
 TEST(Recording, RefusesATimeWithoutBytes) {
@@ -146,9 +147,10 @@ TEST(Recording, RefusesATimeWithoutBytes) {
 }
 
 TEST(Recording, RefusesATimeThatDoesNotFit) {
-    EXPECT_EQ(mistake_in("# t_us\n9999999999999999 20\n"),
-              "bytes.txt:2:1: \"9999999999999999\" is no time; a line of a timed recording starts "
-              "with decimal microseconds: 1146 20 40 dc 05");
+    EXPECT_EQ(
+        mistake_in("# t_us\n9999999999999999 20\n"),
+        "bytes.txt:2:1: \"9999999999999999\" is not a time; a line of a timed recording starts "
+        "with decimal microseconds: 1146 20 40 dc 05");
 }
 
 // Text with one invalid byte may be a damaged file; as "raw" it would be misread.
@@ -157,17 +159,18 @@ TEST(Recording, RefusesTextWithAStrayControlCharacter) {
         "20 40 dc 05 dc 05 dc 05\n20 40 \x01"
         "dc 05 dc 05 dc 05\n";
     EXPECT_EQ(mistake_in(content),
-              "bytes.txt:2:7: a byte that is no text in a file that otherwise is; mend it, or say "
-              "that the file holds raw bytes");
+              "bytes.txt:2:7: a byte that is not text in a file of text; correct it, or say that "
+              "the file holds raw bytes");
 }
 
 TEST(Recording, NamedKindOverridesTheContent) {
     const auto recording = parse_recording("20 40", "bytes.txt", RecordingKind::raw);
     ASSERT_TRUE(recording);
     EXPECT_EQ(recording->bursts.at(0).bytes, (Bytes{'2', '0', ' ', '4', '0'}));
-    EXPECT_EQ(mistake_in("0f 20", RecordingKind::timed),
-              "bytes.txt:1:1: \"0f\" is no time; a line of a timed recording starts with decimal "
-              "microseconds: 1146 20 40 dc 05");
+    EXPECT_EQ(
+        mistake_in("0f 20", RecordingKind::timed),
+        "bytes.txt:1:1: \"0f\" is not a time; a line of a timed recording starts with decimal "
+        "microseconds: 1146 20 40 dc 05");
 }
 
 constexpr std::string_view kSaleaeHeading = "Time [s],Value,Parity Error,Framing Error\n";
@@ -200,14 +203,14 @@ TEST(Recording, RefusesTheExportOfAnotherAnalyser) {
 TEST(Recording, SaysWhereASaleaeRowIsWrong) {
     const std::string head(kSaleaeHeading);
     EXPECT_EQ(mistake_in(head + "0,0x0F,,\n0.1,0x100,,\n"),
-              "bytes.txt:3:5: \"0x100\" is no byte; export with hexadecimal values: 0x0F");
+              "bytes.txt:3:5: \"0x100\" is not a byte; export with hexadecimal values: 0x0F");
     EXPECT_EQ(mistake_in(head + "1,0x0F,,\n0.9,0x0F,,\n"),
-              "bytes.txt:3:1: \"0.9\" is before the time of the row ahead; times are seconds and "
-              "do not go back");
+              "bytes.txt:3:1: \"0.9\" is before the time of the row above; times are seconds and "
+              "must not decrease");
     EXPECT_EQ(mistake_in(head + "0,0x0F\n"),
               "bytes.txt:2:1: a row needs four columns: Time [s],Value,Parity Error,Framing Error");
     EXPECT_EQ(mistake_in(head + "nan,0x0F,,\n"),
-              "bytes.txt:2:1: \"nan\" is no time; times are seconds and do not go back");
+              "bytes.txt:2:1: \"nan\" is not a time; times are seconds and must not decrease");
 }
 
 TEST(Recording, LooksRawAfterOneFrameAndNotForText) {

@@ -15,7 +15,7 @@ namespace {
 
 using Result = tl::expected<void, DbcMistake>;
 
-/// What VFrameFormat counts (docs/protocols/can.md, "DBC files").
+/// Values of VFrameFormat (docs/protocols/can.md, "DBC files").
 constexpr unsigned kJ1939 = 3;
 constexpr unsigned kStandardFd = 14;
 constexpr unsigned kExtendedFd = 15;
@@ -43,7 +43,7 @@ std::optional<double> number_in(std::string_view text) {
     return whole_text && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-/// Of an ENUM its text, whether the file gives that or its index; else what the file gives.
+/// The text of an ENUM value that the file gives as text or index; any other value as it is.
 std::string chosen_text(const DbcAttributeValue& value, const std::vector<std::string>& choices) {
     const auto index = number_in(value.text);
     if (!value.quoted && index && *index >= 0 && *index < static_cast<double>(choices.size())) {
@@ -52,7 +52,7 @@ std::string chosen_text(const DbcAttributeValue& value, const std::vector<std::s
     return value.text;
 }
 
-/// By its name where the name is known, so that a list in another order means what it says.
+/// Compares names first, so that a list in another order is read correctly.
 std::optional<unsigned> frame_format(const DbcAttributeValue& value,
                                      const std::vector<std::string>& choices) {
     const std::string text = chosen_text(value, choices);
@@ -86,7 +86,7 @@ class AttributesOfMessage {
     const DbcAttributeDefinition& definition(DbcAttribute attribute) const {
         return definitions_[static_cast<std::size_t>(attribute)];
     }
-    /// The message's own value or the default of all; nullptr if there is neither.
+    /// The message's own value, else the default of all messages, else nullptr.
     const DbcAttributeValue* value(DbcAttribute attribute) const {
         const auto& by_default = definition(attribute).by_default;
         return own(attribute) != nullptr ? own(attribute) : by_default ? &*by_default : nullptr;

@@ -10,11 +10,12 @@
 
 namespace tribus {
 
-/// A message's own values, by DbcAttribute; nullptr where it has none.
+/// A message's own attribute values, by DbcAttribute; nullptr where it has none.
 using DbcMessageAttributes = std::array<const DbcAttributeValue*, kDbcAttributes>;
 
-/// Sets what a message's own attributes say, or the defaults of all messages: kind of frame, bit
-/// rate switch, cycle time and data id. Checks the length, whose limits depend on the kind.
+/// Applies a message's attributes, or the defaults of all messages: kind of frame, bit rate switch,
+/// cycle time and data id. Checks the length, whose limits depend on the kind of frame. Pure and
+/// reentrant.
 tl::expected<void, DbcMistake> apply_dbc_attributes(
     const std::vector<DbcAttributeDefinition>& definitions, const DbcMessageAttributes& own,
     DbcPlace length_place, DbcMessage& message);

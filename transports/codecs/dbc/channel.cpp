@@ -8,7 +8,7 @@
 namespace tribus {
 namespace {
 
-/// The status codes of J1939: no, yes, error, not available.
+/// Status codes of J1939 (docs/protocols/can.md, "J1939 joysticks").
 enum Status : std::uint64_t { kNo = 0, kYes = 1, kError = 2, kNotAvailable = 3 };
 
 using Range = std::optional<std::array<double, 2>>;
@@ -17,15 +17,15 @@ double along(double at, const std::array<double, 2>& from, const std::array<doub
     return to[0] + (at - from[0]) * (to[1] - to[0]) / (from[1] - from[0]);
 }
 
-/// What a direction status says; nothing where it is an error or not available.
+/// The state of a direction signal, or nothing for "error" and "not available".
 std::optional<bool> read_status(const std::optional<DbcLayout>& layout,
                                 std::span<const std::uint8_t> data) {
     const std::uint64_t bits = layout ? layout->raw_bits(data) : kNo;
     return bits <= kYes ? std::optional(bits == kYes) : std::nullopt;
 }
 
-/// The magnitude with its direction. Nothing where what tells it contradicts itself: two
-/// directions, a direction in neutral, or none at all with the stick out of neutral.
+/// The magnitude with its sign. Nothing if the direction signals contradict each other: two
+/// directions, a direction in neutral, or no direction with the stick out of neutral.
 std::optional<double> read_signed(const DbcChannel& channel, double magnitude,
                                   std::span<const std::uint8_t> data) {
     const auto negative = read_status(channel.negative, data);
@@ -44,7 +44,7 @@ std::optional<double> read_signed(const DbcChannel& channel, double magnitude,
     return *negative ? -magnitude : magnitude;
 }
 
-/// Whether the file allows what the bits say, to within their rounding.
+/// Whether a value is within the range of the file, apart from rounding of the limits.
 bool in_range(const DbcLayout& layout, const Range& range, std::uint64_t bits, double value) {
     if (!range) {
         return true;
@@ -72,9 +72,9 @@ bool is_code(const DbcChannel& channel, std::uint64_t bits) {
     return bits == channel.error || bits == channel.not_available;
 }
 
-/// A value must not come out as the code of an error: then the nearest one that is none. Never
-/// round at the other end of what the bits can hold, which would be full travel the other way.
-/// `is_code` says it of bits.
+/// The bits of a value. If they would be a code, such as "error", the bits of the nearest value
+/// that is no code; never from the other end of the signal's range, which would be full travel in
+/// the opposite direction. `is_code` tells whether bits are a code.
 template <class IsCode>
 std::uint64_t value_bits(const DbcLayout& layout, const Range& range, IsCode is_code,
                          double value) {
@@ -88,7 +88,7 @@ std::uint64_t value_bits(const DbcLayout& layout, const Range& range, IsCode is_
     std::uint64_t nearest = wanted;
     double least_distance = std::numeric_limits<double>::infinity();
     const auto raw = static_cast<std::uint64_t>(layout.raw_value(wanted));
-    // Two codes may stand side by side.
+    // Two codes may be adjacent.
     for (const std::uint64_t near : {raw - 1, raw + 1, raw - 2, raw + 2}) {
         const auto bits = layout.bits_from_raw(static_cast<std::int64_t>(near));
         if (!bits || is_code(*bits)) {

@@ -7,20 +7,22 @@
 #include "core/pulse.h"
 #include "transports/codecs/dbc/map.h"
 
-/// One channel in the data of a frame. Pure and reentrant; no heap. `data` is a whole frame of the
-/// channel's message.
+/// Reads and writes one channel in the data of a frame. `data` is a whole frame of the channel's
+/// message. Pure and reentrant; no heap.
 namespace tribus {
 
-/// Nothing where the signal says that it has no value.
+/// Returns nothing if the signal has no value: a code, a value outside its range, or contradicting
+/// direction signals.
 std::optional<Pulse> read_dbc_channel(const DbcChannel& channel,
                                       std::span<const std::uint8_t> data);
 
-/// Nothing: the code that says so, or the centre where there is no code.
+/// `pulse`: nothing for an absent channel, which is written as a code, or as 1500 us if the signal
+/// has no code. In `failsafe` the code for an error is preferred.
 void write_dbc_channel(const DbcChannel& channel, std::optional<Pulse> pulse, bool failsafe,
                        std::span<std::uint8_t> data);
 
-/// A number in the unit of the signal, cut to what the signal and the file allow, never one of its
-/// codes. False where there is none and no code to say so.
+/// Writes a number in the unit of the signal, limited to what the signal and the file allow, and
+/// never as one of its codes. Returns false if there is no number and no code for that.
 bool write_dbc_value(const DbcValue& value, std::optional<double> number,
                      std::span<std::uint8_t> data);
 

@@ -7,8 +7,8 @@
 
 namespace tribus {
 
-/// The checksum of a whole frame, whatever stands in the checksum's own bytes. Pure and reentrant;
-/// no heap.
+/// The checksum of a whole frame. The present content of the checksum's own bytes does not count.
+/// Pure and reentrant; no heap.
 std::uint64_t dbc_checksum(const DbcChecksum& checksum, std::uint32_t id,
                            std::span<const std::uint8_t> data);
 

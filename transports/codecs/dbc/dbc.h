@@ -16,32 +16,33 @@
 #include "transports/codecs/counter_watch.h"
 #include "transports/codecs/dbc/map.h"
 #include "transports/codecs/protocol.h"
-#include "transports/codecs/rhythm_watch.h"
+#include "transports/codecs/two_sender_watch.h"
 
-/// RC channels in the messages of the user's own DBC file, both ways (docs/protocols/can.md, "DBC
-/// files").
+/// RC channels in the messages of the user's own DBC file, both directions (docs/protocols/can.md,
+/// "DBC files").
 namespace tribus {
 
 extern const Protocol kDbcProtocol;
 
-/// Puts the latest frames of all mapped messages together.
+/// Combines the latest frames of all mapped messages into snapshots. Thread-bound.
 ///
-/// A snapshot is complete when each awaited part has arrived since the snapshot before: the parts
-/// with channels whose message is about as quick as the quickest of them, or whose cycle nobody
-/// knows. `received` is the arrival of the oldest of them. Where senders send in bursts, the parts
-/// of one snapshot are those of one burst.
-/// The other parts (a heartbeat, a status, slow channels) are not waited for, but while one of them
-/// is missing for three of its cycles, or 500 ms without a cycle, the snapshot says failsafe. So it
-/// does while a fixed signal has another value, or a channel that is not optional has none: a code,
-/// or beyond the range of the file. The first such frame is told at once, without the others.
+/// A snapshot is complete when each awaited part has arrived since the snapshot before. The awaited
+/// parts are those with channels whose message is about as fast as the fastest of them, or has no
+/// known cycle time. `received` is the arrival of the oldest awaited part. If senders send in
+/// bursts, the parts of one snapshot are those of one burst.
+/// Other parts (a heartbeat, a status, slow channels) are not awaited, but if one of them is
+/// missing for three of its cycles, or for 500 ms without a known cycle, the snapshot is marked
+/// failsafe. It is also marked failsafe if a fixed signal has another value, or a channel that is
+/// not optional has no value: a code, or outside the range of the file. The first such frame gives
+/// a snapshot at once, without the other parts.
 ///
-/// Refused are frames with a wrong length or checksum; with a J1939 source other than that of the
-/// second before, where the source is open; whose counter stands still or goes on by more than 3;
-/// and, where there is a counter, until it has gone on rightly twice in a row: after the start, a
-/// jump, or silence. After a jump for which there was no time it must go through its whole range
-/// (`CounterWatch`). So neither a sender that hangs, nor two senders, nor old frames in a ring are
-/// believed. Two senders of a message without a counter cannot be kept apart: `two_senders` tells
-/// of them.
+/// Refuses frames with a wrong length or checksum; frames of another J1939 source than within the
+/// second before, if the map allows any source; frames whose counter does not change or advances by
+/// more than 3; and, with a counter, the frames until it has advanced correctly twice in a row:
+/// after the start, a jump, or silence. After a jump that came too soon it must go through its
+/// whole range (`CounterWatch`). This excludes a sender that hangs, a second sender, and old frames
+/// in a ring. Two senders of a message without a counter cannot be told apart; `two_senders`
+/// reports them.
 class DbcDecoder final : public CanDecoder {
   public:
     explicit DbcDecoder(DbcMap map);
@@ -60,31 +61,32 @@ class DbcDecoder final : public CanDecoder {
         kCounterJump,
         kUnconfirmed,
         kOtherSender,
-        kNoValue,     ///< a frame that counts, but a channel that must has no value
-        kWrongFixed,  ///< likewise, a fixed signal has another value
+        kNoValue,     ///< an accepted frame, but a channel that is not optional has no value
+        kWrongFixed,  ///< an accepted frame, but a fixed signal has another value
     };
 
     struct MessageState {
         std::optional<Instant> received;
         std::uint32_t id = 0;
-        std::optional<CounterWatch> watch;              ///< of a message with a counter
-        std::optional<RhythmWatch> rhythm;              ///< of one without, and without pages
-        std::array<std::uint8_t, kMostFdBytes> data{};  ///< of its last frame
+        std::optional<CounterWatch> watch;              ///< only for a message with a counter
+        std::optional<TwoSenderWatch> senders;          ///< only for a message without counter and
+                                                        ///< without pages
+        std::array<std::uint8_t, kMostFdBytes> data{};  ///< of its latest frame
     };
     struct PartState {
         bool awaited = true;
-        Duration longest_absence{};  ///< of a part that is not awaited
-        bool fresh = false;          ///< arrived since the last snapshot
+        Duration longest_absence{};  ///< limit for a part that is not awaited
+        bool fresh = false;          ///< arrived since the latest snapshot
         std::optional<Instant> received{};
-        Duration interval{};  ///< between its last two arrivals; zero: not known
+        Duration interval{};  ///< between its latest two arrivals; zero: unknown
         bool failsafe = false;
         bool frame_lost = false;
     };
 
     void watch_counters();
-    void watch_rhythms();
+    void watch_senders();
     void describe_parts();
-    bool sound(std::size_t message, const CanFrame& frame, Instant received);
+    bool valid(std::size_t message, const CanFrame& frame, Instant received);
     bool same_sender(std::size_t message, const CanFrame& frame, Instant received);
     bool counter_holds(std::size_t message, std::span<const std::uint8_t> data, Instant received);
     bool refuse(RejectCause cause);
@@ -100,7 +102,7 @@ class DbcDecoder final : public CanDecoder {
     std::vector<MessageState> messages_;
     std::vector<PartState> parts_;
     std::optional<Instant> awaited_received_;  ///< the latest arrival of any awaited part
-    bool told_failsafe_ = false;               ///< the last snapshot said it
+    bool reported_failsafe_ = false;           ///< whether the latest snapshot was marked failsafe
     std::array<std::optional<Pulse>, kChannelCount> values_{};
     std::array<NamedCount, 8> rejected_{{{"length"},
                                          {"checksum"},
@@ -112,13 +114,13 @@ class DbcDecoder final : public CanDecoder {
                                          {"wrong fixed"}}};
 };
 
-/// Writes all messages whose cycle has passed; one without a cycle time with every snapshot, and
-/// one that tells of failsafe or lost frames as soon as that changes. In failsafe a channel with a
-/// code for an error, or else for "not available", is sent as that; an absent channel as "not
-/// available", else as an error, else as 1500 us.
-/// Named values are converted to the unit of their signal where both units are known. While one of
-/// a frame is missing or stale, it is sent as "not available"; without such a code the whole frame
-/// is not sent.
+/// Writes all messages whose cycle has passed. A message without a cycle time is written with every
+/// snapshot, and a message with a failsafe or frame-lost flag as soon as that changes. In failsafe,
+/// a channel is sent as the code for an error, else as that for "not available", if it has one. An
+/// absent channel is sent as "not available", else as an error, else as 1500 us.
+/// Named values are converted to the unit of their signal if both units are known. While a value is
+/// missing or stale, it is sent as "not available"; without such a code, the frame is not sent.
+/// Thread-bound.
 class DbcEncoder final : public CanEncoder {
   public:
     explicit DbcEncoder(DbcMap map);
@@ -126,7 +128,7 @@ class DbcEncoder final : public CanEncoder {
     bool uses_fd() const override;
     std::span<const CanIdMatch> sent() const override { return sent_; }
     void use(const ValueBoard& board) override;
-    /// Those that have a signal without a code for absent ones.
+    /// The channels with a signal that has no code for an absent channel.
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override {
         return needed_channels_;
     }
@@ -144,7 +146,7 @@ class DbcEncoder final : public CanEncoder {
         LinkCause cause = LinkCause::never_seen;
     };
 
-    /// Where the number of a value comes from.
+    /// Source of the number of a value.
     struct Source {
         std::size_t index = 0;  ///< on the board
         UnitConversion conversion{};
@@ -158,12 +160,12 @@ class DbcEncoder final : public CanEncoder {
 
     DbcMap map_;
     std::vector<CanIdMatch> sent_;
-    std::vector<std::uint64_t> counters_;  ///< of each message
+    std::vector<std::uint64_t> counters_;  ///< one for each message
     std::vector<SentPart> sent_parts_;
     const ValueBoard* board_ = nullptr;
-    /// Of each value of each part; nothing for a name that the board has not.
+    /// For each value of each part; nothing for a name that is not on the board.
     std::vector<std::vector<std::optional<Source>>> sources_;
-    Instant encoded_{};  ///< the last snapshot
+    Instant encoded_{};  ///< when the latest snapshot was encoded
     std::uint32_t needed_channels_ = 0;
 };
 

@@ -10,27 +10,26 @@
 namespace tribus {
 namespace {
 
-/// Two lost frames in a row are still an advance (docs/protocols/can.md, "Native format").
+/// Two lost frames in a row still count as an advance (docs/protocols/can.md, "Native format").
 constexpr std::uint64_t kMostCounterStep = 3;
-/// A message that is not waited for may miss so many cycles.
+/// Cycles that a part that is not awaited may miss.
 constexpr int kMostMissedCycles = 3;
-/// And where the file gives no cycle time: as long as drive units wait for commands
+/// Limit for such a part without a cycle time: as long as drive units wait for commands
 /// (docs/protocols/can.md, "Drive units and robots").
 constexpr Duration kGuardWithoutCycle = std::chrono::milliseconds(500);
-/// After so long without a frame a counter may have come round, and what comes first may have
-/// waited in a sender's queue for the bus to come back (docs/protocols/can.md, "SocketCAN: transmit
-/// queue").
+/// After this pause a counter may have repeated, and the next frames may come from a sender's queue
+/// that waited for the bus (docs/protocols/can.md, "SocketCAN: transmit queue").
 constexpr Duration kSilence = std::chrono::milliseconds(250);
 /// Longer than the period of any J1939 message with channels.
 constexpr Duration kSenderMemory = std::chrono::seconds(1);
 constexpr std::uint32_t kSourceAddress = 0xFF;
 
-/// Going back by one must not pass for going on, or two senders in turn would.
+/// A step back by one must not count as an advance, because two alternating senders would cause it.
 std::uint64_t most_step(std::uint64_t values) {
     return std::clamp<std::uint64_t>((values - 1) / 2, 1, kMostCounterStep);
 }
 
-/// A message this much slower than the quickest is not waited for.
+/// Whether a message is so much slower than the fastest that it is not awaited.
 bool slow(Duration cycle, Duration quickest) {
     return cycle * 2 > quickest * 3;
 }
@@ -41,7 +40,7 @@ DbcDecoder::DbcDecoder(DbcMap map)
     : map_(std::move(map)), messages_(map_.messages.size()), parts_(map_.parts.size()) {
     std::ranges::transform(map_.messages, std::back_inserter(wanted_), &DbcMappedMessage::id);
     watch_counters();
-    watch_rhythms();
+    watch_senders();
     describe_parts();
 }
 
@@ -59,23 +58,23 @@ void DbcDecoder::watch_counters() {
     }
 }
 
-void DbcDecoder::watch_rhythms() {
+void DbcDecoder::watch_senders() {
     for (MessageState& message : messages_) {
         if (!message.watch) {
-            message.rhythm.emplace();
+            message.senders.emplace();
         }
     }
     for (const DbcPart& part : map_.parts) {
         if (!part.selectors.empty()) {
-            // Pages may come in any rhythm.
-            messages_[part.message].rhythm.reset();
+            // Pages may come in any order.
+            messages_[part.message].senders.reset();
         }
     }
 }
 
 bool DbcDecoder::two_senders() const {
     return std::ranges::any_of(messages_, [](const MessageState& message) {
-        return message.rhythm && message.rhythm->two_senders();
+        return message.senders && message.senders->two_senders();
     });
 }
 
@@ -106,7 +105,7 @@ bool DbcDecoder::refuse(RejectCause cause) {
     return false;
 }
 
-bool DbcDecoder::sound(std::size_t message, const CanFrame& frame, Instant received) {
+bool DbcDecoder::valid(std::size_t message, const CanFrame& frame, Instant received) {
     const DbcMappedMessage& mapped = map_.messages[message];
     if (frame.remote || frame.length < mapped.length || frame.fd != mapped.fd) {
         return refuse(kLength);
@@ -119,7 +118,7 @@ bool DbcDecoder::sound(std::size_t message, const CanFrame& frame, Instant recei
     return same_sender(message, frame, received) && counter_holds(message, data, received);
 }
 
-/// A map may leave the J1939 source open, but two joysticks in turn are none.
+/// A map may allow any J1939 source, but two alternating joysticks are not one.
 bool DbcDecoder::same_sender(std::size_t message, const CanFrame& frame, Instant received) {
     MessageState& state = messages_[message];
     if (state.received && ((state.id ^ frame.id) & kSourceAddress) != 0 &&
@@ -134,8 +133,8 @@ bool DbcDecoder::same_sender(std::size_t message, const CanFrame& frame, Instant
 bool DbcDecoder::counter_holds(std::size_t message, std::span<const std::uint8_t> data,
                                Instant received) {
     MessageState& state = messages_[message];
-    if (state.rhythm) {
-        state.rhythm->arrived(received);
+    if (state.senders) {
+        state.senders->arrived(received);
     }
     if (!state.watch) {
         return true;
@@ -195,9 +194,9 @@ void DbcDecoder::take(std::size_t index, std::span<const std::uint8_t> data, Ins
     state.failsafe = state.failsafe || (!whole && !refuse(kNoValue));
 }
 
-/// Where all awaited parts come in one burst each cycle, the pause before it divides the bursts:
-/// else a decoder that has once begun within a burst would mix two of them for ever. Each part
-/// comes within the longest interval, so no pause of more than half of it divides parts that
+/// If all awaited parts come in one burst per cycle, the pause before a burst separates it from the
+/// one before. Otherwise a decoder that began within a burst would mix two bursts for ever. Each
+/// part comes within the longest interval, so a pause above half of that cannot separate parts that
 /// belong together for ever either.
 void DbcDecoder::start_round_after_pause(Instant received) {
     Duration longest{};
@@ -241,7 +240,7 @@ ChannelFrame DbcDecoder::snapshot(Instant now) {
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         snapshot.set(channel, values_[channel]);
     }
-    told_failsafe_ = snapshot.failsafe;
+    reported_failsafe_ = snapshot.failsafe;
     return snapshot;
 }
 
@@ -252,7 +251,7 @@ std::optional<ChannelFrame> DbcDecoder::next(const CanFrame& frame, Instant rece
         return std::nullopt;
     }
     const auto message = static_cast<std::size_t>(match - wanted_.begin());
-    if (!sound(message, frame, received)) {
+    if (!valid(message, frame, received)) {
         return std::nullopt;
     }
     const auto data = frame.bytes().first(map_.messages[message].length);
@@ -275,7 +274,7 @@ std::optional<ChannelFrame> DbcDecoder::next(const CanFrame& frame, Instant rece
         }
         return snapshot(received);
     }
-    return failsafe && !told_failsafe_ ? std::optional(snapshot(received)) : std::nullopt;
+    return failsafe && !reported_failsafe_ ? std::optional(snapshot(received)) : std::nullopt;
 }
 
 }  // namespace tribus

@@ -77,7 +77,7 @@ bool DbcEncoder::due(std::size_t index, const ChannelFrame& snapshot, Instant no
     const bool changed = sent.failsafe != snapshot.failsafe ||
                          sent.frame_lost != snapshot.frame_lost || sent.cause != snapshot.cause;
     const bool tells = !part.channels.empty() || !part.flags.empty();
-    // The snapshot that is nearest to the cycle's end.
+    // Sent with the snapshot that is nearest to the end of the cycle.
     return (changed && tells) || now + (now - encoded_) / 2 >= sent.next;
 }
 

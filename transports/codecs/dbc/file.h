@@ -11,15 +11,17 @@
 
 #include "core/time.h"
 
-/// The DBC description of a CAN bus (docs/protocols/can.md, "DBC files"): text in, plain structs
-/// out. Pure and reentrant.
+/// DBC description of a CAN bus (docs/protocols/can.md, "DBC files"): text in, plain structs out.
+/// Pure and reentrant.
 namespace tribus {
 
-/// Far beyond the largest description of a real bus; what is longer is some other file.
+/// Limit of the text in bytes, far above the largest description of a real bus. A longer text is
+/// another kind of file.
 inline constexpr std::size_t kLongestDbcText = std::size_t{16} << 20U;
-/// Selectors that a signal may depend on, each on the next. Two or three are in use.
+/// Limit of the depth of selectors: a signal depends on one, that on the next. Two or three are
+/// usual.
 inline constexpr std::size_t kDeepestDbcMultiplexing = 8;
-/// The longest field that a signal can be.
+/// Largest length of a signal in bits.
 inline constexpr unsigned kLongestDbcSignal = 64;
 
 enum class DbcByteOrder : std::uint8_t {
@@ -29,7 +31,7 @@ enum class DbcByteOrder : std::uint8_t {
 
 enum class DbcValueKind : std::uint8_t { integer, float32, float64 };
 
-/// What a raw value means. Of an unsigned signal of 64 bits, the value modulo 2^64.
+/// The meaning of a raw value. For an unsigned signal of 64 bits, the value modulo 2^64.
 struct DbcValueText {
     std::int64_t raw = 0;
     std::string text;
@@ -50,7 +52,7 @@ struct DbcSelectorRange {
 struct DbcSignal {
     std::string name;
     unsigned start_bit = 0;
-    /// 1 to kLongestDbcSignal; 32 or 64 for the floating-point kinds.
+    /// 1 to kLongestDbcSignal; 32 or 64 for floating-point kinds.
     unsigned bit_length = 1;
     DbcByteOrder byte_order = DbcByteOrder::intel;
     bool is_signed = false;
@@ -61,72 +63,74 @@ struct DbcSignal {
     double minimum = 0;
     double maximum = 0;
     std::string unit;
-    /// Other signals are present or absent by the raw value of this one.
+    /// Whether the presence of other signals depends on the raw value of this one.
     bool is_selector = false;
-    /// Index within the message of the selector that this signal depends on; always present if
-    /// there is none.
+    /// Index within the message of the selector on which this signal depends. Nothing: the signal
+    /// is always present.
     std::optional<std::size_t> selector;
     /// The raw values of that selector with which this signal is present.
     std::vector<DbcSelectorRange> selected_by;
-    /// The file says that a selector decides, but not which one or by which values. Such a signal
-    /// has no selector, and is never present.
+    /// The file does not say which selector decides, or by which values. Such a signal has no
+    /// selector and is never present.
     bool page_unknown = false;
     std::vector<DbcValueText> value_texts;
-    /// Of the file, from 1.
+    /// Line in the file, from 1.
     unsigned line = 0;
 
-    /// The file says [0|0] for "no range"; an empty or reversed range is none either.
+    /// [0|0] in the file means "no range"; so does an empty or reversed range.
     bool has_range() const { return minimum < maximum; }
 };
 
+/// One message (BO_) with its signals.
 struct DbcMessage {
     std::string name;
-    /// 11 bits, or 29 if extended; without the flag bits of the file and of the kernel.
+    /// 11 bits, or 29 if extended, without the flag bits of the file and of the kernel.
     std::uint32_t id = 0;
     bool extended = false;
     /// VFrameFormat J1939PG: the id holds priority, parameter group and source address.
     bool j1939 = false;
     /// VFrameFormat StandardCAN_FD or ExtendedCAN_FD, or longer than 8 bytes.
     bool fd = false;
-    /// CANFD_BRS; never for a classic frame.
+    /// CANFD_BRS; never set for a classic frame.
     bool bit_rate_switch = false;
-    /// J1939 only: longer than 8 bytes, so it takes a transport protocol and is no single frame.
+    /// J1939 only: longer than 8 bytes, so it needs a transport protocol and is not a single frame.
     bool multi_packet = false;
-    /// In bytes: 0 to 8, or 12, 16, 20, 24, 32, 48, 64; anything if multi_packet.
+    /// In bytes: 0 to 8, or 12, 16, 20, 24, 32, 48, 64; any length if multi_packet.
     unsigned length = 0;
-    /// GenMsgCycleTime, of the message or the default of all. Absent if that is 0.
+    /// GenMsgCycleTime of the message, or the default of all messages. Nothing if that is 0.
     std::optional<Duration> cycle_time;
-    /// RcE2eDataId, of the message or the default of all; a default of 0 does not count.
+    /// RcE2eDataId of the message, or the default of all messages; a default of 0 does not count.
     std::optional<std::uint32_t> e2e_data_id;
     std::string sender;
     std::vector<DbcSignal> signals;
-    /// Of the file, from 1.
+    /// Line in the file, from 1.
     unsigned line = 0;
 
-    /// The signal of that name, or nullptr.
+    /// The signal with that name, or nullptr.
     const DbcSignal* find(std::string_view signal_name) const;
 };
 
+/// Content of a DBC file.
 struct DbcFile {
-    /// No two with the same name, or with the same id and kind of id.
+    /// Names are unique, and so are ids of one kind.
     std::vector<DbcMessage> messages;
 
-    /// The message of that name, or nullptr.
+    /// The message with that name, or nullptr.
     const DbcMessage* find(std::string_view message_name) const;
 };
 
-/// Why a text cannot be used, and where: counted from 1, columns in bytes.
+/// Error in a text. Lines and columns count from 1, columns in bytes.
 struct DbcMistake {
     unsigned line = 1;
     unsigned column = 1;
     std::string text;
 };
 
-/// Reads a whole DBC text. Tolerant of what does no harm: line ends, tabs, a byte order mark,
-/// texts in cp1252 (they come out as UTF-8), sections in any order, unknown sections, references
-/// to signals that do not exist, a last statement without ';', no message at all. Long names
-/// replace short ones. A mistake for whatever would make values lie, which includes a text that was
-/// cut off within a value.
+/// Reads a whole DBC text. Tolerates harmless deviations: line ends, tabs, a byte order mark, texts
+/// in cp1252 (returned as UTF-8), sections in any order, unknown sections, references to unknown
+/// signals, a last statement without ';', no message at all. Long names replace short ones. Returns
+/// an error for anything that would falsify values, including a text that is cut off within a
+/// value.
 tl::expected<DbcFile, DbcMistake> parse_dbc(std::string_view text);
 
 }  // namespace tribus

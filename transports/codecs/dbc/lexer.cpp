@@ -16,12 +16,12 @@ bool is_word_byte(char byte) {
            (byte >= 'a' && byte <= 'z') || value >= 0x80;
 }
 
-/// Editors of old end a file with 0x1A.
+/// Old editors end a file with 0x1A.
 bool is_blank(char byte) {
     return byte == ' ' || (byte >= '\t' && byte <= '\r') || byte == '\x1A';
 }
 
-/// Bytes of the UTF-8 character at the start of `text`, 0 if there is none.
+/// Length in bytes of the UTF-8 character at the start of `text`; 0 if it is not valid.
 std::size_t utf8_length(std::string_view text) {
     const auto byte = [&](std::size_t at) -> unsigned {
         return at < text.size() ? static_cast<unsigned char>(text[at]) : 0U;
@@ -37,7 +37,7 @@ std::size_t utf8_length(std::string_view text) {
             return 0;
         }
     }
-    // Longer than needed, half of a surrogate pair, or beyond the last character.
+    // An overlong form, half of a surrogate pair, or beyond the last character.
     const bool forbidden = (first == 0xE0 && byte(1) < 0xA0) || (first == 0xED && byte(1) > 0x9F) ||
                            (first == 0xF0 && byte(1) < 0x90) || (first == 0xF4 && byte(1) > 0x8F);
     return forbidden ? 0 : length;
@@ -54,7 +54,7 @@ bool is_utf8(std::string_view text) {
     return true;
 }
 
-/// 0x80 to 0x9F of cp1252 in Unicode; its five gaps become the replacement character.
+/// 0x80 to 0x9F of cp1252 in Unicode. Its five gaps become the replacement character.
 constexpr std::array<std::uint16_t, 32> kCp1252{
     0x20AC, 0xFFFD, 0x201A, 0x0192, 0x201E, 0x2026, 0x2020, 0x2021, 0x02C6, 0x2030, 0x0160,
     0x2039, 0x0152, 0xFFFD, 0x017D, 0xFFFD, 0xFFFD, 0x2018, 0x2019, 0x201C, 0x201D, 0x2022,
@@ -149,8 +149,8 @@ std::size_t DbcLexer::word_length() const {
     return length;
 }
 
-// A sign belongs to a number only behind the 'e' of an exponent: "8@1+" and "16-20" are two tokens
-// and more.
+// A sign belongs to a number only after the 'e' of an exponent: "8@1+" and "16-20" are several
+// tokens.
 std::size_t DbcLexer::number_length() const {
     std::size_t length = 0;
     bool decimal = true;

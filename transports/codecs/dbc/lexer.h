@@ -7,7 +7,7 @@
 
 namespace tribus {
 
-/// A place in a text, counted from 1; columns in bytes.
+/// A position in a text. Lines and columns count from 1, columns in bytes.
 struct DbcPlace {
     unsigned line = 1;
     unsigned column = 1;
@@ -15,10 +15,10 @@ struct DbcPlace {
 
 enum class DbcTokenKind : std::uint8_t {
     end,
-    word,          ///< letters, digits, '_' and whatever is not ASCII
-    number,        ///< starts like one, without sign; may still be malformed ("12ab")
-    string,        ///< text is what stands between the quotes, as in the file
-    unterminated,  ///< a string without end; the place is that of its opening quote
+    word,          ///< letters, digits, '_' and all bytes that are not ASCII
+    number,        ///< begins like a number, without a sign; may be malformed ("12ab")
+    string,        ///< the text between the quotes, as in the file
+    unterminated,  ///< a string without end, at the place of its opening quote
     mark,          ///< any other single byte
 };
 
@@ -32,13 +32,13 @@ struct DbcToken {
     bool is_word(std::string_view word) const { return kind == DbcTokenKind::word && text == word; }
 };
 
-/// Cuts a DBC text into tokens that point into it. Skips blanks, a byte order mark and `//`
-/// comments. Never fails: what is malformed comes out as a token that says so. Thread-bound.
+/// Cuts a DBC text into tokens, which point into the text. Skips blanks, a byte order mark and `//`
+/// comments. Never fails: malformed text gives a token of a kind that shows it. Thread-bound.
 class DbcLexer {
   public:
     explicit DbcLexer(std::string_view text);
 
-    /// The next token; `end` for ever after the last.
+    /// The next token. After the last one, always `end`.
     DbcToken next();
 
   private:
@@ -54,10 +54,10 @@ class DbcLexer {
     unsigned line_of_latest_ = 0;
 };
 
-/// The text of a string token: without escapes of quote and backslash, and in UTF-8.
+/// The text of a string token as UTF-8, with the escapes of quote and backslash resolved.
 std::string dbc_string(std::string_view between_quotes);
 
-/// The same text if it is UTF-8, else what it is in cp1252, which the usual editors write.
+/// The text itself if it is UTF-8, else converted from cp1252, which the usual editors write.
 std::string utf8_from_dbc(std::string_view text);
 
 }  // namespace tribus

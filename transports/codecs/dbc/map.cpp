@@ -54,7 +54,7 @@ void read_cycles(const SettingValues& settings, const SettingTree::Table& messag
     }
 }
 
-/// An output may send one channel in many signals; an input would have to choose.
+/// An output may send one channel in several signals; an input would have to choose between them.
 void check_channels(const DbcMap& map, const SettingTree::Table& messages, SettingScope scope,
                     Mistakes& mistakes) {
     const auto carries = [](const DbcPart& part) {
@@ -71,8 +71,8 @@ void check_channels(const DbcMap& map, const SettingTree::Table& messages, Setti
     std::map<std::size_t, std::string> sources;
     for (const SettingEntry& message : messages) {
         for (const SettingEntry& signal : *message.value.as<SettingTree::Table>()) {
-            Mistakes told_already;
-            const auto role = read_dbc_role(signal.value, {}, told_already);
+            Mistakes ignored;
+            const auto role = read_dbc_role(signal.value, {}, ignored);
             const auto* channel = role ? std::get_if<DbcChannelRole>(&*role) : nullptr;
             if (scope != SettingScope::input || channel == nullptr) {
                 continue;
@@ -82,14 +82,14 @@ void check_channels(const DbcMap& map, const SettingTree::Table& messages, Setti
             if (!first) {
                 mistakes.push_back({{"signals", message.key, signal.key},
                                     "channel " + std::to_string(channel->channel + 1) +
-                                        " comes from " + in_quotes(source->second) +
-                                        " already; allowed: one signal for each channel"});
+                                        " already comes from " + in_quotes(source->second) +
+                                        "; allowed: one signal for each channel"});
             }
         }
     }
 }
 
-/// J1939 ids leave the priority open, and perhaps the source.
+/// Ids of J1939 match any priority, and some match any source, so they may overlap.
 void check_ids(const DbcMap& map, Mistakes& mistakes) {
     for (std::size_t i = 0; i < map.messages.size(); ++i) {
         for (std::size_t j = 0; j < i; ++j) {
@@ -98,8 +98,8 @@ void check_ids(const DbcMap& map, Mistakes& mistakes) {
                                     "a frame of this message may also be one of " +
                                         in_quotes(map.messages[j].name) +
                                         ", as their ids differ in the priority only, or one of "
-                                        "them comes from any source (0xFE); allowed: one of the "
-                                        "two"});
+                                        "them comes from any source (0xFE); allowed: only one "
+                                        "of the two"});
             }
         }
     }
@@ -108,7 +108,7 @@ void check_ids(const DbcMap& map, Mistakes& mistakes) {
 void check_part_count(const DbcMap& map, SettingScope scope, Mistakes& mistakes) {
     if (scope == SettingScope::output && map.parts.size() > kMostSnapshotFrames) {
         mistakes.push_back({{"signals"},
-                            "they lie in " + std::to_string(map.parts.size()) +
+                            "they need " + std::to_string(map.parts.size()) +
                                 " frames; allowed: at most " +
                                 std::to_string(kMostSnapshotFrames)});
     }
@@ -147,7 +147,7 @@ std::optional<Duration> DbcMap::shortest_cycle() const {
     return shortest;
 }
 
-bool DbcMap::says_failsafe() const {
+bool DbcMap::signals_failsafe() const {
     bool flagged = false;
     bool coded = true;
     for (const DbcPart& part : parts) {

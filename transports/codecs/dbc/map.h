@@ -15,79 +15,83 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/signal.h"
 
-/// How channels, flags, counters and checksums lie in the messages of a user's DBC file: what the
-/// keys `dbc`, `signals` and `cycles` mean, worked out once. Plain values; pure and reentrant.
+/// Places of channels, flags, counters and checksums in the messages of a user's DBC file: the
+/// meaning of the keys `dbc`, `signals` and `cycles`. Plain values. Pure and reentrant.
 namespace tribus {
 
-/// A signal on its way to or from a channel.
+/// A signal that carries a channel.
 struct DbcChannel {
     std::size_t channel = 0;  ///< from 0
     DbcLayout layout;
     /// Two points of a straight line between physical values and microseconds.
     std::array<double, 2> value{};
     std::array<double, 2> microseconds{};
-    /// Physical values that the file allows: what is sent keeps to them, what is received beyond
-    /// them is no value.
+    /// Physical values that the file allows. Sent values are limited to them; a received value
+    /// outside is no value.
     std::optional<std::array<double, 2>> range{};
     /// Raw bits that are no value (J1939: all ones, and one less).
     std::optional<std::uint64_t> not_available{};
     std::optional<std::uint64_t> error{};
-    /// A missing value means an absent channel, not that the source has failed.
+    /// A missing value means that the channel is absent, not that the source has failed.
     bool optional = false;
-    /// The layout holds a magnitude, and these tell its direction: 0 no, 1 yes, 2 error, 3 not
-    /// available, as the joysticks of J1939 do (docs/protocols/can.md, "J1939 joysticks").
+    /// Only if the layout holds a magnitude: signals that give its direction, with 0 no, 1 yes, 2
+    /// error, 3 not available, as in J1939 joysticks (docs/protocols/can.md, "J1939 joysticks").
     std::optional<DbcLayout> negative{};
     std::optional<DbcLayout> positive{};
     std::optional<DbcLayout> neutral{};
 };
 
+/// Meaning of a flag signal.
 enum class DbcFlagMeaning : std::uint8_t {
     failsafe,
     frame_lost,
     good,
-    cause,  ///< the number of the LinkCause; received, it says nothing
+    cause,  ///< the number of the LinkCause; ignored in received frames
 };
 
-/// A signal that is sent as 1 where the meaning holds, else as 0. Received, only a plain 1 says
-/// good and only a plain 0 says that nothing is lost: the codes of J1939 for "error" and "not
-/// available" reassure nobody.
+/// A signal that is sent as 1 if the meaning applies, else as 0. In received frames, `good`
+/// requires exactly 1 and the others exactly 0: the codes of J1939 for "error" and "not available"
+/// count as bad.
 struct DbcFlag {
     DbcFlagMeaning meaning = DbcFlagMeaning::failsafe;
     DbcLayout layout;
 };
 
-/// A signal that always has this raw value; a frame received with another one says failsafe.
+/// A signal that always has this raw value. A received frame with another value counts as failsafe.
 struct DbcFixed {
     DbcLayout layout;
     std::uint64_t bits = 0;
 };
 
-/// A signal of an output that holds a named value.
+/// A signal of an output that carries a named value.
 struct DbcValue {
-    std::string from;  ///< the name of the value
-    std::string unit;  ///< of the signal; empty where the file tells none
+    std::string from;  ///< name of the value
+    std::string unit;  ///< unit of the signal; empty if the file has none
     DbcLayout layout;
-    /// Physical values that the file allows: what is sent keeps to them.
+    /// Physical values that the file allows. Sent values are limited to them.
     std::optional<std::array<double, 2>> range{};
-    /// The greatest raw bits that are a number; J1939 keeps those above for codes.
+    /// The greatest raw bits that are a number. J1939 uses those above for codes.
     std::optional<std::uint64_t> most_bits{};
-    /// Raw bits that say that there is none; without them the frame is not sent then.
+    /// Raw bits that mean "not available". Without them, the frame is not sent while there is no
+    /// value.
     std::optional<std::uint64_t> not_available{};
 };
 
-/// A signal that tells which page of a multiplexed message a frame is.
+/// A signal whose value gives the page of a multiplexed message.
 struct DbcSelector {
     DbcLayout layout;
     std::vector<DbcSelectorRange> selected_by;  ///< values that mean this page
     std::uint64_t sent = 0;                     ///< one of them
 };
 
+/// A signal that increases with each frame.
 struct DbcCounter {
     DbcLayout layout;
-    std::uint64_t most = 0;  ///< counts from 0 to this, then from 0 again
+    std::uint64_t most = 0;  ///< counts from 0 to this, then starts again
 };
 
-/// Over all bytes of the frame but its own.
+/// Checksums over all bytes of the frame but their own (docs/protocols/can.md, "End-to-end
+/// protection" and "Drive units and robots").
 enum class DbcChecksumKind : std::uint8_t {
     xor8,     ///< exclusive or
     sum8,     ///< sum modulo 256
@@ -101,13 +105,13 @@ enum class DbcChecksumKind : std::uint8_t {
 struct DbcChecksum {
     DbcChecksumKind kind = DbcChecksumKind::xor8;
     DbcLayout layout;
-    std::size_t byte = 0;  ///< its own, or the first of its own
+    std::size_t byte = 0;  ///< its own byte, or the first of its two
     std::uint16_t data_id = 0;
 };
 
-/// What one frame of a message holds. Of an input: the signals that are present under the same
-/// conditions, so that a frame may hold several parts. Of an output: one frame that is sent, with
-/// every mapped signal that a reader will find in it.
+/// Content of one frame of a message. For an input: the signals that are present under the same
+/// conditions, so one frame may hold several parts. For an output: one frame to send, with every
+/// mapped signal that a receiver will find in it.
 struct DbcPart {
     std::size_t message = 0;  ///< index into DbcMap::messages
     std::vector<DbcSelector> selectors;
@@ -117,33 +121,35 @@ struct DbcPart {
     std::vector<DbcValue> values;
 };
 
+/// One message with its counter and checksum.
 struct DbcMappedMessage {
     std::string name;
-    CanIdMatch id;  ///< what is received; `sent_id` is what is sent
+    CanIdMatch id;  ///< ids that are received; `sent_id` is sent
     std::uint32_t sent_id = 0;
     bool fd = false;
     bool bit_rate_switch = false;
     std::uint8_t length = 0;
-    std::uint8_t fill = 0;  ///< of bytes that no signal sets: J1939 wants ones
+    std::uint8_t fill = 0;  ///< value of bytes that no signal sets: ones in J1939
     std::optional<Duration> cycle;
     std::optional<DbcCounter> counter;
     std::optional<DbcChecksum> checksum;
 };
 
+/// The messages of an input or output, and the content of their frames.
 struct DbcMap {
     std::vector<DbcMappedMessage> messages;
     std::vector<DbcPart> parts;
 
-    /// The shortest cycle time of a message with channels, if any has one.
+    /// The shortest cycle time of the messages with channels; nothing if none has one.
     std::optional<Duration> shortest_cycle() const;
-    /// A frame can tell a reader that the values are not to be used.
-    bool says_failsafe() const;
-    /// A frame tells something of channels.
+    /// Whether a frame can tell the receiver not to use the values.
+    bool signals_failsafe() const;
+    /// Whether a frame carries a channel or a flag.
     bool needs_channels() const;
 };
 
-/// Works out checked settings for an input or an output. The error is everything that is wrong, for
-/// the person who wrote them, with the path of each key.
+/// Builds the map of an input or output from checked settings. The error lists all mistakes with
+/// the path of each key, for the person who wrote them.
 tl::expected<DbcMap, std::vector<SettingMistake>> build_dbc_map(const SettingValues& settings,
                                                                 SettingScope scope);
 

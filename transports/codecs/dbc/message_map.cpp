@@ -22,7 +22,7 @@ using Data = std::array<std::uint8_t, kMostFdBytes>;
 constexpr std::uint32_t kWithoutPriority = 0x03FF'FFFF;
 constexpr std::uint32_t kWithoutSource = 0x03FF'FF00;
 constexpr std::uint32_t kSourceAddress = 0xFF;
-/// Nobody may send from it; in such files it stands for "whoever sends it".
+/// No node may send from this address. In DBC files it stands for "any source".
 constexpr std::uint32_t kNullAddress = 0xFE;
 
 bool any_source(const DbcMessage& message) {
@@ -30,10 +30,10 @@ bool any_source(const DbcMessage& message) {
 }
 
 constexpr const char* kNotReceived =
-    "a named value is sent in this signal, but an input receives it; allowed: in the signals of an "
-    "output, while [values.NAME] makes the signals of a message named values";
+    "\"from\" sends a named value, but this is an input; allowed: in the signals of an output; "
+    "[values.NAME] makes named values of the signals of a message";
 
-/// The values that a sender gives the selectors: the first one of each that selects.
+/// The values of the selectors in a sent frame: the first selecting value of each.
 using Page = std::vector<std::pair<const DbcSignal*, std::uint64_t>>;
 
 Page page_of(const DbcConditions& conditions) {
@@ -49,7 +49,7 @@ bool starts_with(const Page& page, const Page& beginning) {
            std::equal(beginning.begin(), beginning.end(), page.begin());
 }
 
-/// Builds the plan of one message from the roles of its signals.
+/// Builds the mapping of one message from the roles of its signals.
 class MessageBuilder {
   public:
     MessageBuilder(const DbcMessage& message, SettingScope scope, DbcMap& map, Mistakes& mistakes)
@@ -93,11 +93,11 @@ class MessageBuilder {
         }
         if (scope_ == SettingScope::output && any_source(message_)) {
             complain(path,
-                     "the id of the message has the source address 0xFE, from which nobody "
+                     "the id of the message has the source address 0xFE, from which no node "
                      "may send; allowed: the address of this node in the id of the DBC file");
         }
-        check_alone<DbcCounter>("the message has a counter already; allowed: one");
-        check_alone<DbcChecksum>("the message has a checksum already; allowed: one");
+        check_alone<DbcCounter>("the message already has a counter; allowed: one");
+        check_alone<DbcChecksum>("the message already has a checksum; allowed: one");
     }
 
     template <class Use>
@@ -130,7 +130,7 @@ class MessageBuilder {
         return mapped;
     }
 
-    /// Unused bits of J1939 are ones: "not available".
+    /// J1939 fills unused bits with ones: "not available".
     std::uint8_t fill() const { return message_.j1939 ? 0xFF : 0x00; }
 
     std::vector<DbcPart> received_parts() const {
@@ -159,7 +159,7 @@ class MessageBuilder {
         return parts;
     }
 
-    /// The deepest pages: what stands further out is in each page below it.
+    /// The deepest pages. Signals of outer pages are in each page below.
     std::vector<Page> pages() const {
         std::vector<Page> pages;
         for (const DbcMappedSignal& signal : mapped_) {
@@ -183,8 +183,8 @@ class MessageBuilder {
         return part;
     }
 
-    /// With every mapped signal that a reader of this frame will find in it: one that is left out
-    /// would be read as whatever its bits happen to be.
+    /// Contains every mapped signal that a receiver of this frame will find in it: it would read a
+    /// left-out signal from whatever bits are there.
     DbcPart sent_part(const Page& page) {
         DbcPart part = empty_part(page);
         Data data;
@@ -211,16 +211,16 @@ class MessageBuilder {
                 free = (!status || take_bits(*status, taken)) && free;
             }
         }
-        const bool told =
+        const bool reported =
             std::ranges::find(mistakes_, signal.path, &SettingMistake::path) != mistakes_.end();
-        if (!free && !told) {
+        if (!free && !reported) {
             complain(signal.path,
-                     "its bits are those of another signal that is sent in the same "
+                     "its bits overlap those of another signal in the same "
                      "frame; allowed: signals that do not overlap");
         }
     }
 
-    /// Whether all of them were free.
+    /// Whether all bits were free.
     static bool take_bits(const DbcLayout& layout, Data& taken) {
         Data own{};
         layout.set_raw_bits(own, ~std::uint64_t{0});

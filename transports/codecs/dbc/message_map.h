@@ -8,15 +8,15 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/map.h"
 
-/// One message of a DbcMap. Pure and reentrant.
+/// Builds one message of a DbcMap. Pure and reentrant.
 namespace tribus {
 
-/// The ids of the frames of a message: in J1939 of any priority, and from any source where the
-/// file has 0xFE, from which nobody may send.
+/// The ids of a message's frames. In J1939: any priority, and any source if the file has the
+/// address 0xFE, from which no node may send.
 CanIdMatch received_ids(const DbcMessage& message);
 
-/// Adds the message and its parts to the map of an input or output, as `roles` tell what its
-/// signals are for. Adds what is wrong to `mistakes`, under `path`.
+/// Adds the message and its parts to the map of an input or output. `roles` are the roles of its
+/// signals. Adds errors to `mistakes`, under `path`.
 void map_dbc_message(const DbcMessage& message, const SettingTree::Table& roles,
                      const std::vector<std::string>& path, SettingScope scope, DbcMap& map,
                      std::vector<SettingMistake>& mistakes);

@@ -11,12 +11,13 @@
 namespace tribus {
 namespace {
 
-/// The message that holds the signals of no message.
-constexpr std::string_view kOrphanage = "VECTOR__INDEPENDENT_SIG_MSG";
-constexpr std::uint32_t kOrphanageId = 0xC0000000U;
+/// The placeholder message for signals that belong to no message (docs/protocols/can.md, "DBC
+/// files").
+constexpr std::string_view kPlaceholder = "VECTOR__INDEPENDENT_SIG_MSG";
+constexpr std::uint32_t kPlaceholderId = 0xC0000000U;
 constexpr std::uint32_t kLastStandardId = 0x7FF;
 constexpr std::uint32_t kLastExtendedId = 0x1FFFFFFF;
-/// Of the transport protocol of J1939-21, the longest of all.
+/// Limit of J1939-21's transport protocol in bytes, the longest of all.
 constexpr std::uint32_t kLongestMessage = 1785;
 constexpr std::uint32_t kAnyUnsigned = std::numeric_limits<std::uint32_t>::max();
 
@@ -26,8 +27,8 @@ struct SignalPlaces {
     DbcPlace factor;
 };
 
-/// Bits of the message in front of the signal's first one on the wire, and the signal's own: in
-/// Motorola order a signal starts at its most significant bit and goes down.
+/// Number of bits up to the end of the signal, in wire order: a Motorola signal starts at its most
+/// significant bit and goes down.
 unsigned bits_needed(const DbcSignal& signal) {
     const unsigned before = signal.byte_order == DbcByteOrder::intel
                                 ? signal.start_bit
@@ -42,11 +43,12 @@ bool check_id(DbcTokens& tokens, const DbcMessage& message, DbcPlace place) {
     const std::string shown = "the id of message " + message.name + ", ";
     if (message.extended) {
         return tokens.fail(place, shown + std::to_string(message.id | kDbcExtendedFlag) +
-                                      ", has more than 29 bits beside bit 31");
+                                      ", has more than 29 bits besides bit 31");
     }
-    return tokens.fail(place, shown + std::to_string(message.id) +
-                                  ", has more than 11 bits; a 29-bit id stands in the file with "
-                                  "bit 31 set, so add 2147483648 to it");
+    return tokens.fail(place,
+                       shown + std::to_string(message.id) +
+                           ", has more than 11 bits; a 29-bit id has bit 31 set in the file, "
+                           "so add 2147483648 to it");
 }
 
 bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal& signal,
@@ -54,7 +56,7 @@ bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal&
     if (signal.bit_length < 1 || signal.bit_length > kLongestDbcSignal) {
         return tokens.fail(places.length, "signal " + signal.name + " is " +
                                               std::to_string(signal.bit_length) +
-                                              " bits long; 1 to 64 are possible");
+                                              " bits long; allowed are 1 to 64");
     }
     if (const unsigned needed = bits_needed(signal); needed > message.length * 8) {
         return tokens.fail(places.name, "signal " + signal.name + " needs " +
@@ -64,15 +66,15 @@ bool check_signal(DbcTokens& tokens, const DbcMessage& message, const DbcSignal&
     }
     if (signal.factor == 0) {
         return tokens.fail(places.factor, "the factor of signal " + signal.name +
-                                              " is 0: every raw value would mean the same");
+                                              " is 0: all raw values would have one meaning");
     }
     return true;
 }
 
-/// M, m<number>, m<number>M or m before the colon, or nothing.
+/// Accepts M, m<number>, m<number>M, m, or nothing before the colon.
 bool read_multiplexing(DbcTokens& tokens, DbcSignal& signal) {
     if (tokens.token().kind != DbcTokenKind::word) {
-        return tokens.take_mark(':', "behind the name of the signal");
+        return tokens.take_mark(':', "after the name of the signal");
     }
     std::string_view text = tokens.token().text;
     signal.is_selector = text.ends_with('M');
@@ -92,25 +94,25 @@ bool read_multiplexing(DbcTokens& tokens, DbcSignal& signal) {
         return tokens.fail_expected("':' or a multiplexing mark (M, m0 or m0M)");
     }
     tokens.advance();
-    return tokens.take_mark(':', "behind the multiplexing mark");
+    return tokens.take_mark(':', "after the multiplexing mark");
 }
 
 bool read_position(DbcTokens& tokens, DbcSignal& signal, SignalPlaces& places) {
     constexpr std::uint32_t kLastBit = kLongestMessage * 8 - 1;
     std::uint32_t order = 0;
     if (!tokens.take_unsigned(signal.start_bit, kLastBit, "the start bit") ||
-        !tokens.take_mark('|', "behind the start bit")) {
+        !tokens.take_mark('|', "after the start bit")) {
         return false;
     }
     places.length = tokens.token().place;
     if (!tokens.take_unsigned(signal.bit_length, kAnyUnsigned, "the length in bits") ||
-        !tokens.take_mark('@', "behind the length in bits") ||
+        !tokens.take_mark('@', "after the length in bits") ||
         !tokens.take_unsigned(order, 1, "the byte order (0 Motorola, 1 Intel)")) {
         return false;
     }
     signal.byte_order = order == 0 ? DbcByteOrder::motorola : DbcByteOrder::intel;
     if (!tokens.token().is_mark('+') && !tokens.token().is_mark('-')) {
-        return tokens.fail_expected("'+' (unsigned) or '-' (signed) behind the byte order");
+        return tokens.fail_expected("'+' (unsigned) or '-' (signed) after the byte order");
     }
     signal.is_signed = tokens.take_sign();
     return true;
@@ -122,18 +124,18 @@ bool read_scaling(DbcTokens& tokens, DbcSignal& signal, SignalPlaces& places) {
     }
     places.factor = tokens.token().place;
     return tokens.take_double(signal.factor, "the factor") &&
-           tokens.take_mark(',', "behind the factor") &&
+           tokens.take_mark(',', "after the factor") &&
            tokens.take_double(signal.offset, "the offset") &&
-           tokens.take_mark(')', "behind the offset") &&
+           tokens.take_mark(')', "after the offset") &&
            tokens.take_mark('[', "before the minimum") &&
            tokens.take_limit(signal.minimum, "the minimum") &&
-           tokens.take_mark('|', "behind the minimum") &&
+           tokens.take_mark('|', "after the minimum") &&
            tokens.take_limit(signal.maximum, "the maximum") &&
-           tokens.take_mark(']', "behind the maximum") &&
+           tokens.take_mark(']', "after the maximum") &&
            tokens.take_string(signal.unit, "the unit in quotes");
 }
 
-/// On the line of the signal, or behind a comma.
+/// Receivers are on the line of the signal, or follow a comma.
 void skip_receivers(DbcTokens& tokens) {
     bool comma = false;
     while (tokens.token().is_mark(',') || (tokens.token().kind == DbcTokenKind::word &&
@@ -143,7 +145,7 @@ void skip_receivers(DbcTokens& tokens) {
     }
 }
 
-bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool orphan) {
+bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool placeholder) {
     DbcSignal signal;
     SignalPlaces places;
     places.name = tokens.token().place;
@@ -158,7 +160,7 @@ bool read_signal(DbcTokens& tokens, DbcMessageStatement& statement, bool orphan)
         return false;
     }
     skip_receivers(tokens);
-    if (orphan) {
+    if (placeholder) {
         return true;
     }
     if (!check_signal(tokens, statement.message, signal, places)) {
@@ -180,7 +182,7 @@ bool read_heading(DbcTokens& tokens, DbcMessageStatement& statement) {
     message.id = statement.file_id & ~kDbcExtendedFlag;
     statement.name_place = tokens.token().place;
     if (!tokens.take_word(statement.name, "the name of the message") ||
-        !tokens.take_mark(':', "behind the name of the message")) {
+        !tokens.take_mark(':', "after the name of the message")) {
         return false;
     }
     message.name = utf8_from_dbc(statement.name);
@@ -204,17 +206,17 @@ bool read_dbc_message(DbcTokens& tokens, std::vector<DbcMessageStatement>& messa
     if (!read_heading(tokens, statement)) {
         return false;
     }
-    const bool orphanage = statement.file_id == kOrphanageId || statement.name == kOrphanage;
-    if (!orphanage && !check_id(tokens, statement.message, place)) {
+    const bool placeholder = statement.file_id == kPlaceholderId || statement.name == kPlaceholder;
+    if (!placeholder && !check_id(tokens, statement.message, place)) {
         return false;
     }
     while (tokens.token().is_word("SG_")) {
         tokens.advance();
-        if (!read_signal(tokens, statement, orphanage)) {
+        if (!read_signal(tokens, statement, placeholder)) {
             return false;
         }
     }
-    if (!orphanage) {
+    if (!placeholder) {
         messages.push_back(std::move(statement));
     }
     return true;

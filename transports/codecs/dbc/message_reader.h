@@ -7,8 +7,8 @@
 
 namespace tribus {
 
-/// Reads a message behind its BO_, with its signals; checks whatever needs no other statement. The
-/// message that holds the signals of no message is read but not kept. False after a mistake.
+/// Reads a message and its signals after BO_. Checks everything that needs no other statement. Does
+/// not keep the message for signals that belong to no message. Returns false after an error.
 bool read_dbc_message(DbcTokens& tokens, std::vector<DbcMessageStatement>& messages);
 
 }  // namespace tribus

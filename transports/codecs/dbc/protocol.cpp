@@ -38,13 +38,13 @@ std::vector<SettingMistake> check_dbc(const SettingValues& settings, SettingScop
     return map ? std::vector<SettingMistake>{} : std::move(map.error());
 }
 
-bool says_failsafe(const SettingValues& settings) {
+bool signals_failsafe(const SettingValues& settings) {
     const auto map = build_dbc_map(settings, SettingScope::output);
-    return map && map->says_failsafe();
+    return map && map->signals_failsafe();
 }
 
 std::optional<Duration> own_period(const SettingValues& settings) {
-    // Whichever way they are for: each direction allows what the other does not.
+    // Tries both directions, because each allows roles that the other refuses.
     auto map = build_dbc_map(settings, SettingScope::output);
     if (!map) {
         map = build_dbc_map(settings, SettingScope::input);
@@ -67,8 +67,8 @@ std::vector<NamedUse> value_names(const SettingValues& settings) {
             continue;
         }
         for (const SettingEntry& signal : *roles) {
-            std::vector<SettingMistake> told_already;
-            const auto role = read_dbc_role(signal.value, {}, told_already);
+            std::vector<SettingMistake> ignored;
+            const auto role = read_dbc_role(signal.value, {}, ignored);
             if (const auto* value = role ? std::get_if<DbcValueRole>(&*role) : nullptr) {
                 uses.push_back({value->from, {"signals", message.key, signal.key, "from"}});
             }
@@ -108,9 +108,8 @@ std::unique_ptr<CanEncoder> make_dbc_encoder(const SettingValues& settings) {
 
 }  // namespace
 
-// Period where neither the user nor the file tells one: J1939 joysticks and drive units of rovers
-// are sent every 20 ms at the quickest (docs/protocols/can.md, "J1939 joysticks" and "Drive units
-// and robots").
+// Period if neither the user nor the file gives one: J1939 joysticks and drive units of rovers are
+// sent every 20 ms at most (docs/protocols/can.md, "J1939 joysticks" and "Drive units and robots").
 const Protocol kDbcProtocol{
     .name = "dbc",
     .description = "messages that a DBC file describes",
@@ -120,7 +119,7 @@ const Protocol kDbcProtocol{
     .default_period = std::chrono::milliseconds(20),
     .own_period = own_period,
     .least_period = kLeastDbcPeriod,
-    .says_failsafe = says_failsafe,
+    .signals_failsafe = signals_failsafe,
     .sure_channels = sure_dbc_channels,
     .check = check_dbc,
     .value_names = value_names,

@@ -23,7 +23,7 @@ class Resolver {
     tl::expected<DbcFile, DbcMistake> resolve();
 
   private:
-    /// Of one message: its attributes, and its signals by their short names.
+    /// Attributes of a message, and its signals by their short names.
     struct Entry {
         std::unordered_map<std::string_view, std::size_t> signals;
         DbcMessageAttributes attributes{};
@@ -134,7 +134,7 @@ Result Resolver::apply_kinds() {
                                                                           : signal->bit_length;
         if (signal->bit_length != needed) {
             return dbc_mistake(statement.place, "signal " + signal->name +
-                                                    " is said to be a floating-point number of " +
+                                                    " is declared as a floating-point number of " +
                                                     std::to_string(needed) + " bits, but is " +
                                                     std::to_string(signal->bit_length) +
                                                     " bits long");
@@ -144,7 +144,7 @@ Result Resolver::apply_kinds() {
     return {};
 }
 
-/// Several statements about one signal add up, as some tools write a range each.
+/// Several statements about one signal add up: some tools write one for each range.
 Result Resolver::apply_selectors() {
     for (const DbcSelectorStatement& statement : statements_.selectors) {
         DbcSignal* const signal = signal_of(statement.of);
@@ -154,13 +154,14 @@ Result Resolver::apply_selectors() {
         const auto& signals = entries_[by_id_.at(statement.of.message)].signals;
         const auto selector = signals.find(statement.selector);
         if (selector == signals.end()) {
-            return dbc_mistake(statement.selector_place, "signal " + signal->name + " depends on " +
-                                                             utf8_from_dbc(statement.selector) +
-                                                             ", which is no signal of its message");
+            return dbc_mistake(statement.selector_place,
+                               "signal " + signal->name + " depends on " +
+                                   utf8_from_dbc(statement.selector) +
+                                   ", which is not a signal of its message");
         }
         if (signal->selector && *signal->selector != selector->second) {
             return dbc_mistake(statement.selector_place,
-                               "signal " + signal->name + " depends on another signal already");
+                               "signal " + signal->name + " already depends on another signal");
         }
         if (!signal->selector) {
             signal->selected_by.clear();
@@ -174,8 +175,8 @@ Result Resolver::apply_selectors() {
     return {};
 }
 
-/// Without SG_MUL_VAL_, mN depends on the one selector that there is; with several, or none, nobody
-/// knows on which.
+/// Without SG_MUL_VAL_, mN depends on the only selector of the message. With several selectors or
+/// none, the selector is unknown.
 void Resolver::default_selectors() {
     for (DbcMessageStatement& statement : statements_.messages) {
         std::vector<DbcSignal>& signals = statement.message.signals;
@@ -201,9 +202,9 @@ Result Resolver::check_selectors() const {
         for (std::size_t at = 0; at < signals.size(); ++at) {
             const DbcSignal* signal = &signals[at];
             if (signal->is_selector && signal->kind != DbcValueKind::integer) {
-                return dbc_mistake(statement.signal_places[at],
-                                   "signal " + signal->name +
-                                       " selects others, so it must be an integer, no float");
+                return dbc_mistake(
+                    statement.signal_places[at],
+                    "signal " + signal->name + " selects others, so it must be an integer");
             }
             for (std::size_t depth = 0; signal->selector; ++depth) {
                 if (depth == kDeepestDbcMultiplexing) {
@@ -264,7 +265,7 @@ void Resolver::apply_long_names() {
     }
 }
 
-/// Long names may clash where short ones did not.
+/// Long names may clash even if short ones do not.
 Result Resolver::check_names() const {
     std::unordered_map<std::string_view, unsigned> messages;
     for (const DbcMessageStatement& statement : statements_.messages) {

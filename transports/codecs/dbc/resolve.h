@@ -7,7 +7,7 @@
 
 namespace tribus {
 
-/// Puts the statements of a file together and checks what takes several of them.
+/// Combines the statements of a file and checks what needs several of them. Pure and reentrant.
 tl::expected<DbcFile, DbcMistake> resolve_dbc(DbcStatements statements);
 
 }  // namespace tribus

@@ -55,7 +55,7 @@ std::string names(const Rows& rows) {
     return text;
 }
 
-/// One table behind a signal. Each key that is asked for counts as known.
+/// The table of one signal. Each key that is queried counts as known.
 class RoleTable {
   public:
     RoleTable(const SettingTree::Table& table, Path path, Mistakes& mistakes)
@@ -140,8 +140,7 @@ class RoleTable {
         }
         std::optional<Result> result = reader(*tree);
         if (!result) {
-            complain(key,
-                     in_quotes(key) + " is not what it can be; allowed: " + std::string(allowed));
+            complain(key, in_quotes(key) + " has a wrong value; allowed: " + std::string(allowed));
         }
         return result;
     }
@@ -153,8 +152,8 @@ class RoleTable {
 };
 
 std::optional<std::size_t> channel_index(std::optional<std::int64_t> number) {
-    const bool sound = number && *number >= 1 && *number <= std::int64_t{kChannelCount};
-    return sound ? std::optional(static_cast<std::size_t>(*number - 1)) : std::nullopt;
+    const bool valid = number && *number >= 1 && *number <= std::int64_t{kChannelCount};
+    return valid ? std::optional(static_cast<std::size_t>(*number - 1)) : std::nullopt;
 }
 
 std::optional<DbcRole> read_channel(RoleTable& table) {
@@ -169,13 +168,13 @@ std::optional<DbcRole> read_channel(RoleTable& table) {
     role.microseconds = table.pair("us").value_or(role.microseconds);
     if (std::ranges::any_of(role.microseconds,
                             [](double us) { return us < 0 || us > kMostMicroseconds; })) {
-        table.complain("us", "no servo knows such a pulse; allowed: 0 to 4000 microseconds");
+        table.complain("us", "this is not a servo pulse; allowed: 0 to 4000 microseconds");
     }
     role.not_available = table.whole("not_available", "a raw value, a whole number");
     role.error = table.whole("error", "a raw value, a whole number");
     if (role.error && role.error == role.not_available) {
         table.complain("error",
-                       "this is the code of \"not_available\" already; allowed: another "
+                       "\"not_available\" already has this code; allowed: another "
                        "raw value, or one of the two keys");
     }
     role.optional = table.truth("optional").value_or(false);
@@ -185,7 +184,7 @@ std::optional<DbcRole> read_channel(RoleTable& table) {
     role.neutral = table.text("neutral", kSignalName);
     if (role.negative.empty() && !(role.positive.empty() && role.neutral.empty())) {
         table.complain("channel",
-                       "\"positive\" and \"neutral\" tell the direction of a magnitude together "
+                       "\"positive\" and \"neutral\" give the direction of a magnitude together "
                        "with \"negative\"; allowed: all of them, or \"negative\" alone");
     }
     table.refuse_others();
@@ -221,13 +220,12 @@ std::optional<DbcRole> read_counter(RoleTable& table) {
     DbcCounterRole role{table.whole("most", "the highest count, a whole number above 0")};
     table.refuse_others();
     if (role.most && *role.most < 1) {
-        table.complain("most", "a counter that stands still protects nothing; allowed: 1 or more");
+        table.complain("most", "a counter that never changes is useless; allowed: 1 or more");
         return std::nullopt;
     }
     if (wanted == false) {
         table.complain("counter",
-                       "what this signal is for instead is not said; allowed: true, or "
-                       "no entry for the signal");
+                       "this gives the signal no role; allowed: true, or no entry for the signal");
     }
     return wanted == true ? std::optional<DbcRole>(role) : std::nullopt;
 }
@@ -250,7 +248,7 @@ std::optional<DbcRole> read_checksum(RoleTable& table) {
     }
     if (role.data_id && !is_profile(row->kind)) {
         table.complain("data_id", in_quotes(name) +
-                                      " covers no data id; allowed: with \"p01\" and "
+                                      " has no data id; allowed: with \"p01\" and "
                                       "\"p05\" only");
         return std::nullopt;
     }
@@ -298,8 +296,7 @@ std::optional<DbcRole> read_dbc_role(const SettingTree& tree, const std::vector<
             }
         }
     }
-    mistakes.push_back(
-        {path, "it is not clear what this signal is for; " + std::string(kAllowedRoles)});
+    mistakes.push_back({path, "this gives the signal no role; " + std::string(kAllowedRoles)});
     return std::nullopt;
 }
 

@@ -11,8 +11,8 @@
 #include "core/setting.h"
 #include "transports/codecs/dbc/map.h"
 
-/// What the user says of one signal: `MESSAGE.SIGNAL = 3` or `= { channel = 3, ... }`, read from
-/// the tree, not yet held against the DBC file. Pure and reentrant.
+/// The role that the user gives a signal: `MESSAGE.SIGNAL = 3` or `= { channel = 3, ... }`. Read
+/// from the tree, not yet compared with the DBC file. Pure and reentrant.
 namespace tribus {
 
 struct DbcChannelRole {
@@ -22,7 +22,7 @@ struct DbcChannelRole {
     std::optional<std::int64_t> not_available{};
     std::optional<std::int64_t> error{};
     bool optional = false;
-    std::string negative{};  ///< names of signals of the same message; empty: none
+    std::string negative{};  ///< name of a signal of the same message, as the next two; empty: none
     std::string positive{};
     std::string neutral{};
 };
@@ -39,7 +39,7 @@ struct DbcChecksumRole {
     DbcChecksumKind kind = DbcChecksumKind::xor8;
     std::optional<std::int64_t> data_id;
 };
-/// Of an output: a named value is sent.
+/// Output only: sends a named value.
 struct DbcValueRole {
     std::string from{};
     std::optional<std::int64_t> not_available{};
@@ -47,10 +47,10 @@ struct DbcValueRole {
 using DbcRole = std::variant<DbcChannelRole, DbcFlagRole, DbcFixedRole, DbcCounterRole,
                              DbcChecksumRole, DbcValueRole>;
 
-/// The end-to-end profiles of AUTOSAR, which cover a data id that is not sent.
+/// Whether this is an end-to-end profile of AUTOSAR, whose CRC covers a data id that is not sent.
 bool is_profile(DbcChecksumKind kind);
 
-/// Reads what stands behind one signal. Adds what is wrong to `mistakes`, under `path`.
+/// Reads the value of one signal's key. Adds errors to `mistakes`, under `path`.
 std::optional<DbcRole> read_dbc_role(const SettingTree& tree, const std::vector<std::string>& path,
                                      std::vector<SettingMistake>& mistakes);
 

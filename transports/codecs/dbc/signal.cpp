@@ -16,8 +16,8 @@ double finite(double value, double most) {
     return std::clamp(value, -most, most);
 }
 
-/// Motorola numbers the bits of a byte downwards and its bytes upwards; counted along the wire
-/// both go upwards.
+/// Position of a bit in wire order. Motorola numbers the bits of a byte downwards and its bytes
+/// upwards; in wire order both go upwards.
 unsigned wire_position(unsigned bit) {
     return bit / kBitsPerByte * kBitsPerByte + (kBitsPerByte - 1 - bit % kBitsPerByte);
 }
@@ -45,7 +45,7 @@ DbcLayout::DbcLayout(const DbcSignal& signal)
     }
 }
 
-// A signal of 64 bits may touch nine bytes; then shift_ is not 0, so the ninth is shifted by less
+// A signal of 64 bits may touch nine bytes. Then shift_ is not 0, so the ninth is shifted by less
 // than 64.
 std::uint64_t DbcLayout::raw_bits(std::span<const std::uint8_t> data) const {
     std::uint64_t bits = std::uint64_t{data[lowest_byte_]} >> shift_;
@@ -115,8 +115,8 @@ std::uint64_t DbcLayout::bits_from_physical(double physical) const {
     return bits_from_integer(may_be_broken ? static_cast<double>(nearest_whole(raw)) : raw);
 }
 
-// The limits are compared as powers of two, which a double holds exactly at any length; where it
-// does not hold `greatest`, that is rounded up to the next power itself.
+// The limits are compared as powers of two, which a double holds exactly. Where it does not hold
+// `greatest`, the conversion rounds that up to the next power itself.
 std::uint64_t DbcLayout::bits_from_integer(double raw) const {
     const std::uint64_t greatest = is_signed_ ? mask_ >> 1U : mask_;
     const double beyond = static_cast<double>(greatest) + 1;

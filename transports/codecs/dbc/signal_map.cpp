@@ -32,7 +32,7 @@ DbcConditions conditions_of(const DbcMessage& message, const DbcSignal& signal) 
     return conditions;
 }
 
-/// The file says what the presence of this signal, and of those that it depends on, depends on.
+/// Whether the file says on which selectors and values the signal and its selectors depend.
 bool pages_known(const DbcSignal& signal, const DbcConditions& conditions) {
     return !signal.page_unknown &&
            std::ranges::none_of(conditions, [](const DbcCondition& condition) {
@@ -46,7 +46,7 @@ std::string shown(double number) {
     return text.ends_with('.') ? text.substr(0, text.size() - 1) : text;
 }
 
-/// Holds one role against its signal.
+/// Checks one role against its signal.
 class SignalMapper {
   public:
     SignalMapper(const DbcMessage& message, const DbcSignal& signal, std::vector<std::string> path,
@@ -86,7 +86,7 @@ class SignalMapper {
     bool in_every_frame() const { return conditions_.empty(); }
     bool integer() const { return signal_.kind == DbcValueKind::integer; }
     bool in_microseconds() const { return signal_.unit == "us" || signal_.unit == "\u00B5s"; }
-    /// The signal can hold this value, to within one step.
+    /// Whether the signal can hold this value, within one step.
     bool can_hold(double value) const {
         const double held = layout_.physical(layout_.bits_from_physical(value));
         return !integer() || std::abs(held - value) <= std::abs(signal_.factor);
@@ -133,7 +133,7 @@ class SignalMapper {
         constexpr double kRounding = 1e-3;
         if (std::abs(layout_.physical(bits) - role.value) > step * kRounding) {
             complain_at("fixed", in_quotes(signal_.name) + " cannot be " + shown(role.value) +
-                                     "; the nearest that it can be is " +
+                                     "; the nearest possible value is " +
                                      shown(layout_.physical(bits)));
             return std::nullopt;
         }
@@ -144,14 +144,14 @@ class SignalMapper {
         if (!in_every_frame() || signal_.is_signed || !integer() ||
             signal_.bit_length > kMostCounterBits) {
             complain(
-                "this cannot count; allowed: an unsigned signal of up to 32 bits that every "
-                "frame of the message has");
+                "this signal cannot be a counter; allowed: an unsigned signal of up to 32 bits "
+                "that every frame of the message has");
             return std::nullopt;
         }
         const std::uint64_t fits = (std::uint64_t{1} << signal_.bit_length) - 1;
         const auto most = role.most ? static_cast<std::uint64_t>(*role.most) : fits;
         if (most > fits) {
-            complain_at("most", in_quotes(signal_.name) + " cannot count so far; allowed: 1 to " +
+            complain_at("most", in_quotes(signal_.name) + " cannot count that far; allowed: 1 to " +
                                     std::to_string(fits));
             return std::nullopt;
         }
@@ -160,11 +160,11 @@ class SignalMapper {
 
     std::optional<DbcUse> use_of(const DbcChecksumRole& role) {
         if (!holds_checksum(role.kind)) {
-            complain(std::string("this cannot hold that checksum; allowed: ") +
+            complain(std::string("this signal cannot hold that checksum; allowed: ") +
                      (role.kind == DbcChecksumKind::p05
-                          ? "bytes 0 and 1, low byte first (0|16@1+), and data behind them"
+                          ? "bytes 0 and 1, low byte first (0|16@1+), and data after them"
                       : role.kind == DbcChecksumKind::p01
-                          ? "byte 0 (0|8@1+), and data behind it"
+                          ? "byte 0 (0|8@1+), and data after it"
                           : "one whole byte that every frame of the message has"));
             return std::nullopt;
         }
@@ -217,13 +217,13 @@ class SignalMapper {
             return std::array{role.negative.empty() ? signal_.minimum : -most, most};
         }
         complain("the file gives no range of " + in_quotes(signal_.name) +
-                 ", so its values mean no pulse; allowed: "
-                 "{ channel = 1, value = [-100, 100], us = [1000, 2000] }");
+                 ", so its values have no pulses; allowed: { channel = 1, value = [-100, 100], us "
+                 "= [1000, 2000] }");
         return std::nullopt;
     }
 
-    /// Sticks that reach their end beyond what the signal holds would be cut off without a word,
-    /// and in the other direction full travel would read as no value.
+    /// If an end of the stick's travel is outside the range of the signal, output values would be
+    /// cut off without notice, and full travel of an input would be read as no value.
     std::optional<std::array<double, 2>> checked_points(const std::array<double, 2>& points,
                                                         const DbcChannelRole& role,
                                                         std::string_view key) {
@@ -236,7 +236,7 @@ class SignalMapper {
                             in_quotes(signal_.name) + " cannot be " + shown(value) +
                                 (beyond_range ? "; the file allows " + shown(signal_.minimum) +
                                                     " to " + shown(signal_.maximum)
-                                              : "; allowed: values that fit into its " +
+                                              : "; allowed: values that fit its " +
                                                     std::to_string(signal_.bit_length) + " bits"));
                 return std::nullopt;
             }
@@ -247,7 +247,7 @@ class SignalMapper {
     std::optional<std::uint64_t> code(std::optional<std::int64_t> raw, std::string_view key) {
         const auto bits = raw ? layout_.bits_from_raw(*raw) : std::nullopt;
         if (raw && !bits) {
-            complain_at(key, std::to_string(*raw) + " does not fit into the " +
+            complain_at(key, std::to_string(*raw) + " does not fit the " +
                                  std::to_string(signal_.bit_length) + " bits of " +
                                  in_quotes(signal_.name) + "; allowed: a raw value that does");
         }
@@ -268,10 +268,10 @@ class SignalMapper {
         const bool with_it = pages_known(*other, needed) && needed.size() <= conditions_.size() &&
                              std::equal(needed.begin(), needed.end(), conditions_.begin());
         if (other->bit_length > kMostStatusBits || !with_it || other == &signal_) {
-            complain_at(key, in_quotes(name) + " cannot tell the direction of " +
+            complain_at(key, in_quotes(name) + " cannot give the direction of " +
                                  in_quotes(signal_.name) +
-                                 "; allowed: another signal of 1 or 2 bits that each frame with "
-                                 "it has");
+                                 "; allowed: another signal of 1 or 2 bits in the same "
+                                 "frames");
             return std::nullopt;
         }
         return DbcLayout(*other);
@@ -289,7 +289,7 @@ class SignalMapper {
 
 std::string no_dbc_message(const DbcFile& file, std::string_view name) {
     return "the DBC file has no message " + in_quotes(name) +
-           (file.messages.empty() ? "; it has none at all, which stand in lines that begin with BO_"
+           (file.messages.empty() ? "; it has no messages: no line begins with BO_"
                                   : "; allowed: " + dbc_names(file.messages));
 }
 

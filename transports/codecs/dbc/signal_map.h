@@ -11,11 +11,10 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/map.h"
 
-/// One signal of a DbcMap: what the user says of it, held against what the file says. Pure and
-/// reentrant.
+/// Combines the role of one signal with the signal of the file. Pure and reentrant.
 namespace tribus {
 
-/// The names of messages or signals for a message to a person; long lists help nobody.
+/// Names of messages or signals for an error message. Long lists are cut.
 template <class Rows>
 std::string dbc_names(const Rows& rows) {
     constexpr std::size_t kMostNames = 12;
@@ -26,30 +25,29 @@ std::string dbc_names(const Rows& rows) {
     return rows.size() > kMostNames ? text + ", ..." : text;
 }
 
-/// What a person reads who names a message that the file does not have.
+/// Error message for a message name that the file does not have.
 std::string no_dbc_message(const DbcFile& file, std::string_view name);
 
-/// A selector and those of its values with which a signal is present.
+/// A selector, with the values for which a signal is present.
 struct DbcCondition {
     const DbcSignal* selector = nullptr;
     std::vector<DbcSelectorRange> selected_by;
 
     bool operator==(const DbcCondition&) const = default;
 };
-/// All that a signal depends on, the outermost selector first.
+/// All selectors on which a signal depends, the outermost first.
 using DbcConditions = std::vector<DbcCondition>;
 
 using DbcUse = std::variant<DbcChannel, DbcFlag, DbcFixed, DbcCounter, DbcChecksum, DbcValue>;
 
 struct DbcMappedSignal {
     const DbcSignal* signal = nullptr;
-    std::vector<std::string> path;  ///< of its entry
+    std::vector<std::string> path;  ///< path of its entry
     DbcConditions conditions;
     DbcUse use;
 };
 
-/// Adds what is wrong to `mistakes`, under `path`, which leads to `entry`. The result points into
-/// `message`.
+/// Adds errors to `mistakes`, under `path`, the path of `entry`. The result points into `message`.
 std::optional<DbcMappedSignal> map_dbc_signal(const DbcMessage& message, const SettingEntry& entry,
                                               const std::vector<std::string>& path,
                                               std::vector<SettingMistake>& mistakes);

@@ -44,7 +44,7 @@ class DbcReader {
     bool skip_statement();
     bool skip_new_symbols();
     bool skip_nodes();
-    /// Files of others leave it out behind their last statement.
+    /// Some files omit it after their last statement.
     bool end_statement() {
         return tokens_.at_end() || tokens_.take_mark(';', "at the end of the statement");
     }
@@ -92,7 +92,7 @@ bool DbcReader::section() {
     return found != kSections.end() ? (this->*found->read)() : skip_statement();
 }
 
-/// Up to and with the ';', or up to the next section where there is none.
+/// Skips up to and including the ';', or up to the next section if there is none.
 bool DbcReader::skip_statement() {
     while (!tokens_.at_end() && !tokens_.at_section()) {
         if (tokens_.token().kind == DbcTokenKind::unterminated) {
@@ -106,7 +106,8 @@ bool DbcReader::skip_statement() {
     return true;
 }
 
-/// A list of section words without end mark: each stands alone on its line, or behind NS_ itself.
+/// Skips a list of section words without end mark: each is alone on its line, or follows NS_
+/// itself.
 bool DbcReader::skip_new_symbols() {
     tokens_.skip_mark(':');
     bool on_first_line = !tokens_.token().first_on_line;
@@ -124,7 +125,7 @@ bool DbcReader::skip_new_symbols() {
     return true;
 }
 
-/// Names without end mark, on as many lines as they need.
+/// Skips names without end mark, on any number of lines.
 bool DbcReader::skip_nodes() {
     tokens_.skip_mark(':');
     while ((tokens_.token().kind == DbcTokenKind::word && !tokens_.at_section()) ||
@@ -183,7 +184,8 @@ bool DbcReader::selector() {
     return end_statement();
 }
 
-/// Those of environment variables have no id, and some files name a VAL_TABLE_ instead of texts.
+/// Statements about environment variables have no id, and some files name a VAL_TABLE_ instead of
+/// texts.
 bool DbcReader::value_texts() {
     if (tokens_.token().kind == DbcTokenKind::word) {
         return skip_statement();

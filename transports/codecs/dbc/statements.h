@@ -11,21 +11,21 @@
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dbc/lexer.h"
 
-/// The statements of a DBC text, each checked by itself, not yet put together: whatever names
-/// another may stand before it. Names point into the text.
+/// Statements of a DBC text, each checked by itself. They are not combined yet, because a statement
+/// may come before the one that it refers to. Names point into the text.
 namespace tribus {
 
-/// Bit 31 of an id in the file.
+/// Bit 31 of an id in the file marks 29-bit ids (docs/protocols/can.md, "DBC files").
 inline constexpr std::uint32_t kDbcExtendedFlag = 0x80000000U;
 
-/// Whose attribute, value text...: a message by its id as in the file, maybe one of its signals.
+/// The object of a statement: a message by its id as in the file, or one of its signals.
 struct DbcReference {
     std::uint32_t message = 0;
     std::string_view signal;
 };
 
 struct DbcMessageStatement {
-    /// The signals still lack selector, kind, value texts; `selected_by` has what mN says.
+    /// The signals still lack selector, kind and value texts. `selected_by` has the value of mN.
     DbcMessage message;
     std::uint32_t file_id = 0;
     std::string_view name;
@@ -53,7 +53,7 @@ struct DbcValueTextStatement {
     std::vector<DbcValueText> texts;
 };
 
-/// The attributes that matter here; all others are skipped.
+/// The attributes that are read. All others are skipped.
 enum class DbcAttribute : std::uint8_t {
     cycle_time,
     frame_format,
@@ -65,7 +65,7 @@ enum class DbcAttribute : std::uint8_t {
 inline constexpr std::size_t kDbcAttributes = 6;
 
 struct DbcAttributeValue {
-    /// Number with its sign, or what the quotes hold.
+    /// A number with its sign, or the text between the quotes.
     std::string text;
     bool quoted = false;
     DbcPlace place;
@@ -78,7 +78,7 @@ struct DbcAttributeStatement {
 };
 
 struct DbcAttributeDefinition {
-    /// Of an ENUM; empty for every other type.
+    /// Values of an ENUM; empty for every other type.
     std::vector<std::string> choices;
     std::optional<DbcAttributeValue> by_default;
 };
@@ -93,7 +93,7 @@ struct DbcStatements {
         std::vector<DbcAttributeDefinition>(kDbcAttributes);
 };
 
-/// The first mistake of form, or all statements that matter.
+/// Returns all statements that are read, or the first syntax error. Pure and reentrant.
 tl::expected<DbcStatements, DbcMistake> read_dbc_statements(std::string_view text);
 
 inline tl::unexpected<DbcMistake> dbc_mistake(DbcPlace place, std::string text) {

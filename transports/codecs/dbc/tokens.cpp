@@ -22,7 +22,7 @@ constexpr std::array<std::string_view, 24> kSectionWords{
     "BA_DEF_",     "BA_DEF_DEF_", "BA_",     "VAL_",          "SIG_GROUP_", "SIG_VALTYPE_",
     "SG_MUL_VAL_", "BA_DEF_REL_", "BA_REL_", "SIG_TYPE_REF_", "CAT_DEF_",   "BA_DEF_DEF_REL_"};
 
-/// What stands in the file, short enough for a message.
+/// Text of a token, short enough for an error message.
 std::string shown(const DbcToken& token) {
     constexpr std::size_t kLongestShown = 40;
     switch (token.kind) {
@@ -42,7 +42,7 @@ std::errc convert(std::string_view text, Value& value) {
     return error == std::errc{} && stop != end ? std::errc::invalid_argument : error;
 }
 
-/// Of a number beyond the range of a double: those with a negative exponent are near 0.
+/// For a number outside the range of a double: 0 if its exponent is negative.
 double nearest_double(std::string_view text) {
     const std::size_t exponent = text.find_first_of("eE");
     const bool tiny = exponent != std::string_view::npos && text[exponent + 1] == '-';
@@ -60,7 +60,7 @@ bool DbcTokens::fail(DbcPlace place, std::string text) {
 
 bool DbcTokens::fail_expected(std::string_view what) {
     if (token_.kind == DbcTokenKind::unterminated) {
-        return fail(token_.place, "text without end: its closing quote is missing");
+        return fail(token_.place, "text without its closing quote");
     }
     return fail(token_.place, "expected " + std::string(what) + ", found " + shown(token_));
 }

@@ -56,7 +56,7 @@ bool DbcValueReader::is_number(std::size_t index, std::uint64_t bits, double val
     if (!signal.has_range()) {
         return true;
     }
-    // To within the rounding of the ends.
+    // Within the rounding of the limits.
     const double allowed = std::clamp(value, signal.minimum, signal.maximum);
     return allowed == value || layouts_[index].bits_from_physical(allowed) == bits;
 }

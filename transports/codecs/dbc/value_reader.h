@@ -20,22 +20,21 @@
 
 namespace tribus {
 
-/// The frames of one message of a DBC file in, the numbers of its signals out. In J1939 the codes
-/// of SAE J1939-71 are no numbers (most_j1939_bits()); elsewhere what lies beyond the range of the
-/// file is none, nor are floats that are not finite. Frames that are too short, FD or not as the
-/// message is not, and remote frames are refused. Pure.
+/// The frames of one DBC message in, the numbers of its signals out. These are no numbers: codes of
+/// SAE J1939-71 (most_j1939_bits()), values outside the range of the file, and floats that are not
+/// finite. Refuses frames that are too short, of the wrong kind (classic or FD), or remote.
+/// Thread-bound.
 class DbcValueReader final : public CanValueReader {
   public:
-    /// Of a message of one frame, not `multi_packet`.
+    /// `message` must be of one frame, not `multi_packet`.
     explicit DbcValueReader(const DbcMessage& message);
 
-    /// The ids of the message: in J1939 of any priority, and from any source where the file has
-    /// 0xFE. Constant.
+    /// The ids of the message (see received_ids()). Constant.
     std::span<const CanIdMatch> wanted() const override { return {&wanted_, 1}; }
     bool uses_fd() const override { return message_.fd; }
     /// The signals, in the order of the file.
     std::span<const Value> values() const override { return signals_; }
-    /// That the file gives.
+    /// Cycle time in the file, if any.
     std::optional<Duration> cycle_time() const { return message_.cycle_time; }
 
     std::optional<Instant> take(const CanFrame& frame, Instant at,
@@ -53,12 +52,11 @@ class DbcValueReader final : public CanValueReader {
     CanIdMatch wanted_;
     std::vector<Value> signals_;
     std::vector<DbcLayout> layouts_;
-    std::vector<std::optional<std::uint64_t>> most_bits_;  ///< of J1939
+    std::vector<std::optional<std::uint64_t>> most_bits_;  ///< J1939 only
     std::array<NamedCount, 2> rejected_{{{"length"}, {"remote"}}};
 };
 
-/// Reads the message of that name. The error names the messages that can be read, for the person
-/// who wrote the name.
+/// Makes a reader of the message with that name. The error names the messages that can be read.
 tl::expected<DbcValueReader, std::string> make_dbc_value_reader(const DbcFile& file,
                                                                 std::string_view message);
 

@@ -17,12 +17,12 @@ constexpr double kLowest = 1000;
 constexpr double kTravel = 1000;
 constexpr double kMostThrottle = 8191;
 constexpr double kLeastThrottle = -8192;
-/// Permissions come once or twice a second; one that old says nothing (docs/protocols/can.md,
-/// "DroneCAN: nodes": then the whole node counts as gone).
+/// Permissions come once or twice a second. After this time one no longer counts: the whole node is
+/// then gone (docs/protocols/can.md, "DroneCAN: nodes").
 constexpr Duration kPermissionLasts = std::chrono::seconds(3);
-/// A vehicle that has been silent for so long begins anew, perhaps with fewer actuators.
+/// After such a silence a vehicle starts anew, perhaps with fewer actuators.
 constexpr Duration kNewBeginning = std::chrono::seconds(1);
-/// How often others are told that they may move: those that wait for it want to hear it soon.
+/// Period of the permissions that are sent. Short, because nodes wait for the first one.
 constexpr Duration kPermissionPeriod = std::chrono::milliseconds(200);
 constexpr std::uint8_t kPermissionPriority = 16;
 
@@ -35,7 +35,7 @@ WantedTransfer wanted_command(CommandKind kind) {
                                        : wanted_transfer<EscRawCommand>();
 }
 
-/// Nothing for positions, forces and speeds, which are no pulse.
+/// Nothing for positions, forces and speeds, which are no pulses.
 std::optional<Pulse> pulse_of(const ActuatorCommand& command) {
     const double value = command.command_value;
     if (std::isnan(value)) {
@@ -77,7 +77,7 @@ CommandDecoder::CommandDecoder(CommandInputFormat format)
       receiver_({wanted_command(format.kind), wanted_transfer<SafetyState>(),
                  wanted_transfer<ArmingStatus>()},
                 format.source.node ? 1 : kMostCandidates),
-      details_{{{"source_node", {&told_[0], 1}}}} {
+      details_{{{"source_node", {&detail_values_[0], 1}}}} {
     commanded_.fill(Instant::min());
 }
 
@@ -89,10 +89,10 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
         return std::nullopt;
     }
     const bool command = head->data_type_id == command_id(format_.kind);
-    // Permissions are those of whoever commands.
-    const bool listens = command ? source_.would_listen_to(head->source, received)
-                                 : head->source == source_.current();
-    if (!listens) {
+    // Only permissions of the node that commands count.
+    const bool accepted =
+        command ? source_.would_accept(head->source, received) : head->source == source_.current();
+    if (!accepted) {
         rejected_.count_other_source();
         return std::nullopt;
     }
@@ -108,7 +108,7 @@ std::optional<ChannelFrame> CommandDecoder::next(const CanFrame& frame, Instant 
     if (!take_command(*taken.transfer)) {
         return std::nullopt;
     }
-    told_ = {head->source};
+    detail_values_ = {head->source};
     return snapshot(taken.transfer->first_at);
 }
 
@@ -121,8 +121,8 @@ bool CommandDecoder::refuse_layout() {
     return false;
 }
 
-bool CommandDecoder::believes(const ReceivedTransfer& transfer) {
-    if (!source_.listens_to(transfer.head.source, transfer.first_at)) {
+bool CommandDecoder::accepts(const ReceivedTransfer& transfer) {
+    if (!source_.accepts(transfer.head.source, transfer.first_at)) {
         rejected_.count_other_source();
         return false;
     }
@@ -144,7 +144,7 @@ bool CommandDecoder::take_servos(const ReceivedTransfer& transfer) {
     if (!message || std::ranges::none_of(message->commands, moves)) {
         return refuse_layout();
     }
-    if (!believes(transfer)) {
+    if (!accepts(transfer)) {
         return false;
     }
     for (const ActuatorCommand& command : message->commands) {
@@ -160,7 +160,7 @@ bool CommandDecoder::take_motors(const ReceivedTransfer& transfer) {
     if (!message || message->cmd.empty()) {
         return refuse_layout();
     }
-    if (!believes(transfer)) {
+    if (!accepts(transfer)) {
         return false;
     }
     for (std::size_t motor = 0; motor < message->cmd.size(); ++motor) {
@@ -187,9 +187,9 @@ void CommandDecoder::set(std::size_t actuator, Pulse pulse, Instant at) {
 }
 
 bool CommandDecoder::may_move(const Permission& permission, Instant now) const {
-    const bool heard =
-        permission.heard != Instant::min() && now - permission.heard <= kPermissionLasts;
-    return heard ? permission.granted : format_.safety != SafetyRule::required;
+    const bool known =
+        permission.received != Instant::min() && now - permission.received <= kPermissionLasts;
+    return known ? permission.granted : format_.safety != SafetyRule::required;
 }
 
 ChannelFrame CommandDecoder::snapshot(Instant now) {
@@ -222,7 +222,7 @@ void CommandEncoder::continue_from(const CanEncoder& before) {
 
 std::size_t CommandEncoder::encode(const ChannelFrame& snapshot, Instant now,
                                    std::span<CanFrame, kMostSnapshotFrames> frames) {
-    if (voice_->id == kNobody) {
+    if (identity_->id == kNobody) {
         return 0;
     }
     const std::size_t count = format_.kind == CommandKind::servos ? encode_servos(snapshot, frames)
@@ -264,7 +264,7 @@ std::size_t CommandEncoder::encode_motors(const ChannelFrame& snapshot,
                           frames);
 }
 
-/// Nobody is armed before somebody had control, nor are motors in failsafe.
+/// Permits nothing before an input had control, and does not arm motors in failsafe.
 std::size_t CommandEncoder::encode_permissions(const ChannelFrame& snapshot, Instant now,
                                                std::span<CanFrame> frames) {
     ever_in_control_ = ever_in_control_ || snapshot.good();
@@ -293,7 +293,7 @@ std::size_t CommandEncoder::encode_message(const Message& message, std::uint8_t 
     const auto payload = write(message, format_.fd);
     const TransferHead head{.kind = TransferKind::message,
                             .data_type_id = Message::kId,
-                            .source = voice_->id,
+                            .source = identity_->id,
                             .priority = priority,
                             .transfer_id = transfer_id};
     transfer_id = (transfer_id + 1) & kMostTransferId;

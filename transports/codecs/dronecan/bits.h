@@ -6,17 +6,18 @@
 #include <cstdint>
 #include <span>
 
-/// The bits of a payload in the order of DroneCAN's serialisation: of a value the low byte comes
-/// first and its highest, possibly partial byte last; inside a byte the most significant bit comes
-/// first; nothing is aligned. Source: the DSDL chapter of the specification; docs/protocols/can.md,
-/// "DroneCAN: RCInput". Pure, no heap; thread-bound: one thread at a time.
+/// The bits of a payload in the order of DroneCAN's serialisation: the low byte of a value comes
+/// first and its highest, possibly partial, byte last. Inside a byte the most significant bit comes
+/// first. Nothing is aligned. Source: the DSDL chapter of the specification; docs/protocols/can.md,
+/// "DroneCAN: RCInput". Pure, no heap. Thread-bound.
 namespace tribus::dronecan {
 
 class BitReader {
   public:
     explicit BitReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
 
-    /// Right-aligned. Zero, and refused() from then on, where fewer are left. `bits`: 0 to 64.
+    /// The next `bits` bits, 0 to 64, right-aligned. If fewer are left, returns zero and refuses
+    /// the payload.
     std::uint64_t take(unsigned bits) {
         if (bits > left()) {
             refuse();
@@ -29,7 +30,7 @@ class BitReader {
         return value;
     }
 
-    /// What was read is no such type, whatever follows. There is nothing left then.
+    /// Marks the payload as not readable as its type. No bits are left then.
     void refuse() {
         refused_ = true;
         taken_ = bytes_.size() * 8;
@@ -55,10 +56,10 @@ class BitReader {
 
 class BitWriter {
   public:
-    /// `bytes` are all zero and have room for everything that is put.
+    /// `bytes` must be zero and have room for all bits that are put.
     explicit BitWriter(std::span<std::uint8_t> bytes) : bytes_(bytes) {}
 
-    /// The low `bits` (0 to 64) of the value.
+    /// Appends the low `bits` (0 to 64) of the value.
     void put(std::uint64_t value, unsigned bits) {
         assert(put_ + bits <= bytes_.size() * 8);
         for (unsigned done = 0; done < bits; done += 8) {

@@ -11,14 +11,14 @@
 
 namespace tribus::dronecan {
 
-/// Up to N items inside the object itself: a dynamic array of DSDL. No heap.
+/// Up to N items inside the object itself, without heap: a dynamic array of DSDL.
 template <class T, std::size_t N>
 class BoundedArray {
   public:
     using Item = T;
 
     constexpr BoundedArray() = default;
-    /// N items at most.
+    /// At most N items.
     constexpr BoundedArray(std::initializer_list<T> items) {
         assert(items.size() <= N);
         std::copy(items.begin(), items.end(), items_.begin());
@@ -30,7 +30,7 @@ class BoundedArray {
     constexpr bool empty() const { return size_ == 0; }
     constexpr bool full() const { return size_ == N; }
 
-    /// N at most. New items are T{}.
+    /// `size` is at most N. New items are T{}.
     constexpr void resize(std::size_t size) {
         assert(size <= N);
         for (std::size_t at = size_; at < size; ++at) {
@@ -38,7 +38,7 @@ class BoundedArray {
         }
         size_ = size;
     }
-    /// Not while full().
+    /// Must not be full().
     constexpr void push_back(const T& item) {
         assert(!full());
         items_[size_++] = item;
@@ -62,12 +62,12 @@ class BoundedArray {
     std::size_t size_ = 0;
 };
 
-/// DSDL has no type for text: it is bytes, mostly ASCII.
+/// Text in DSDL: an array of bytes, mostly ASCII.
 template <std::size_t N>
 class BoundedText : public BoundedArray<std::uint8_t, N> {
   public:
     constexpr BoundedText() = default;
-    /// As much of it as there is room for.
+    /// Cuts a text that is too long.
     constexpr explicit BoundedText(std::string_view text) {
         for (const char letter : text.substr(0, N)) {
             this->push_back(static_cast<std::uint8_t>(letter));

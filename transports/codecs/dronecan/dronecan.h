@@ -6,10 +6,11 @@
 
 namespace tribus {
 
-/// DroneCAN (UAVCAN v0): docs/protocols/can.md.
+/// DroneCAN (UAVCAN v0), see docs/protocols/can.md.
 extern const Protocol kDroneCanProtocol;
 
-/// The highest id that this program may have on a bus: 126 and 127 are for tools.
+/// Highest node id that this program may use. 126 and 127 are for tools (docs/protocols/can.md,
+/// "DroneCAN: nodes").
 inline constexpr std::uint8_t kMostOwnDroneCanNodeId = 125;
 
 }  // namespace tribus

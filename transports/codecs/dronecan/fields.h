@@ -11,28 +11,28 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/transfer.h"
 
-/// How a data type of DroneCAN is described, once for everything that is done with it: payload.h
-/// reads and writes it, signature.h works out its signature, visit.h shows its values.
+/// Description of a DroneCAN data type, used for everything: payload.h reads and writes it,
+/// signature.h computes its signature, visit.h shows its values.
 ///
 /// A type is a plain struct. It has
 ///  - `kName`, its full name;
-///  - `fields()`, a tuple of its fields in order; or, being a union, a variant `held` and
+///  - `fields()`, a tuple of its fields in order; a union instead has a variant `held` and
 ///    `alternatives()`, a tuple of them in the order of the variant;
 ///  - if it is sent on its own: `kId`, `kSignature`, and `kKind` for a message, or for a service
 ///    the structs `Request` and `Response`, which have `Service`, `kKind` and their fields.
 namespace tribus::dronecan {
 
-/// What becomes of a value that does not fit into its field.
+/// How a value is sent that does not fit into its field.
 enum class Cast : std::uint8_t { saturated, truncated };
 
-/// Elements: how one value is on the wire. Tags only. The C++ type of the value tells the rest:
+/// Elements: the wire form of one value. Tags only. The C++ type of the value gives the rest:
 /// std::array is an array of fixed size, BoundedArray or BoundedText one of any size up to N.
 template <unsigned kBits, Cast kCast = Cast::saturated>
 struct Unsigned {};
 template <unsigned kBits>
 struct Signed {};
 struct Boolean {};
-struct Float16 {};  ///< of a float; unknown values are NaN
+struct Float16 {};  ///< C++ type float; unknown values are NaN
 struct Float32 {};
 struct Nested {};  ///< another struct
 template <class Element>
@@ -44,7 +44,7 @@ struct Field {
     using Value = ValueType;
     std::string_view name;
     ValueType OwnerType::*member;
-    std::string_view unit;  ///< empty where there is none, or where it depends on other fields
+    std::string_view unit;  ///< empty if there is none, or if it depends on other fields
 };
 
 template <class Element, class Owner, class Value>
@@ -53,7 +53,7 @@ constexpr Field<Element, Owner, Value> field(std::string_view name, Value Owner:
     return {name, member, unit};
 }
 
-/// Bits that mean nothing: sent as zero, not looked at when they come.
+/// Unused bits: sent as zero, ignored when received.
 template <unsigned kBitCount>
 struct Padding {
     static constexpr unsigned kBits = kBitCount;
@@ -82,7 +82,7 @@ concept PartOfService = requires {
     typename T::Service;
 };
 
-/// Calls `visit(field, is_last)` in the order of the wire, where `field` is a Field or a Padding.
+/// Calls `visit(field, is_last)` in wire order. `field` is a Field or a Padding.
 template <class T, class Visit>
 constexpr void for_each_field(Visit&& visit) {
     const auto fields = T::fields();
@@ -92,7 +92,7 @@ constexpr void for_each_field(Visit&& visit) {
     (std::make_index_sequence<std::tuple_size_v<decltype(T::fields())>>{});
 }
 
-/// Calls `visit(alternative, index)`, index being an std::integral_constant.
+/// Calls `visit(alternative, index)`. `index` is a std::integral_constant.
 template <Union T, class Visit>
 constexpr void for_each_alternative(Visit&& visit) {
     const auto alternatives = T::alternatives();
@@ -107,11 +107,11 @@ inline constexpr std::size_t kAlternativeCount = std::variant_size_v<decltype(T:
 template <Union T>
 inline constexpr unsigned kTagBits = std::bit_width(kAlternativeCount<T> - 1);
 
-/// Of the length that stands in front of the items of a dynamic array.
+/// Bits of the length in front of the items of a dynamic array.
 template <class Array>
 inline constexpr unsigned kLengthBits = std::bit_width(Array::capacity());
 
-/// How a payload is told from others on the bus.
+/// Identifies the kind of a payload on the bus.
 struct DataType {
     std::string_view name;
     TransferKind kind = TransferKind::message;
@@ -121,7 +121,7 @@ struct DataType {
     bool operator==(const DataType&) const = default;
 };
 
-/// Of a message, or of the request or response of a service.
+/// The data type of a message, or of the request or response of a service.
 template <class T>
 constexpr DataType data_type_of() {
     if constexpr (PartOfService<T>) {

@@ -3,14 +3,14 @@
 #include <bit>
 #include <cstdint>
 
-/// IEEE 754 binary16, in which DroneCAN sends most measurements. Pure; not libm.
+/// IEEE 754 binary16, the form of most DroneCAN measurements. Pure and reentrant; without libm.
 namespace tribus::dronecan {
 
-/// What nodes put where they do not know the value (docs/protocols/can.md, "DroneCAN: telemetry").
-/// Others write 0x7FFF.
+/// The usual encoding of an unknown value; some nodes write 0x7FFF (docs/protocols/can.md,
+/// "DroneCAN: telemetry").
 inline constexpr std::uint16_t kFloat16Unknown = 0x7E00;
 
-/// Exact. Whatever is not a number, in any of its encodings, is a NaN.
+/// Exact. Every encoding of not-a-number becomes NaN.
 constexpr float float_from_float16(std::uint16_t bits) {
     const std::uint32_t sign = (bits & 0x8000U) << 16U;
     const std::uint32_t exponent = (bits >> 10U) & 0x1FU;
@@ -26,8 +26,8 @@ constexpr float float_from_float16(std::uint16_t bits) {
     return std::bit_cast<float>(sign | ((exponent + 112) << 23U) | (mantissa << 13U));
 }
 
-/// The nearest one, to even if there are two. Saturated as DSDL's casts are by default: what is
-/// too large becomes +-65504, but infinite stays infinite. NaN becomes kFloat16Unknown.
+/// The nearest value, to even in a tie. Saturates as DSDL does by default: larger values become
+/// +-65504, but infinity stays infinity. NaN becomes kFloat16Unknown.
 constexpr std::uint16_t float16_from_float(float value) {
     constexpr std::uint32_t kInfinity = 0x7F800000U;
     constexpr std::uint32_t kTooLarge = 0x477FF000U;     // 65520, which would round to 65536
@@ -44,8 +44,8 @@ constexpr std::uint16_t float16_from_float(float value) {
     } else if (magnitude >= kTooLarge) {
         half = 0x7BFFU;
     } else if (magnitude < kLeastNormal) {
-        // The last place of a float from 0.5 on is 2^-24, that of a subnormal binary16: the sum is
-        // rounded to it.
+        // From 0.5 on, the last bit of a float is 2^-24, as in a subnormal binary16, so the sum is
+        // rounded to that.
         const float sum = std::bit_cast<float>(magnitude) + 0.5F;
         half = std::bit_cast<std::uint32_t>(sum) - std::bit_cast<std::uint32_t>(0.5F);
     } else {

@@ -8,16 +8,16 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// The numbers of a message in the order of the wire: always the same ones, however much an array
-/// holds, so that each has a place that is known before any message came. Texts and bytes are none.
-/// Pure and reentrant; no heap.
+/// The numbers of a message in wire order. The list is always the same, independent of the length
+/// of arrays, so each number has a fixed index. Texts and bytes are not included. Pure and
+/// reentrant; no heap.
 namespace tribus::dronecan {
 
 /// `Visit` has
-///  - `enter(name)` and `leave()` around everything that has a name;
-///  - `enter(index)` likewise around what has a place in an array;
-///  - `number(field, number, unit)`, where `field` is the address of what it was read from, and
-///    `missing(unit)` for items that an array could have and has not.
+///  - `enter(name)` and `leave()` around everything with a name;
+///  - `enter(index)` and `leave()` around each item of an array;
+///  - `number(field, number, unit)`, where `field` is the address of the value, and
+///    `missing(unit)` for items that an array could have but does not.
 template <class Visit>
 class NumberWalk {
   public:

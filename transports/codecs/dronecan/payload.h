@@ -15,13 +15,14 @@
 #include "transports/codecs/dronecan/fields.h"
 #include "transports/codecs/dronecan/float16.h"
 
-/// Payloads of transfers, read and written as their types are described. Pure and reentrant; no
-/// heap, no libm. Source: the DSDL chapter of the specification, "Data serialization".
+/// Reads and writes the payloads of transfers from the descriptions of their types. Pure and
+/// reentrant; no heap, no libm. Source: the DSDL chapter of the specification, "Data
+/// serialization".
 ///
 /// On classic CAN the length of an array at the very end is left out if its items have 8 bits or
-/// more: the length of the transfer tells it. "At the end" is the last field, also that of a struct
-/// which is the last field itself; not inside the items of such an array. On CAN FD, whose
-/// transfers may have zeros behind their end, every length is sent.
+/// more; it follows from the length of the transfer. "At the end" is the last field, also that of a
+/// struct which is itself the last field, but not inside the items of such an array. On CAN FD,
+/// where transfers may have zeros after their end, every length is sent.
 namespace tribus::dronecan {
 
 struct BitRange {
@@ -32,8 +33,8 @@ struct BitRange {
 template <class T>
 constexpr BitRange bit_range();
 
-/// From the least to the most bits that a value can have. An array of any size counts as nothing
-/// at least, since its length may be left out.
+/// The least and most bits that a value can have. A dynamic array counts as at least 0 bits, since
+/// its length may be left out.
 class BitRangeOf {
   public:
     template <unsigned kBits, Cast kCast, class Value>
@@ -91,15 +92,14 @@ constexpr BitRange bit_range() {
     }
 }
 
-/// The longest payload, on CAN FD as on classic CAN; without the zeros behind its end that an FD
-/// transfer may have.
+/// Bytes of the longest payload, without the zeros after the end that an FD transfer may have.
 template <class T>
 inline constexpr std::size_t kMostBytes = (bit_range<T>().most + 7) / 8;
 
-/// Below this, the length of the transfer does not tell how many items an array has.
+/// With smaller items, the length of the transfer does not give the number of items of an array.
 inline constexpr std::size_t kLeastBitsOfCountedItems = 8;
 
-/// How a receiver listens to a message, or to the request or response of a service.
+/// What a receiver needs to receive a message, request or response.
 template <class T>
 constexpr WantedTransfer wanted_transfer() {
     constexpr DataType kType = data_type_of<T>();
@@ -113,7 +113,8 @@ class PayloadReader {
   public:
     explicit PayloadReader(std::span<const std::uint8_t> payload) : bits_(payload) {}
 
-    /// All of it. `at_end`: nothing comes after it, and that tells the length of its last array.
+    /// Reads a whole struct. `at_end`: nothing follows it, so the transfer's length gives that of
+    /// its last array.
     template <class T>
     void structure(T& value, bool at_end) {
         if constexpr (Union<T>) {
@@ -276,9 +277,9 @@ class PayloadWriter {
     BitWriter bits_;
 };
 
-/// What a transfer carries, as TransferReceiver gives it. Nothing where that cannot be a T: on
-/// classic CAN any other length than what was read rounded up to bytes, on FD a shorter one; an
-/// array longer than the type allows; no such alternative. Padding may be anything.
+/// Reads the payload of a transfer from TransferReceiver. Returns nothing if it cannot be a T: on
+/// classic CAN if its length differs from what was read, rounded up to bytes; on FD if it is
+/// shorter; an array longer than the type allows; an unknown alternative. Padding is ignored.
 template <class T>
 std::optional<T> read(std::span<const std::uint8_t> payload, bool fd) {
     std::optional<T> value(std::in_place);
@@ -290,11 +291,12 @@ std::optional<T> read(std::span<const std::uint8_t> payload, bool fd) {
     return value;
 }
 
-/// Room for one byte where there is none to hold, so that data() is never null.
+/// Has room for one byte even if empty, so that data() is never null.
 template <class T>
 using Payload = BoundedArray<std::uint8_t, std::max<std::size_t>(kMostBytes<T>, 1)>;
 
-/// Total: what does not fit into its field is saturated, or truncated where the type says so.
+/// Writes a payload. Every value has an encoding: too large numbers are saturated, or truncated if
+/// the type requires it.
 template <class T>
 Payload<T> write(const T& value, bool fd) {
     Payload<T> payload;

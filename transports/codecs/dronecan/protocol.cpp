@@ -117,8 +117,8 @@ bool carries_rc(const SettingValues& settings) {
     return settings.get_or<std::string>("carries", "rc") == "rc";
 }
 
-/// Servo and motor nodes have timeouts of their own, so even an unchanged command is repeated at
-/// 25 Hz (docs/protocols/can.md, "DroneCAN: commands").
+/// Servo and motor nodes have timeouts, so an unchanged command is repeated at 25 Hz or more
+/// (docs/protocols/can.md, "DroneCAN: commands").
 std::optional<Duration> most_period(const SettingValues& settings) {
     constexpr Duration kMostCommandPeriod = std::chrono::milliseconds(40);
     return carries_rc(settings) ? std::nullopt : std::optional(kMostCommandPeriod);
@@ -135,7 +135,7 @@ std::optional<Integer> number(const SettingValues& settings, std::string_view ke
     return value == nullptr ? std::nullopt : std::optional(static_cast<Integer>(*value));
 }
 
-/// On a bus the node says it; what is written without one is in the name of the first.
+/// On a bus the node sets the id. Frames that are written without a node are those of node 1.
 NodeId node_of(const SettingValues& settings) {
     return number<NodeId>(settings, "node_id").value_or(1);
 }
@@ -197,7 +197,8 @@ CommandOutputFormat command_output(const SettingValues& settings) {
             .arms = settings.get_or("arms", false)};
 }
 
-/// Those that have a default count as given where they differ from it.
+/// Refuses a key that has no meaning here. A key with a default counts as given if it differs from
+/// that.
 void refuse(const SettingValues& settings, std::string_view key, std::string_view fallback,
             std::string_view meant_for, std::vector<SettingMistake>& mistakes) {
     const auto* text = settings.find_as<std::string>(key);
@@ -219,12 +220,12 @@ void check_count(const SettingValues& settings, std::vector<SettingMistake>& mis
     const std::size_t count = servos ? format.channels : format.first + format.channels;
     if (count > most) {
         mistakes.push_back({{"channels"},
-                            std::to_string(count) + " are more than one message holds; allowed: " +
+                            std::to_string(count) + " do not fit into one message; allowed: " +
                                 std::to_string(most) + (servos ? " servos" : " motors, from 0") +
                                 ", or further outputs for more"});
     }
     if (servos && format.first + format.channels > 256) {
-        mistakes.push_back({{"first"}, "the numbers of actuators end at 255"});
+        mistakes.push_back({{"first"}, "actuator numbers go up to 255"});
     }
 }
 
@@ -285,10 +286,10 @@ const Protocol kDroneCanProtocol{
     .line = {},
     .settings = dronecan::kDroneCanSettings,
     .default_period = std::chrono::milliseconds(10),
-    // Faster than 100 Hz fills a shared bus, and autopilots tell no shorter intervals apart.
+    // More than 100 Hz fills a shared bus, and autopilots do not distinguish shorter periods.
     .least_period = std::chrono::milliseconds(10),
     .most_period = dronecan::most_period,
-    .says_failsafe = dronecan::carries_rc,
+    .signals_failsafe = dronecan::carries_rc,
     .check = dronecan::check,
     .value_names = dronecan::value_names,
     .make_can_decoder = dronecan::make_decoder,

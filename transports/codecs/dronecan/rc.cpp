@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::uint8_t kMostLinkQuality = 100;
 constexpr double kMostRssi = 255;
-/// Values that a sender tells in turn with others are believed so long.
+/// Lifetime of a link quality, for senders that send several kinds in turn.
 constexpr Duration kQualityLasts = std::chrono::seconds(1);
 constexpr double kSbusCentre = 992;
 constexpr double kMicrosecondsPerSbusStep = 0.625;
 
-/// Nothing for the kinds that are no share of a full signal.
+/// Nothing for the kinds that are not a share of a full signal.
 std::optional<double> percent_of(const RcInput& message) {
     constexpr std::uint8_t kLinkQualityBits = 0x7F;  // the other bit is the antenna
     switch (message.status & RcInput::kQualityTypeMask) {
@@ -31,7 +31,7 @@ std::optional<double> percent_of(const RcInput& message) {
     }
 }
 
-/// A number in the unit of its kind as the type writes it.
+/// Converts a number from the unit of its kind to the encoding of the message.
 double encoded_quality(std::uint16_t type, double number) {
     constexpr double kSnrOffset = 128;
     constexpr double kMilliwattsPerStep = 5;
@@ -56,16 +56,16 @@ RcDecoder::RcDecoder(RcInputFormat format)
       wanted_(ids_of(TransferKind::message, RcInput::kId)),
       source_(format.source),
       receiver_({wanted_transfer<RcInput>()}, format.source.node ? 1 : kMostCandidates),
-      details_{{{"source_node", {&told_[0], 1}},
-                {"quality", {&told_[1], 1}},
-                {"quality_type", {&told_[2], 1}}}} {}
+      details_{{{"source_node", {&detail_values_[0], 1}},
+                {"quality", {&detail_values_[1], 1}},
+                {"quality_type", {&detail_values_[2], 1}}}} {}
 
 std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant received) {
     const auto head = wanted_.matches(frame) ? head_of(frame) : std::nullopt;
     if (!head) {
         return std::nullopt;
     }
-    if (!source_.would_listen_to(head->source, received)) {
+    if (!source_.would_accept(head->source, received)) {
         rejected_.count_other_source();
         return std::nullopt;
     }
@@ -79,22 +79,22 @@ std::optional<ChannelFrame> RcDecoder::next(const CanFrame& frame, Instant recei
         rejected_.count_layout();
         return std::nullopt;
     }
-    if (!believes(*message, *taken.transfer)) {
+    if (!accepts(*message, *taken.transfer)) {
         return std::nullopt;
     }
-    told_ = {head->source, message->quality,
-             static_cast<std::uint16_t>(message->status & RcInput::kQualityTypeMask)};
+    detail_values_ = {head->source, message->quality,
+                      static_cast<std::uint16_t>(message->status & RcInput::kQualityTypeMask)};
     return channels_of(*message, taken.transfer->first_at);
 }
 
-bool RcDecoder::believes(const RcInput& message, const ReceivedTransfer& transfer) {
+bool RcDecoder::accepts(const RcInput& message, const ReceivedTransfer& transfer) {
     const NodeId source = transfer.head.source;
     bool of_source = !format_.receiver || message.id == *format_.receiver;
-    // A message without channels is none to hold on to.
+    // Messages without channels do not select a source.
     if (of_source && !message.rcin.empty()) {
-        of_source = source_.listens_to(source, transfer.first_at);
+        of_source = source_.accepts(source, transfer.first_at);
     }
-    // All receivers of a node count their messages together.
+    // All receivers of a node share one transfer id.
     const bool in_order = source != source_.current() ||
                           order_.take(transfer.head.transfer_id, true, transfer.first_at) ==
                               CounterWatch::Verdict::good;
@@ -171,7 +171,7 @@ std::uint32_t RcEncoder::needed_channels(const ChannelFrame& snapshot) const {
 
 std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
                               std::span<CanFrame, kMostSnapshotFrames> frames) {
-    if (voice_->id == kNobody) {
+    if (identity_->id == kNobody) {
         return 0;
     }
     RcInput message;
@@ -179,7 +179,7 @@ std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
     if (snapshot.failsafe) {
         message.status = RcInput::kFailsafe;
     } else {
-        tell_quality(snapshot, now, message);
+        write_quality(snapshot, now, message);
     }
     std::size_t count = 0;
     for (std::size_t channel = 0; channel < format_.channels; ++channel) {
@@ -193,14 +193,14 @@ std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
     const auto payload = write(message, format_.fd);
     const TransferHead head{.kind = TransferKind::message,
                             .data_type_id = RcInput::kId,
-                            .source = voice_->id,
+                            .source = identity_->id,
                             .priority = RcOutputFormat::kPriority,
                             .transfer_id = transfer_id_};
     transfer_id_ = (transfer_id_ + 1) & kMostTransferId;
     return encode_transfer(head, RcInput::kSignature, payload, format_.fd, frames);
 }
 
-void RcEncoder::tell_quality(const ChannelFrame& snapshot, Instant now, RcInput& message) {
+void RcEncoder::write_quality(const ChannelFrame& snapshot, Instant now, RcInput& message) {
     if (snapshot.frame_lost) {
         share_of_good(snapshot);
         message.status = RcInput::kQualityValid | RcInput::kQualityTypeLinkQuality;
@@ -213,12 +213,12 @@ void RcEncoder::tell_quality(const ChannelFrame& snapshot, Instant now, RcInput&
     }
     const auto quality =
         nearest_whole(std::clamp(encoded_quality(format_.quality_type, *number), 0.0, kMostRssi));
-    // Some read a valid 0 as "lost", whatever its kind; a good link is never that.
+    // Some readers take a valid 0 of any kind as "lost", so a good link is never sent as 0.
     message.quality = static_cast<std::uint8_t>(std::max<std::int64_t>(quality, 1));
     message.status = RcInput::kQualityValid | format_.quality_type;
 }
 
-/// In percent, or in the unit of the kind.
+/// In percent, or in the unit of the kind of quality.
 std::optional<double> RcEncoder::quality_of(const ChannelFrame& snapshot, Instant now) {
     switch (format_.quality) {
         case RcQuality::none:
@@ -240,7 +240,7 @@ std::optional<double> RcEncoder::quality_of(const ChannelFrame& snapshot, Instan
     return std::nullopt;
 }
 
-/// Of the latest frames of the input, in percent.
+/// Percentage of good ones among the latest frames of the input.
 double RcEncoder::share_of_good(const ChannelFrame& snapshot) {
     if (snapshot.sequence != latest_sequence_) {
         latest_sequence_ = snapshot.sequence;

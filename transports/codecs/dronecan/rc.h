@@ -12,33 +12,33 @@
 #include "core/time.h"
 #include "core/value_board.h"
 #include "transports/codecs/can_codec.h"
+#include "transports/codecs/dronecan/node_identity.h"
 #include "transports/codecs/dronecan/source.h"
 #include "transports/codecs/dronecan/transfer.h"
 #include "transports/codecs/dronecan/types_command.h"
-#include "transports/codecs/dronecan/voice.h"
 
 /// RC channels as dronecan.sensors.rc.RCInput (docs/protocols/can.md, "DroneCAN: RCInput").
 namespace tribus::dronecan {
 
-/// What the numbers of a sender mean.
+/// Meaning of a sender's channel values.
 enum class RcScale : std::uint8_t {
-    microseconds,  ///< as the type says
-    sbus,          ///< raw SBUS numbers, 0.625 us each (a node of ENAC sends them)
-    full_range,    ///< 0 to 4095 for 1000 to 2000 us (a fork of PX4 expects that)
+    microseconds,  ///< as the message defines
+    sbus,          ///< raw SBUS values of 0.625 us (sent by a node of ENAC)
+    full_range,    ///< 0 to 4095 for 1000 to 2000 us (expected by a fork of PX4)
 };
 
 struct RcInputFormat {
     SourceChoice source{};
     RcScale scale = RcScale::microseconds;
-    /// Only messages of this receiver; absent: of any.
+    /// Only messages of this receiver; nothing: of any receiver.
     std::optional<std::uint8_t> receiver{};
-    bool fd = false;  ///< takes FD frames too
+    bool fd = false;  ///< accepts FD frames too
 };
 
-/// RCInput messages in, snapshots out. A message that says that its link quality is 0 is marked
-/// frame-lost, for the type has no flag for that. Once the transfer id has gone back, or further on
-/// than time allows, messages are refused until it has gone through its whole range: 0.64 s at
-/// 50 Hz (`CounterWatch`).
+/// RCInput messages in, snapshots out. A message with link quality 0 is marked frame lost, because
+/// RCInput has no flag for it. If the transfer id goes back, or further ahead than the time allows,
+/// messages are refused until it has gone through its whole range: 0.64 s at 50 Hz
+/// (`CounterWatch`). Thread-bound.
 class RcDecoder final : public CanDecoder {
   public:
     explicit RcDecoder(RcInputFormat format);
@@ -50,7 +50,7 @@ class RcDecoder final : public CanDecoder {
     std::span<const FrameDetail> details() const override { return details_; }
 
   private:
-    bool believes(const RcInput& message, const ReceivedTransfer& transfer);
+    bool accepts(const RcInput& message, const ReceivedTransfer& transfer);
     ChannelFrame channels_of(const RcInput& message, Instant at);
     Pulse pulse_of(std::uint16_t raw) const;
     void note_quality(const RcInput& message, Instant at);
@@ -61,45 +61,45 @@ class RcDecoder final : public CanDecoder {
     TransferReceiver receiver_;
     CounterWatch order_{kTransferOrder};
     TransferRejects rejected_;
-    /// The latest in percent: some senders tell several kinds of quality in turn.
+    /// The latest quality in percent. Some senders send several kinds of quality in turn.
     std::uint8_t link_quality_ = kNoLinkQuality;
     Instant link_quality_at_{};
-    std::array<std::uint16_t, 3> told_{};
+    std::array<std::uint16_t, 3> detail_values_{};
     std::array<FrameDetail, 3> details_;
 };
 
 enum class RcQuality : std::uint8_t {
     none,
-    link,   ///< the input's own link quality, or else the share of its frames that were good
+    link,   ///< the link quality of the input, else the percentage of its good frames
     value,  ///< a named value
 };
 
 struct RcOutputFormat {
-    /// Whose name it sends in where no node says so: in a recording.
+    /// The node that it sends as, if no node sets another one: in a recording.
     NodeId node = kNobody;
     bool fd = false;
-    std::uint8_t receiver = 0;  ///< which one this is, where a node has several: 0 to 15
+    std::uint8_t receiver = 0;  ///< number of the receiver if a node has several: 0 to 15
     std::size_t channels = kChannelCount;
     RcQuality quality = RcQuality::link;
     std::uint16_t quality_type = RcInput::kQualityTypeLinkQuality;
-    std::string quality_value{};  ///< its name
+    std::string quality_value{};  ///< name of the value
 
     static constexpr std::uint8_t kPriority = 8;
 };
 
-/// Snapshots in, RCInput messages out. Values that are held after a loss are sent with a link
-/// quality of 0 %, valid: that is the only mark that the type has for old values, and nothing else
-/// is ever sent so. In failsafe the flag of the type says so.
+/// Snapshots in, RCInput messages out. Values that are held after a loss are sent with a valid link
+/// quality of 0 %: RCInput has no other mark for old values, and nothing else is sent with 0 %.
+/// Failsafe is sent as the flag of RCInput. Thread-bound.
 class RcEncoder final : public CanEncoder {
   public:
     explicit RcEncoder(RcOutputFormat format)
-        : format_(std::move(format)), own_voice_{format_.node} {}
+        : format_(std::move(format)), own_identity_{format_.node} {}
 
     bool uses_fd() const override { return format_.fd; }
     std::span<const CanIdMatch> sent() const override { return {}; }
     void use(const ValueBoard& board) override;
-    void speak_as(const Voice& voice) override { voice_ = &voice; }
-    /// Those before the last one that is present: the message has no gaps.
+    void send_as(const NodeIdentity& identity) override { identity_ = &identity; }
+    /// The channels before the last present one: the message has no gaps.
     std::uint32_t needed_channels(const ChannelFrame& snapshot) const override;
     /// As a link quality of 0.
     bool marks_frame_lost() const override { return true; }
@@ -108,17 +108,17 @@ class RcEncoder final : public CanEncoder {
                        std::span<CanFrame, kMostSnapshotFrames> frames) override;
 
   private:
-    void tell_quality(const ChannelFrame& snapshot, Instant now, RcInput& message);
+    void write_quality(const ChannelFrame& snapshot, Instant now, RcInput& message);
     std::optional<double> quality_of(const ChannelFrame& snapshot, Instant now);
     double share_of_good(const ChannelFrame& snapshot);
 
     RcOutputFormat format_;
-    Voice own_voice_;
-    const Voice* voice_ = &own_voice_;
+    NodeIdentity own_identity_;
+    const NodeIdentity* identity_ = &own_identity_;
     const ValueBoard* board_ = nullptr;
     std::optional<std::size_t> value_;
     std::uint8_t transfer_id_ = 0;
-    /// Of the latest snapshots that were new, and the sequence of the newest.
+    /// One bit for each of the latest new snapshots, and the sequence of the newest.
     static constexpr unsigned kJudgedFrames = 64;
     std::uint64_t good_ones_ = ~std::uint64_t{0};
     std::uint32_t latest_sequence_ = 0;

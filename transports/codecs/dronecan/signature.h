@@ -10,9 +10,9 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// What a description says in DSDL, and the signature that follows from it: a mistake in a name, a
-/// length or the order of the fields makes another signature. Pure; no heap; at compile time if
-/// wanted. Source: the DSDL chapter of the specification, "Signature".
+/// The DSDL definition of a described type, and its signature. An error in a name, a length or the
+/// order of fields gives another signature. Pure and reentrant; no heap; usable at compile time.
+/// Source: the DSDL chapter of the specification, "Signature".
 namespace tribus::dronecan {
 
 /// CRC-64-WE.
@@ -23,7 +23,7 @@ class SignatureHash {
             add_byte(static_cast<std::uint8_t>(letter));
         }
     }
-    /// Folds in the signature of a nested type, then the value from before.
+    /// Adds the signature of a nested type, then the value before it.
     constexpr void extend(std::uint64_t signature) {
         const std::uint64_t before = value();
         add_low_byte_first(signature);
@@ -48,8 +48,8 @@ class SignatureHash {
     std::uint64_t crc_ = ~std::uint64_t{0};
 };
 
-/// The normalised definition, piece by piece: a line for the name, one for each field, without a
-/// line feed at the end. `Text` has add(std::string_view).
+/// Writes the normalised definition: one line for the name and one for each field, without a line
+/// feed at the end. `Text` has add(std::string_view).
 template <class Text>
 class DefinitionWriter {
   public:
@@ -152,11 +152,11 @@ class DefinitionWriter {
     Text& text_;
 };
 
-/// Of a message, a service or a nested type.
+/// The signature of a message, a service or a nested type.
 template <class T>
 constexpr std::uint64_t computed_signature();
 
-/// Folds in the signatures of what is nested in it, in the order of the fields.
+/// Adds the signatures of the nested types in the order of the fields.
 template <class T>
 constexpr void extend_by_nested(SignatureHash& hash);
 

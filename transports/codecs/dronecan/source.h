@@ -14,59 +14,59 @@
 
 namespace tribus::dronecan {
 
-/// Whom is listened to.
+/// The source whose messages are accepted.
 struct SourceChoice {
-    std::optional<NodeId> node{};  ///< absent: the first one that is heard
-    /// Which one of several on its node, such as a battery; absent: likewise.
+    std::optional<NodeId> node{};  ///< nothing: the first node that is received
+    /// One of several on its node, such as a battery; nothing: the first one that is received.
     std::optional<std::uint32_t> instance{};
 
     bool operator==(const SourceChoice&) const = default;
 };
 
-/// Of each message, while it is open whom to listen to: a node that sends only what cannot be read
-/// must not keep the others out.
+/// Number of nodes whose messages are collected while no source is selected: a node that sends
+/// unreadable messages must not exclude the others.
 inline constexpr std::size_t kMostCandidates = 8;
 
-/// The transfer ids of a node's messages, for `CounterWatch`: losses are told from old messages by
-/// the time that passed. The specification counts a message at once, and forgets after 2 s.
+/// Checks the transfer ids of a node. The time that passed distinguishes lost messages from old
+/// ones. As in the specification, the first message is accepted at once, and ids are forgotten
+/// after 2 s.
 inline constexpr CounterWatch::Limits kTransferOrder{.values = kMostTransferId + 1U,
                                                      .most_step = kMostTransferId,
                                                      .silence = std::chrono::seconds(2),
                                                      .proof = 0};
 
-/// Holds on to one source: two that send the same must not be mixed. The first one of which a good
-/// message is heard stays the one until none has come for as long as a node is counted as gone.
-/// Pure.
+/// Keeps one source, because messages of two sources must not be mixed. The first source with a
+/// good message is kept until it has sent none for the time after which a node is gone. Pure;
+/// thread-bound.
 class SourceWatch {
   public:
-    /// NodeStatus of a node that is there comes at least so often (docs/protocols/can.md,
-    /// "DroneCAN: nodes").
+    /// Longest silence of a node that is present (docs/protocols/can.md, "DroneCAN: nodes").
     static constexpr Duration kGone = std::chrono::seconds(3);
 
     explicit SourceWatch(SourceChoice choice) : choice_(choice) {}
 
-    /// Whether it is worth putting the frames of that node together.
+    /// Whether frames of that node need to be collected.
     bool may_be(NodeId source) const {
         return source != kNobody && (!choice_.node || source == *choice_.node);
     }
-    /// Whether a message of that source would be listened to. To its frames, for they may be
-    /// broken.
-    bool would_listen_to(NodeId source, Instant at) const {
+    /// Whether a message of that source would be accepted. For single frames, which may be part of
+    /// a broken message.
+    bool would_accept(NodeId source, Instant at) const {
         return may_be(source) &&
-               (source == current_ || current_ == kNobody || at - heard_ >= kGone);
+               (source == current_ || current_ == kNobody || at - accepted_ >= kGone);
     }
-    /// To a good message of that source.
-    bool listens_to(NodeId source, Instant at, std::uint32_t instance = 0) {
+    /// Whether a good message of that source is accepted. If so, that is the source from now on.
+    bool accepts(NodeId source, Instant at, std::uint32_t instance = 0) {
         if (!may_be(source) || (choice_.instance && instance != *choice_.instance)) {
             return false;
         }
         const bool the_same = source == current_ && instance == current_instance_;
-        if (!the_same && current_ != kNobody && at - heard_ < kGone) {
+        if (!the_same && current_ != kNobody && at - accepted_ < kGone) {
             return false;
         }
         current_ = source;
         current_instance_ = instance;
-        heard_ = at;
+        accepted_ = at;
         return true;
     }
     /// kNobody: none yet.
@@ -76,20 +76,20 @@ class SourceWatch {
     SourceChoice choice_;
     NodeId current_ = kNobody;
     std::uint32_t current_instance_ = 0;
-    Instant heard_{};
+    Instant accepted_{};
 };
 
-/// What a decoder of transfers refused, by cause.
+/// Counts the refused frames and messages of a decoder, by cause.
 class TransferRejects {
   public:
     void count(const TransferReceiver::Taken& taken) {
-        ++counts_[cause_of(taken.fate)].count;
+        ++counts_[cause_of(taken.result)].count;
         counts_[kIncomplete].count += taken.broke_off ? 1U : 0U;
     }
-    /// Whole, but not as its type describes it.
+    /// Complete, but not as its type describes it.
     void count_layout() { ++counts_[kLayout].count; }
     void count_other_source() { ++counts_[kOtherSource].count; }
-    /// Whole and right, but its transfer id says that it is an old one, or of a second sender.
+    /// Complete and readable, but by its transfer id an old message, or one of a second sender.
     void count_counter_jump() { ++counts_[kCounterJump].count; }
     std::span<const NamedCount> counts() const { return std::span(counts_).first(kUncounted); }
 
@@ -104,21 +104,21 @@ class TransferRejects {
         kCounterJump,
         kUncounted,
     };
-    static Cause cause_of(FrameFate fate) {
-        switch (fate) {
-            case FrameFate::bad_crc:
+    static Cause cause_of(FrameResult result) {
+        switch (result) {
+            case FrameResult::bad_crc:
                 return kCrc;
-            case FrameFate::out_of_turn:
+            case FrameResult::out_of_turn:
                 return kOutOfTurn;
-            case FrameFate::repeated:
+            case FrameResult::repeated:
                 return kRepeated;
-            case FrameFate::too_long:
+            case FrameResult::too_long:
                 return kLayout;
-            case FrameFate::foreign:
-            case FrameFate::unwanted:
-            case FrameFate::taken:
-            case FrameFate::complete:
-            case FrameFate::crowded_out:
+            case FrameResult::foreign:
+            case FrameResult::unwanted:
+            case FrameResult::taken:
+            case FrameResult::complete:
+            case FrameResult::crowded_out:
                 break;
         }
         return kUncounted;

@@ -8,7 +8,7 @@
 
 namespace tribus::dronecan {
 
-/// On the clock that the nodes of the bus share. Source: dronecan/DSDL.
+/// Time on the clock that the nodes of the bus share. Source: dronecan/DSDL.
 struct Timestamp {
     static constexpr std::string_view kName = "uavcan.Timestamp";
 

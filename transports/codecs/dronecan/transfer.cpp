@@ -25,7 +25,7 @@ constexpr std::uint32_t kRequestBit = 1U << 15;
 constexpr std::uint16_t kCrcStart = 0xFFFF;
 constexpr std::array<std::uint8_t, kMostFdBytes> kPadding{};
 
-/// Of the transfer, without the tail byte.
+/// Bytes of the transfer in a frame, without the tail byte.
 constexpr std::size_t room_in_frame(bool fd) {
     return (fd ? kMostFdBytes : kMostClassicBytes) - 1;
 }
@@ -37,12 +37,13 @@ bool can_be_sent(const TransferHead& head, std::size_t frames) {
     return head.source != kNobody || (frames == 1 && head.data_type_id <= kAnonymousTypeMask);
 }
 
-/// libcanard's: nodes that say the same choose the same, which does no harm on the bus.
+/// The discriminator as in libcanard. Nodes with equal content choose the same one, which does no
+/// harm on the bus.
 std::uint16_t discriminator_of(std::span<const std::uint8_t> payload) {
     return (crc16_1021(kCrcStart, payload) >> 1U) & kDiscriminatorMask;
 }
 
-/// Takes bytes from the front of `rest`, as many as both have.
+/// Moves as many bytes from the front of `rest` as both have.
 void move_bytes(std::span<const std::uint8_t>& rest, std::span<std::uint8_t>& room) {
     const std::size_t count = std::min(rest.size(), room.size());
     std::ranges::copy(rest.first(count), room.begin());

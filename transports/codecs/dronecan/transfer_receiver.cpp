@@ -7,7 +7,7 @@
 namespace tribus::dronecan {
 namespace {
 
-/// Specification 4.1, "Transfer ID timeout".
+/// Specification 4.1, "Transfer ID timeout" (docs/protocols/can.md, "DroneCAN: transport").
 constexpr Duration kTransferTimeout = std::chrono::seconds(2);
 
 constexpr std::size_t kMostFdCarried = kMostFdBytes - 1;
@@ -32,25 +32,25 @@ std::uint8_t next_transfer_id(std::uint8_t transfer_id) {
     return (transfer_id + 1U) & kTailTransferId;
 }
 
-/// How often the id must be counted up to become the other one.
+/// How many steps forward lead from one id to the other.
 unsigned forward_distance(std::uint8_t from, std::uint8_t to) {
     return (unsigned{to} - unsigned{from}) & kTailTransferId;
 }
 
-/// What the frames of so many bytes carry with the padding of the last one.
+/// Bytes that the frames carry, including the padding of the last one.
 std::size_t padded(std::size_t bytes, bool fd) {
     const std::size_t in_last = bytes % kMostFdCarried;
     return fd ? bytes - in_last + can_length_for(in_last + 1) - 1 : bytes;
 }
 
-/// The most that a session keeps of a transfer.
+/// Bytes that a session keeps of a transfer.
 std::size_t room_for(std::size_t most_bytes) {
     return padded(most_bytes + kCrcBytes, true);
 }
 
 bool crc_is_right(std::uint64_t signature, std::span<const std::uint8_t> with_crc) {
-    const unsigned told = with_crc[0] | unsigned{with_crc[1]} << 8U;
-    return told == transfer_crc(signature, with_crc.subspan(kCrcBytes));
+    const unsigned stated = with_crc[0] | unsigned{with_crc[1]} << 8U;
+    return stated == transfer_crc(signature, with_crc.subspan(kCrcBytes));
 }
 
 }  // namespace
@@ -77,7 +77,7 @@ TransferReceiver::TransferReceiver(std::vector<WantedTransfer> wanted, std::size
 
 TransferReceiver::Taken TransferReceiver::take(const CanFrame& frame, Instant at) {
     Taken taken = judge(frame, at);
-    ++fates_[static_cast<std::size_t>(taken.fate)];
+    ++counts_[static_cast<std::size_t>(taken.result)];
     broken_off_ += taken.broke_off ? 1U : 0U;
     return taken;
 }
@@ -90,33 +90,33 @@ TransferReceiver::Taken TransferReceiver::judge(const CanFrame& frame, Instant a
     }
     const std::size_t index = wanted_index(*head);
     if (index == wanted_.size()) {
-        taken.fate = FrameFate::unwanted;
+        taken.result = FrameResult::unwanted;
         return taken;
     }
     const bool anonymous = head->source == kNobody;
     Session* session = anonymous ? &anonymous_ : session_for(index, *head, at);
     if (session == nullptr) {
-        taken.fate = FrameFate::crowded_out;
+        taken.result = FrameResult::crowded_out;
         return taken;
     }
     if (anonymous) {
         session->begin(head->transfer_id, frame.fd, at);
-        taken.fate = FrameFate::taken;
+        taken.result = FrameResult::taken;
     } else {
-        taken.fate = has(frame, kTailStart) ? session->start(frame, at, taken.broke_off)
-                                            : session->follow(frame, at, taken.broke_off);
+        taken.result = has(frame, kTailStart) ? session->start(frame, at, taken.broke_off)
+                                              : session->follow(frame, at, taken.broke_off);
     }
     const WantedTransfer& wanted = wanted_[index];
-    if (taken.fate == FrameFate::taken) {
-        taken.fate = session->add(frame, wanted.most_bytes);
+    if (taken.result == FrameResult::taken) {
+        taken.result = session->add(frame, wanted.most_bytes);
     }
-    if (taken.fate != FrameFate::complete) {
+    if (taken.result != FrameResult::complete) {
         return taken;
     }
     std::span<const std::uint8_t> payload = session->room.first(session->size);
     if (!is_single(frame)) {
         if (!crc_is_right(wanted.signature, payload)) {
-            taken.fate = FrameFate::bad_crc;
+            taken.result = FrameResult::bad_crc;
             return taken;
         }
         payload = payload.subspan(kCrcBytes);
@@ -179,38 +179,38 @@ bool TransferReceiver::Session::ends_in(std::span<const std::uint8_t> bytes) con
     return bytes.size() <= size && std::ranges::equal(room.first(size).last(bytes.size()), bytes);
 }
 
-/// A start of the transfer before, or of the one that is under way, is a copy.
-FrameFate TransferReceiver::Session::start(const CanFrame& frame, Instant at, bool& broke_off) {
+/// A start of the previous transfer, or of the one in progress, is a copy.
+FrameResult TransferReceiver::Session::start(const CanFrame& frame, Instant at, bool& broke_off) {
     const std::uint8_t id = transfer_id_of(frame);
     const unsigned behind = forward_distance(id, transfer_id);
     if (!forgotten(at) && (behind == 1 || (behind == 0 && collecting))) {
-        return FrameFate::repeated;
+        return FrameResult::repeated;
     }
     broke_off = collecting;
     begin(id, frame.fd, at);
-    return FrameFate::taken;
+    return FrameResult::taken;
 }
 
-FrameFate TransferReceiver::Session::follow(const CanFrame& frame, Instant at, bool& broke_off) {
+FrameResult TransferReceiver::Session::follow(const CanFrame& frame, Instant at, bool& broke_off) {
     if (forgotten(at)) {
         broke_off = collecting;
         collecting = false;
-        return FrameFate::out_of_turn;
+        return FrameResult::out_of_turn;
     }
     const unsigned behind = forward_distance(transfer_id_of(frame), transfer_id);
     if (behind == 1) {
-        return FrameFate::repeated;
+        return FrameResult::repeated;
     }
     if (behind != 0 || !collecting || frame.fd != fd) {
-        return FrameFate::out_of_turn;
+        return FrameResult::out_of_turn;
     }
     if (has(frame, kTailToggle) != toggle) {
-        return ends_in(carried_by(frame)) ? FrameFate::repeated : FrameFate::out_of_turn;
+        return ends_in(carried_by(frame)) ? FrameResult::repeated : FrameResult::out_of_turn;
     }
-    return FrameFate::taken;
+    return FrameResult::taken;
 }
 
-FrameFate TransferReceiver::Session::add(const CanFrame& frame, std::size_t most_bytes) {
+FrameResult TransferReceiver::Session::add(const CanFrame& frame, std::size_t most_bytes) {
     const std::span<const std::uint8_t> more = carried_by(frame);
     const std::size_t limit = padded(most_bytes + (is_single(frame) ? 0 : kCrcBytes), fd);
     too_long = too_long || more.size() > limit - size;
@@ -224,9 +224,9 @@ FrameFate TransferReceiver::Session::add(const CanFrame& frame, std::size_t most
         transfer_id = next_transfer_id(transfer_id);
     }
     if (too_long) {
-        return FrameFate::too_long;
+        return FrameResult::too_long;
     }
-    return has(frame, kTailEnd) ? FrameFate::complete : FrameFate::taken;
+    return has(frame, kTailEnd) ? FrameResult::complete : FrameResult::taken;
 }
 
 }  // namespace tribus::dronecan

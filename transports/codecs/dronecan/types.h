@@ -15,7 +15,7 @@ namespace tribus::dronecan {
 template <class... Types>
 struct TypeList {};
 
-/// Messages and services: one line for each. Adding a type is its struct and its line.
+/// Messages and services. A new type needs its struct and its line here.
 using KnownTypes = TypeList<  //
     RcInput,                  //
     ArrayCommand,             //
@@ -53,8 +53,8 @@ constexpr void for_each_type(Visit&& visit) {
     }(KnownTypes{});
 }
 
-/// Calls `visit.operator()<T>()` for each message, and for the request and the response of each
-/// service: for all that read(), write(), visit_values() and data_type_of() take.
+/// Calls `visit.operator()<T>()` for each message, request and response: for all types that read(),
+/// write(), visit_values() and data_type_of() accept.
 template <class Visit>
 constexpr void for_each_payload_type(Visit&& visit) {
     for_each_type([&]<class T>() {

@@ -7,7 +7,7 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// What moves things, and what allows it: channels of a receiver, commands to servos and ESCs,
+/// Messages that move things or permit it: channels of a receiver, commands to servos and ESCs,
 /// arming. Source: the DSDL files of these names in dronecan/DSDL; docs/protocols/can.md,
 /// "DroneCAN: RCInput" and "DroneCAN: commands".
 namespace tribus::dronecan {
@@ -22,18 +22,17 @@ struct RcInput {
     static constexpr std::uint16_t kQualityValid = 0x01;
     static constexpr std::uint16_t kFailsafe = 0x02;
     static constexpr std::uint16_t kQualityTypeMask = 0x1C;
-    /// What the quality is, in the bits of kQualityTypeMask.
+    /// Kind of the quality, in the bits of kQualityTypeMask.
     static constexpr std::uint16_t kQualityTypeRssi = 0;  ///< 0 none to 255 full
     /// Percent in bits 0 to 6, the antenna in use in bit 7.
     static constexpr std::uint16_t kQualityTypeLinkQuality = 4;
-    static constexpr std::uint16_t kQualityTypeRssiDbm =
-        8;                                                ///< 0 none, 1 to 255: that much below 0
-    static constexpr std::uint16_t kQualityTypeSnr = 12;  ///< units of the device, plus 128
+    static constexpr std::uint16_t kQualityTypeRssiDbm = 8;   ///< 0 none, 1 to 255: dBm below 0
+    static constexpr std::uint16_t kQualityTypeSnr = 12;      ///< units of the device, plus 128
     static constexpr std::uint16_t kQualityTypeTxPower = 16;  ///< units of 5 mW
 
     std::uint16_t status = 0;
     std::uint8_t quality = 0;
-    std::uint8_t id = 0;                   ///< which receiver of this node; 0 to 15
+    std::uint8_t id = 0;                   ///< number of the receiver on this node; 0 to 15
     BoundedArray<std::uint16_t, 32> rcin;  ///< microseconds, 0 to 4095
 
     bool operator==(const RcInput&) const = default;
@@ -89,7 +88,7 @@ struct EscRawCommand {
     static constexpr std::uint16_t kId = 1030;
     static constexpr std::uint64_t kSignature = 0x217F5C87D7EC951D;
 
-    BoundedArray<std::int16_t, 20> cmd;  ///< by number of the ESC; -8192 to 8191
+    BoundedArray<std::int16_t, 20> cmd;  ///< one for each ESC, by its number; -8192 to 8191
 
     bool operator==(const EscRawCommand&) const = default;
 

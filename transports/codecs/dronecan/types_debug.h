@@ -7,7 +7,7 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// What is for people to read. Source: the DSDL files of these names in dronecan/DSDL;
+/// Messages for people to read. Source: the DSDL files of these names in dronecan/DSDL;
 /// docs/protocols/can.md, "DroneCAN: nodes".
 namespace tribus::dronecan {
 

@@ -13,7 +13,7 @@
 /// docs/protocols/can.md, "DroneCAN: telemetry".
 namespace tribus::dronecan {
 
-/// In the frame that turns with the earth.
+/// In the earth-centred, earth-fixed frame.
 struct EcefPositionVelocity {
     static constexpr std::string_view kName = "uavcan.equipment.gnss.ECEFPositionVelocity";
 
@@ -38,7 +38,7 @@ struct GnssFix2 {
     static constexpr std::uint16_t kId = 1063;
     static constexpr std::uint64_t kSignature = 0xCA41E7000F37435F;
 
-    /// What gnss_timestamp counts in.
+    /// Clock of gnss_timestamp.
     static constexpr std::uint8_t kTimeStandardNone = 0;
     static constexpr std::uint8_t kTimeStandardTai = 1;
     static constexpr std::uint8_t kTimeStandardUtc = 2;
@@ -56,7 +56,7 @@ struct GnssFix2 {
     static constexpr std::uint8_t kModeRtk = 2;
     static constexpr std::uint8_t kModePpp = 3;
 
-    /// Of kModeDgps, and of kModeRtk.
+    /// Sub-modes of kModeDgps and of kModeRtk.
     static constexpr std::uint8_t kSubModeDgpsOther = 0;
     static constexpr std::uint8_t kSubModeDgpsSbas = 1;
     static constexpr std::uint8_t kSubModeRtkFloat = 0;

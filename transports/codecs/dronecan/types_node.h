@@ -9,7 +9,7 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// What every node says and answers. Source: the DSDL files of these names in dronecan/DSDL;
+/// Messages and services of every node. Source: the DSDL files of these names in dronecan/DSDL;
 /// docs/protocols/can.md, "DroneCAN: nodes".
 namespace tribus::dronecan {
 
@@ -57,7 +57,7 @@ struct NodeStatus {
 struct SoftwareVersion {
     static constexpr std::string_view kName = "uavcan.protocol.SoftwareVersion";
 
-    /// Bits of optional_field_flags: which of the fields behind it hold something.
+    /// Bits of optional_field_flags: which of the fields after it are valid.
     static constexpr std::uint8_t kVcsCommitGiven = 1;
     static constexpr std::uint8_t kImageCrcGiven = 2;
 
@@ -139,13 +139,12 @@ struct Allocation {
     static constexpr std::uint16_t kId = 1;
     static constexpr std::uint64_t kSignature = 0x0B2A812620A11D40;
 
-    /// Between requests, and from an answer to the next part of the unique id: anything from the
-    /// least to the most, at random.
+    /// Random pauses: between requests, and between an answer and the next part of the unique id.
     static constexpr unsigned kLeastRequestPeriodMs = 600;
     static constexpr unsigned kMostRequestPeriodMs = 1000;
     static constexpr unsigned kLeastFollowupDelayMs = 0;
     static constexpr unsigned kMostFollowupDelayMs = 400;
-    /// The allocator forgets an id begun after this.
+    /// After this time the allocator forgets an unfinished unique id.
     static constexpr unsigned kFollowupTimeoutMs = 500;
     static constexpr std::size_t kMostUniqueIdBytesInRequest = 6;
     static constexpr std::uint8_t kAnyNodeId = 0;

@@ -23,7 +23,7 @@ struct ParamEmpty {
 struct ParamValue {
     static constexpr std::string_view kName = "uavcan.protocol.param.Value";
 
-    /// Nothing; an integer; a real number; a boolean, being 0 or 1; a text.
+    /// Nothing, an integer, a real number, a boolean (0 or 1) or a text.
     std::variant<ParamEmpty, std::int64_t, float, std::uint8_t, BoundedText<128>> held;
 
     bool operator==(const ParamValue&) const = default;
@@ -58,8 +58,8 @@ struct ParamGetSet {
         using Service = ParamGetSet;
         static constexpr TransferKind kKind = TransferKind::request;
 
-        std::uint16_t index = 0;  ///< of the parameter, if the name is empty; 0 to 8191
-        ParamValue value;         ///< to set it to; empty: only asks
+        std::uint16_t index = 0;  ///< index of the parameter, used if the name is empty; 0 to 8191
+        ParamValue value;         ///< new value; empty: only reads
         BoundedText<92> name;
 
         bool operator==(const Request&) const = default;
@@ -98,8 +98,8 @@ struct ParamExecuteOpcode {
     static constexpr std::uint16_t kId = 10;
     static constexpr std::uint64_t kSignature = 0x3B131AC5EB69D2CD;
 
-    static constexpr std::uint8_t kSave = 0;   ///< all parameters, to where they outlast a restart
-    static constexpr std::uint8_t kErase = 1;  ///< all of them go back to their defaults
+    static constexpr std::uint8_t kSave = 0;   ///< saves all parameters permanently
+    static constexpr std::uint8_t kErase = 1;  ///< resets all parameters to their defaults
 
     struct Request {
         using Service = ParamExecuteOpcode;

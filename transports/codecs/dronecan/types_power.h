@@ -12,7 +12,7 @@
 /// docs/protocols/can.md, "DroneCAN: telemetry".
 namespace tribus::dronecan {
 
-/// Floats that are unknown are NaN.
+/// Unknown floats are NaN.
 struct BatteryInfo {
     static constexpr std::string_view kName = "uavcan.equipment.power.BatteryInfo";
     static constexpr TransferKind kKind = TransferKind::message;
@@ -34,7 +34,7 @@ struct BatteryInfo {
 
     float temperature = 0;
     float voltage = 0;
-    float current = 0;  ///< positive: discharged
+    float current = 0;  ///< positive: discharging
     float average_power_10sec = 0;
     float remaining_capacity_wh = 0;
     float full_charge_capacity_wh = 0;
@@ -103,7 +103,7 @@ struct BatteryCells {
     static constexpr std::uint64_t kSignature = 0x5C8B1ABD15890EA4;
 
     BoundedArray<float, 24> voltages;
-    std::uint16_t index = 0;  ///< of the first one, counted from 0
+    std::uint16_t index = 0;  ///< of the first voltage, counted from 0
 
     bool operator==(const BatteryCells&) const = default;
 
@@ -113,18 +113,18 @@ struct BatteryCells {
     }
 };
 
-/// Comes before the BatteryInfo that it belongs to.
+/// Sent before the BatteryInfo that it belongs to.
 struct BatteryInfoAux {
     static constexpr std::string_view kName = "ardupilot.equipment.power.BatteryInfoAux";
     static constexpr TransferKind kKind = TransferKind::message;
     static constexpr std::uint16_t kId = 20004;
     static constexpr std::uint64_t kSignature = 0x7D7F49FC75484882;
 
-    Timestamp timestamp;  ///< of the last measurement of the current
+    Timestamp timestamp;  ///< of the latest measurement of the current
     BoundedArray<float, 255> voltage_cell;
     std::uint16_t cycle_count = 0;
     std::uint16_t over_discharge_count = 0;
-    float max_current = 0;  ///< since the last message
+    float max_current = 0;  ///< since the message before
     float nominal_voltage = 0;
     bool is_powering_off = false;
     std::uint8_t battery_id = 0;

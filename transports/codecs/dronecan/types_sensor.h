@@ -21,7 +21,7 @@ struct EscStatus {
     float current = 0;  ///< negative: regenerative braking
     float temperature = 0;
     std::int32_t rpm = 0;               ///< negative: reverse
-    std::uint8_t power_rating_pct = 0;  ///< of what the ESC can give; 127 at most
+    std::uint8_t power_rating_pct = 0;  ///< share of the power that the ESC can give; at most 127
     std::uint8_t esc_index = 0;
 
     bool operator==(const EscStatus&) const = default;
@@ -47,7 +47,7 @@ struct EscStatusExtended {
     std::uint8_t output_pct = 0;  ///< to the motor
     std::int16_t motor_temperature = 0;
     std::uint16_t motor_angle = 0;
-    std::uint32_t status_flags = 0;  ///< of the manufacturer
+    std::uint32_t status_flags = 0;  ///< defined by the manufacturer
     std::uint8_t esc_index = 0;
 
     bool operator==(const EscStatusExtended&) const = default;

@@ -19,7 +19,7 @@ using ValueTypes = std::tuple<BatteryInfo, CircuitStatus, EscStatus, EscStatusEx
                               DeviceTemperature, StaticPressure, StaticTemperature, FuelTankStatus,
                               Rpm, BatteryCells, BatteryInfoAux>;
 
-/// Calls `visit.operator()<T>()` for the type of that name.
+/// Calls `visit.operator()<T>()` for the type with that name.
 template <class Visit>
 void with_type(std::string_view message, Visit visit) {
     const auto try_one = [&]<class T>(const T*) {
@@ -43,7 +43,7 @@ struct NoInstance {
     }
 };
 
-/// Which one of several on its node a message is of.
+/// Number of the battery, motor or sensor on its node that a message is about.
 template <class T>
 struct InstanceOf : NoInstance {};
 template <>
@@ -87,7 +87,7 @@ struct InstanceOf<Rpm> {
     std::uint32_t operator()(const Rpm& message) const { return message.sensor_id; }
 };
 
-/// Whether a field holds a number that means nothing, by its address.
+/// Whether the number of a field, given by its address, is marked as unknown.
 template <class T>
 bool is_unknown(const T&, const void*) {
     return false;
@@ -122,7 +122,7 @@ bool is_unknown(const GnssFix2& message, const void* field) {
     return !tells_fix && message.status < GnssFix2::kStatus2dFix;
 }
 
-/// What the numbers of a message tell beside themselves.
+/// Numbers that are computed from those of a message.
 template <class T, class Visit>
 void walk_derived(const T&, Visit&) {}
 template <class Visit>
@@ -227,7 +227,7 @@ class ValueReader final : public CanValueReader {
             rejected_.count_layout();
             return std::nullopt;
         }
-        if (!source_.listens_to(head->source, at, InstanceOf<T>{}(*message))) {
+        if (!source_.accepts(head->source, at, InstanceOf<T>{}(*message))) {
             rejected_.count_other_source();
             return std::nullopt;
         }
@@ -238,7 +238,7 @@ class ValueReader final : public CanValueReader {
     }
 
   private:
-    /// Nodes that send the same message at one time, such as all the motors of a machine.
+    /// Limit of the nodes that send the same message, such as all motors of a machine.
     static constexpr std::size_t kMostSenders = 32;
 
     bool fd_;

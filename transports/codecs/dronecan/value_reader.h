@@ -8,10 +8,10 @@
 #include "transports/codecs/can_value_reader.h"
 #include "transports/codecs/dronecan/source.h"
 
-/// The return path: what batteries, motors, tanks and sensors say on the bus becomes numbers.
+/// Telemetry: reads numbers from the messages of batteries, motors, tanks and sensors.
 namespace tribus::dronecan {
 
-/// Names of the messages that are read. Facts: docs/protocols/can.md, "DroneCAN: telemetry".
+/// Names of the messages that can be read (docs/protocols/can.md, "DroneCAN: telemetry").
 inline constexpr std::array<std::string_view, 12> kValueMessages{
     "uavcan.equipment.power.BatteryInfo",
     "uavcan.equipment.power.CircuitStatus",
@@ -27,15 +27,15 @@ inline constexpr std::array<std::string_view, 12> kValueMessages{
     "ardupilot.equipment.power.BatteryInfoAux",
 };
 
-/// The field by which a node tells several of the same message apart, "battery_id"; empty where
-/// there is none. `message` is one of kValueMessages.
+/// Name of the field that distinguishes several of the same message on one node, such as
+/// "battery_id"; empty if there is none. `message` is one of kValueMessages. Pure and reentrant.
 std::string_view instance_field(std::string_view message);
 
-/// Reads that message, one of kValueMessages, from the chosen source or else from the first that is
-/// heard. Its values are the numbers of the message, "voltage" or "ned_velocity[2]", and of Fix2
-/// "ground_speed". What the sender does not know is not available: floats that are not finite,
-/// codes for "unknown", items that an array could have and has not, and of a position all that its
-/// fix does not give. `fd`: frames of CAN FD are read too.
+/// Makes a reader of `message`, one of kValueMessages, from the chosen source, else from the first
+/// one that is received. Its values are the numbers of the message, such as "voltage" or
+/// "ned_velocity[2]", and for Fix2 also "ground_speed". Not available are floats that are not
+/// finite, codes for "unknown", missing items of arrays, and the parts of a position that its fix
+/// does not give. `fd`: reads CAN FD frames too.
 std::unique_ptr<CanValueReader> make_value_reader(std::string_view message,
                                                   const SourceChoice& source, bool fd);
 

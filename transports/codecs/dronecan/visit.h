@@ -13,17 +13,17 @@
 #include "transports/codecs/dronecan/bounded_array.h"
 #include "transports/codecs/dronecan/fields.h"
 
-/// What is in a message, value by value, for people to read. Pure and reentrant; takes heap: not
-/// for the data path.
+/// The values of a message for people to read. Pure and reentrant; uses heap, so not for the data
+/// path.
 namespace tribus::dronecan {
 
-/// An array without items, other than one of bytes.
+/// An empty array; never one of bytes.
 struct NoItems {};
 
-/// Valid during the call only.
+/// Valid only during the call.
 struct FieldValue {
     std::string_view path;  ///< "status.uptime_sec", "commands[2].actuator_id"
-    /// Measurements that the sender does not know are NaN. Text may have any bytes in it.
+    /// Unknown measurements are NaN. Text may contain any bytes.
     std::variant<std::uint64_t, std::int64_t, bool, double, std::string_view,
                  std::span<const std::uint8_t>, NoItems>
         value;
@@ -82,7 +82,7 @@ class ValueVisitor {
     void element(Float32, float value, std::string_view unit) {
         visit_(FieldValue{path_, double{value}, unit});
     }
-    /// A struct without fields, as an alternative of a union: that it is there is what it says.
+    /// A struct without fields, as an alternative of a union, is shown as "true".
     template <class T>
     void element(Nested, const T& value, std::string_view unit) {
         if constexpr (std::is_empty_v<T>) {
@@ -122,7 +122,7 @@ class ValueVisitor {
     std::string path_;
 };
 
-/// Calls `visit` with a FieldValue for each value in the order of the wire.
+/// Calls `visit` with a FieldValue for each value in wire order.
 template <class T, class Visit>
 void visit_values(const T& value, Visit&& visit) {
     ValueVisitor<std::remove_reference_t<Visit>>(visit).structure(value);

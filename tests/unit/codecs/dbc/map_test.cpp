@@ -106,17 +106,19 @@ TEST(DbcMap, OnlyMessagesWithChannelsSetThePace) {
 }
 
 TEST(DbcMap, SaysFailsafeByAFlagOrACodeInEachChannel) {
-    EXPECT_FALSE(map_of(R"({"Command": {"Speed": 1}})").says_failsafe());
+    EXPECT_FALSE(map_of(R"({"Command": {"Speed": 1}})").signals_failsafe());
     EXPECT_FALSE(
-        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "frame_lost"}}})").says_failsafe());
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "frame_lost"}}})").signals_failsafe());
     EXPECT_FALSE(
-        map_of(R"({"Command": {"Speed": 1, "Pulse": {"flag": "cause"}}})").says_failsafe());
+        map_of(R"({"Command": {"Speed": 1, "Pulse": {"flag": "cause"}}})").signals_failsafe());
     EXPECT_TRUE(
-        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}})").says_failsafe());
-    EXPECT_TRUE(map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "good"}}})").says_failsafe());
-    EXPECT_TRUE(map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}}})").says_failsafe());
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "failsafe"}}})").signals_failsafe());
+    EXPECT_TRUE(
+        map_of(R"({"Command": {"Speed": 1, "Minus": {"flag": "good"}}})").signals_failsafe());
+    EXPECT_TRUE(
+        map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}}})").signals_failsafe());
     EXPECT_FALSE(map_of(R"({"Command": {"Speed": {"channel": 1, "error": -128}, "Pulse": 2}})")
-                     .says_failsafe());
+                     .signals_failsafe());
 }
 
 TEST(DbcMap, EachPageIsAFrameThatIsSent) {
@@ -161,15 +163,16 @@ const std::string kNoChannel =
     ": no signal carries a channel; allowed: at least one, such as SIGNAL = 1 below the name of "
     "its message, or SIGNAL = { from = \"battery.voltage\" }";
 const std::string kOverlap =
-    ": its bits are those of another signal that is sent in the same frame; allowed: signals that "
+    ": its bits overlap those of another signal in the same frame; allowed: signals that "
     "do not overlap";
 const std::string kNoCycle =
     ": a cycle time is a duration, text with a unit; allowed: \"1ms\" to \"60s\"";
 const std::string kCannotCount =
-    ": this cannot count; allowed: an unsigned signal of up to 32 bits that every frame of the "
-    "message has";
+    ": this signal cannot be a counter; allowed: an unsigned signal of up to 32 bits that every "
+    "frame of the message has";
 const std::string kNoWholeByte =
-    ": this cannot hold that checksum; allowed: one whole byte that every frame of the message has";
+    ": this signal cannot hold that checksum; allowed: one whole byte that every frame of the "
+    "message has";
 
 struct Wrong {
     std::string_view signals;
@@ -204,15 +207,15 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"({"Long": {"L": 1}})",
               "signals.Long: the message is longer than a frame; allowed: messages of one frame"},
         Wrong{R"({"Joystick": {"X": 1}})",
-              "signals.Joystick: the id of the message has the source address 0xFE, from which "
-              "nobody may send; allowed: the address of this node in the id of the DBC file"},
+              "signals.Joystick: the id of the message has the source address 0xFE, from which no "
+              "node may send; allowed: the address of this node in the id of the DBC file"},
         Wrong{R"({"Joystick": {"X": 1}, "OneJoystick": {"X1": 2}})",
               "signals.OneJoystick: a frame of this message may also be one of \"Joystick\", as "
               "their ids differ in the priority only, or one of them comes from any source (0xFE); "
-              "allowed: one of the two",
+              "allowed: only one of the two",
               SettingScope::input},
         Wrong{R"({"Command": {"Speed": 1, "Pulse": 1}})",
-              "signals.Command.Pulse: channel 1 comes from \"Command.Speed\" already; allowed: one "
+              "signals.Command.Pulse: channel 1 already comes from \"Command.Speed\"; allowed: one "
               "signal for each channel",
               SettingScope::input},
         Wrong{R"({"Command": {"Pulse": 1, "Short": {"fixed": 0}}})",
@@ -233,36 +236,36 @@ INSTANTIATE_TEST_SUITE_P(
     Values, WrongDbcMap,
     testing::Values(
         Wrong{R"({"Command": {"Plain": 1}})",
-              "signals.Command.Plain: the file gives no range of \"Plain\", so its values mean no "
-              "pulse; allowed: { channel = 1, value = [-100, 100], us = [1000, 2000] }"},
+              "signals.Command.Plain: the file gives no range of \"Plain\", so its values have no "
+              "pulses; allowed: { channel = 1, value = [-100, 100], us = [1000, 2000] }"},
         Wrong{R"({"Command": {"Plain": {"channel": 1, "value": [-7, 7]}}})",
-              "signals.Command.Plain.value: \"Plain\" cannot be -7; allowed: values that fit into "
-              "its 4 bits"},
+              "signals.Command.Plain.value: \"Plain\" cannot be -7; allowed: values that fit its 4 "
+              "bits"},
         Wrong{R"({"Command": {"Speed": {"channel": 1, "value": [-100, 100.5]}}})",
               "signals.Command.Speed.value: \"Speed\" cannot be 100.5; the file allows -100 to "
               "100"},
         Wrong{R"({"Command": {"Short": 1}})",
               "signals.Command.Short.channel: \"Short\" cannot be 1000; allowed: values that fit "
-              "into its 8 bits"},
+              "its 8 bits"},
         Wrong{R"({"Command": {"Speed": {"channel": 1, "error": 128}}})",
-              "signals.Command.Speed.error: 128 does not fit into the 8 bits of \"Speed\"; "
+              "signals.Command.Speed.error: 128 does not fit the 8 bits of \"Speed\"; "
               "allowed: a raw value that does"},
         Wrong{R"({"Command": {"Speed": 1, "Plain": {"fixed": 16}}})",
-              "signals.Command.Plain.fixed: \"Plain\" cannot be 16; the nearest that it can be is "
+              "signals.Command.Plain.fixed: \"Plain\" cannot be 16; the nearest possible value is "
               "15"},
         Wrong{R"({"Command": {"Speed": 1, "Plain": {"fixed": 1.5}}})",
-              "signals.Command.Plain.fixed: \"Plain\" cannot be 1.5; the nearest that it can be is "
+              "signals.Command.Plain.fixed: \"Plain\" cannot be 1.5; the nearest possible value is "
               "2"},
         Wrong{R"({"Command": {"Magnitude": {"channel": 1, "negative": "Sign"}}})",
               "signals.Command.Magnitude.negative: message \"Command\" has no signal \"Sign\"; "
               "allowed: \"Mode\", \"Speed\", \"Pulse\", \"Short\", \"Plain\", \"Magnitude\", "
               "\"Minus\", \"Count\", \"Check\""},
         Wrong{R"({"Command": {"Magnitude": {"channel": 1, "negative": "Count"}}})",
-              "signals.Command.Magnitude.negative: \"Count\" cannot tell the direction of "
-              "\"Magnitude\"; allowed: another signal of 1 or 2 bits that each frame with it has"},
+              "signals.Command.Magnitude.negative: \"Count\" cannot give the direction of "
+              "\"Magnitude\"; allowed: another signal of 1 or 2 bits in the same frames"},
         Wrong{R"({"Paged": {"First": {"channel": 1, "negative": "SecondSign"}}})",
-              "signals.Paged.First.negative: \"SecondSign\" cannot tell the direction of "
-              "\"First\"; allowed: another signal of 1 or 2 bits that each frame with it has"}));
+              "signals.Paged.First.negative: \"SecondSign\" cannot give the direction of "
+              "\"First\"; allowed: another signal of 1 or 2 bits in the same frames"}));
 
 INSTANTIATE_TEST_SUITE_P(
     Protection, WrongDbcMap,
@@ -277,23 +280,25 @@ INSTANTIATE_TEST_SUITE_P(
               "signals.Command.Minus.flag: \"Minus\" is too narrow for a cause; allowed: 3 bits or "
               "more"},
         Wrong{R"({"Command": {"Speed": 1, "Count": {"counter": true, "most": 64}}})",
-              "signals.Command.Count.most: \"Count\" cannot count so far; allowed: 1 to 63"},
+              "signals.Command.Count.most: \"Count\" cannot count that far; allowed: 1 to 63"},
         Wrong{
             R"({"Command": {"Speed": 1, "Count": {"counter": true}, "Plain": {"counter": true}}})",
-            "signals.Command.Plain: the message has a counter already; allowed: one"},
+            "signals.Command.Plain: the message already has a counter; allowed: one"},
         Wrong{R"({"Command": {"Speed": 1, "Check": {"checksum": "xor"},
                               "Mode": {"checksum": "sum"}}})",
-              "signals.Command.Mode: the message has a checksum already; allowed: one"},
+              "signals.Command.Mode: the message already has a checksum; allowed: one"},
         Wrong{R"({"Command": {"Speed": 1, "Count": {"checksum": "sum"}}})",
               "signals.Command.Count" + kNoWholeByte},
         Wrong{R"({"Paged": {"First": 1, "SecondCheck": {"checksum": "sum"}}})",
               "signals.Paged.SecondCheck" + kNoWholeByte},
         Wrong{R"({"Command": {"Speed": 1, "Check": {"checksum": "p01", "data_id": 1}}})",
-              "signals.Command.Check: this cannot hold that checksum; allowed: byte 0 (0|8@1+), "
-              "and data behind it"},
+              "signals.Command.Check: this signal cannot hold that checksum; allowed: byte 0 "
+              "(0|8@1+), "
+              "and data after it"},
         Wrong{R"({"Wide": {"Value": 1, "Motorola16": {"checksum": "p05", "data_id": 1}}})",
-              "signals.Wide.Motorola16: this cannot hold that checksum; allowed: bytes 0 and 1, "
-              "low byte first (0|16@1+), and data behind them"},
+              "signals.Wide.Motorola16: this signal cannot hold that checksum; allowed: bytes 0 "
+              "and 1, "
+              "low byte first (0|16@1+), and data after them"},
         Wrong{R"({"Wide": {"Value": 1, "Byte0": {"checksum": "p01"}}})",
               "signals.Wide.Byte0: the profile needs the data id of the message; allowed: "
               "data_id = 0 to 65535, or the attribute RcE2eDataId in the DBC file"}));
@@ -308,7 +313,7 @@ TEST(DbcMap, AnOutputSendsAtMost16Frames) {
         signals += (i == 1 ? "" : ", ") + ("\"M" + number + "\": {\"S" + number + "\": 1}");
     }
     EXPECT_EQ(mistakes_in(dbc, signals + "}"),
-              Lines{"signals: they lie in 17 frames; allowed: at most 16"});
+              Lines{"signals: they need 17 frames; allowed: at most 16"});
 }
 
 constexpr std::string_view kUnknownPage =
@@ -347,15 +352,14 @@ TEST(DbcMap, RefusesADirectionWhosePageTheFileDoesNotSay) {
     EXPECT_EQ(
         mistakes_in(kHalfMultiplexed, R"({"M": {"Always": {"channel": 1, "negative": "Sign"}}})"),
         Lines{
-            "signals.M.Always.negative: \"Sign\" cannot tell the direction of \"Always\"; allowed: "
-            "another signal of 1 or 2 bits that each frame with it has"});
+            "signals.M.Always.negative: \"Sign\" cannot give the direction of \"Always\"; allowed: "
+            "another signal of 1 or 2 bits in the same frames"});
 }
 
 TEST(DbcMap, SaysThatAFileHasNoMessageAtAll) {
-    EXPECT_EQ(
-        mistakes_in("VERSION \"\"\n", R"({"M": {"S": 1}})"),
-        Lines{"signals.M: the DBC file has no message \"M\"; it has none at all, which stand in "
-              "lines that begin with BO_"});
+    EXPECT_EQ(mistakes_in("VERSION \"\"\n", R"({"M": {"S": 1}})"),
+              Lines{"signals.M: the DBC file has no message \"M\"; it has no messages: no line "
+                    "begins with BO_"});
 }
 
 }  // namespace

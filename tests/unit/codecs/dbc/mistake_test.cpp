@@ -55,14 +55,14 @@ TEST(DbcMistake, SignalBeyondItsMessage) {
 
 TEST(DbcMistake, SignalOfImpossibleLength) {
     EXPECT_EQ(mistake_in_signal("S : 0|0@1+ (1,0) [0|0] \"\" B"),
-              "2:12: signal S is 0 bits long; 1 to 64 are possible");
+              "2:12: signal S is 0 bits long; allowed are 1 to 64");
     EXPECT_EQ(mistake_in("BO_ 1 M: 64 A\n SG_ S : 0|65@1+ (1,0) [0|0] \"\" B"),
-              "2:12: signal S is 65 bits long; 1 to 64 are possible");
+              "2:12: signal S is 65 bits long; allowed are 1 to 64");
 }
 
 TEST(DbcMistake, FactorOf0) {
     EXPECT_EQ(mistake_in_signal("S : 0|8@1+ (0,5) [0|0] \"\" B"),
-              "2:18: the factor of signal S is 0: every raw value would mean the same");
+              "2:18: the factor of signal S is 0: all raw values would have one meaning");
     EXPECT_NE(mistake_in_signal("S : 0|8@1+ (-0.0,5) [0|0] \"\" B"), "");
 }
 
@@ -73,7 +73,7 @@ TEST(DbcMistake, NumbersThatAreNone) {
               "2:18: expected the factor, a number such as 0.5 or 1E-3, found '1.2.3'");
     // A decimal comma.
     EXPECT_EQ(mistake_in_signal("S : 0|8@1+ (0,5,0) [0|0] \"\" B"),
-              "2:21: expected ')' behind the offset, found ','");
+              "2:21: expected ')' after the offset, found ','");
     EXPECT_EQ(mistake_in_signal("S : 0|8@1+ (1E999,0) [0|0] \"\" B"),
               "2:18: expected the factor, a number such as 0.5 or 1E-3, found '1E999'");
     EXPECT_EQ(mistake_in("BO_ 0x300 M: 8 A\n"),
@@ -91,7 +91,7 @@ TEST(DbcMistake, ByteOrderAndSignThatAreNone) {
               "2:14: expected the byte order (0 Motorola, 1 Intel), a whole number from 0 to 1, "
               "found '2'");
     EXPECT_EQ(mistake_in_signal("S : 0|8@1 (1,0) [0|0] \"\" B"),
-              "2:16: expected '+' (unsigned) or '-' (signed) behind the byte order, found '('");
+              "2:16: expected '+' (unsigned) or '-' (signed) after the byte order, found '('");
 }
 
 TEST(DbcMistake, MissingUnit) {
@@ -101,9 +101,8 @@ TEST(DbcMistake, MissingUnit) {
 
 TEST(DbcMistake, TextWithoutEndIsShownWhereItBegins) {
     EXPECT_EQ(mistake_in("BO_ 1 M: 8 A\n SG_ S : 0|8@1+ (1,0) [0|0] \"us B\nBO_ 2 N: 8 A\n"),
-              "2:29: text without end: its closing quote is missing");
-    EXPECT_EQ(mistake_behind("CM_ \"never closed;\n"),
-              "3:5: text without end: its closing quote is missing");
+              "2:29: text without its closing quote");
+    EXPECT_EQ(mistake_behind("CM_ \"never closed;\n"), "3:5: text without its closing quote");
 }
 
 TEST(DbcMistake, LengthThatNoFrameHas) {
@@ -118,10 +117,10 @@ TEST(DbcMistake, LengthThatNoFrameHas) {
 
 TEST(DbcMistake, IdBeyondItsBits) {
     EXPECT_EQ(mistake_in("BO_ 2048 M: 8 A\n"),
-              "1:5: the id of message M, 2048, has more than 11 bits; a 29-bit id stands in the "
-              "file with bit 31 set, so add 2147483648 to it");
+              "1:5: the id of message M, 2048, has more than 11 bits; a 29-bit id has bit 31 set "
+              "in the file, so add 2147483648 to it");
     EXPECT_EQ(mistake_in("BO_ 2684354560 M: 8 A\n"),  // 0xA0000000
-              "1:5: the id of message M, 2684354560, has more than 29 bits beside bit 31");
+              "1:5: the id of message M, 2684354560, has more than 29 bits besides bit 31");
     EXPECT_EQ(mistake_in("BO_ 2047 M: 8 A\nBO_ 2684354559 N: 8 A\n"), "");
 }
 
@@ -156,11 +155,11 @@ TEST(DbcMistake, TwoSignalsWithOneLongName) {
 
 TEST(DbcMistake, FloatOfTheWrongLength) {
     EXPECT_EQ(mistake_behind("SIG_VALTYPE_ 1 S : 1;"),
-              "3:14: signal S is said to be a floating-point number of 32 bits, but is 8 bits "
+              "3:14: signal S is declared as a floating-point number of 32 bits, but is 8 bits "
               "long");
     EXPECT_EQ(mistake_in("BO_ 1 M: 8 A\n SG_ S : 0|32@1+ (1,0) [0|0] \"\" B\n"
                          "SIG_VALTYPE_ 1 S : 2;"),
-              "3:14: signal S is said to be a floating-point number of 64 bits, but is 32 bits "
+              "3:14: signal S is declared as a floating-point number of 64 bits, but is 32 bits "
               "long");
 }
 
@@ -172,7 +171,7 @@ TEST(DbcMistake, UnknownKindOfValue) {
 
 TEST(DbcMistake, SelectorThatDoesNotExist) {
     EXPECT_EQ(mistake_behind("SG_MUL_VAL_ 1 S Page 1-1;"),
-              "3:17: signal S depends on Page, which is no signal of its message");
+              "3:17: signal S depends on Page, which is not a signal of its message");
 }
 
 TEST(DbcMistake, SelectorRangeBackwards) {
@@ -187,7 +186,7 @@ TEST(DbcMistake, SelectorsInACircle) {
 TEST(DbcMistake, SelectorThatIsAFloat) {
     EXPECT_EQ(mistake_in("BO_ 1 M: 8 A\n SG_ Page M : 0|32@1+ (1,0) [0|0] \"\" B\n"
                          "SIG_VALTYPE_ 1 Page : 1;"),
-              "2:6: signal Page selects others, so it must be an integer, no float");
+              "2:6: signal Page selects others, so it must be an integer");
 }
 
 TEST(DbcMistake, MultiplexingMarkThatIsNone) {

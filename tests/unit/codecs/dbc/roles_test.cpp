@@ -79,7 +79,7 @@ TEST_P(WrongDbcRole, IsToldWithWhatIsAllowed) {
 }
 
 constexpr std::string_view kUnclear =
-    "signals.M.S: it is not clear what this signal is for; allowed: a channel number, or one of "
+    "signals.M.S: this gives the signal no role; allowed: a channel number, or one of "
     "{ channel = 1 }, { flag = \"failsafe\" }, { fixed = 0 }, { counter = true }, "
     "{ checksum = \"xor\" }, { from = \"battery.voltage\" }";
 
@@ -93,29 +93,29 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"({"channel": 19})",
               "signals.M.S.channel: there is no channel 19; allowed: 1 to 18"},
         Wrong{R"({"channel": "1"})",
-              "signals.M.S.channel: \"channel\" is not what it can be; allowed: a channel number "
+              "signals.M.S.channel: \"channel\" has a wrong value; allowed: a channel number "
               "from 1 to 18"},
         Wrong{R"({"channel": 1, "value": [1, 1]})",
-              "signals.M.S.value: \"value\" is not what it can be; allowed: two different numbers, "
+              "signals.M.S.value: \"value\" has a wrong value; allowed: two different numbers, "
               "such as [-100, 100]"},
         Wrong{R"({"channel": 1, "us": [1000]})",
-              "signals.M.S.us: \"us\" is not what it can be; allowed: two different numbers, such "
+              "signals.M.S.us: \"us\" has a wrong value; allowed: two different numbers, such "
               "as [-100, 100]"},
         Wrong{R"({"channel": 1, "us": [-1, 2000]})",
-              "signals.M.S.us: no servo knows such a pulse; allowed: 0 to 4000 microseconds"},
+              "signals.M.S.us: this is not a servo pulse; allowed: 0 to 4000 microseconds"},
         Wrong{R"({"channel": 1, "error": 1.5})",
-              "signals.M.S.error: \"error\" is not what it can be; allowed: a raw value, a whole "
+              "signals.M.S.error: \"error\" has a wrong value; allowed: a raw value, a whole "
               "number"},
         Wrong{R"({"channel": 1, "error": 3, "not_available": 3})",
-              "signals.M.S.error: this is the code of \"not_available\" already; allowed: another "
+              "signals.M.S.error: \"not_available\" already has this code; allowed: another "
               "raw value, or one of the two keys"},
         Wrong{R"({"channel": 1, "optional": 1})",
-              "signals.M.S.optional: \"optional\" is not what it can be; allowed: true or false"},
+              "signals.M.S.optional: \"optional\" has a wrong value; allowed: true or false"},
         Wrong{R"({"channel": 1, "negative": ""})",
-              "signals.M.S.negative: \"negative\" is not what it can be; allowed: the name of a "
+              "signals.M.S.negative: \"negative\" has a wrong value; allowed: the name of a "
               "signal of the same message"},
         Wrong{R"({"channel": 1, "neutral": "Z"})",
-              "signals.M.S.channel: \"positive\" and \"neutral\" tell the direction of a magnitude "
+              "signals.M.S.channel: \"positive\" and \"neutral\" give the direction of a magnitude "
               "together with \"negative\"; allowed: all of them, or \"negative\" alone"},
         Wrong{R"({"channel": 1, "flag": "good"})",
               "signals.M.S.flag: unknown key \"flag\"; allowed here: \"channel\", \"value\", "
@@ -125,19 +125,19 @@ INSTANTIATE_TEST_SUITE_P(
               "signals.M.S.flag: there is no flag \"godo\"; allowed: \"failsafe\", "
               "\"frame_lost\", \"good\", \"cause\""},
         Wrong{R"({"fixed": true})",
-              "signals.M.S.fixed: \"fixed\" is not what it can be; allowed: a number"},
+              "signals.M.S.fixed: \"fixed\" has a wrong value; allowed: a number"},
         Wrong{R"({"counter": false})",
-              "signals.M.S.counter: what this signal is for instead is not said; allowed: true, or "
-              "no entry for the signal"},
+              "signals.M.S.counter: this gives the signal no role; allowed: true, or no entry for "
+              "the signal"},
         Wrong{R"({"counter": true, "most": 0})",
-              "signals.M.S.most: a counter that stands still protects nothing; allowed: 1 or more"},
+              "signals.M.S.most: a counter that never changes is useless; allowed: 1 or more"},
         Wrong{R"({"checksum": "crc"})",
               "signals.M.S.checksum: there is no checksum \"crc\"; allowed: \"xor\", \"sum\", "
               "\"agilex\", \"crc8_j1850\", \"crc8_2f\", \"p01\", \"p05\""},
         Wrong{R"({"checksum": "p01", "data_id": 65536})",
               "signals.M.S.data_id: a data id has 16 bits; allowed: 0 to 65535"},
         Wrong{R"({"checksum": "xor", "data_id": 1})",
-              "signals.M.S.data_id: \"xor\" covers no data id; allowed: with \"p01\" and \"p05\" "
+              "signals.M.S.data_id: \"xor\" has no data id; allowed: with \"p01\" and \"p05\" "
               "only"}));
 
 }  // namespace

@@ -284,21 +284,20 @@ std::vector<std::string> mistakes(std::string_view signals, SettingScope scope) 
 TEST(DbcValueMistakes, AnInputSendsNoValue) {
     EXPECT_EQ(
         mistakes(R"({"Battery": {"Voltage": {"from": "battery.voltage"}}})", SettingScope::input),
-        (std::vector<std::string>{
-            "signals.Battery.Voltage.from: a named value is sent in this signal, but an "
-            "input receives it; allowed: in the signals of an output, while [values.NAME] "
-            "makes the signals of a message named values"}));
+        (std::vector<std::string>{"signals.Battery.Voltage.from: \"from\" sends a named value, but "
+                                  "this is an input; allowed: in the signals of an output; "
+                                  "[values.NAME] makes named values of the signals of a message"}));
 }
 
 TEST(DbcValueMistakes, TheCodeMustFitAndTheNameBeText) {
     EXPECT_EQ(mistakes(R"({"Battery": {"Cells": {"from": "cells", "not_available": 256}}})",
                        SettingScope::output),
               (std::vector<std::string>{
-                  "signals.Battery.Cells.not_available: 256 does not fit into the 8 bits of "
+                  "signals.Battery.Cells.not_available: 256 does not fit the 8 bits of "
                   "\"Cells\"; allowed: a raw value that does"}));
     EXPECT_EQ(mistakes(R"({"Battery": {"Cells": {"from": 3, "error": 1}}})", SettingScope::output),
               (std::vector<std::string>{
-                  "signals.Battery.Cells.from: \"from\" is not what it can be; allowed: the name "
+                  "signals.Battery.Cells.from: \"from\" has a wrong value; allowed: the name "
                   "of a value, such as \"cells\"",
                   "signals.Battery.Cells.error: unknown key \"error\"; allowed here: \"from\", "
                   "\"not_available\""}));

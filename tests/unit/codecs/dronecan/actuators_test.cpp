@@ -241,7 +241,7 @@ TEST(MotorCommands, OfAVehicleThatSaysThatItIsDisarmedAreFailsafe) {
     EXPECT_FALSE(decoded(decoder, frames_of_message(throttles({100}), kAutopilot, 2))->failsafe);
 }
 
-constexpr Voice kVoice{42};
+constexpr NodeIdentity kIdentity{42};
 
 std::vector<CanFrame> encoded(CommandEncoder& encoder, const ChannelFrame& snapshot,
                               Instant at = kStart) {
@@ -262,8 +262,8 @@ ChannelFrame pulses(std::initializer_list<int> microseconds) {
 
 TEST(ServoOutput, WritesTheBytesOfTheWorkedExample) {
     CommandEncoder encoder({});
-    constexpr Voice kTen{10};
-    encoder.speak_as(kTen);
+    constexpr NodeIdentity kTen{10};
+    encoder.send_as(kTen);
     const auto snapshot = pulses({1500, 1000, 2000, 1750});
     encoded(encoder, snapshot);
     encoded(encoder, snapshot);
@@ -273,7 +273,7 @@ TEST(ServoOutput, WritesTheBytesOfTheWorkedExample) {
 
 TEST(ServoOutput, WritesPulsesWhereItIsToldTo) {
     CommandEncoder encoder({.first = 7, .channels = 1, .pulses = true});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     const auto message = message_of_frames<ArrayCommand>(encoded(encoder, pulses({1500})));
     ASSERT_EQ(message.commands.size(), 1U);
     EXPECT_EQ(message.commands[0],
@@ -283,7 +283,7 @@ TEST(ServoOutput, WritesPulsesWhereItIsToldTo) {
 
 TEST(ServoOutput, LeavesOutAbsentChannels) {
     CommandEncoder encoder({});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     ChannelFrame snapshot = pulses({1500, 1500, 1500, 1500});
     snapshot.remove(1);
     const auto message = message_of_frames<ArrayCommand>(encoded(encoder, snapshot));
@@ -293,8 +293,8 @@ TEST(ServoOutput, LeavesOutAbsentChannels) {
 
 TEST(MotorOutput, WritesTheBytesOfTheWorkedExample) {
     CommandEncoder encoder({.kind = CommandKind::motors, .first = 0, .reversible = true});
-    constexpr Voice kTen{10};
-    encoder.speak_as(kTen);
+    constexpr NodeIdentity kTen{10};
+    encoder.send_as(kTen);
     ChannelFrame snapshot = pulses({1500, 2000, 900, 1750});
     for (int before = 0; before < 9; ++before) {
         encoded(encoder, snapshot);
@@ -307,7 +307,7 @@ TEST(MotorOutput, WritesTheBytesOfTheWorkedExample) {
 
 TEST(MotorOutput, CommandsStandstillToAbsentChannelsAndToThoseBeforeTheFirst) {
     CommandEncoder encoder({.kind = CommandKind::motors, .first = 1, .channels = 2});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     ChannelFrame snapshot = pulses({1500, 2000});
     snapshot.remove(0);
     EXPECT_EQ(message_of_frames<EscRawCommand>(encoded(encoder, snapshot)),
@@ -316,13 +316,13 @@ TEST(MotorOutput, CommandsStandstillToAbsentChannelsAndToThoseBeforeTheFirst) {
 
 TEST(MotorOutput, NeverTurnsBackwardsUnlessItMay) {
     CommandEncoder encoder({.kind = CommandKind::motors, .first = 0, .channels = 1});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     EXPECT_EQ(message_of_frames<EscRawCommand>(encoded(encoder, pulses({900}))), throttles({0}));
 }
 
 TEST(ArmingOutput, TellsNobodyToMoveBeforeAnInputHadControl) {
     CommandEncoder encoder({.channels = 1, .arms = true});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     ChannelFrame failsafe = pulses({1500});
     failsafe.failsafe = true;
     EXPECT_EQ(encoded(encoder, failsafe).size(), 1U);
@@ -334,7 +334,7 @@ TEST(ArmingOutput, TellsNobodyToMoveBeforeAnInputHadControl) {
 
 TEST(ArmingOutput, SaysItFiveTimesASecondAndNotWithEachCommand) {
     CommandEncoder encoder({.channels = 1, .arms = true});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     int said = 0;
     for (int i = 0; i < 100; ++i) {
         said += encoded(encoder, pulses({1500}), kStart + i * milliseconds(10)).size() > 1 ? 1 : 0;
@@ -344,7 +344,7 @@ TEST(ArmingOutput, SaysItFiveTimesASecondAndNotWithEachCommand) {
 
 TEST(ArmingOutput, DisarmsMotorsInFailsafe) {
     CommandEncoder encoder({.kind = CommandKind::motors, .first = 0, .channels = 1, .arms = true});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     const auto armed = encoded(encoder, pulses({1200}));
     ASSERT_EQ(armed.size(), 3U);
     EXPECT_EQ(message_of_frames<ArmingStatus>(std::span(armed).last(1)).status,
@@ -364,8 +364,8 @@ TEST(ActuatorOutput, GoesOnWhereAnotherConfigurationTakesOver) {
         .kind = CommandKind::motors, .first = 0, .channels = 1, .arms = true};
     CommandEncoder before(format);
     CommandEncoder next(format);
-    before.speak_as(kVoice);
-    next.speak_as(kVoice);
+    before.send_as(kIdentity);
+    next.send_as(kIdentity);
     encoded(before, pulses({1200}));
     next.continue_from(before);
     ChannelFrame failsafe = pulses({1000});

@@ -218,7 +218,7 @@ TEST(RcInputDecoder, CountsAMessageOfAnotherNode) {
     EXPECT_EQ(count_named(decoder.rejected(), "other source"), 5U);
 }
 
-constexpr Voice kVoice{42};
+constexpr NodeIdentity kIdentity{42};
 
 std::vector<CanFrame> encoded(RcEncoder& encoder, const ChannelFrame& snapshot) {
     std::array<CanFrame, kMostSnapshotFrames> frames{};
@@ -242,7 +242,7 @@ RcInput message_in(const std::vector<CanFrame>& frames, bool fd = false) {
 
 TEST(RcInputEncoder, WritesTheBytesOfTheWorkedExample) {
     RcEncoder encoder({.channels = 16, .quality = RcQuality::none});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     constexpr std::array kPulses{1500, 1500, 900,  1500, 1500, 1500, 1500, 1500,
                                  1500, 1500, 1500, 1500, 1500, 1500, 1500, 1500};
     ChannelFrame snapshot;
@@ -259,21 +259,21 @@ TEST(RcInputEncoder, WritesTheBytesOfTheWorkedExample) {
 TEST(RcInputEncoder, SaysNothingInTheNameOfNobody) {
     RcEncoder encoder({});
     EXPECT_TRUE(encoded(encoder, good_snapshot(18)).empty());
-    constexpr Voice kNone{};
-    encoder.speak_as(kNone);
+    constexpr NodeIdentity kNone{};
+    encoder.send_as(kNone);
     EXPECT_TRUE(encoded(encoder, good_snapshot(18)).empty());
 }
 
 TEST(RcInputEncoder, SendsAsManyChannelsAsThereAre) {
     RcEncoder encoder({});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     EXPECT_EQ(message_in(encoded(encoder, good_snapshot(14))).rcin.size(), 14U);
     EXPECT_EQ(message_in(encoded(encoder, good_snapshot(18))).rcin.size(), 18U);
 }
 
 TEST(RcInputEncoder, CutsPulsesThatTheTypeCannotHold) {
     RcEncoder encoder({.channels = 2});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     ChannelFrame snapshot = good_snapshot(2);
     snapshot.set(0, Pulse::from_microseconds(-100));
     snapshot.set(1, Pulse::from_eighths(32767));
@@ -284,7 +284,7 @@ TEST(RcInputEncoder, CutsPulsesThatTheTypeCannotHold) {
 
 TEST(RcInputEncoder, SetsTheFailsafeFlagAndNoQualityInFailsafe) {
     RcEncoder encoder({});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     ChannelFrame snapshot = good_snapshot(18);
     snapshot.failsafe = true;
     const RcInput message = message_in(encoded(encoder, snapshot));
@@ -294,7 +294,7 @@ TEST(RcInputEncoder, SetsTheFailsafeFlagAndNoQualityInFailsafe) {
 
 TEST(RcInputEncoder, MarksHeldValuesWithAValidLinkQualityOfZero) {
     RcEncoder encoder({.quality = RcQuality::none});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     ChannelFrame snapshot = good_snapshot(18);
     snapshot.frame_lost = true;
     const RcInput message = message_in(encoded(encoder, snapshot));
@@ -304,7 +304,7 @@ TEST(RcInputEncoder, MarksHeldValuesWithAValidLinkQualityOfZero) {
 
 TEST(RcInputEncoder, TellsTheShareOfTheLatest64FramesThatWereGood) {
     RcEncoder encoder({});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     std::uint32_t sequence = 0;
     EXPECT_EQ(message_in(encoded(encoder, good_snapshot(18, ++sequence))).quality, 100);
     ChannelFrame lost = good_snapshot(18, ++sequence);
@@ -318,7 +318,7 @@ TEST(RcInputEncoder, TellsTheShareOfTheLatest64FramesThatWereGood) {
 
 TEST(RcInputEncoder, PassesOnALinkQualityThatItWasToldAndNeverSaysZeroOfAGoodLink) {
     RcEncoder encoder({});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     ChannelFrame snapshot = good_snapshot(18);
     snapshot.link_quality = 37;
     EXPECT_EQ(message_in(encoded(encoder, snapshot)).quality, 37);
@@ -341,7 +341,7 @@ TEST(RcInputEncoder, WritesANamedValueInTheUnitOfItsKind) {
         board.set(0, number, kStart);
         RcEncoder encoder(
             {.quality = RcQuality::value, .quality_type = type, .quality_value = "radio"});
-        encoder.speak_as(kVoice);
+        encoder.send_as(kIdentity);
         encoder.use(board);
         const RcInput message = message_in(encoded(encoder, good_snapshot(18)));
         EXPECT_EQ(message.status, RcInput::kQualityValid | type);
@@ -353,7 +353,7 @@ TEST(RcInputEncoder, TakesAChannelAsAQualityFrom1000To2000Microseconds) {
     ValueBoard board({{.name = "input.main.channel.16", .unit = "us", .lasts = kForever}});
     board.set(0, 1650, kStart);
     RcEncoder encoder({.quality = RcQuality::value, .quality_value = "input.main.channel.16"});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     encoder.use(board);
     EXPECT_EQ(message_in(encoded(encoder, good_snapshot(18))).quality, 65);
 }
@@ -361,14 +361,14 @@ TEST(RcInputEncoder, TakesAChannelAsAQualityFrom1000To2000Microseconds) {
 TEST(RcInputEncoder, SaysThatNoQualityIsValidWhereTheNamedValueIsStale) {
     ValueBoard board({{.name = "radio", .unit = "%", .lasts = milliseconds(10)}});
     RcEncoder encoder({.quality = RcQuality::value, .quality_value = "radio"});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     encoder.use(board);
     EXPECT_EQ(message_in(encoded(encoder, good_snapshot(18))).status, 0);
 }
 
 TEST(RcInputEncoder, TakesOneFdFrameOf48BytesFor18Channels) {
     RcEncoder encoder({.fd = true});
-    encoder.speak_as(kVoice);
+    encoder.send_as(kIdentity);
     const auto frames = encoded(encoder, good_snapshot(18));
     ASSERT_EQ(frames.size(), 1U);
     EXPECT_EQ(frames[0].length, 48);
@@ -379,7 +379,7 @@ TEST(RcInput, GoesThroughEncoderAndDecoderUnchangedToTheMicrosecond) {
     for (const bool fd : {false, true}) {
         for (std::size_t channels = 1; channels <= kChannelCount; ++channels) {
             RcEncoder encoder({.fd = fd});
-            encoder.speak_as(kVoice);
+            encoder.send_as(kIdentity);
             RcDecoder decoder({.fd = fd});
             const ChannelFrame sent = good_snapshot(channels);
             const auto got = decoded(decoder, encoded(encoder, sent));

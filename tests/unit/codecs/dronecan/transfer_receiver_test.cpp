@@ -23,11 +23,11 @@ constexpr std::uint64_t kSignature = 0x771555E596AAB4CF;
 constexpr std::size_t kMostBytes = 40;
 constexpr Instant kStart{1000s};
 
-using Fates = std::vector<FrameFate>;
-constexpr auto kTaken = FrameFate::taken;
-constexpr auto kComplete = FrameFate::complete;
-constexpr auto kRepeated = FrameFate::repeated;
-constexpr auto kOutOfTurn = FrameFate::out_of_turn;
+using Results = std::vector<FrameResult>;
+constexpr auto kTaken = FrameResult::taken;
+constexpr auto kComplete = FrameResult::complete;
+constexpr auto kRepeated = FrameResult::repeated;
+constexpr auto kOutOfTurn = FrameResult::out_of_turn;
 
 Bytes numbered(std::size_t count, std::uint8_t first = 1) {
     Bytes bytes(count);
@@ -69,15 +69,15 @@ class DronecanReceiver : public testing::Test {
         }
         return taken;
     }
-    Fates fates_of(std::span<const CanFrame> frames, Duration since_start = {}) {
-        Fates fates;
+    Results results_of(std::span<const CanFrame> frames, Duration since_start = {}) {
+        Results results;
         for (const CanFrame& frame : frames) {
-            fates.push_back(take(frame, since_start).fate);
+            results.push_back(take(frame, since_start).result);
         }
-        return fates;
+        return results;
     }
-    std::uint64_t count(FrameFate fate) const {
-        return receiver_.fates()[static_cast<std::size_t>(fate)];
+    std::uint64_t count(FrameResult result) const {
+        return receiver_.counts()[static_cast<std::size_t>(result)];
     }
 
     TransferReceiver receiver_{
@@ -102,7 +102,7 @@ TEST_F(DronecanReceiver, TellsWhenTheFirstFrameCame) {
 }
 
 TEST_F(DronecanReceiver, FdPayloadKeepsItsPadding) {
-    EXPECT_EQ(fates_of(frames_of({.bytes = 9, .fd = true})), Fates{kComplete});
+    EXPECT_EQ(results_of(frames_of({.bytes = 9, .fd = true})), Results{kComplete});
     Bytes padded = numbered(9, 0);
     padded.resize(11);
     EXPECT_EQ(payloads_, std::vector<Bytes>{padded});
@@ -111,36 +111,37 @@ TEST_F(DronecanReceiver, FdPayloadKeepsItsPadding) {
 TEST_F(DronecanReceiver, NoPayloadIsLongerThanItsType) {
     const auto frames = frames_of({.bytes = kMostBytes, .fd = true});
     ASSERT_EQ(frames.at(0).length, 48);
-    EXPECT_EQ(fates_of(frames), Fates{kComplete});
+    EXPECT_EQ(results_of(frames), Results{kComplete});
     EXPECT_EQ(payloads_, std::vector<Bytes>{numbered(kMostBytes, 0)});
 }
 
 TEST_F(DronecanReceiver, WhatIsTooLongForItsTypeIsRefusedAndTheNextIsTaken) {
-    constexpr auto kTooLong = FrameFate::too_long;
-    const Fates expected{kTaken, kTaken, kTaken, kTaken, kTaken, kTaken, kTooLong};
-    EXPECT_EQ(fates_of(frames_of({.transfer_id = 1, .bytes = kMostBytes + 1})), expected);
-    EXPECT_EQ(fates_of(frames_of({.transfer_id = 2, .bytes = 48, .fd = true})), Fates{kTooLong});
-    EXPECT_EQ(fates_of(frames_of({.transfer_id = 3, .bytes = 60})).back(), kTooLong);
+    constexpr auto kTooLong = FrameResult::too_long;
+    const Results expected{kTaken, kTaken, kTaken, kTaken, kTaken, kTaken, kTooLong};
+    EXPECT_EQ(results_of(frames_of({.transfer_id = 1, .bytes = kMostBytes + 1})), expected);
+    EXPECT_EQ(results_of(frames_of({.transfer_id = 2, .bytes = 48, .fd = true})),
+              Results{kTooLong});
+    EXPECT_EQ(results_of(frames_of({.transfer_id = 3, .bytes = 60})).back(), kTooLong);
     EXPECT_TRUE(payloads_.empty());
-    EXPECT_EQ(fates_of(frames_of({.transfer_id = 4, .bytes = kMostBytes})).back(), kComplete);
+    EXPECT_EQ(results_of(frames_of({.transfer_id = 4, .bytes = kMostBytes})).back(), kComplete);
     EXPECT_EQ(receiver_.broken_off(), 0);
 }
 
 TEST_F(DronecanReceiver, ACopyOfASingleFrameIsPassedOverFor2Seconds) {
     const CanFrame frame = frames_of({.bytes = 7}).at(0);
-    EXPECT_EQ(take(frame).fate, kComplete);
-    EXPECT_EQ(take(frame, 2s).fate, kRepeated);
-    EXPECT_EQ(take(frame, 2s + 1ns).fate, kComplete);
+    EXPECT_EQ(take(frame).result, kComplete);
+    EXPECT_EQ(take(frame, 2s).result, kRepeated);
+    EXPECT_EQ(take(frame, 2s + 1ns).result, kComplete);
 }
 
 TEST_F(DronecanReceiver, CopiesOfAnyFrameDoNotHarm) {
-    Fates fates;
+    Results results;
     for (const CanFrame& frame : frames_of({})) {
-        fates.push_back(take(frame).fate);
-        fates.push_back(take(frame).fate);
+        results.push_back(take(frame).result);
+        results.push_back(take(frame).result);
     }
-    EXPECT_EQ(fates, (Fates{kTaken, kRepeated, kTaken, kRepeated, kTaken, kRepeated, kComplete,
-                            kRepeated}));
+    EXPECT_EQ(results, (Results{kTaken, kRepeated, kTaken, kRepeated, kTaken, kRepeated, kComplete,
+                                kRepeated}));
     EXPECT_EQ(payloads_, std::vector<Bytes>{numbered(20, 0)});
 }
 
@@ -148,59 +149,59 @@ TEST_F(DronecanReceiver, CopiesOfAnyFrameDoNotHarm) {
 // and loses the transfer.
 TEST_F(DronecanReceiver, ALateCopyOfTheStartDoesNotHarm) {
     const auto frames = frames_of({});
-    EXPECT_EQ(fates_of(std::array{frames[0], frames[1], frames[0], frames[2], frames[3]}),
-              (Fates{kTaken, kTaken, kRepeated, kTaken, kComplete}));
+    EXPECT_EQ(results_of(std::array{frames[0], frames[1], frames[0], frames[2], frames[3]}),
+              (Results{kTaken, kTaken, kRepeated, kTaken, kComplete}));
 }
 
 // Here the pseudo code takes the third frame for the first one, which has the same toggle bit.
 TEST_F(DronecanReceiver, AFrameWithoutAStartBeginsNothing) {
-    EXPECT_EQ(fates_of(frames_of({.transfer_id = 0})).back(), kComplete);
+    EXPECT_EQ(results_of(frames_of({.transfer_id = 0})).back(), kComplete);
     const auto frames = frames_of({.transfer_id = 1});
-    EXPECT_EQ(take(frames[2]).fate, kOutOfTurn);
-    EXPECT_EQ(fates_of(frames), (Fates{kTaken, kTaken, kTaken, kComplete}));
+    EXPECT_EQ(take(frames[2]).result, kOutOfTurn);
+    EXPECT_EQ(results_of(frames), (Results{kTaken, kTaken, kTaken, kComplete}));
 }
 
 TEST_F(DronecanReceiver, AGapIsOutOfTurn) {
     const auto frames = frames_of({});
-    EXPECT_EQ(fates_of(std::array{frames[0], frames[2]}), (Fates{kTaken, kOutOfTurn}));
-    EXPECT_EQ(take(frames_of({.transfer_id = 9})[1]).fate, kOutOfTurn);
+    EXPECT_EQ(results_of(std::array{frames[0], frames[2]}), (Results{kTaken, kOutOfTurn}));
+    EXPECT_EQ(take(frames_of({.transfer_id = 9})[1]).result, kOutOfTurn);
 }
 
 TEST_F(DronecanReceiver, ASwapOfNeighboursCostsTheTransferOnly) {
     const auto frames = frames_of({});
-    fates_of(std::array{frames[0], frames[2], frames[1], frames[3]});
+    results_of(std::array{frames[0], frames[2], frames[1], frames[3]});
     EXPECT_TRUE(payloads_.empty());
-    EXPECT_EQ(fates_of(frames_of({.transfer_id = 1})).back(), kComplete);
+    EXPECT_EQ(results_of(frames_of({.transfer_id = 1})).back(), kComplete);
 }
 
 TEST_F(DronecanReceiver, TellsThatTheTransferBeforeBrokeOff) {
     take(frames_of({.transfer_id = 4})[0]);
     const auto taken = take(frames_of({.transfer_id = 5})[0]);
-    EXPECT_EQ(taken.fate, kTaken);
+    EXPECT_EQ(taken.result, kTaken);
     EXPECT_TRUE(taken.broke_off);
     EXPECT_EQ(receiver_.broken_off(), 1);
 }
 
 TEST_F(DronecanReceiver, ATransferThatTakesLongerThan2SecondsIsDead) {
     const auto frames = frames_of({});
-    fates_of(std::array{frames[0], frames[1]});
+    results_of(std::array{frames[0], frames[1]});
     const auto late = take(frames[2], 2s + 1ns);
-    EXPECT_EQ(late.fate, kOutOfTurn);
+    EXPECT_EQ(late.result, kOutOfTurn);
     EXPECT_TRUE(late.broke_off);
-    EXPECT_EQ(take(frames[2]).fate, kOutOfTurn) << "it does not live again";
-    EXPECT_EQ(fates_of(frames, 2s + 1ns).back(), kComplete);
+    EXPECT_EQ(take(frames[2]).result, kOutOfTurn) << "it does not live again";
+    EXPECT_EQ(results_of(frames, 2s + 1ns).back(), kComplete);
 }
 
 TEST_F(DronecanReceiver, ATransferMayTake2Seconds) {
     const auto frames = frames_of({});
-    fates_of(std::span(frames).first(3));
-    EXPECT_EQ(take(frames[3], 2s).fate, kComplete);
+    results_of(std::span(frames).first(3));
+    EXPECT_EQ(take(frames[3], 2s).result, kComplete);
 }
 
 TEST_F(DronecanReceiver, DamageIsABadCrc) {
     auto frames = frames_of({});
     frames[2].data[3] ^= 0x10U;
-    EXPECT_EQ(fates_of(frames).back(), FrameFate::bad_crc);
+    EXPECT_EQ(results_of(frames).back(), FrameResult::bad_crc);
     EXPECT_TRUE(payloads_.empty());
 }
 
@@ -208,24 +209,25 @@ TEST_F(DronecanReceiver, ClassicAndFdFramesMakeNoTransferTogether) {
     const auto classic = frames_of({.bytes = 8});
     CanFrame fd = classic.at(1);
     fd.fd = true;
-    EXPECT_EQ(fates_of(std::array{classic[0], fd}), (Fates{kTaken, kOutOfTurn}));
+    EXPECT_EQ(results_of(std::array{classic[0], fd}), (Results{kTaken, kOutOfTurn}));
 }
 
 TEST_F(DronecanReceiver, SendersBeyondTheRoomAreCrowdedOutUntilOneIsSilentFor2Seconds) {
     take(frames_of({.source = 1, .bytes = 7})[0], 1s);
     take(frames_of({.source = 2, .bytes = 7})[0], 2s);
     const auto third = frames_of({.source = 3});
-    EXPECT_EQ(fates_of(third, 3s), Fates(4, FrameFate::crowded_out));
-    EXPECT_EQ(fates_of(third, 3s + 1ns).back(), kComplete);
-    EXPECT_EQ(take(frames_of({.source = 1, .bytes = 7})[0], 3s + 2ns).fate, FrameFate::crowded_out);
-    EXPECT_EQ(take(frames_of({.source = 2, .bytes = 7})[0], 3s + 2ns).fate, kRepeated)
+    EXPECT_EQ(results_of(third, 3s), Results(4, FrameResult::crowded_out));
+    EXPECT_EQ(results_of(third, 3s + 1ns).back(), kComplete);
+    EXPECT_EQ(take(frames_of({.source = 1, .bytes = 7})[0], 3s + 2ns).result,
+              FrameResult::crowded_out);
+    EXPECT_EQ(take(frames_of({.source = 2, .bytes = 7})[0], 3s + 2ns).result, kRepeated)
         << "the one that was not silent kept its place";
 }
 
 TEST_F(DronecanReceiver, ASenderThatLosesItsPlaceInATransferBreaksOff) {
     take(frames_of({.source = 1})[0]);
     take(frames_of({.source = 2, .bytes = 7})[0], 2s);
-    EXPECT_EQ(take(frames_of({.source = 3, .bytes = 7})[0], 3s).fate, kComplete);
+    EXPECT_EQ(take(frames_of({.source = 3, .bytes = 7})[0], 3s).result, kComplete);
     EXPECT_EQ(receiver_.broken_off(), 1);
 }
 
@@ -234,7 +236,7 @@ TEST_F(DronecanReceiver, EveryAnonymousMessageIsDeliveredAndNeedsNoPlace) {
         const TransferHead head{.data_type_id = 1};
         std::array<CanFrame, 1> frames;
         encode_transfer(head, 0, numbered(7), false, frames);
-        EXPECT_EQ(take(frames[0]).fate, kComplete);
+        EXPECT_EQ(take(frames[0]).result, kComplete);
     }
     EXPECT_EQ(payloads_, std::vector<Bytes>(5, numbered(7)));
 }
@@ -242,35 +244,35 @@ TEST_F(DronecanReceiver, EveryAnonymousMessageIsDeliveredAndNeedsNoPlace) {
 TEST_F(DronecanReceiver, AnonymousMessageThatIsTooLongIsRefused) {
     std::array<CanFrame, 1> frames;
     encode_transfer({.data_type_id = 1}, 0, numbered(8), true, frames);
-    EXPECT_EQ(take(frames[0]).fate, FrameFate::too_long);
+    EXPECT_EQ(take(frames[0]).result, FrameResult::too_long);
 }
 
 TEST_F(DronecanReceiver, ServicesForAnotherNodeAreUnwantedWhenItKnowsItsOwn) {
-    EXPECT_EQ(take(service_frame(TransferKind::request, 43)).fate, kComplete);
+    EXPECT_EQ(take(service_frame(TransferKind::request, 43)).result, kComplete);
     receiver_.set_own(42);
-    EXPECT_EQ(take(service_frame(TransferKind::request, 43)).fate, FrameFate::unwanted);
-    EXPECT_EQ(take(service_frame(TransferKind::request, 42)).fate, kComplete);
-    EXPECT_EQ(fates_of(frames_of({})).back(), kComplete) << "messages are for all";
+    EXPECT_EQ(take(service_frame(TransferKind::request, 43)).result, FrameResult::unwanted);
+    EXPECT_EQ(take(service_frame(TransferKind::request, 42)).result, kComplete);
+    EXPECT_EQ(results_of(frames_of({})).back(), kComplete) << "messages are for all";
 }
 
 TEST_F(DronecanReceiver, OtherTypesAndOtherKindsAreUnwanted) {
-    EXPECT_EQ(take(service_frame(TransferKind::response, 42)).fate, FrameFate::unwanted);
+    EXPECT_EQ(take(service_frame(TransferKind::response, 42)).result, FrameResult::unwanted);
     CanFrame other = frames_of({}).at(0);
     other.id ^= 1U << 8U;
-    EXPECT_EQ(take(other).fate, FrameFate::unwanted);
+    EXPECT_EQ(take(other).result, FrameResult::unwanted);
     other.extended = false;
-    EXPECT_EQ(take(other).fate, FrameFate::foreign);
+    EXPECT_EQ(take(other).result, FrameResult::foreign);
 }
 
 TEST_F(DronecanReceiver, CountsEveryFrameByWhatBecameOfIt) {
-    fates_of(frames_of({}));
-    fates_of(frames_of({}));
+    results_of(frames_of({}));
+    results_of(frames_of({}));
     take(CanFrame{});
     EXPECT_EQ(count(kTaken), 3);
     EXPECT_EQ(count(kComplete), 1);
     EXPECT_EQ(count(kRepeated), 4);
-    EXPECT_EQ(count(FrameFate::foreign), 1);
-    EXPECT_EQ(std::reduce(receiver_.fates().begin(), receiver_.fates().end()), 9);
+    EXPECT_EQ(count(FrameResult::foreign), 1);
+    EXPECT_EQ(std::reduce(receiver_.counts().begin(), receiver_.counts().end()), 9);
 }
 
 TEST_F(DronecanReceiver, OutlivesBeingMoved) {

@@ -245,22 +245,22 @@ TEST(DroneCanNode, TellsWhatItCounts) {
 
 TEST(DroneCanNode, FallsSilentWhereAnotherNodeHasItsIdUntilThatIsGoneFor5Seconds) {
     NodeOnBus bus = started(node_42());
-    EXPECT_EQ(bus.node().voice().id, 42);
+    EXPECT_EQ(bus.node().identity().id, 42);
     bus.hear(frames_of_message(NodeStatus{}, 42, 0));
-    EXPECT_EQ(bus.node().voice().id, kNobody);
+    EXPECT_EQ(bus.node().identity().id, kNobody);
     EXPECT_EQ(bus.node().report().stage, NodeStage::conflict);
     EXPECT_TRUE(bus.run(milliseconds(4000)).empty());
     bus.hear(frames_of_message(NodeStatus{}, 42, 1));
     EXPECT_TRUE(bus.run(milliseconds(4999)).empty());
     EXPECT_FALSE(bus.run(milliseconds(1)).empty());
-    EXPECT_EQ(bus.node().voice().id, 42);
+    EXPECT_EQ(bus.node().identity().id, 42);
     EXPECT_EQ(bus.node().report().counts.conflicts, 1U);
 }
 
 TEST(DroneCanNode, DoesNotMindOtherNodes) {
     NodeOnBus bus = started(node_42());
     bus.hear(frames_of_message(NodeStatus{}, 43, 0));
-    EXPECT_EQ(bus.node().voice().id, 42);
+    EXPECT_EQ(bus.node().identity().id, 42);
 }
 
 TEST(DroneCanNode, OffersATransferAgainThatTheBusCouldNotTakeAndDropsItAfterASecond) {
@@ -314,7 +314,7 @@ TEST(DroneCanNodeWithoutId, AsksFromNobodyAndSaysNothingElse) {
         EXPECT_EQ(head->data_type_id, Allocation::kId);
     }
     EXPECT_TRUE(bus.ask(GetNodeInfo::Request{}).empty());
-    EXPECT_EQ(bus.node().voice().id, kNobody);
+    EXPECT_EQ(bus.node().identity().id, kNobody);
 }
 
 TEST(DroneCanNodeWithoutId, SaysItsUniqueIdInThreePartsAndTakesTheIdThatItGets) {
@@ -335,7 +335,7 @@ TEST(DroneCanNodeWithoutId, SaysItsUniqueIdInThreePartsAndTakesTheIdThatItGets) 
                               static_cast<std::uint8_t>(before)));
     }
     EXPECT_FALSE(bus.run(milliseconds(1)).empty());
-    EXPECT_EQ(bus.node().voice().id, 99);
+    EXPECT_EQ(bus.node().identity().id, 99);
     EXPECT_EQ(bus.node().report().stage, NodeStage::online);
 }
 
@@ -345,7 +345,7 @@ TEST(DroneCanNodeWithoutId, DoesNotTakeTheIdOfAnother) {
     other.unique_id[15] ^= 1U;
     bus.hear(frames_of_message(other, 1, 0));
     bus.run(milliseconds(1));
-    EXPECT_EQ(bus.node().voice().id, kNobody);
+    EXPECT_EQ(bus.node().identity().id, kNobody);
 }
 
 TEST(DroneCanNodeWithoutId, LetsAnotherCandidateGoFirst) {
@@ -360,9 +360,9 @@ TEST(DroneCanNodeWithoutId, AsksForAnotherWhereANodeHasTheSame) {
     NodeOnBus bus(nameless());
     bus.hear(frames_of_message(answer_of(99, 16), 1, 0));
     bus.run(milliseconds(1));
-    ASSERT_EQ(bus.node().voice().id, 99);
+    ASSERT_EQ(bus.node().identity().id, 99);
     bus.hear(frames_of_message(NodeStatus{}, 99, 0));
-    EXPECT_EQ(bus.node().voice().id, kNobody);
+    EXPECT_EQ(bus.node().identity().id, kNobody);
     EXPECT_EQ(head_of(bus.run(seconds(1)).at(0))->source, kNobody);
 }
 

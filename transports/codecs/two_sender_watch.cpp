@@ -1,25 +1,25 @@
-#include "transports/codecs/rhythm_watch.h"
+#include "transports/codecs/two_sender_watch.h"
 
 #include <algorithm>
 
 namespace tribus {
 namespace {
 
-/// A sender is as exact as this share of its period.
+/// Share of its period within which a sender is exact.
 constexpr int kExactness = 50;
-/// So many of the arrivals must be a period behind another one, in percent.
-constexpr std::size_t kLeastInRhythm = 30;
-/// And so many must have one of another sender between them and that one.
-constexpr std::size_t kLeastParted = 8;
-/// Periods are taken from so many of the latest arrivals.
+/// Percentage of arrivals that must come one period after another one.
+constexpr std::size_t kLeastAtPeriod = 30;
+/// Percentage of arrivals that must do so with an arrival of another sender in between.
+constexpr std::size_t kLeastSeparated = 8;
+/// Number of latest arrivals whose distances are tried as periods.
 constexpr std::size_t kPeriodsTried = 8;
 
 bool near(Duration a, Duration b, Duration tolerance) {
     return std::chrono::abs(a - b) <= tolerance;
 }
 
-/// As a single sender shows them that is late, or that loses frames.
-bool one_rhythm(Duration gap, Duration other) {
+/// Whether the two gaps look like a single sender that is late or loses frames.
+bool like_one_sender(Duration gap, Duration other) {
     const Duration whole = gap + other;
     const auto [small, large] = std::minmax(gap, other);
     return small * 20 > whole * 7 || near(large, small * 2, whole / 12) ||
@@ -28,7 +28,7 @@ bool one_rhythm(Duration gap, Duration other) {
 
 }  // namespace
 
-void RhythmWatch::arrived(Instant at) {
+void TwoSenderWatch::arrived(Instant at) {
     arrivals_[count_++] = at;
     if (count_ == kJudgedArrivals) {
         two_senders_ = two_senders_ || judge();
@@ -36,7 +36,7 @@ void RhythmWatch::arrived(Instant at) {
     }
 }
 
-bool RhythmWatch::judge() const {
+bool TwoSenderWatch::judge() const {
     for (std::size_t i = kJudgedArrivals - kPeriodsTried; i < kJudgedArrivals; ++i) {
         if (two_with_period(gap(i)) || two_with_period(gap(i) + gap(i - 1))) {
             return true;
@@ -45,20 +45,20 @@ bool RhythmWatch::judge() const {
     return false;
 }
 
-bool RhythmWatch::two_with_period(Duration period) const {
+bool TwoSenderWatch::two_with_period(Duration period) const {
     const Duration tolerance = period / kExactness;
     std::size_t plain = 0;
-    std::size_t parted = 0;
+    std::size_t separated = 0;
     for (std::size_t i = 2; i < kJudgedArrivals; ++i) {
         if (near(gap(i), period, tolerance)) {
             ++plain;
         } else if (near(gap(i) + gap(i - 1), period, tolerance) &&
-                   !one_rhythm(gap(i), gap(i - 1))) {
-            ++parted;
+                   !like_one_sender(gap(i), gap(i - 1))) {
+            ++separated;
         }
     }
-    return (plain + parted) * 100 >= kJudgedArrivals * kLeastInRhythm &&
-           parted * 100 >= kJudgedArrivals * kLeastParted;
+    return (plain + separated) * 100 >= kJudgedArrivals * kLeastAtPeriod &&
+           separated * 100 >= kJudgedArrivals * kLeastSeparated;
 }
 
 }  // namespace tribus

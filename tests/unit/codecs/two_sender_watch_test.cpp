@@ -1,4 +1,4 @@
-#include "transports/codecs/rhythm_watch.h"
+#include "transports/codecs/two_sender_watch.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,7 +9,7 @@
 
 #include "tests/support/streams.h"
 
-namespace tribus::rhythm_watch_test {
+namespace tribus::rhythm_watch_test::two_sender_watch_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -34,24 +34,24 @@ bool two_seen(const std::vector<Sender>& senders, std::uint32_t seed = 1) {
         }
     }
     std::ranges::sort(arrivals);
-    RhythmWatch watch;
+    TwoSenderWatch watch;
     for (const Instant at : arrivals) {
         watch.arrived(at);
     }
     return watch.two_senders();
 }
 
-TEST(RhythmWatch, sees_a_second_sender_that_is_rarer) {
+TEST(TwoSenderWatch, sees_a_second_sender_that_is_rarer) {
     EXPECT_TRUE(two_seen({{20ms}, {100ms, 16ms}}));
     EXPECT_TRUE(two_seen({{10ms, 0ms, 100us}, {40ms, 2ms, 100us}}));
 }
 
-TEST(RhythmWatch, sees_a_second_sender_of_nearly_the_same_rate) {
+TEST(TwoSenderWatch, sees_a_second_sender_of_nearly_the_same_rate) {
     EXPECT_TRUE(two_seen({{20ms}, {23ms, 5ms}}));
     EXPECT_TRUE(two_seen({{20ms, 0ms, 200us}, {20ms, 4ms, 200us}}));
 }
 
-TEST(RhythmWatch, takes_no_single_sender_for_two_however_it_jitters_and_loses) {
+TEST(TwoSenderWatch, takes_no_single_sender_for_two_however_it_jitters_and_loses) {
     for (const Duration period : {2ms, 10ms, 20ms, 100ms}) {
         for (const int jitter_percent : {0, 1, 2, 5, 10, 20, 50, 100}) {
             for (const unsigned lost : {0U, 1U, 10U, 30U, 50U}) {
@@ -65,8 +65,8 @@ TEST(RhythmWatch, takes_no_single_sender_for_two_however_it_jitters_and_loses) {
     }
 }
 
-TEST(RhythmWatch, says_nothing_before_enough_arrivals) {
-    RhythmWatch watch;
+TEST(TwoSenderWatch, says_nothing_before_enough_arrivals) {
+    TwoSenderWatch watch;
     for (int i = 0; i < 31; ++i) {
         watch.arrived(Instant(i * 20ms));
         watch.arrived(Instant(i * 20ms + 4ms));
@@ -74,8 +74,8 @@ TEST(RhythmWatch, says_nothing_before_enough_arrivals) {
     EXPECT_FALSE(watch.two_senders());
 }
 
-TEST(RhythmWatch, remembers_what_it_saw) {
-    RhythmWatch watch;
+TEST(TwoSenderWatch, remembers_what_it_saw) {
+    TwoSenderWatch watch;
     for (int i = 0; i < 32; ++i) {
         watch.arrived(Instant(i * 20ms));
         watch.arrived(Instant(i * 20ms + 4ms));
@@ -88,4 +88,4 @@ TEST(RhythmWatch, remembers_what_it_saw) {
 }
 
 }  // namespace
-}  // namespace tribus::rhythm_watch_test
+}  // namespace tribus::rhythm_watch_test::two_sender_watch_test
