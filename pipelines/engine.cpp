@@ -122,7 +122,7 @@ Instant Engine::poll_nodes(Instant now) {
     return next;
 }
 
-/// Who has lost its inputs warns the others.
+/// A node reports a warning while any of its outputs is not in control.
 dronecan::NodeHealth Engine::health_of(std::size_t node) const {
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         if (node_of_[i] == node && outputs_[i].stage() != OutputStage::control) {
@@ -132,7 +132,7 @@ dronecan::NodeHealth Engine::health_of(std::size_t node) const {
     return dronecan::NodeHealth::ok;
 }
 
-/// Returns when its last frames have been said.
+/// Returns when its last frames have been sent.
 Instant Engine::end_output(std::size_t output, Instant now) {
     constexpr int kLastFrames = 3;
     outputs_[output].end(now);

@@ -24,7 +24,7 @@ Shown link_lamp(const Output& output) {
     return Shown::blinking;
 }
 
-/// The darkest of all.
+/// The lowest state of all outputs: off, else blinking, else on.
 Shown link_lamp(const LineTask& task, std::span<const Output> outputs) {
     Shown darkest = Shown::on;
     for (const std::size_t output : task.outputs) {

@@ -47,12 +47,12 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
         stage_ = OutputStage::holding;
         holding_since_ = now;
     }
-    // Of an output that had no inputs before.
+    // An output that had no inputs before has no values to hold.
     stage_ = held_ ? stage_ : OutputStage::failsafe;
 }
 
-/// Another map than before: no slew begins with a jump, and what is held is what the new map makes
-/// of the same sticks.
+/// For a changed map: slews start from the latest frame, and held values become those that the new
+/// map makes of the same input.
 void Output::take_up_channels() {
     if (spoke_) {
         map_.restart_from(latest_, latest_at_);

@@ -31,7 +31,7 @@ ValueEngine::ValueEngine(ValueEngineSettings settings)
     speeches_.reserve(buses_.size());
 }
 
-/// For the inputs and outputs that somebody could ask about.
+/// Covers the inputs and outputs that named values refer to.
 void ValueEngine::make_health_watch() {
     std::size_t inputs = 0;
     std::size_t outputs = 0;

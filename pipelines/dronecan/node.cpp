@@ -13,13 +13,13 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kStatusPeriod = 1s;
-/// Whoever asked has given up by then (docs/protocols/can.md, "DroneCAN: nodes").
+/// After this time requesters have given up (docs/protocols/can.md, "DroneCAN: nodes").
 constexpr Duration kMostWait = 1s;
-/// A transfer that the bus could not take yet is offered again after a few frames' time.
+/// Pause, a few frames long, before a transfer that the bus did not take is tried again.
 constexpr Duration kBusyRetry = 2ms;
 constexpr std::uint8_t kStatusPriority = 24;
 constexpr std::uint8_t kAllocationPriority = 24;
-/// Nodes that ask at one time; further ones ask again.
+/// Nodes whose requests are received at the same time. Further ones ask again.
 constexpr std::size_t kMostAskers = 8;
 
 std::vector<WantedTransfer> wanted_transfers() {
@@ -28,8 +28,8 @@ std::vector<WantedTransfer> wanted_transfers() {
             wanted_transfer<GetTransportStats::Request>(),  wanted_transfer<Allocation>()};
 }
 
-/// Of a node whose id is known: what is for it, and what says that it is from it. Else all
-/// services, allocation, and those who say that they are there.
+/// Node with a known id: what is addressed to it, and what was sent under its id. Otherwise all
+/// services, allocation messages and the status of other nodes.
 std::vector<CanIdMatch> wanted_ids(const NodeSettings& settings) {
     constexpr std::uint32_t kServiceBit = 0x80;
     constexpr std::uint32_t kSourceMask = 0x7F;
@@ -54,7 +54,7 @@ Node::Node(NodeSettings settings)
       receiver_(wanted_transfers(), kMostAskers),
       wanted_(wanted_ids(settings_)),
       waiting_(kMostWaiting) {
-    // What others said before the start must not be answered in a name that nobody has.
+    // Transfers that were received before the start must not be answered without an id.
     stage_ = settings_.dynamic ? NodeStage::allocating : NodeStage::online;
 }
 
@@ -79,7 +79,7 @@ void Node::continue_from(Node& before) {
             parameter.value = known->value;
         }
     }
-    // It speaks of an output by its place before.
+    // It holds the index of an output before the reload.
     wish_.reset();
 }
 
@@ -267,7 +267,7 @@ std::optional<std::size_t> Node::parameter_for(const ParamGetSet::Request& reque
                : std::optional(static_cast<std::size_t>(found - parameters.begin()));
 }
 
-/// What cannot be is answered with the value that stays.
+/// A value that is not allowed changes nothing. The response then has the present value.
 void Node::write_parameter(Parameter& parameter, const ParamValue& value) {
     const auto* number = std::get_if<std::int64_t>(&value.held);
     if (number == nullptr || !settings_.may_write || !parameter.output ||
@@ -278,7 +278,7 @@ void Node::write_parameter(Parameter& parameter, const ParamValue& value) {
     wish_ = PeriodWish{*parameter.output, std::chrono::microseconds(*number)};
 }
 
-/// Nothing is kept beyond the end of the program.
+/// Save and erase do nothing: no parameter outlives the program.
 void Node::serve_opcode(const ReceivedTransfer& transfer) {
     if (read<ParamExecuteOpcode::Request>(transfer.payload, transfer.fd)) {
         respond(transfer, ParamExecuteOpcode::Response{});

@@ -9,7 +9,7 @@
 namespace tribus {
 namespace {
 
-/// Changes with the layout, so that a version never reads what another one left.
+/// Change it with the layout, so that no version reads the ring of another one.
 constexpr std::uint64_t kMagic = 0x3130'7370'6163'7274;
 
 static_assert(std::atomic_ref<std::uint64_t>::is_always_lock_free);
@@ -31,7 +31,7 @@ std::optional<CaptureRing> CaptureRing::adopt(std::span<std::byte> memory) {
     if (memory.size() < kLeastBytes) {
         return std::nullopt;
     }
-    // What the other process made there is of implicit-lifetime types.
+    // The other process created objects of implicit-lifetime types there.
     auto* header = reinterpret_cast<Header*>(memory.data());
     const std::size_t places = (memory.size() - sizeof(Header)) / sizeof(CapturePiece);
     if (header->magic != kMagic || header->places != places) {
@@ -44,7 +44,8 @@ std::optional<CaptureRing> CaptureRing::adopt(std::span<std::byte> memory) {
 void CaptureRing::put(const CapturePiece& piece) {
     const auto words = std::bit_cast<std::array<Word, kWords>>(piece);
     Word* place = words_ + place_ * kWords;
-    // Who reads a word of this piece has been told before that the one in its place is lost.
+    // Readers learn from `end_` that the old piece is lost before they can see a word of the new
+    // one.
     std::atomic_thread_fence(std::memory_order_release);
     for (std::size_t i = 0; i < kWords; ++i) {
         std::atomic_ref(place[i]).store(words[i], std::memory_order_relaxed);
@@ -130,7 +131,7 @@ CaptureRing::Batch CaptureRing::read(std::uint64_t from, std::span<CapturePiece>
         }
         pieces[i] = std::bit_cast<CapturePiece>(words);
     }
-    // What the writer has begun to overwrite meanwhile is not believed.
+    // Discard pieces that the writer has started to overwrite meanwhile.
     std::atomic_thread_fence(std::memory_order_acquire);
     const std::uint64_t whole =
         begin_for(std::atomic_ref(header_->end).load(std::memory_order_relaxed));

@@ -13,8 +13,8 @@
 namespace tribus {
 namespace {
 
-/// How often every line is looked at although nothing happens: a chip that is pulled out wakes
-/// nobody who already waits for its edges.
+/// Period in which every line is read even without an edge, because the removal of a chip does not
+/// wake a thread that already waits for its edges.
 constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
 
 }  // namespace
@@ -84,7 +84,7 @@ void* GpioThread::main(void* self) {
 void GpioThread::run() {
     ::pthread_setname_np(::pthread_self(), "tribus-gpio");
     if (settings_.priority) {
-        // Where it is refused, so it was for the data thread, which has said so.
+        // If the kernel refuses it, it refused it for the data thread too, which has reported that.
         const sched_param parameters{.sched_priority = *settings_.priority};
         ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
     }
@@ -190,7 +190,7 @@ void GpioThread::say(Line& line, bool active) {
 }
 
 void GpioThread::lose(Line& line) {
-    // Closing may take the kernel long: the main thread does it.
+    // Closing may take long in the kernel, so the main thread does it.
     line.lost.store(line.held.release(), std::memory_order_release);
 }
 

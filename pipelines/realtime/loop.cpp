@@ -18,10 +18,10 @@
 namespace tribus {
 namespace {
 
-/// The longest sleep without a deadline, so that figures do not stand still.
+/// Longest sleep without a deadline, so that published figures stay current.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
-/// A wake that is later finds what may be old: less than any period of frames, more than a busy
-/// machine lets a thread wait each time.
+/// Above this lateness of a wake-up, waiting bytes may be old. Less than any period of frames, more
+/// than a busy machine usually delays a thread.
 constexpr Duration kMostLateness = std::chrono::milliseconds(5);
 
 std::string error_text(const char* what) {
@@ -91,7 +91,7 @@ tl::expected<void, std::string> Loop::prepare() {
     if (wake_up_.get() < 0) {
         return tl::unexpected(error_text("eventfd"));
     }
-    // The bells have no place.
+    // Descriptors of events have no place.
     epoll_event event{};
     event.events = EPOLLIN;
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), &event) != 0) {
@@ -112,7 +112,7 @@ void Loop::request_end() {
     ring(wake_up_.get());
 }
 
-/// A frame that was made at `now` speaks for one period: behind that it would be stale.
+/// A frame made at `now` is valid for one period. After that it is dropped as stale.
 WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& sent, Duration period,
                             Instant now) {
     ByteLink* bytes = link.as_bytes();
@@ -198,7 +198,7 @@ Instant Loop::poll_can_links(Instant now) {
     return next;
 }
 
-/// Runs and sends what is due; returns when something will be.
+/// Runs and sends what is due. Returns when something will be due next.
 Instant Loop::advance(Instant now) {
     Instant next = engine_.poll(now);
     write_outputs(now);
@@ -231,12 +231,12 @@ std::size_t Loop::wait(Instant until) {
 }
 
 std::size_t Loop::wait_until(Instant until) {
-    // What was counted and published since the last write must not be slept on top.
+    // The time spent since the last write must not delay the wake-up.
     const Duration sleep = std::clamp(until - monotonic_now(), Duration::zero(), kLongestWait);
     const timespec timeout = as_timespec(sleep);
     std::array<epoll_event, kEventsPerWake> events;
     int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
-    // The thread was stopped, frozen or suspended, and was told nothing.
+    // The thread was stopped, frozen or suspended.
     interrupted_ = count < 0;
     if (interrupted_) {
         count = wait_for_events(epoll_.get(), events, {}, has_epoll_pwait2_);
@@ -268,7 +268,7 @@ void Loop::look_at_lines(Instant now) {
 }
 
 void Loop::begin() {
-    // From here on this thread allocates nothing; the tests recognise it by its name.
+    // From here on this thread does not allocate. The tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
     read_until_ = clock_;

@@ -9,8 +9,8 @@
 
 #include "pipelines/realtime/loop.h"
 
-/// Links on their way between the data thread, which uses them, and the main thread, which opens
-/// and closes them.
+/// Moves links between the data thread, which uses them, and the main thread, which opens and
+/// closes them.
 namespace tribus {
 
 void Loop::watch(std::size_t port) {
@@ -19,8 +19,8 @@ void Loop::watch(std::size_t port) {
         return;
     }
     epoll_event event{};
-    // A hang-up is reported without being asked for; bytes that nobody wants would wake for ever.
-    // A CAN socket also tells what became of frames that were sent.
+    // The kernel reports a hang-up without EPOLLIN. Bytes that nobody reads would wake the thread
+    // for ever. A CAN socket also reports what became of sent frames.
     const bool wanted = wants_bytes(ports_[port].wiring) || link->as_can() != nullptr;
     event.events = wanted ? EPOLLIN : 0U;
     event.data.ptr = ports_[port].place.get();
@@ -53,7 +53,7 @@ void Loop::lose(Port& port) {
         settings_.values->device_lost(bus);
     }
     tell_outputs(port, false);
-    // Closing may take the kernel long: the main thread does it.
+    // Closing may take long in the kernel, so the main thread does it.
     port.lost.store(port.link.release(), std::memory_order_release);
 }
 
@@ -66,7 +66,6 @@ void Loop::give(std::size_t port, std::unique_ptr<Link> link) {
     ring(wake_up_.get());
 }
 
-/// Wakes the data thread.
 void Loop::ring(int bell) {
     const std::uint64_t one = 1;
     [[maybe_unused]] const auto written = ::write(bell, &one, sizeof one);

@@ -7,7 +7,7 @@
 namespace tribus {
 namespace {
 
-/// How often the main thread gets fresh figures: twice as often as it looks at them.
+/// Period of publication: half of the period in which the main thread reads.
 constexpr Duration kPublishPeriod = std::chrono::milliseconds(100);
 
 }  // namespace
@@ -62,7 +62,7 @@ void Loop::publish_values() {
     }
 }
 
-/// As they come: an age by figures of a tenth of a second ago would tell how old those are.
+/// Published at once: with figures that are up to 100 ms old, ages would be wrong by that much.
 void Loop::publish_arrivals() {
     for (std::size_t i = 0; i < newest_at_ns_.size(); ++i) {
         newest_at_ns_[i].store(engine_.inputs()[i].latest().received.time_since_epoch().count(),

@@ -11,7 +11,7 @@ constexpr Duration kMostSpeechDelay = std::chrono::microseconds(3500);
 
 }  // namespace
 
-/// Runs what is due of sensor buses and values, and sends it; returns when something will be.
+/// Runs and sends what is due in sensor buses and values. Returns when something will be due next.
 Instant Loop::advance_values(Instant now) {
     if (settings_.values == nullptr) {
         return kNever;
@@ -22,7 +22,7 @@ Instant Loop::advance_values(Instant now) {
         Port& port = ports_[bus_ports_[speech.bus]];
         ByteLink* link = port.link ? port.link->as_bytes() : nullptr;
         clock_ = monotonic_now();
-        // Behind that nobody waits for an answer any more.
+        // After that time nobody waits for the answer any more.
         const bool held_up = clock_ - now > kMostSpeechDelay;
         const WriteStatus status = link == nullptr ? WriteStatus::lost
                                    : held_up       ? WriteStatus::busy

@@ -6,10 +6,10 @@
 namespace tribus {
 namespace {
 
-/// Of one byte at 115200 baud with a start and two stop bits.
+/// One byte at 115200 baud with one start bit and two stop bits.
 constexpr Duration kByteTime = std::chrono::nanoseconds(95'486);
-/// For drivers that deliver late. Well before the next slot of a receiver, whose shortest distance
-/// from a reply is 4 ms.
+/// Allowance for drivers that deliver late. Shorter than the 4 ms between a reply and the next slot
+/// of a receiver.
 constexpr Duration kPatience = std::chrono::milliseconds(2);
 
 }  // namespace

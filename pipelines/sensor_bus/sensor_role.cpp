@@ -9,15 +9,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A receiver that was switched on anew is silent for so long before it discovers
-/// (docs/protocols/ibus.md, "Sensor bus: timing"), and finds the sensors before us in the chain
+/// After power-on a receiver is silent for this time before it discovers sensors
+/// (docs/protocols/ibus.md, "Sensor bus: timing"), and it finds the sensors before us in the chain
 /// first.
 constexpr Duration kRestartSilence = 500ms;
-/// Answers that were worked out earlier are worked out again when they are asked for: two slots.
+/// A prepared answer that is older is prepared again when the request comes: two slots.
 constexpr Duration kPreparedFor = 16ms;
-/// So much is a rhythm believed at most, a request in time for one; from so much on it may say that
-/// a request was read late, which costs it more than half of that: said twice in a row, the
-/// receiver has another rhythm, or none.
+/// Upper limit of the confidence in the request period. Each request on time adds one. From
+/// kEnoughBelief on, the period may show that a request was read late. That costs kCostOfLate, so a
+/// second one in a row is not believed: the receiver has another period, or none.
 constexpr int kMostBelief = 64;
 constexpr int kEnoughBelief = 32;
 constexpr int kCostOfLate = 24;
@@ -62,7 +62,7 @@ void SensorRole::receive(std::span<const std::uint8_t> bytes, Instant now, Value
         take(*frame, now, !bytes.empty(), board);
         frame_came = true;
     }
-    // Else nobody is in a hurry now, and the next request is a slot away.
+    // Without a frame there is no hurry, because the next request is a slot away.
     if (frame_came && !pending_) {
         prepare_all(now, board);
     }
@@ -151,8 +151,8 @@ bool SensorRole::prepare_reply(const SensorFrame& frame, std::size_t sensor, Ins
     return true;
 }
 
-/// Whether this program was held up when the request came, as far as the rhythm of the receiver
-/// tells: an answer would leave too late, although it was read just now.
+/// Whether this program was delayed when the request came, judged by the period of the requests:
+/// the answer would be late although the request was read just now.
 bool SensorRole::read_late(Instant now) {
     const Duration behind = now - std::min(now, requests_.rhythm());
     const bool late = behind + settings_.reply_after > settings_.reply_within;
@@ -201,7 +201,7 @@ void SensorRole::prepare(std::size_t sensor, Instant now, const ValueBoard& boar
     }
 }
 
-/// False where there is nothing to say.
+/// Returns false if there is no number to send.
 bool SensorRole::fill(std::size_t sensor, std::size_t field, Instant now, const ValueBoard& board) {
     const SensorSettings& settings = settings_.sensors[sensor];
     const SensorField& meaning = settings.type.fields[field];
