@@ -14,7 +14,7 @@
 namespace tribus {
 namespace {
 
-/// The channels that a rule reads, a bit each.
+/// The channels that a rule reads, one bit each.
 std::uint32_t read_by(const ChannelSource& source) {
     if (const auto* from = std::get_if<FromChannel>(&source)) {
         return 1U << from->channel;
@@ -31,13 +31,13 @@ std::uint32_t read_by(const ChannelSource& source) {
     return channels;
 }
 
-/// What every good frame of the protocol has.
+/// The channels that every good frame of the protocol has.
 std::uint32_t received(const InputConfig& input) {
     const auto sure = input.protocol->sure_channels;
     return sure == nullptr ? kAllChannels : sure(input.settings).value_or(kAllChannels);
 }
 
-/// The same behind the input's own map.
+/// The channels that every good frame has after the input's own map.
 std::uint32_t given(const InputConfig& input) {
     const std::uint32_t came = received(input);
     std::uint32_t channels = came;
@@ -48,7 +48,7 @@ std::uint32_t given(const InputConfig& input) {
     return channels;
 }
 
-/// `sure`: what `input` has of those that the rules read.
+/// `sure`: the channels that `input` certainly has.
 void look_at(const std::vector<ChannelRule>& rules, const std::vector<Location>& places,
              const InputConfig& input, std::uint32_t sure, Mistakes& remarks) {
     for (std::size_t i = 0; i < rules.size(); ++i) {

@@ -15,8 +15,8 @@
 namespace tribus {
 namespace {
 
-/// For each of `fresh` the one of `running` that it is: by its name, and else any that is like it
-/// and has no successor of its own.
+/// For each part in `fresh`, the index of the matching part in `running`: the one with the same
+/// name, or else one that is alike and has no other match.
 template <class Part, class Alike>
 std::vector<CarriedFrom> match(const std::vector<Part>& running, const std::vector<Part>& fresh,
                                Alike alike) {
@@ -56,7 +56,7 @@ bool alike_outputs(const OutputConfig& a, const OutputConfig& b) {
            (a.port.link == LinkKind::serial || a.settings == b.settings);
 }
 
-/// The pipeline of an output, and its place there.
+/// The pipeline of an output and the output's index in it.
 struct Feed {
     const PipelineConfig* pipeline = nullptr;
     std::size_t place = 0;
@@ -179,7 +179,7 @@ ValueCarry carry_values(const Configuration& running, const Configuration& fresh
     return carry;
 }
 
-/// The lines speak of inputs and outputs by their places.
+/// GPIO lines refer to inputs and outputs by their indices.
 bool same_places(const Configuration& running, const Configuration& fresh) {
     const auto same_name = [](const auto& a, const auto& b) { return a.name == b.name; };
     return std::ranges::equal(running.inputs, fresh.inputs, same_name) &&

@@ -14,7 +14,7 @@
 namespace tribus {
 namespace {
 
-/// What makes this program a node on an interface, and where the file says so.
+/// The node that a table defines for an interface, and its place in the file.
 struct NodeClaim {
     std::optional<std::uint8_t> id;
     bool dynamic = false;
@@ -118,7 +118,7 @@ class NodeChecks {
         }
     }
 
-    /// Whoever listens could not tell them apart.
+    /// Two outputs that send the same message cannot be distinguished by readers.
     void check_twice(const OutputDraft& output) {
         const SettingValues& settings = output.config.settings;
         const std::string message =

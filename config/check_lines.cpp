@@ -14,7 +14,7 @@
 namespace tribus {
 namespace {
 
-/// As far as their names tell: that a number and a name mean one line only its chip knows.
+/// Compares names only. Whether a number and a name are the same line is known to the chip alone.
 bool same_line(const GpioPlace& a, const GpioPlace& b) {
     const bool by_name = std::holds_alternative<std::string>(a.line);
     const bool any_chip = by_name && (a.chip.empty() || b.chip.empty());
@@ -39,7 +39,7 @@ void check_places(const Draft& draft, Mistakes& mistakes) {
     }
 }
 
-/// In each half of the wave there must be a frame.
+/// Each half of the wave needs a frame.
 void check_period(const LineDraft& line, const Draft& draft, Mistakes& mistakes) {
     const OutputDraft* slowest = nullptr;
     for (const std::size_t index : line.config.task.outputs) {

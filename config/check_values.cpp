@@ -36,7 +36,7 @@ ValueSources value_sources(const Draft& draft) {
     return sources;
 }
 
-/// Checks names of values against all that there are.
+/// Checks names of values against all values of the configuration.
 class NameCheck {
   public:
     NameCheck(const Draft& draft, Reading reading)
@@ -81,7 +81,7 @@ class NameCheck {
     Reading reading_;
     bool all_known_;
     std::vector<std::string_view> names_;
-    /// Tables whose values are not known because of another mistake.
+    /// Tables with values that are unknown because of another mistake.
     std::vector<std::string> unsound_;
 };
 

@@ -8,8 +8,8 @@
 
 #include "config/schema.h"
 
-/// A TOML document as plain values that know their places: all that the rest of config sees of the
-/// TOML library.
+/// A TOML document as plain values with their places in the file. Only parse_toml.cpp sees the TOML
+/// library.
 namespace tribus {
 
 struct DateOrTime {};
@@ -21,7 +21,7 @@ struct List {
     std::vector<Value> items;
 };
 
-/// Entries in the order of the file.
+/// A table, with its entries in the order of the file.
 struct Table {
     std::vector<Entry> entries;
 
@@ -40,7 +40,7 @@ struct Value {
 
 struct Entry {
     std::string key;
-    Location where;  ///< of the key
+    Location where;  ///< place of the key
     Value value;
 };
 
@@ -53,7 +53,7 @@ inline const Entry* Table::find(std::string_view key) const {
     return nullptr;
 }
 
-/// A value as a person would name it: `20`, `"abc"`, `true`, `a list`, `a table`.
+/// The value in words for a message: `20`, `"abc"`, `true`, `a list`, `a table`.
 std::string describe(const Value& value);
 
 }  // namespace tribus

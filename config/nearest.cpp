@@ -6,7 +6,8 @@
 namespace tribus {
 namespace {
 
-/// Longer words are not misspelt names; the comparison takes the product of the lengths.
+/// Longer words are not misspelt names. Limits the time, which grows with the product of the
+/// lengths.
 constexpr std::size_t kLongestWord = 64;
 
 char lower(char c) {

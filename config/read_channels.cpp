@@ -53,7 +53,8 @@ std::string given_sources(const TableContent& content) {
     return given.empty() ? "nothing that it is made from" : in_quotes_all(given);
 }
 
-/// Exactly one source; a switch needs `from`; a switch and a fixed pulse have no shape.
+/// Checks that there is one source, that a switch has `from`, and that a switch, a line and a fixed
+/// pulse have no shaping keys.
 void check_combination(const TableContent& content, const TableRef& ref, Mistakes& mistakes) {
     const auto sources = channel_source_names();
     const auto count = std::count_if(sources.begin(), sources.end(),
@@ -87,7 +88,7 @@ void check_combination(const TableContent& content, const TableRef& ref, Mistake
     check_limits(content, "below", "above", "the switch would always be on", mistakes);
 }
 
-/// The button of that name, or the one that it most likely means.
+/// The button with that name, or the nearest name.
 FromLine read_line_name(const TableContent& content, Draft* draft, Reading reading) {
     const auto* name = content.values().find_as<std::string>("line");
     if (draft == nullptr) {

@@ -18,7 +18,7 @@ namespace {
 using Lines = std::vector<std::string>;
 using Parsed = tl::expected<Table, SyntaxError>;
 
-/// Stands for a header that could not be read; no file has a table of such a name by accident.
+/// Prefix of the table that replaces a header which could not be read.
 constexpr std::string_view kLostTable = "lost table of line ";
 
 bool is_word(char c) {
@@ -38,7 +38,7 @@ bool is_header(std::string_view line) {
     return trimmed(line).starts_with('[');
 }
 
-/// `key = ...` or a header: not in the middle of something.
+/// Whether the line starts a statement: `key = ...` or a header.
 bool starts_statement(std::string_view line) {
     const std::string_view text = trimmed(line);
     const std::size_t equals = text.find('=');
@@ -69,12 +69,13 @@ std::string join(const Lines& lines) {
     return text;
 }
 
-/// One way past a mistake of syntax: other text for the lines from `first` (counted from 0).
+/// One way to continue after a mistake of syntax: other text for the lines from `first` (counted
+/// from 0).
 struct Detour {
     std::size_t first = 0;
     Lines replacement;
     bool loses_text = false;
-    std::string text;  ///< what is wrong, where the detour shows it
+    std::string text;  ///< what is wrong, if the detour shows it
 };
 
 bool means_truth(std::string_view value) {
@@ -127,8 +128,7 @@ Detour leave_out(const Lines& lines, std::size_t first, std::size_t last) {
     return detour;
 }
 
-/// The statement that may still be open where the parser stumbled: its first line, and the last one
-/// with something in it.
+/// The statement before a line that may still be open: its first line and its last non-empty line.
 struct OpenStatement {
     std::size_t first = 0;
     std::size_t last = 0;
@@ -146,7 +146,7 @@ std::optional<OpenStatement> statement_before(const Lines& lines, std::size_t li
     return last < line ? std::optional(OpenStatement{first, last}) : std::nullopt;
 }
 
-/// The mildest first.
+/// Detours, those with the smallest change first.
 std::vector<Detour> detours_around(const Lines& lines, std::size_t line) {
     std::vector<Detour> detours;
     const auto add = [&detours](std::vector<Detour> more) {
@@ -176,7 +176,7 @@ std::vector<Detour> detours_around(const Lines& lines, std::size_t line) {
     return detours;
 }
 
-/// How far the parser gets, as the line of its next mistake.
+/// Line of the next mistake: how far the parser gets.
 std::size_t reach(const Parsed& parsed) {
     return parsed ? std::numeric_limits<std::size_t>::max() : parsed.error().where.line;
 }
@@ -213,8 +213,8 @@ class Recovery {
     }
 
   private:
-    /// Records the mistake and takes the detour that gets furthest, the mildest of equals. False
-    /// where none gets further.
+    /// Records the mistake and takes the detour that gets furthest, among equals the first. Returns
+    /// false if none gets further.
     bool go_on(LostText& lost) {
         const SyntaxError error = parsed_.error();
         const std::size_t line = std::clamp<std::size_t>(error.where.line, 1, lines_.size()) - 1;
@@ -247,7 +247,7 @@ class Recovery {
 
     void report(const SyntaxError& error, const std::string& text) {
         const std::size_t line = std::clamp<std::size_t>(error.where.line, 1, lines_.size()) - 1;
-        // Where a statement as a whole is wrong, its begin is the place.
+        // If a whole statement is wrong, the place is its start.
         const Location where = given_twice(error) ? begin_of(line) : error.where;
         mistakes_.add(where, text.empty() ? without_detour(error) : text);
     }

@@ -39,7 +39,7 @@ tl::expected<std::string, std::string> read_to_end(int file, std::size_t expecte
 
 tl::expected<std::string, std::string> read_file(const std::filesystem::path& path,
                                                  std::size_t most, FileKinds kinds) {
-    // Opening a pipe would wait for somebody who writes to it.
+    // Opening a pipe would wait for a writer.
     const int patience = kinds == FileKinds::regular ? O_NONBLOCK : 0;
     const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | patience));
     struct stat told {};

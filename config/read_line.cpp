@@ -62,7 +62,7 @@ void check_keys(const TableContent& content, LineRole role, Mistakes& mistakes) 
     }
 }
 
-/// What a role cannot be without, which the key table cannot say.
+/// Reports a missing key that only some roles require, which the key table cannot express.
 void needs(const TableContent& content, std::string_view title, LineRole role, std::string_view key,
            std::string_view example, Reading reading) {
     if (!content.given(key) && !reading.lost.hurts(content.where(key))) {
@@ -72,7 +72,7 @@ void needs(const TableContent& content, std::string_view title, LineRole role, s
     }
 }
 
-/// Nothing, and perhaps a mistake added, where it is not sound.
+/// Absent if the place is not valid; then a mistake was added.
 std::optional<GpioPlace> read_place(const TableContent& content, Mistakes& mistakes) {
     const Entry* line = content.find("line");
     if (line == nullptr) {
@@ -110,7 +110,7 @@ std::optional<GpioPlace> read_place(const TableContent& content, Mistakes& mista
     return content.sound("chip") ? std::optional(std::move(place)) : std::nullopt;
 }
 
-/// The input or output that the key names, or most likely means.
+/// The input or output that the key names, or the nearest name.
 template <class Drafts>
 std::optional<std::size_t> read_name(const TableContent& content, std::string_view key,
                                      const Drafts& drafts, bool names_known, Reading reading) {
@@ -140,7 +140,7 @@ std::vector<std::size_t> read_outputs(const TableContent& content, const Draft& 
     }
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < draft.outputs.size() && !content.given("output"); ++i) {
-        // Those that carry values only know no failsafe.
+        // Outputs that send only values have no failsafe.
         if (draft.outputs[i].needs_pipeline) {
             all.push_back(i);
         }

@@ -14,10 +14,11 @@ namespace {
 
 constexpr std::string_view kExample = "{ raw = [172, 1811], us = [988, 2012] }";
 
-/// Below, two raw values would share an eighth of a microsecond; above, a stick would not do it.
+/// Smaller slopes map two raw values to the same eighth of a microsecond; larger ones do not occur
+/// with sticks.
 constexpr double kLeastSlope = 0.25;
 constexpr double kMostSlope = 4;
-/// What a pulse can hold.
+/// Range of a Pulse.
 constexpr double kLeastMicroseconds = -4000;
 constexpr double kMostMicroseconds = 4095;
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLeastMedianInputs = 3;
 
-/// The choices stand in the order of the modes.
+/// The choices of the key are in the order of SelectionMode.
 SelectionMode mode_of(const TableContent& content) {
     const auto name = content.values().get_or<std::string>("mode", {});
     const auto found = std::ranges::find(key_rows::kModeChoices, name);
@@ -57,7 +57,7 @@ std::optional<HandoverSettings> read_handover(const Value& value, std::string_vi
                             static_cast<std::size_t>(channel - 1)};
 }
 
-/// What is of use to several inputs only.
+/// Reports keys that only apply to several inputs.
 void check_use(const TableContent& content, std::string_view title,
                const SelectionSettings& selection, Mistakes& mistakes) {
     const std::size_t count = selection.inputs.size();

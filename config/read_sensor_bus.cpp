@@ -47,7 +47,7 @@ std::vector<std::string_view> type_names(const SensorTypes& types) {
     return names;
 }
 
-/// Where a misspelt name is in a list too long to print.
+/// Hint for a misspelt name, because the list of names is too long to print.
 std::string near_name(std::string_view wrong, std::span<const std::string_view> names) {
     const auto near = nearest(wrong, names);
     return near ? fmt::format("did you mean {}? ", in_quotes(*near)) : std::string();

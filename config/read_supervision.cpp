@@ -46,7 +46,7 @@ std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* proto
     return rules;
 }
 
-/// Detectors that this wire has nothing for.
+/// Reports checks that do not apply to this protocol.
 void check_use(const TableContent& content, const Protocol& protocol, const SettingValues& settings,
                Mistakes& mistakes) {
     for (const std::string_view key : kFlagKeys) {

@@ -13,7 +13,7 @@
 namespace tribus {
 namespace {
 
-/// Far beyond any DBC file of a vehicle.
+/// Far more than any DBC file of a vehicle has.
 constexpr std::size_t kMostFileBytes = 16UL * 1024UL * 1024UL;
 
 std::optional<SettingTree> convert(std::string_view key, const Value& value, Mistakes& mistakes);
@@ -41,7 +41,7 @@ std::optional<SettingTree> convert_table(const Table& table, Mistakes& mistakes)
     return whole ? std::optional(SettingTree{std::move(entries)}) : std::nullopt;
 }
 
-/// As deep as the TOML parser goes, which has a limit of its own.
+/// The TOML parser limits the depth.
 std::optional<SettingTree> convert(std::string_view key, const Value& value, Mistakes& mistakes) {
     return std::visit(
         [&](const auto& content) -> std::optional<SettingTree> {

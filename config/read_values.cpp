@@ -24,7 +24,7 @@ namespace {
 constexpr Duration kDefaultTimeout = std::chrono::seconds(1);
 constexpr int kCyclesToStale = 3;
 
-/// What a table of values is of: the key that says so, what it must have, and what else it may.
+/// A kind of [values.NAME]: the key that selects it, and its required and optional keys.
 struct ValuesKind {
     std::string_view key;
     std::span<const std::string_view> required;
@@ -48,7 +48,7 @@ const ValuesKind& kind_of(const TableContent& content) {
     return content.given(kDroneCan.key) ? kDroneCan : kDbc;
 }
 
-/// The message that the table names, as the file describes it.
+/// The message that the table names, from the DBC file.
 std::optional<DbcMessage> find_message(const TableContent& content, const SettingFile& dbc,
                                        const std::string& name, Mistakes& mistakes) {
     const auto file = parse_dbc(dbc.content);
