@@ -54,12 +54,13 @@ void look_at(const std::vector<ChannelRule>& rules, const std::vector<Location>&
     for (std::size_t i = 0; i < rules.size(); ++i) {
         const std::uint32_t unsure = read_by(rules[i].source) & ~sure;
         if (unsure != 0) {
-            remarks.add(places[i],
-                        fmt::format("channel {} is made of channel {}, which input {} ({}) may not "
-                                    "have; while it has none, an output that must say something "
-                                    "says its preset",
-                                    rules[i].output + 1, std::countr_zero(unsure) + 1,
-                                    in_quotes(input.name), input.protocol->name));
+            remarks.add(
+                places[i],
+                fmt::format(
+                    "channel {} is made from channel {}, which input {} ({}) may lack; while it is "
+                    "absent, an output whose format cannot mark absent channels sends its preset",
+                    rules[i].output + 1, std::countr_zero(unsure) + 1, in_quotes(input.name),
+                    input.protocol->name));
         }
     }
 }

@@ -192,10 +192,11 @@ std::vector<std::string> obstacles(const Configuration& running, const Configura
     const RuntimeConfig& after = fresh.runtime;
     if (before.realtime != after.realtime || before.priority != after.priority ||
         before.cpu != after.cpu) {
-        found.emplace_back("[runtime] asks for another scheduling of the data thread");
+        found.emplace_back("[runtime] changes the scheduling of the data thread");
     }
     if (running.lines != fresh.lines) {
-        found.emplace_back("the GPIO lines are others, and must be given back first");
+        found.emplace_back(
+            "the GPIO lines have changed, and the program must release the old ones first");
     } else if (!fresh.lines.empty() && !same_places(running, fresh)) {
         found.emplace_back("inputs or outputs that GPIO lines refer to were added or removed");
     }

@@ -129,10 +129,11 @@ class NodeChecks {
         if (!first) {
             mistakes_.add(
                 output.where,
-                fmt::format("[output.{}] in line {} sends the same message on {}; allowed: one "
-                            "output for each that a node carries, or rc with another \"receiver\"",
-                            known->second->config.name, known->second->where.line,
-                            in_quotes(output.config.port.device)));
+                fmt::format(
+                    "[output.{}] in line {} sends the same message on {}; allowed: one output for "
+                    "each message that a node sends, or carries = \"rc\" with another \"receiver\"",
+                    known->second->config.name, known->second->where.line,
+                    in_quotes(output.config.port.device)));
         }
     }
 

@@ -110,9 +110,8 @@ void check_unused(const Draft& draft, Reading reading) {
         const std::string& name = input.config.name;
         if (!input.used && !draft.inputs_uncertain && !reading.lost.mentions(name)) {
             reading.mistakes.add(
-                input.where, fmt::format("input {} feeds no pipeline, so nothing would happen with "
-                                         "it; name it in the \"from\" of a pipeline, or leave it "
-                                         "out",
+                input.where, fmt::format("input {} feeds no pipeline, so it would have no effect; "
+                                         "name it in the \"from\" of a pipeline, or leave it out",
                                          in_quotes(name)));
         }
     }
@@ -121,10 +120,10 @@ void check_unused(const Draft& draft, Reading reading) {
         if (!output.pipeline && output.needs_pipeline && !draft.outputs_uncertain &&
             !reading.lost.mentions(name)) {
             reading.mistakes.add(
-                output.where, fmt::format("no pipeline feeds output {}, so nothing would happen "
-                                          "with it; name it in the \"to\" of a pipeline, or leave "
-                                          "it out",
-                                          in_quotes(name)));
+                output.where,
+                fmt::format("no pipeline feeds output {}, so it would have no effect; name it in "
+                            "the \"to\" of a pipeline, or leave it out",
+                            in_quotes(name)));
         }
     }
 }
@@ -164,8 +163,8 @@ void check_cycle(const InputDraft& input, Mistakes& mistakes) {
         mistakes.add(
             input.timeout.value_or(input.where),
             fmt::format("the timeout of input {} is {}{}, but its messages come every {}: each "
-                        "pause between two would be judged a loss; allowed: a longer timeout, "
-                        "best three times as long",
+                        "pause between two would count as a loss; allowed: a longer timeout; "
+                        "recommended: three times as long",
                         in_quotes(config.name),
                         in_quotes(format_duration(config.supervision.timeout)),
                         input.timeout ? "" : " by default", in_quotes(format_duration(*cycle))));
@@ -182,9 +181,10 @@ void check_across(const Draft& draft, Reading reading) {
     const bool only_values = draft.inputs.empty() && carries_values(draft);
     if (draft.pipelines.empty() && !only_values) {
         if (!reading.lost.mentions("pipeline")) {
-            reading.mistakes.add({1, 1},
-                                 "there is no pipeline, so nothing would happen; a pipeline joins "
-                                 "inputs and outputs: [pipeline.main] with \"from\" and \"to\"");
+            reading.mistakes.add(
+                {1, 1},
+                "there is no pipeline, so nothing would happen; a pipeline connects inputs to "
+                "outputs: [pipeline.main] with \"from\" and \"to\"");
         }
         return;
     }

@@ -86,9 +86,9 @@ SyntaxError syntax_error(const toml::parse_error& error) {
     const Location where = location(error.source());
     if (error.description().find("TOML_MAX_NESTED_VALUES") != std::string_view::npos) {
         return {.where = where,
-                .text = fmt::format("more than {} lists and tables in each other; no value of a "
-                                    "configuration has more than a few",
-                                    TOML_MAX_NESTED_VALUES),
+                .text = fmt::format(
+                    "more than {} nested lists and tables; a configuration needs only a few",
+                    TOML_MAX_NESTED_VALUES),
                 .whole = true};
     }
     return {.where = where, .text = std::string(error.description())};
@@ -98,12 +98,10 @@ SyntaxError syntax_error(const toml::parse_error& error) {
 
 tl::expected<Table, SyntaxError> parse_toml(std::string_view text) {
     if (const auto deep = find_key_of_too_many_parts(text)) {
-        return tl::unexpected(
-            SyntaxError{.where = *deep,
-                        .text = fmt::format("this key has more parts than any of a "
-                                            "configuration; allowed: at most {}",
-                                            kMostKeyParts),
-                        .whole = true});
+        return tl::unexpected(SyntaxError{
+            .where = *deep,
+            .text = fmt::format("this key has too many parts; allowed: at most {}", kMostKeyParts),
+            .whole = true});
     }
     const toml::parse_result result = toml::parse(text);
     if (!result) {

@@ -101,7 +101,7 @@ std::optional<Detour> quote_value(const Lines& lines, std::size_t line) {
     std::string repaired = fmt::format("{} = \"{}\"", key, value);
     std::string message = fmt::format("{} is not a valid value; ", value);
     message += means_truth(value) ? "allowed: true or false, or text in quotes"
-                                  : "text and durations stand in quotes: " + repaired;
+                                  : "put text and durations in quotes: " + repaired;
     return Detour{line, {std::move(repaired)}, false, std::move(message)};
 }
 
@@ -187,7 +187,7 @@ bool given_twice(const SyntaxError& error) {
 
 std::string without_detour(const SyntaxError& error) {
     if (given_twice(error)) {
-        return "this key or table was already given further up; each stands once";
+        return "this key or table was already given further up; give each once";
     }
     return error.whole ? error.text : fmt::format("not valid TOML: {}", error.text);
 }
@@ -261,8 +261,9 @@ class Recovery {
     void record(const SyntaxError& error, const Detour& detour, LostText& lost) {
         const bool earlier = detour.first + detour.replacement.size() < error.where.line;
         if (earlier && detour.loses_text) {
-            mistakes_.add(begin_of(detour.first),
-                          "what begins here does not end; a closing quote, ] or } is missing");
+            mistakes_.add(
+                begin_of(detour.first),
+                "the statement that begins here does not end; a closing quote, ] or } is missing");
         } else if (earlier) {
             const std::size_t length = trimmed(lines_[detour.first]).size();
             Location where = begin_of(detour.first);
@@ -310,8 +311,8 @@ bool LostText::mentions(std::string_view word) const {
 
 Document read_document(std::string_view text, Mistakes& mistakes) {
     if (text.size() > kMostConfigurationBytes) {
-        mistakes.add({1, 1}, fmt::format("the file has {} bytes; a configuration has at most {}",
-                                         text.size(), kMostConfigurationBytes));
+        mistakes.add({1, 1}, fmt::format("the file has {} bytes; allowed: at most {}", text.size(),
+                                         kMostConfigurationBytes));
         Document document;
         document.readable = false;
         return document;

@@ -152,8 +152,8 @@ void check_presets(const Given& given, bool used, Mistakes& mistakes) {
     if (given.presets && !used) {
         mistakes.add(given.preset_where,
                      "\"preset\" is not sent in failsafe: without \"action\", an output whose "
-                     "protocol cannot say failsafe goes silent; add action = \"preset\", or "
-                     "action = \"silence\" where it is only for channels that the input lacks");
+                     "protocol cannot say failsafe goes silent; add action = \"preset\", or action "
+                     "= \"silence\" if \"preset\" is only for channels that the input lacks");
     }
 }
 

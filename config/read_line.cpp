@@ -101,8 +101,8 @@ std::optional<GpioPlace> read_place(const TableContent& content, Mistakes& mista
     }
     if (!content.given("chip")) {
         mistakes.add(line->value.where,
-                     fmt::format("\"line\" is {}, a number on a chip that is not named; allowed: "
-                                 "with \"chip\", such as chip = \"gpiochip0\", or the line's name",
+                     fmt::format("\"line\" is {}, a number without a chip; add \"chip\", such as "
+                                 "chip = \"gpiochip0\", or give the line's name",
                                  *number));
         return std::nullopt;
     }

@@ -75,7 +75,7 @@ void add_index(std::vector<std::size_t>& indices, std::size_t index, const Name&
     if (std::find(indices.begin(), indices.end(), index) == indices.end()) {
         indices.push_back(index);
     } else {
-        mistakes.add(name.where, fmt::format("{} {} is listed twice; each stands once", what,
+        mistakes.add(name.where, fmt::format("{} {} is listed twice; list it once", what,
                                              in_quotes(name.text)));
     }
 }

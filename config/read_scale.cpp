@@ -48,11 +48,11 @@ std::optional<Pair> read_pair(const Table& table, Location where, std::string_vi
             return Pair{{*first, *second}, entry->value.where};
         }
     }
-    mistakes.add(entry->value.where,
-                 fmt::format("{} is not a list of two different {}numbers from {} to {}; allowed: "
-                             "such as {}",
-                             in_quotes(name), name == "raw" ? "whole " : "", format_number(least),
-                             format_number(most), kExample));
+    mistakes.add(
+        entry->value.where,
+        fmt::format("{} is not a list of two different {}numbers from {} to {}; example: {}",
+                    in_quotes(name), name == "raw" ? "whole " : "", format_number(least),
+                    format_number(most), kExample));
     return std::nullopt;
 }
 
@@ -91,10 +91,10 @@ std::optional<TwoPoints> read_scale(std::string_view key, const Value& value, Mi
     if (lowest < kLeastMicroseconds || highest > kMostMicroseconds) {
         mistakes.add(
             value.where,
-            fmt::format("{} spreads raw 0 to {} over {:.6g} to {:.6g} us; allowed: within "
-                        "{} to {} us",
-                        in_quotes(key), format_number(kMostRaw), lowest, highest,
-                        format_number(kLeastMicroseconds), format_number(kMostMicroseconds)));
+            fmt::format(
+                "{} maps raw 0 to {} to the range {:.6g} to {:.6g} us; allowed: within {} to {} us",
+                in_quotes(key), format_number(kMostRaw), lowest, highest,
+                format_number(kLeastMicroseconds), format_number(kMostMicroseconds)));
         return std::nullopt;
     }
     return TwoPoints{raw->numbers, us->numbers};

@@ -78,7 +78,7 @@ std::optional<SettingFile> read_named_file(std::string_view key, const Value& va
                                            Mistakes& mistakes) {
     const auto sentence = [&](std::string_view reason) {
         return fmt::format(
-            "{} is {}: {}; allowed: the path of a text file, from the folder of this file",
+            "{} is {}: {}; allowed: the path of a text file, relative to the folder of this file",
             in_quotes(key), describe(value), reason);
     };
     const auto refuse = [&](std::string_view reason) {

@@ -175,7 +175,7 @@ std::string allowed_values(const Setting& setting) {
             return fmt::format("two numbers of microseconds{}, the lower one first: [985, 995]",
                                limits);
         case SettingType::slew:
-            return fmt::format("microseconds a second{}, text such as \"2000us/s\"", limits);
+            return fmt::format("microseconds per second{}, text such as \"2000us/s\"", limits);
         case SettingType::file:
             return "the path of a text file";
         case SettingType::tree:

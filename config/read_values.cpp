@@ -178,15 +178,15 @@ void check_kind(const TableContent& content, const std::string& title, Mistakes&
         if (content.given(key) && content.given(kind.key) && !has(kind.required, key) &&
             !has(kind.optional, key)) {
             mistakes.add(content.find(key)->where,
-                         fmt::format("{} has no effect beside {}; leave one of them out",
+                         fmt::format("{} has no effect together with {}; leave one of them out",
                                      in_quotes(key), in_quotes(kind.key)));
         }
     }
     for (const std::string_view key : kind.required) {
         if (!content.given(key)) {
             mistakes.add(content.where(key),
-                         fmt::format("{} lacks {}; required: \"interface\" and either \"dbc\" "
-                                     "with \"message\" or \"dronecan\"; or else \"constant\"",
+                         fmt::format("{} lacks {}; required: \"constant\", or \"interface\" with "
+                                     "either \"dbc\" and \"message\" or \"dronecan\"",
                                      title, in_quotes(key)));
         }
     }
