@@ -215,7 +215,7 @@ void print_summary(const Engine& engine) {
     }
     for (const Output& output : engine.outputs()) {
         fmt::print(stderr, "output {}: {}, {} into failsafe, {}\n", output.name(),
-                   counted(output.counts().sent, "frame"),
+                   counted(output.counts().frames, "frame"),
                    counted(output.counts().failsafe_entries, "time"),
                    counted(output.counts().recoveries, "recovery", "recoveries"));
     }

@@ -41,7 +41,7 @@ void StatusKeeper::look(const Appliance& appliance) {
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const OutputStatus status = appliance.output_status(i);
-        outputs_[i].look(status.counts.sent, status.at);
+        outputs_[i].look(status.counts.frames, status.at);
     }
 }
 

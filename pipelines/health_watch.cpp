@@ -42,7 +42,7 @@ void HealthWatch::look(const Engine& engine, Instant now) {
                              .lost = counts.frame_lost_frames + counts.failsafe_frames};
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
-        outputs_[i][place] = {.frames = engine.outputs()[i].counts().sent};
+        outputs_[i][place] = {.frames = engine.outputs()[i].counts().frames};
     }
 }
 

@@ -161,7 +161,7 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
 
 /// Starts at the time of the latest frame, so that already the first frame of the glide moves.
 void Output::glide_from_latest(std::optional<double> us_per_second) {
-    if (us_per_second && spoke_) {
+    if (us_per_second && made_frame_) {
         glide_.start(latest_, *us_per_second, latest_at_);
     } else {
         glide_.stop();
@@ -257,8 +257,8 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
 void Output::run(Instant now, std::span<const Input> inputs) {
     std::optional<ChannelFrame> frame = make_frame(now, inputs);
     if (frame && !selector_.inputs().empty()) {
-        const std::size_t told_of = selector_.current().value_or(selector_.inputs().front());
-        frame->cause = inputs[told_of].state().cause;
+        const std::size_t judged_input = selector_.current().value_or(selector_.inputs().front());
+        frame->cause = inputs[judged_input].state().cause;
     }
     by_preset_ = 0;
     if (frame && !frame->has_first(kChannelCount) && !selector_.inputs().empty()) {
@@ -275,12 +275,12 @@ void Output::run(Instant now, std::span<const Input> inputs) {
             wire_length_ = encoder_->encode(*frame, wire_);
         }
     }
-    spoke_ = frame.has_value();
-    if (!spoke_ && obstacle_ != SendObstacle::device) {
+    made_frame_ = frame.has_value();
+    if (!made_frame_ && obstacle_ != SendObstacle::device) {
         // A silent output cannot find out whether the obstacle has gone.
         obstacle_ = SendObstacle::none;
     }
-    schedule_.done(now, spoke_);
+    schedule_.done(now, made_frame_);
 }
 
 }  // namespace tribus

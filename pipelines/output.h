@@ -96,7 +96,7 @@ struct Transmission {
 
 /// Counters of one output since the start. They never decrease.
 struct OutputCounts {
-    std::uint64_t sent = 0;
+    std::uint64_t frames = 0;             ///< handed over
     std::uint64_t busy_drops = 0;         ///< the port still had the frame before
     std::uint64_t lost_drops = 0;         ///< the device was missing
     std::uint64_t unavailable_drops = 0;  ///< the bus was down, off or stalled
@@ -148,7 +148,7 @@ class Output {
     /// Tells what became of the frame: handed over, or dropped because the port was busy, its
     /// device missing or its bus unavailable.
     void written() {
-        ++counts_.sent;
+        ++counts_.frames;
         busy_run_ = 0;
         obstacle_ = SendObstacle::none;
     }
@@ -176,7 +176,7 @@ class Output {
     /// The latest frame that it made. A default frame before the first.
     const ChannelFrame& latest() const { return latest_; }
     /// Whether the latest `run` made a frame.
-    bool speaks() const { return spoke_; }
+    bool sends() const { return made_frame_; }
     /// When its latest frame was due.
     Instant latest_due() const { return latest_due_; }
     std::optional<std::size_t> controlling_input() const;
@@ -222,7 +222,7 @@ class Output {
     std::optional<ChannelFrame> held_;
     Instant holding_since_{};
     /// The latest `run` made a frame.
-    bool spoke_ = false;
+    bool made_frame_ = false;
     ChannelFrame latest_;
     Instant latest_due_{};
     Instant latest_at_{};

@@ -26,7 +26,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     yield_until_ = before.yield_until_;
     held_ = before.held_;
     holding_since_ = before.holding_since_;
-    spoke_ = before.spoke_;
+    made_frame_ = before.made_frame_;
     latest_ = before.latest_;
     latest_due_ = before.latest_due_;
     latest_at_ = before.latest_at_;
@@ -54,7 +54,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
 /// For a changed map: slews start from the latest frame, and held values become those that the new
 /// map makes of the same input.
 void Output::take_up_channels() {
-    if (spoke_) {
+    if (made_frame_) {
         map_.restart_from(latest_, latest_at_);
     }
     if (held_) {

@@ -123,7 +123,7 @@ void ValueEngine::tell_health(const Engine& engine, Instant now) {
 void ValueEngine::tell_channels(const Engine& engine, Instant now) {
     for (const ChannelValue& told : channels_) {
         const ChannelFrame* frame = nullptr;
-        if (told.of_output && engine.outputs()[told.index].speaks()) {
+        if (told.of_output && engine.outputs()[told.index].sends()) {
             frame = &engine.outputs()[told.index].latest();
         } else if (!told.of_output && engine.inputs()[told.index].link().alive(now)) {
             frame = &engine.inputs()[told.index].control();

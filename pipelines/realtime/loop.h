@@ -108,7 +108,7 @@ struct OutputStatus {
     Instant due{};
     Duration period{};
     /// Whether the latest run made a frame. A silent output makes none.
-    bool speaks = false;
+    bool sends = false;
 };
 
 /// How often the data thread did not run for 100 ms or longer, the default timeout of an input: it

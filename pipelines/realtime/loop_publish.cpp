@@ -42,7 +42,7 @@ void Loop::publish_output(std::size_t index, Instant now) {
     status.state = output.state(now);
     status.due = output.due();
     status.period = output.period();
-    status.speaks = output.speaks();
+    status.sends = output.sends();
     output_status_[index].publish(status);
 }
 
