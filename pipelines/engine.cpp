@@ -114,9 +114,9 @@ Instant Engine::poll_nodes(Instant now) {
     Instant next = kNever;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         next = std::min(next, nodes_[i]->poll(now, health_of(i)));
-        const auto wish = nodes_[i]->take_wish();
-        if (wish) {
-            outputs_[wish->output].set_period(wish->period);
+        const auto request = nodes_[i]->take_period_request();
+        if (request) {
+            outputs_[request->output].set_period(request->period);
         }
     }
     return next;

@@ -120,12 +120,12 @@ class ValueEngine {
     Instant poll(const Engine& engine, Instant now);
 
     /// Bytes that a bus sends, to be written at once.
-    struct Speech {
+    struct BusWrite {
         std::size_t bus = 0;
         std::span<const std::uint8_t> bytes;
     };
     /// What the last `poll` made.
-    std::span<const Speech> speeches() const { return speeches_; }
+    std::span<const BusWrite> bus_writes() const { return bus_writes_; }
     void written(std::size_t bus, Instant now) { role(bus).written(now, board_); }
     void dropped(std::size_t bus) { role(bus).dropped(); }
 
@@ -138,8 +138,8 @@ class ValueEngine {
   private:
     SensorBusRole& role(std::size_t bus) { return *roles_[bus]; }
     void make_health_watch();
-    void tell_health(const Engine& engine, Instant now);
-    void tell_channels(const Engine& engine, Instant now);
+    void update_health(const Engine& engine, Instant now);
+    void update_channels(const Engine& engine, Instant now);
 
     ValueBoard board_;
     std::vector<std::variant<std::unique_ptr<SensorRole>, std::unique_ptr<ReceiverRole>>> buses_;
@@ -152,7 +152,7 @@ class ValueEngine {
     std::vector<ConstantValue> constants_;
     std::optional<HealthWatch> health_watch_;
     Instant next_health_ = kNever;
-    std::vector<Speech> speeches_;
+    std::vector<BusWrite> bus_writes_;
 };
 
 }  // namespace tribus

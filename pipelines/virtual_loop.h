@@ -16,13 +16,13 @@ class OutputObserver {
     virtual ~OutputObserver() = default;
     virtual void wrote(std::size_t output, Instant at, const Transmission& sent) = 0;
     /// A sensor bus wrote `bytes`.
-    virtual void bus_spoke(std::size_t /*bus*/, Instant /*at*/,
+    virtual void bus_wrote(std::size_t /*bus*/, Instant /*at*/,
                            std::span<const std::uint8_t> /*bytes*/) {}
     /// A DroneCAN node wrote `frames`.
-    virtual void node_spoke(std::size_t /*node*/, Instant /*at*/,
+    virtual void node_wrote(std::size_t /*node*/, Instant /*at*/,
                             std::span<const CanFrame> /*frames*/) {}
     /// The engine was polled, whether or not an output wrote.
-    virtual void turned(Instant /*at*/) {}
+    virtual void polled(Instant /*at*/) {}
 };
 
 /// Drives an engine under virtual time, without a clock, descriptors or waiting. Time only moves

@@ -80,7 +80,7 @@ void Node::continue_from(Node& before) {
         }
     }
     // It holds the index of an output before the reload.
-    wish_.reset();
+    period_request_.reset();
 }
 
 void Node::receive(const CanFrame& frame, Instant at) {
@@ -150,11 +150,11 @@ Instant Node::poll(Instant now, NodeHealth health) {
             receiver_.set_own(*id);
             next_status_ = now;
         } else if (now >= allocation_.due()) {
-            say_allocation(now);
+            queue_allocation(now);
         }
     }
     if (now >= next_status_ && !ending_) {
-        say_status(now);
+        queue_status(now);
         next_status_ += kStatusPeriod * ((now - next_status_) / kStatusPeriod + 1);
     }
     Instant next = stage_ == NodeStage::allocating ? allocation_.due() : next_status_;
@@ -164,7 +164,7 @@ Instant Node::poll(Instant now, NodeHealth health) {
     return waiting_count_ > 0 ? std::min(next, std::max(retry_at_, now)) : next;
 }
 
-std::span<const CanFrame> Node::speech(Instant now) const {
+std::span<const CanFrame> Node::frames_to_send(Instant now) const {
     if (waiting_count_ == 0 || now < retry_at_) {
         return {};
     }
@@ -189,7 +189,7 @@ void Node::dropped() {
 void Node::end(Instant now) {
     ending_ = true;
     if (voice_.id != kNobody) {
-        say_status(now);
+        queue_status(now);
     }
     next_status_ = kNever;
 }
@@ -198,11 +198,11 @@ NodeReport Node::report() const {
     return {.stage = stage_, .id = voice_.id, .counts = counts_, .restart_wanted = restart_wanted_};
 }
 
-std::optional<PeriodWish> Node::take_wish() {
-    return std::exchange(wish_, std::nullopt);
+std::optional<PeriodRequest> Node::take_period_request() {
+    return std::exchange(period_request_, std::nullopt);
 }
 
-void Node::tell_bus(std::uint64_t sent, std::uint64_t received, std::uint64_t errors) {
+void Node::set_bus_counters(std::uint64_t sent, std::uint64_t received, std::uint64_t errors) {
     bus_ = {.frames_tx = sent, .frames_rx = received, .errors = errors};
 }
 
@@ -275,7 +275,7 @@ void Node::write_parameter(Parameter& parameter, const ParamValue& value) {
         return;
     }
     parameter.value = *number;
-    wish_ = PeriodWish{*parameter.output, std::chrono::microseconds(*number)};
+    period_request_ = PeriodRequest{*parameter.output, std::chrono::microseconds(*number)};
 }
 
 /// Save and erase do nothing: no parameter outlives the program.
@@ -339,7 +339,7 @@ NodeStatus Node::status(Instant now) const {
     return status;
 }
 
-void Node::say_status(Instant now) {
+void Node::queue_status(Instant now) {
     queue({.kind = TransferKind::message,
            .data_type_id = NodeStatus::kId,
            .source = voice_.id,
@@ -349,7 +349,7 @@ void Node::say_status(Instant now) {
     status_transfer_id_ = (status_transfer_id_ + 1) & kMostTransferId;
 }
 
-void Node::say_allocation(Instant now) {
+void Node::queue_allocation(Instant now) {
     queue({.kind = TransferKind::message,
            .data_type_id = Allocation::kId,
            .source = kNobody,

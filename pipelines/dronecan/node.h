@@ -46,7 +46,7 @@ struct NodeReport {
 enum class NodeHealth : std::uint8_t { ok, warning, error, critical };
 
 /// A request to change the period of an output, made by writing a parameter.
-struct PeriodWish {
+struct PeriodRequest {
     std::size_t output = 0;
     Duration period{};
 };
@@ -75,7 +75,7 @@ class Node {
     Instant poll(Instant now, NodeHealth health);
 
     /// Frames of one transfer to write now. Empty if there is none.
-    std::span<const CanFrame> speech(Instant now) const;
+    std::span<const CanFrame> frames_to_send(Instant now) const;
     void written();
     /// The bus still has the transfer before. The present one stays the next.
     void busy(Instant now);
@@ -89,9 +89,9 @@ class Node {
     std::span<const CanIdMatch> wanted() const { return wanted_; }
     NodeReport report() const;
     /// Takes the latest change of a period that was written. `nullopt` if there is none.
-    std::optional<PeriodWish> take_wish();
+    std::optional<PeriodRequest> take_period_request();
     /// Sets the counters of the interface, for requests of statistics.
-    void tell_bus(std::uint64_t sent, std::uint64_t received, std::uint64_t errors);
+    void set_bus_counters(std::uint64_t sent, std::uint64_t received, std::uint64_t errors);
 
   private:
     struct Waiting {
@@ -115,8 +115,8 @@ class Node {
     std::optional<std::size_t> parameter_for(const ParamGetSet::Request& request) const;
     void write_parameter(Parameter& parameter, const ParamValue& value);
     NodeStatus status(Instant now) const;
-    void say_status(Instant now);
-    void say_allocation(Instant now);
+    void queue_status(Instant now);
+    void queue_allocation(Instant now);
     void drop_old(Instant now);
     void pop();
 
@@ -142,7 +142,7 @@ class Node {
     NodeHealth health_ = NodeHealth::ok;
     bool ending_ = false;
     bool restart_wanted_ = false;
-    std::optional<PeriodWish> wish_;
+    std::optional<PeriodRequest> period_request_;
     CanIfaceStats bus_{};
     NodeCounts counts_;
 };

@@ -11,7 +11,7 @@ void Loop::write_nodes(Instant now) {
             continue;
         }
         dronecan::Node& node = engine_.node(*port.wiring.node);
-        const auto frames = node.speech(now);
+        const auto frames = node.frames_to_send(now);
         if (frames.empty()) {
             continue;
         }

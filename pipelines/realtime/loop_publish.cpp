@@ -109,8 +109,8 @@ void Loop::publish_can_status() {
             const CanLinkStatus status = ports_[port].link->as_can()->status();
             ports_[port].can_status.publish(status);
             if (const auto node = ports_[port].wiring.node) {
-                engine_.node(*node).tell_bus(status.counts.sent, status.counts.received,
-                                             status.counts.error_frames);
+                engine_.node(*node).set_bus_counters(status.counts.sent, status.counts.received,
+                                                     status.counts.error_frames);
             }
         }
     }
