@@ -116,7 +116,7 @@ StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
     for (std::size_t i = 0; i < appliance.value_count(); ++i) {
         report.values.push_back({appliance.value(i), appliance.value_status(i)});
     }
-    if (appliance.machine().told_at() != Instant{}) {
+    if (appliance.machine().measured_at() != Instant{}) {
         for (std::size_t fact = 0; fact < kMachineFactCount; ++fact) {
             report.machine.push_back(appliance.machine().number(fact));
         }

@@ -21,7 +21,7 @@ DataThread::~DataThread() {
 
 void* DataThread::main(void* self) {
     auto& thread = *static_cast<DataThread*>(self);
-    hear_of_stops();
+    unblock_sigcont();
     thread.got_ = make_realtime(thread.scheduling_);
     thread.prepared_.release();
     thread.go_.acquire();

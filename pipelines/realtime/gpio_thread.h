@@ -72,7 +72,7 @@ class GpioThread {
         std::unique_ptr<HeldLine> held;
         Debouncer contact;
         FreshWave wave;
-        std::optional<bool> said;
+        std::optional<bool> last_set;
         bool moved = false;
         std::atomic<HeldLine*> lost{nullptr};
         std::atomic<HeldLine*> given{nullptr};
@@ -86,7 +86,7 @@ class GpioThread {
     void read_inputs(Instant now, bool all);
     void show_outputs(Instant now, bool all);
     bool wanted(std::size_t index, Instant now);
-    void say(Line& line, bool active);
+    void set_line(Line& line, bool active);
     void lose(Line& line);
     Instant next_deadline(Instant now) const;
 

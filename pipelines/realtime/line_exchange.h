@@ -26,22 +26,23 @@ class LineExchange {
     tl::expected<void, std::string> prepare();
 
     /// Sets the levels of the input lines. GPIO thread; before it runs, main thread.
-    void tell_levels(LineLevels levels) { tell(levels, levels_, data_bell_); }
+    void set_levels(LineLevels levels) { set(levels, levels_, data_event_); }
     LineLevels levels() const { return levels_.load(std::memory_order_acquire); }
-    /// Readable after the levels have changed, until `hush_data`.
-    int data_bell() const { return data_bell_.get(); }
-    void hush_data() const { hush(data_bell_); }
+    /// Readable after the levels have changed, until `clear_data_event`.
+    int data_event() const { return data_event_.get(); }
+    void clear_data_event() const { clear_event(data_event_); }
 
     /// Sets what the output lines show. Data thread.
-    void tell_states(LineStates states) { tell(states, states_, lines_bell_); }
+    void set_states(LineStates states) { set(states, states_, lines_event_); }
     LineStates states() const { return states_.load(std::memory_order_acquire); }
-    /// Readable after the states have changed or `ring_lines` was called, until `hush_lines`.
-    int lines_bell() const { return lines_bell_.get(); }
-    void hush_lines() const { hush(lines_bell_); }
-    void ring_lines() const { ring(lines_bell_); }
+    /// Readable after the states have changed or `wake_lines` was called, until
+    /// `clear_lines_event`.
+    int lines_event() const { return lines_event_.get(); }
+    void clear_lines_event() const { clear_event(lines_event_); }
+    void wake_lines() const { set_event(lines_event_); }
 
     /// An output has handed over fresh data at `now`. Data thread.
-    void tell_fresh(std::size_t output, Instant now) {
+    void set_fresh(std::size_t output, Instant now) {
         fresh_ns_[output].store(now.time_since_epoch().count(), std::memory_order_release);
     }
     /// The oldest of the times at which these outputs last handed over fresh data. `Instant{}` if
@@ -50,21 +51,21 @@ class LineExchange {
 
   private:
     template <class Word>
-    static void tell(Word word, std::atomic<Word>& told, const UniqueFd& bell) {
+    static void set(Word word, std::atomic<Word>& shared, const UniqueFd& event) {
         static_assert(std::atomic<Word>::is_always_lock_free);
-        if (told.load(std::memory_order_relaxed) != word) {
-            told.store(word, std::memory_order_release);
-            ring(bell);
+        if (shared.load(std::memory_order_relaxed) != word) {
+            shared.store(word, std::memory_order_release);
+            set_event(event);
         }
     }
-    static void ring(const UniqueFd& bell);
-    static void hush(const UniqueFd& bell);
+    static void set_event(const UniqueFd& event);
+    static void clear_event(const UniqueFd& event);
 
     std::atomic<LineLevels> levels_{kNoLineActive};
     std::atomic<LineStates> states_{LineStates{}};
     std::deque<std::atomic<std::int64_t>> fresh_ns_;
-    UniqueFd data_bell_;
-    UniqueFd lines_bell_;
+    UniqueFd data_event_;
+    UniqueFd lines_event_;
 };
 
 }  // namespace tribus

@@ -98,7 +98,7 @@ tl::expected<void, std::string> Loop::prepare() {
         return tl::unexpected(error_text("epoll_ctl"));
     }
     if (settings_.lines != nullptr &&
-        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, settings_.lines->data_bell(), &event) != 0) {
+        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, settings_.lines->data_event(), &event) != 0) {
         return tl::unexpected(error_text("epoll_ctl"));
     }
     for (std::size_t port = 0; port < ports_.size(); ++port) {
@@ -109,7 +109,7 @@ tl::expected<void, std::string> Loop::prepare() {
 
 void Loop::request_end() {
     end_requested_.store(true, std::memory_order_release);
-    ring(wake_up_.get());
+    set_event(wake_up_.get());
 }
 
 /// A frame made at `now` is valid for one period. After that it is dropped as stale.
@@ -180,7 +180,7 @@ void Loop::write_outputs(Instant now) {
                                                .period = output.period()});
             capture(port, sent, clock_);
             if (settings_.lines != nullptr && is_fresh(output, clock_)) {
-                settings_.lines->tell_fresh(index, clock_);
+                settings_.lines->set_fresh(index, clock_);
             }
         } else if (status == WriteStatus::lost && port.link) {
             lose(port);
@@ -206,7 +206,7 @@ Instant Loop::advance(Instant now) {
         write_nodes(now);
     }
     if (settings_.lines != nullptr && !engine_.ran().empty()) {
-        settings_.lines->tell_states(engine_.shown_on_lines());
+        settings_.lines->set_states(engine_.shown_on_lines());
     }
     next = std::min({next, poll_can_links(now), advance_values(now)});
     for (std::size_t port = 0, left = quiet_ports_; left > 0; ++port) {
@@ -250,7 +250,7 @@ std::size_t Loop::wait_until(Instant until) {
         }
         accept_given_links();
         if (settings_.lines != nullptr) {
-            settings_.lines->hush_data();
+            settings_.lines->clear_data_event();
         }
     }
     return ready;
@@ -273,7 +273,7 @@ void Loop::begin() {
     clock_ = monotonic_now();
     read_until_ = clock_;
     engine_.start(clock_);
-    tell_outputs_of_links();
+    set_devices_present();
     if (settings_.values != nullptr) {
         settings_.values->start(clock_);
     }

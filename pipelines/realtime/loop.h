@@ -209,7 +209,7 @@ class Loop {
     };
 
     void begin();
-    static void ring(int bell);
+    static void set_event(int event);
     Loop* successor(Instant now);
     void take_over(Loop& before, Instant now);
     void take_ports(Loop& before, Instant now);
@@ -221,8 +221,8 @@ class Loop {
     void watch(std::size_t port);
     void set_watched(std::size_t port, bool watched);
     void lose(Port& port);
-    void tell_outputs(const Port& port, bool present);
-    void tell_outputs_of_links();
+    void set_device_present(const Port& port, bool present);
+    void set_devices_present();
     void accept_given_links();
     void read_port(std::size_t port, Instant now);
     void read_quiet_ports(Instant now);

@@ -96,7 +96,7 @@ void Loop::publish(Instant now) {
     const bool machine_counts = settings_.values != nullptr && settings_.machine != nullptr;
     for (std::size_t fact = 0; machine_counts && fact < kMachineFactCount; ++fact) {
         settings_.values->set_machine(fact, settings_.machine->number(fact),
-                                      settings_.machine->told_at());
+                                      settings_.machine->measured_at());
     }
     publish_can_status();
     absence_status_.publish(absence_);

@@ -15,15 +15,15 @@ namespace tribus {
 void Loop::retire(Leaving leaving) {
     leaving_ = std::move(leaving);
     retire_requested_.store(true, std::memory_order_release);
-    ring(wake_up_.get());
+    set_event(wake_up_.get());
 }
 
 void Loop::hand_over_to(Loop& next, LoopCarry carry) {
     next.carry_ = std::move(carry);
     // A running data thread takes `wake_up_` over as soon as it sees `next`.
-    const int bell = wake_up_.get();
+    const int event = wake_up_.get();
     successor_.store(&next, std::memory_order_release);
-    ring(bell);
+    set_event(event);
 }
 
 void Loop::discard_unread() {
@@ -60,7 +60,7 @@ void Loop::take_over(Loop& before, Instant now) {
     take_ports(before, now);
     engine_.start(now);
     engine_.continue_from(before.engine_, carry_.engine, now);
-    tell_outputs_of_links();
+    set_devices_present();
     if (settings_.values != nullptr) {
         settings_.values->start(now);
         if (before.settings_.values != nullptr) {

@@ -24,26 +24,26 @@ class MachineNumbers {
         }
     }
     /// Sets all facts, in the order of kMachineFacts, measured at `now`. Main thread.
-    void tell(std::span<const std::optional<double>, kMachineFactCount> numbers, Instant now) {
+    void set(std::span<const std::optional<double>, kMachineFactCount> numbers, Instant now) {
         for (std::size_t fact = 0; fact < numbers.size(); ++fact) {
             numbers_[fact].store(numbers[fact].value_or(kNone), std::memory_order_relaxed);
         }
-        told_at_ns_.store(now.time_since_epoch().count(), std::memory_order_release);
+        measured_at_ns_.store(now.time_since_epoch().count(), std::memory_order_release);
     }
     /// When they were set. If the main thread hangs, they must not look fresh.
-    Instant told_at() const {
-        return Instant(Duration(told_at_ns_.load(std::memory_order_acquire)));
+    Instant measured_at() const {
+        return Instant(Duration(measured_at_ns_.load(std::memory_order_acquire)));
     }
     std::optional<double> number(std::size_t fact) const {
-        const double told = numbers_[fact].load(std::memory_order_acquire);
-        return std::isnan(told) ? std::nullopt : std::optional(told);
+        const double latest = numbers_[fact].load(std::memory_order_acquire);
+        return std::isnan(latest) ? std::nullopt : std::optional(latest);
     }
 
   private:
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     static_assert(std::atomic<double>::is_always_lock_free);
 
-    std::atomic<std::int64_t> told_at_ns_{0};
+    std::atomic<std::int64_t> measured_at_ns_{0};
     alignas(8) std::array<std::atomic<double>, kMachineFactCount> numbers_;
 };
 

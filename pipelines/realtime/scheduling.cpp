@@ -64,7 +64,7 @@ void keep_in_memory(Missing& missing) {
 
 /// Waking a processor from deep sleep takes longer than all work on a frame: with a limit of 0 us,
 /// the p50 of the latency through two ptys fell to a third.
-UniqueFd keep_processors_awake(Missing& missing) {
+UniqueFd limit_wake_latency(Missing& missing) {
     constexpr const char* kDevice = "/dev/cpu_dma_latency";
     UniqueFd device(::open(kDevice, O_WRONLY | O_CLOEXEC));
     const std::int32_t longest_us = 0;
@@ -90,7 +90,7 @@ void mask_continue(int how) {
 
 }  // namespace
 
-void keep_stops_from_threads() {
+void handle_sigcont() {
     mask_continue(SIG_BLOCK);
     struct sigaction action {};
     action.sa_handler = [](int) {};
@@ -98,7 +98,7 @@ void keep_stops_from_threads() {
     ::sigaction(SIGCONT, &action, nullptr);
 }
 
-void hear_of_stops() {
+void unblock_sigcont() {
     mask_continue(SIG_UNBLOCK);
 }
 
@@ -115,7 +115,7 @@ Scheduling make_realtime(const SchedulingSettings& settings) {
     run_first(settings.priority, got.missing);
     keep_in_memory(got.missing);
     touch_stack();
-    got.wide_awake = keep_processors_awake(got.missing);
+    got.latency_limit = limit_wake_latency(got.missing);
     return got;
 }
 

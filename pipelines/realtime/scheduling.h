@@ -24,7 +24,7 @@ struct Scheduling {
     /// Parts that were refused, each as a sentence that says how to get it.
     std::vector<std::string> missing;
     /// While it is open, processors do not enter sleep states with a long wake-up time.
-    UniqueFd wide_awake;
+    UniqueFd latency_limit;
 };
 
 /// Gives the calling thread real-time scheduling: SCHED_FIFO at `priority`, timers without slack,
@@ -32,11 +32,11 @@ struct Scheduling {
 /// `cpu`. Call on the data thread before it starts. Its stack has `kRealtimeStackBytes`.
 [[nodiscard]] Scheduling make_realtime(const SchedulingSettings& settings);
 
-/// Handles SIGCONT, and blocks it in all threads except those that call `hear_of_stops`. Without a
-/// handled signal, the kernel would restart a write that a stop interrupted, with bytes of long
+/// Handles SIGCONT, and blocks it in all threads except those that call `unblock_sigcont`. Without
+/// a handled signal, the kernel would restart a write that a stop interrupted, with bytes of long
 /// ago. Main thread, before any other thread starts.
-void keep_stops_from_threads();
+void handle_sigcont();
 /// System calls of this thread return EINTR if a stop interrupted them.
-void hear_of_stops();
+void unblock_sigcont();
 
 }  // namespace tribus
