@@ -42,7 +42,7 @@ SensorSettings sensor_settings(const SensorConfig& sensor, const ValueCatalog& c
 SensorRoleSettings sensor_role(const SensorBusConfig& bus, const ValueCatalog& catalog) {
     SensorRoleSettings role;
     role.first_address = bus.chain ? std::nullopt : std::optional(bus.address);
-    role.hears_itself = bus.wires != Wires::two;
+    role.receives_echo = bus.wires != Wires::two;
     role.reply_after = bus.reply_after;
     role.reply_within = bus.reply_within;
     for (const SensorConfig& sensor : bus.sensors) {

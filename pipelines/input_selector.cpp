@@ -12,7 +12,7 @@ namespace {
 /// fast.
 constexpr Duration kDissentTime = std::chrono::milliseconds(500);
 /// An input is outvoted only if at least this many inputs agree with the majority on every channel.
-constexpr std::size_t kWitnesses = 2;
+constexpr std::size_t kLeastAgreeing = 2;
 /// Hysteresis of the handover channel at the boundary between two positions.
 constexpr std::int32_t kHandoverSlackEighths = 25 * Pulse::kEighthsPerMicrosecond;
 
@@ -70,7 +70,7 @@ void InputSelector::continue_from(const InputSelector& before,
         voters_[place] = before.voters_[place_before];
         place_ = before.place_ == place_before ? std::optional(place) : place_;
     }
-    bereft_ = before.place_ && !place_;
+    control_removed_ = before.place_ && !place_;
     const bool same_choice = settings_ == before.settings_;
     voted_ = before.voted_ && settings_.mode == SelectionMode::median;
     position_ = same_choice ? before.position_ : std::nullopt;
@@ -151,7 +151,7 @@ bool InputSelector::select(Instant now, Instant until, std::span<const Input> in
     }
     const bool voting = settings_.mode == SelectionMode::median && !by_person;
     const bool another = place_ && (voting != voted_ || (!voting && place != place_));
-    changed_over_ = follows_one() && (another || std::exchange(bereft_, false));
+    changed_over_ = follows_one() && (another || std::exchange(control_removed_, false));
     place_ = place;
     voted_ = voting;
     if (voting) {
@@ -234,18 +234,18 @@ bool InputSelector::agrees(const ChannelFrame& frame) const {
 /// Whether any input may be outvoted. With fewer than two inputs that agree with the majority
 /// everywhere (each agrees with another one on another channel), it is unknown which one is wrong,
 /// and only the vote on each channel decides.
-bool InputSelector::has_witnesses(std::span<const Input> inputs) const {
-    std::size_t witnesses = 0;
+bool InputSelector::enough_inputs_agree(std::span<const Input> inputs) const {
+    std::size_t agreeing = 0;
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         const Voter& voter = voters_[place];
         const bool votes = voter.serves && !voter.outvoted;
-        witnesses += votes && !dissents(control(place, inputs)) ? 1U : 0U;
+        agreeing += votes && !dissents(control(place, inputs)) ? 1U : 0U;
     }
-    return witnesses >= kWitnesses;
+    return agreeing >= kLeastAgreeing;
 }
 
 void InputSelector::watch_dissent(Instant now, std::span<const Input> inputs) {
-    const bool certain = has_witnesses(inputs);
+    const bool certain = enough_inputs_agree(inputs);
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         Voter& voter = voters_[place];
         const ChannelFrame& frame = control(place, inputs);

@@ -84,7 +84,7 @@ class InputSelector {
     void vote(std::span<const Input> inputs);
     void decide(std::size_t channel, std::span<Pulse> values);
     void watch_dissent(Instant now, std::span<const Input> inputs);
-    bool has_witnesses(std::span<const Input> inputs) const;
+    bool enough_inputs_agree(std::span<const Input> inputs) const;
     bool dissents(const ChannelFrame& frame) const;
     bool agrees(const ChannelFrame& frame) const;
     const ChannelFrame& control(std::size_t place, std::span<const Input> inputs) const {
@@ -101,7 +101,7 @@ class InputSelector {
     std::optional<std::size_t> position_;  ///< latest position of the handover channel
     bool changed_over_ = false;
     /// The input in control was removed from the configuration.
-    bool bereft_ = false;
+    bool control_removed_ = false;
     ChannelFrame frame_;
     /// Channels on which a majority of three or more inputs agrees.
     std::bitset<kChannelCount> majority_;

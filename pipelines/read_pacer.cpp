@@ -10,7 +10,7 @@ void ReadPacer::frame_ended() {
     if (!same_length || (!paced_ && deliveries_ < kManyDeliveries)) {
         frames_in_pieces_ = 0;
     } else if (!paced_) {
-        frames_in_pieces_ = std::min(frames_in_pieces_ + 1, kFramesToBelieve);
+        frames_in_pieces_ = std::min(frames_in_pieces_ + 1, kFramesToConfirm);
     }
     frame_length_ = bytes_;
     bytes_ = 0;

@@ -22,11 +22,11 @@ class ReadPacer {
 
   private:
     void frame_ended();
-    bool in_pieces() const { return frames_in_pieces_ >= kFramesToBelieve; }
+    bool in_pieces() const { return frames_in_pieces_ >= kFramesToConfirm; }
 
     /// Deliveries per frame from which pacing saves more than its two system calls cost.
     static constexpr int kManyDeliveries = 8;
-    static constexpr int kFramesToBelieve = 8;
+    static constexpr int kFramesToConfirm = 8;
     /// A pause between frames is longer than the jitter between bytes.
     static constexpr int kPauseBytes = 5;
     /// Reading resumes this many bytes before the end of the frame.

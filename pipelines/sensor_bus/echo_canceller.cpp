@@ -23,13 +23,13 @@ void EchoCanceller::sent(std::span<const std::uint8_t> frame, Instant now) {
 
 void EchoCanceller::cancel(std::span<const std::uint8_t>& bytes, Instant now) {
     expire(now);
-    const std::size_t echoed = std::min(bytes.size(), length_ - heard_);
+    const std::size_t echoed = std::min(bytes.size(), length_ - echoed_);
     differs_ =
         differs_ || !std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(echoed),
-                                frame_.begin() + static_cast<std::ptrdiff_t>(heard_));
-    heard_ += echoed;
+                                frame_.begin() + static_cast<std::ptrdiff_t>(echoed_));
+    echoed_ += echoed;
     bytes = bytes.subspan(echoed);
-    if (heard_ == length_) {
+    if (echoed_ == length_) {
         finish();
     }
 }
@@ -40,7 +40,7 @@ bool EchoCanceller::cancel_damaged(Instant now) {
         return false;
     }
     differs_ = true;
-    if (++heard_ == length_) {
+    if (++echoed_ == length_) {
         finish();
     }
     return true;
@@ -54,16 +54,16 @@ void EchoCanceller::expire(Instant now) {
 
 void EchoCanceller::finish() {
     if (length_ > 0) {
-        if (heard_ == 0) {
-            ++counts_.unheard;
-        } else if (differs_ || heard_ < length_) {
+        if (echoed_ == 0) {
+            ++counts_.missing;
+        } else if (differs_ || echoed_ < length_) {
             ++counts_.collisions;
         } else {
-            ++counts_.heard;
+            ++counts_.returned;
         }
     }
     length_ = 0;
-    heard_ = 0;
+    echoed_ = 0;
     differs_ = false;
 }
 

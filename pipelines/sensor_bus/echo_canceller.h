@@ -12,9 +12,9 @@ namespace tribus {
 
 /// Counters of one wire since the start. They never decrease.
 struct EchoCounts {
-    std::uint64_t heard = 0;  ///< own frames that came back as sent
+    std::uint64_t returned = 0;  ///< own frames that came back as sent
     /// Own frames of which nothing came back: separate wires, or no wire.
-    std::uint64_t unheard = 0;
+    std::uint64_t missing = 0;
     /// Own frames that came back changed or incomplete: another device sent at the same time.
     std::uint64_t collisions = 0;
 };
@@ -40,7 +40,7 @@ class EchoCanceller {
 
     std::array<std::uint8_t, kLongestSensorFrame> frame_{};
     std::size_t length_ = 0;
-    std::size_t heard_ = 0;
+    std::size_t echoed_ = 0;
     bool differs_ = false;
     Instant until_{};
     EchoCounts counts_;

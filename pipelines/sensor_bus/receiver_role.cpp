@@ -34,14 +34,14 @@ void ReceiverRole::start(Instant now) {
     stage_ = settings_.power_up_frames ? Stage::power_up : Stage::polling;
 }
 
-bool ReceiverRole::hears_itself() const {
-    const bool told = settings_.power_up_frames && stage_ != Stage::power_up;
+bool ReceiverRole::receives_echo() const {
+    const bool known = settings_.power_up_frames && stage_ != Stage::power_up;
     return settings_.wires == Wires::one ||
-           (settings_.wires == Wires::automatic && (!told || echo_.counts().heard > 0));
+           (settings_.wires == Wires::automatic && (!known || echo_.counts().returned > 0));
 }
 
 void ReceiverRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
-    if (hears_itself()) {
+    if (receives_echo()) {
         echo_.cancel(bytes, now);
     }
     while (const auto frame = parser_.next(bytes, now)) {
@@ -50,7 +50,7 @@ void ReceiverRole::receive(std::span<const std::uint8_t> bytes, Instant now, Val
 }
 
 void ReceiverRole::damaged_byte(Instant now) {
-    if (!hears_itself() || !echo_.cancel_damaged(now)) {
+    if (!receives_echo() || !echo_.cancel_damaged(now)) {
         parser_.damaged_byte(now);
     }
 }
@@ -139,7 +139,7 @@ std::span<const std::uint8_t> ReceiverRole::send(const Request& request) {
 
 void ReceiverRole::written(Instant now, ValueBoard& /*board*/) {
     ++counts_.requests;
-    if (hears_itself()) {
+    if (receives_echo()) {
         echo_.sent({wire_.data(), wire_length_}, now);
     }
 }

@@ -122,7 +122,7 @@ class ReceiverRole final : public SensorBusRole {
                     ValueBoard& board);
     void drop_from(std::size_t sensor, ValueBoard& board);
     void forget_reading(std::size_t sensor, ValueBoard& board);
-    bool hears_itself() const;
+    bool receives_echo() const;
 
     ReceiverRoleSettings settings_;
     /// By id. The table's own search runs at the start only.

@@ -16,10 +16,10 @@ constexpr Duration kRestartSilence = 500ms;
 /// A prepared answer that is older is prepared again when the request comes: two slots.
 constexpr Duration kPreparedFor = 16ms;
 /// Upper limit of the confidence in the request period. Each request on time adds one. From
-/// kEnoughBelief on, the period may show that a request was read late. That costs kCostOfLate, so a
-/// second one in a row is not believed: the receiver has another period, or none.
-constexpr int kMostBelief = 64;
-constexpr int kEnoughBelief = 32;
+/// kTrustedConfidence on, the period may show that a request was read late. That costs kCostOfLate,
+/// so that a second one in a row is not trusted: the receiver has another period, or none.
+constexpr int kMostConfidence = 64;
+constexpr int kTrustedConfidence = 32;
 constexpr int kCostOfLate = 24;
 
 }  // namespace
@@ -46,12 +46,12 @@ void SensorRole::continue_from(const SensorRole& before) {
     reply_length_ = before.reply_length_;
     reply_at_ = before.reply_at_;
     reply_until_ = before.reply_until_;
-    rhythm_belief_ = before.rhythm_belief_;
+    period_confidence_ = before.period_confidence_;
     counts_ = before.counts_;
 }
 
 void SensorRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
-    if (settings_.hears_itself) {
+    if (settings_.receives_echo) {
         echo_.cancel(bytes, now);
     }
     if (pending_ && !bytes.empty()) {
@@ -69,7 +69,7 @@ void SensorRole::receive(std::span<const std::uint8_t> bytes, Instant now, Value
 }
 
 void SensorRole::damaged_byte(Instant now) {
-    if (settings_.hears_itself && echo_.cancel_damaged(now)) {
+    if (settings_.receives_echo && echo_.cancel_damaged(now)) {
         return;
     }
     if (pending_) {
@@ -90,7 +90,7 @@ void SensorRole::take(const SensorFrame& frame, Instant now, bool more_follows, 
     if (restarted) {
         first_address_ = settings_.first_address;
         requests_ = {};
-        rhythm_belief_ = 0;
+        period_confidence_ = 0;
     }
     latest_request_ = now;
     if (!frame.is_request() || frame.command == SensorCommand::power_up) {
@@ -156,9 +156,10 @@ bool SensorRole::prepare_reply(const SensorFrame& frame, std::size_t sensor, Ins
 bool SensorRole::read_late(Instant now) {
     const Duration behind = now - std::min(now, requests_.rhythm());
     const bool late = behind + settings_.reply_after > settings_.reply_within;
-    const bool believed = rhythm_belief_ >= kEnoughBelief;
-    rhythm_belief_ = std::clamp(rhythm_belief_ + (late ? -kCostOfLate : 1), 0, kMostBelief);
-    return late && believed;
+    const bool trusted = period_confidence_ >= kTrustedConfidence;
+    period_confidence_ =
+        std::clamp(period_confidence_ + (late ? -kCostOfLate : 1), 0, kMostConfidence);
+    return late && trusted;
 }
 
 void SensorRole::withhold() {
@@ -180,7 +181,7 @@ std::span<const std::uint8_t> SensorRole::run(Instant now, ValueBoard& /*board*/
 
 void SensorRole::written(Instant now, ValueBoard& board) {
     ++counts_.answered;
-    if (settings_.hears_itself) {
+    if (settings_.receives_echo) {
         echo_.sent({reply_.data(), reply_length_}, now);
     }
     prepare_all(now, board);

@@ -41,7 +41,7 @@ struct SensorRoleSettings {
     std::optional<std::uint8_t> first_address = 1;
     std::vector<SensorSettings> sensors{};
     /// One wire for both directions: sent bytes come back.
-    bool hears_itself = true;
+    bool receives_echo = true;
     /// Delay of an answer after its request was read. After `reply_within` it is not sent at all.
     /// Genuine receivers are proven to accept 0.1 to 1 ms (docs/protocols/ibus.md, "Sensor bus:
     /// answer times").
@@ -118,7 +118,7 @@ class SensorRole final : public SensorBusRole {
     std::size_t reply_length_ = 0;
     Instant reply_at_{};
     Instant reply_until_{};
-    int rhythm_belief_ = 0;
+    int period_confidence_ = 0;
     SensorRoleCounts counts_;
 };
 
