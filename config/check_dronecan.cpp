@@ -22,7 +22,7 @@ struct NodeClaim {
     Location where;
 };
 
-bool speaks_dronecan(const OutputDraft& output) {
+bool sends_dronecan(const OutputDraft& output) {
     return output.port_sound && output.settings_sound &&
            output.config.protocol == &kDroneCanProtocol;
 }
@@ -43,12 +43,12 @@ class NodeChecks {
             }
         }
         for (const OutputDraft& output : draft_.outputs) {
-            if (speaks_dronecan(output)) {
+            if (sends_dronecan(output)) {
                 claim_output(output);
             }
         }
         for (const OutputDraft& output : draft_.outputs) {
-            if (speaks_dronecan(output)) {
+            if (sends_dronecan(output)) {
                 check_id(output);
                 check_twice(output);
             }

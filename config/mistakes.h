@@ -20,7 +20,7 @@ struct Mistake {
 };
 
 /// Whether all of these mistakes may disappear without a change of the configuration.
-bool may_pass(std::span<const Mistake> mistakes);
+bool may_be_temporary(std::span<const Mistake> mistakes);
 
 /// Formats a mistake as `file:line:column: what is wrong; what is allowed`.
 std::string format_mistake(const Mistake& mistake);

@@ -28,7 +28,7 @@ class LostText {
     /// Whether a lost line contains the word (letters, digits, `_`, `-`).
     bool mentions(std::string_view word) const;
     /// Whether the table whose header stands in that line has lost text.
-    bool hurts(Location table) const { return header_lines_.count(table.line) != 0; }
+    bool affects(Location table) const { return header_lines_.count(table.line) != 0; }
 
   private:
     std::set<std::string, std::less<>> words_;

@@ -65,7 +65,7 @@ void check_keys(const TableContent& content, LineRole role, Mistakes& mistakes) 
 /// Reports a missing key that only some roles require, which the key table cannot express.
 void needs(const TableContent& content, std::string_view title, LineRole role, std::string_view key,
            std::string_view example, Reading reading) {
-    if (!content.given(key) && !reading.lost.hurts(content.where(key))) {
+    if (!content.given(key) && !reading.lost.affects(content.where(key))) {
         reading.mistakes.add(content.where(key),
                              fmt::format("{} lacks {}; required with role {}, such as {}", title,
                                          in_quotes(key), in_quotes(name_of(role)), example));
@@ -152,7 +152,7 @@ ValueRule read_switch_rule(const TableContent& content, std::string_view title, 
     constexpr std::string_view kExample = "channel = 9, above = 1700";
     needs(content, title, LineRole::channel_switch, "output", "output = \"servos\"", reading);
     needs(content, title, LineRole::channel_switch, "channel", kExample, reading);
-    if (!has_value_limit(content) && !reading.lost.hurts(content.where("above"))) {
+    if (!has_value_limit(content) && !reading.lost.affects(content.where("above"))) {
         reading.mistakes.add(content.where("above"),
                              fmt::format("{} has no limit; at least one of {} is required with "
                                          "role \"switch\", such as {}",

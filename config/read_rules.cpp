@@ -25,7 +25,7 @@ void check_value_rule(const RuleRef& ref, const TableContent& content, Reading r
         }
         return;
     }
-    if (reading.lost.hurts(where)) {
+    if (reading.lost.affects(where)) {
         return;
     }
     if (!content.given("channel")) {

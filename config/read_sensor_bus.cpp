@@ -145,7 +145,7 @@ void read_sensors(const TableContent& content, const std::string& title, const S
     const Entry* entry = content.find("sensor");
     const auto* list = entry == nullptr ? nullptr : entry->value.as<List>();
     if (list == nullptr || list->items.empty()) {
-        if (!reading.lost.hurts(content.where("sensor"))) {
+        if (!reading.lost.affects(content.where("sensor"))) {
             reading.mistakes.add(content.where("sensor"),
                                  fmt::format("{} has no sensors; required with role \"sensor\": "
                                              "[{}.sensor]], each with \"type\" and \"value\"",

@@ -99,7 +99,7 @@ bool has_value(const Key& key) {
 }
 
 void report_missing(const TableRef& ref, const Key& key, Reading reading) {
-    if (reading.lost.hurts(ref.where)) {
+    if (reading.lost.affects(ref.where)) {
         return;
     }
     const std::string meaning = key.kind == KeyKind::protocol

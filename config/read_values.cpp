@@ -223,7 +223,7 @@ ValuesDraft read_values(const Entry& entry, const Table& table, Reading reading)
     ValuesDraft draft;
     draft.config.name = entry.key;
     draft.where = entry.where;
-    if (!reading.lost.hurts(entry.value.where)) {
+    if (!reading.lost.affects(entry.value.where)) {
         check_kind(content, title, reading.mistakes);
     }
     if (content.given("constant")) {

@@ -85,14 +85,14 @@ void CaptureRing::record(std::span<const std::uint8_t> written, Instant at) {
     }
 }
 
-void CaptureRing::record(Passage passage, const CanFrame& frame, Instant at) {
+void CaptureRing::record(Direction direction, const CanFrame& frame, Instant at) {
     using Marks = CaptureMarks;
     const auto mark = [](bool set, std::uint8_t bit) { return set ? bit : std::uint8_t{0}; };
     CapturePiece piece;
     piece.at_ns = at.time_since_epoch().count();
     piece.can_id = frame.id;
     piece.marks = static_cast<std::uint8_t>(
-        Marks::kCan | mark(passage == Passage::written, Marks::kWritten) |
+        Marks::kCan | mark(direction == Direction::written, Marks::kWritten) |
         mark(frame.extended, Marks::kExtended) | mark(frame.remote, Marks::kRemote) |
         mark(frame.fd, Marks::kFd) | mark(frame.bit_rate_switch, Marks::kBitRateSwitch) |
         mark(frame.error_state_indicator, Marks::kErrorState));

@@ -14,7 +14,7 @@
 namespace tribus {
 
 /// Direction in which something passed a port.
-enum class Passage : std::uint8_t { read, written };
+enum class Direction : std::uint8_t { read, written };
 
 /// Flags of a piece of a capture.
 struct CaptureMarks {
@@ -44,8 +44,8 @@ struct CapturePiece {
 
     Instant at() const { return Instant(Duration(at_ns)); }
     bool has(std::uint8_t mark) const { return (marks & mark) != 0; }
-    Passage passage() const {
-        return has(CaptureMarks::kWritten) ? Passage::written : Passage::read;
+    Direction direction() const {
+        return has(CaptureMarks::kWritten) ? Direction::written : Direction::read;
     }
     std::span<const std::uint8_t> data() const { return {bytes.data(), count}; }
 };
@@ -75,7 +75,7 @@ class CaptureRing {
     /// Records the bytes of one write. Data thread.
     void record(std::span<const std::uint8_t> written, Instant at);
     /// Records one CAN frame. Data thread.
-    void record(Passage passage, const CanFrame& frame, Instant at);
+    void record(Direction direction, const CanFrame& frame, Instant at);
 
     /// Number of the next piece, counted from the creation of the ring. Thread-safe, as all below.
     std::uint64_t end() const;

@@ -155,7 +155,7 @@ void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
     }
     port.wiring.capture->record(sent.bytes, at);
     for (const CanFrame& frame : sent.can_frames) {
-        port.wiring.capture->record(Passage::written, frame, at);
+        port.wiring.capture->record(Direction::written, frame, at);
     }
 }
 

@@ -69,7 +69,7 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
 void Loop::hand_on_can(const PortWiring& wiring) {
     for (const ReceivedCanFrame& received : can_reception_.view()) {
         if (wiring.capture != nullptr) {
-            wiring.capture->record(Passage::read, received.frame, received.at);
+            wiring.capture->record(Direction::read, received.frame, received.at);
         }
         for (const std::size_t input : wiring.inputs) {
             if (engine_.receive(input, received.frame, received.at)) {
