@@ -23,9 +23,9 @@ Instant Loop::advance_values(Instant now) {
         ByteLink* link = port.link ? port.link->as_bytes() : nullptr;
         clock_ = monotonic_now();
         // After that time nobody waits for the answer any more.
-        const bool held_up = clock_ - now > kMostAnswerDelay;
+        const bool too_late = clock_ - now > kMostAnswerDelay;
         const WriteStatus status = link == nullptr ? WriteStatus::lost
-                                   : held_up       ? WriteStatus::busy
+                                   : too_late      ? WriteStatus::busy
                                                    : link->write(write.bytes);
         clock_ = monotonic_now();
         if (status == WriteStatus::written) {

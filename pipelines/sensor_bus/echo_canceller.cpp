@@ -10,7 +10,7 @@ namespace {
 constexpr Duration kByteTime = std::chrono::nanoseconds(95'486);
 /// Allowance for drivers that deliver late. Shorter than the 4 ms between a reply and the next slot
 /// of a receiver.
-constexpr Duration kPatience = std::chrono::milliseconds(2);
+constexpr Duration kLateDelivery = std::chrono::milliseconds(2);
 
 }  // namespace
 
@@ -18,7 +18,7 @@ void EchoCanceller::sent(std::span<const std::uint8_t> frame, Instant now) {
     finish();
     length_ = std::min(frame.size(), frame_.size());
     std::copy_n(frame.begin(), length_, frame_.begin());
-    until_ = now + static_cast<Duration::rep>(length_) * kByteTime + kPatience;
+    until_ = now + static_cast<Duration::rep>(length_) * kByteTime + kLateDelivery;
 }
 
 void EchoCanceller::cancel(std::span<const std::uint8_t>& bytes, Instant now) {
