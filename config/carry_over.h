@@ -24,6 +24,7 @@ struct CarryOver {
     /// Reasons why a reload must stop all outputs, as sentences. Empty if none.
     std::vector<std::string> obstacles;
 };
+/// Compares two valid configurations. Reads only the links of device paths. Main thread.
 CarryOver plan_carry_over(const Configuration& running, const Configuration& fresh);
 
 }  // namespace tribus

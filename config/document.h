@@ -25,9 +25,11 @@ struct List {
 struct Table {
     std::vector<Entry> entries;
 
+    /// The entry with that key. Null if there is none.
     const Entry* find(std::string_view key) const;
 };
 
+/// A value and its place in the file.
 struct Value {
     Location where;
     std::variant<bool, std::int64_t, double, std::string, DateOrTime, List, Table> content;
@@ -38,6 +40,7 @@ struct Value {
     }
 };
 
+/// A key with its value.
 struct Entry {
     std::string key;
     Location where;  ///< place of the key

@@ -12,6 +12,7 @@
 /// that the checks across tables need for their messages.
 namespace tribus {
 
+/// [input.NAME]. The flags `..._sound` are false after a mistake in the keys that they stand for.
 struct InputDraft {
     InputConfig config;
     Location where;                   ///< place of its name
@@ -28,6 +29,7 @@ struct ValueUse {
     Location where;
 };
 
+/// [output.NAME], as above.
 struct OutputDraft {
     OutputConfig config;
     Location where;
@@ -40,6 +42,7 @@ struct OutputDraft {
     std::vector<ValueUse> used_values;
 };
 
+/// [gpio.NAME], as above.
 struct LineDraft {
     LineConfig config;
     Location where;                  ///< place of its name
@@ -49,12 +52,14 @@ struct LineDraft {
     bool role_sound = true;
 };
 
+/// [sensor_bus.NAME], as above.
 struct SensorBusDraft {
     SensorBusConfig config;
     Location where;  ///< place of its name
     bool port_sound = true;
 };
 
+/// [values.NAME], as above.
 struct ValuesDraft {
     ValuesConfig config;
     Location where;  ///< place of its name
@@ -62,6 +67,7 @@ struct ValuesDraft {
     bool sound = true;
 };
 
+/// [dronecan.NAME], as above.
 struct DroneCanDraft {
     DroneCanConfig config;
     Location where;                   ///< place of its name
@@ -69,6 +75,7 @@ struct DroneCanDraft {
     bool sound = true;
 };
 
+/// The whole file.
 struct Draft {
     RuntimeConfig runtime;
     std::optional<RecorderConfig> recorder;
@@ -105,6 +112,7 @@ std::optional<std::size_t> index_of(const Drafts& drafts, std::string_view name)
     return std::nullopt;
 }
 
+/// Names of all elements.
 template <class Drafts>
 std::vector<std::string_view> names_in(const Drafts& drafts) {
     std::vector<std::string_view> names;

@@ -19,6 +19,7 @@ nlohmann::ordered_json value_json(SettingType type, const SettingValue& value);
 /// The values of `keys`, in that order and in the notation of their types.
 nlohmann::ordered_json values_json(const SettingValues& values, std::span<const Key> keys);
 
+/// A rule about channel values, as it is written in the file.
 nlohmann::ordered_json value_rule_json(const ValueRule& rule);
 
 /// The channel number if the channel is only mapped, else a table with all keys.

@@ -29,6 +29,7 @@ enum class KeyKind : std::uint8_t {
     channels,      ///< { channel number = channel number, or a table with the keys `inside` }
 };
 
+/// A row of the key table.
 struct Key {
     Setting setting;
     KeyKind kind = KeyKind::value;

@@ -33,10 +33,12 @@ class Mistakes {
     void add(Location where, std::string text) {
         mistakes_.push_back({file_, where, std::move(text)});
     }
+    /// Adds a mistake with `out_of_reach`.
     void add_out_of_reach(Location where, std::string text) {
         mistakes_.push_back({file_, where, std::move(text), true});
     }
     bool empty() const { return mistakes_.empty(); }
+    /// Whether there is a mistake on that line.
     bool on_line(unsigned line) const;
     const std::string& file() const { return file_; }
     /// Sorted by line and column. Mistakes at the same place keep their order.

@@ -23,6 +23,7 @@ inline constexpr std::size_t kMostReparsedBytes = 8UL * 1024UL * 1024UL;
 /// in it is not missing.
 class LostText {
   public:
+    /// Adds a line that was left out. `header_line`: the line of the header of its table.
     void add_line(std::string_view line, unsigned header_line);
 
     /// Whether a lost line contains the word (letters, digits, `_`, `-`).
@@ -35,6 +36,7 @@ class LostText {
     std::set<unsigned> header_lines_;
 };
 
+/// A file as far as it could be read.
 struct Document {
     Table root;
     LostText lost;

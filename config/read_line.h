@@ -14,6 +14,7 @@ LineDraft read_line(const Entry& entry, const Table& table, const Draft& draft, 
 /// The keys of a line with that role.
 std::span<const std::string_view> keys_of_role(LineRole role);
 
+/// The name of a role in the configuration.
 std::string_view name_of(LineRole role);
 
 }  // namespace tribus

@@ -31,6 +31,7 @@ std::optional<ValueRule> read_value_rule(const RuleRef& ref, Reading reading);
 ValueRule value_rule_of(const TableContent& content);
 /// The keys with limits of a value.
 inline constexpr std::array<std::string_view, 3> kValueLimits{"below", "above", "between"};
+/// Whether at least one of these keys was given.
 bool has_value_limit(const TableContent& content);
 
 /// Channel rules of [pipeline.NAME.channels] or [input.NAME.map]. `draft` is null for an input,
@@ -45,12 +46,14 @@ PlacedRules read_channels(const Value& value, const std::string& title, Draft* d
 /// Reads `preset`, complete for all channels. `nullopt` if it is not a table.
 using Presets = std::array<Pulse, kChannelCount>;
 std::optional<Presets> read_presets(const Value& value, Mistakes& mistakes);
+/// The presets of kDefaultPreset.
 Presets default_presets();
 
 /// Adds a mistake at `upper` if no value can lie between the two limits.
 void check_limits(const TableContent& content, std::string_view lower, std::string_view upper,
                   std::string_view otherwise, Mistakes& mistakes);
 
+/// The pulse or the range of pulses of a key. `nullopt` if it has no valid value.
 std::optional<Pulse> pulse_of(const TableContent& content, std::string_view key);
 std::optional<PulseRange> pulses_of(const TableContent& content, std::string_view key);
 

@@ -34,6 +34,7 @@ struct Location {
 
 enum class Realtime : std::uint8_t { automatic, off, require };
 
+/// [runtime].
 struct RuntimeConfig {
     Realtime realtime = Realtime::automatic;
     int priority = 80;
@@ -55,6 +56,7 @@ struct PortConfig {
     bool operator==(const PortConfig&) const = default;
 };
 
+/// [input.NAME].
 struct InputConfig {
     std::string name;
     const Protocol* protocol = nullptr;
@@ -70,6 +72,7 @@ struct InputConfig {
 /// Default upper limit of the period of an output. A protocol may set its own.
 inline constexpr Duration kMostOutputPeriod = std::chrono::seconds(1);
 
+/// [output.NAME].
 struct OutputConfig {
     std::string name;
     const Protocol* protocol = nullptr;
@@ -82,6 +85,7 @@ struct OutputConfig {
     bool operator==(const OutputConfig&) const = default;
 };
 
+/// [pipeline.NAME].
 struct PipelineConfig {
     std::string name;
     SelectionSettings selection;
@@ -120,6 +124,7 @@ struct SensorConfig {
     bool operator==(const SensorConfig&) const = default;
 };
 
+/// [sensor_bus.NAME], in either role.
 struct SensorBusConfig {
     std::string name;
     PortConfig port;
@@ -181,6 +186,7 @@ struct ValueMessageConfig {
     bool operator==(const ValueMessageConfig&) const = default;
 };
 
+/// [values.NAME].
 struct ValuesConfig {
     std::string name;
     std::variant<ConstantConfig, ValueMessageConfig> source;
@@ -217,6 +223,7 @@ struct RecorderConfig {
     bool operator==(const RecorderConfig&) const = default;
 };
 
+/// A whole configuration.
 struct Configuration {
     std::string file;
     RuntimeConfig runtime;

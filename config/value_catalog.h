@@ -50,6 +50,7 @@ struct ValueCatalog {
     std::vector<Message> messages;
     std::vector<Readings> readings;  ///< one for each bus, empty for the sensor role
 
+    /// Index of the value with that name.
     std::optional<std::size_t> find(std::string_view name) const;
 };
 ValueCatalog catalog_of(const ValueSources& sources);

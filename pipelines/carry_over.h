@@ -13,12 +13,14 @@ namespace tribus {
 /// `nullopt`: it starts without state.
 using CarriedFrom = std::optional<std::size_t>;
 
+/// How an input continues.
 struct InputCarry {
     CarriedFrom from{};
     /// Its own channel rules are unchanged, so that its slews continue.
     bool same_channels = false;
 };
 
+/// How an output continues.
 struct OutputCarry {
     CarriedFrom from{};
     bool same_channels = false;

@@ -10,6 +10,7 @@ namespace tribus {
 /// argument. Thread-bound.
 class Debouncer {
   public:
+    /// `still`: time for which a new level must be stable. Zero: no debouncing.
     explicit Debouncer(Duration still) : still_(still) {}
 
     /// Takes the level at `now`. `nullopt` means that the line cannot be read; that, and the first

@@ -51,6 +51,7 @@ class Engine {
     void receive_node(std::size_t node, const CanFrame& frame, Instant at) {
         nodes_[node]->receive(frame, at);
     }
+    /// The device of one input is gone.
     void device_lost(std::size_t input) { inputs_[input].device_lost(); }
     /// Unread bytes of one input were discarded.
     void bytes_discarded(std::size_t input) { inputs_[input].bytes_discarded(); }

@@ -14,6 +14,7 @@ class Glide {
   public:
     /// Starts from the channels of `from`, which were sent at `now`.
     void start(const ChannelFrame& from, double us_per_second, Instant now);
+    /// Ends the limit for all channels.
     void stop() { under_way_.reset(); }
     /// Sets the channels that have not arrived to the values that they have reached. A channel that
     /// is absent in `frame` stays absent and is no longer limited.

@@ -30,6 +30,7 @@ enum class OutputFact : std::uint8_t {
     cannot_send,
 };
 
+/// Last part of the name of a value, and its unit.
 struct FactName {
     std::string_view name;
     std::string_view unit;
@@ -43,6 +44,7 @@ inline constexpr std::array<FactName, 4> kOutputFacts{
 /// Health of inputs and outputs as numbers. Pure. Thread-bound. No allocation after construction.
 class HealthWatch {
   public:
+    /// Covers the first `inputs` inputs and `outputs` outputs of the engine.
     HealthWatch(std::size_t inputs, std::size_t outputs);
 
     /// Least time between two calls of `look`.
@@ -51,6 +53,7 @@ class HealthWatch {
     /// Takes over the history of `before` for each input and output that `carry` names.
     void continue_from(const HealthWatch& before, const EngineCarry& carry);
 
+    /// Samples the counters. Call every kPeriod, so that the samples cover a second.
     void look(const Engine& engine, Instant now);
     /// Number as of the latest `look`. `nullopt` if there is none yet.
     std::optional<double> number(const Engine& engine, std::size_t input, InputFact fact,

@@ -51,6 +51,7 @@ struct InputCounts {
 /// allocation after construction.
 class Input {
   public:
+    /// `index`: of this input, stored in its frames as their source.
     Input(InputSettings settings, std::uint8_t index);
 
     /// Takes over the state of `before`, an input with the same protocol and protocol settings: a

@@ -12,6 +12,7 @@ inline constexpr Duration kBlinkHalf = std::chrono::milliseconds(250);
 inline bool blink_is_on(Instant now) {
     return now.time_since_epoch() / kBlinkHalf % 2 == 0;
 }
+/// When the lamps change next.
 inline Instant next_blink(Instant now) {
     return Instant((now.time_since_epoch() / kBlinkHalf + 1) * kBlinkHalf);
 }

@@ -48,6 +48,7 @@ struct OutputSettings {
 /// Value of `OutputState::input` if no input is in control.
 inline constexpr std::size_t kNoInput = SIZE_MAX;
 
+/// What an output does. `cannot_send` takes precedence over the others.
 enum class OutputStage : std::uint8_t {
     failsafe,     ///< no input in control: presets, held values with flags, or silence
     holding,      ///< the input is lost: the last values, marked frame-lost
@@ -116,6 +117,7 @@ class Output {
   public:
     explicit Output(OutputSettings settings);
 
+    /// Starts the schedule.
     void start(Instant now) { schedule_.start(now); }
     /// Sets the source of named values. Call before `start`. `board` must outlive the output.
     void use(const ValueBoard& board);
@@ -130,6 +132,7 @@ class Output {
     void set_period(Duration period) { schedule_.set_period(period); }
     /// A frame of input `index`, one of `inputs()`, has arrived.
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
+    /// When to call `run` next.
     Instant due() const { return schedule_.due(); }
     /// Makes the next frame. Call when due. A silent output makes none.
     void run(Instant now, std::span<const Input> inputs);
@@ -179,6 +182,7 @@ class Output {
     bool sends() const { return made_frame_; }
     /// When its latest frame was due.
     Instant latest_due() const { return latest_due_; }
+    /// Index of the input in control. `nullopt` if none is.
     std::optional<std::size_t> controlling_input() const;
     const OutputCounts& counts() const { return counts_; }
     std::uint64_t overruns() const { return schedule_.overruns(); }

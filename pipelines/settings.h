@@ -84,6 +84,7 @@ struct FromChannel {
 
     bool operator==(const FromChannel&) const = default;
 };
+/// Term of a mix.
 struct MixTerm {
     std::size_t channel = 0;
     double weight = 0;
@@ -96,6 +97,7 @@ struct Mix {
 
     bool operator==(const Mix&) const = default;
 };
+/// A constant pulse.
 struct Fixed {
     Pulse pulse;
 
@@ -132,6 +134,7 @@ struct ChannelRule {
     bool operator==(const ChannelRule&) const = default;
 };
 
+/// How the input in control is selected.
 enum class SelectionMode : std::uint8_t {
     priority,  ///< the first healthy input; a better one takes over once it has recovered
     sticky,    ///< the input in control, until it is lost
@@ -168,6 +171,7 @@ struct SelectionSettings {
 
 enum class FailsafeAction : std::uint8_t { preset, hold, silence };
 
+/// What an output sends after a loss.
 struct FailsafeSettings {
     /// After a loss the output holds the last values, marked frame-lost, for this time.
     Duration hold = std::chrono::milliseconds(300);
@@ -201,6 +205,7 @@ inline bool is_input_role(LineRole role) {
     return role == LineRole::force_failsafe || role == LineRole::select || role == LineRole::button;
 }
 
+/// What one GPIO line does.
 struct LineTask {
     LineRole role = LineRole::link;
     /// Indices of the outputs that the line shows or forces.

@@ -46,6 +46,7 @@ struct ChannelValue {
     std::size_t channel = 0;
 };
 
+/// A named value that does not change.
 struct ConstantValue {
     std::size_t value = 0;
     double number = 0;
@@ -87,6 +88,7 @@ class ValueEngine {
     const ValueBoard& board() const { return board_; }
     std::size_t bus_count() const { return buses_.size(); }
 
+    /// Sets the constants and starts the buses.
     void start(Instant now);
     /// Call after `start`. The parts named in `carry` and `engine` take over their state in
     /// `before`, which is unusable afterwards.
@@ -109,6 +111,7 @@ class ValueEngine {
     }
     /// Takes a CAN frame that arrived at `at` on the interface of one message.
     void receive(std::size_t message, const CanFrame& frame, Instant at);
+    /// The device of one bus is gone.
     void device_lost(std::size_t bus) { role(bus).device_lost(board_); }
     /// Unread bytes of one bus were discarded.
     void bytes_discarded(std::size_t bus, Instant now) { role(bus).damaged_byte(now); }
@@ -126,10 +129,12 @@ class ValueEngine {
     };
     /// What the last `poll` made.
     std::span<const BusWrite> bus_writes() const { return bus_writes_; }
+    /// The bytes of a BusWrite were handed over, or could not be sent.
     void written(std::size_t bus, Instant now) { role(bus).written(now, board_); }
     void dropped(std::size_t bus) { role(bus).dropped(); }
 
     SensorBusState bus_state(std::size_t bus) const;
+    /// The CAN ids of one message.
     std::span<const CanIdMatch> wanted_ids(std::size_t message) const {
         return messages_[message].reader->wanted();
     }

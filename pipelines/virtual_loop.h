@@ -14,6 +14,7 @@ namespace tribus {
 class OutputObserver {
   public:
     virtual ~OutputObserver() = default;
+    /// An output handed over `sent`.
     virtual void wrote(std::size_t output, Instant at, const Transmission& sent) = 0;
     /// A sensor bus wrote `bytes`.
     virtual void bus_wrote(std::size_t /*bus*/, Instant /*at*/,

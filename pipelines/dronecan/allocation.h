@@ -14,11 +14,14 @@ namespace tribus::dronecan {
 /// random pauses between them (docs/protocols/can.md, "DroneCAN: nodes"). Pure. Thread-bound.
 class AllocationClient {
   public:
+    /// `preferred`: requested id, kNobody for any. `seed`: of the random pauses.
     AllocationClient(UniqueId unique_id, NodeId preferred, std::uint64_t seed);
 
+    /// Starts, or starts again, to request an id.
     void start(Instant now);
     /// Takes an allocation message: the request of another client, or an answer.
     void take(const Allocation& message, NodeId source, Instant at);
+    /// When to call `run` next.
     Instant due() const { return next_; }
     /// Returns the next request, to be sent by an anonymous node. Call when due.
     Allocation run(Instant now);

@@ -18,6 +18,7 @@
 
 namespace tribus::dronecan {
 
+/// State of a node; `NodeReport::stage`.
 enum class NodeStage : std::uint8_t {
     allocating,  ///< waits for an id
     online,
@@ -76,9 +77,11 @@ class Node {
 
     /// Frames of one transfer to write now. Empty if there is none.
     std::span<const CanFrame> frames_to_send(Instant now) const;
+    /// The frames of `frames_to_send` were handed over.
     void written();
     /// The bus still has the transfer before. The present one stays the next.
     void busy(Instant now);
+    /// The frames of `frames_to_send` cannot be sent and are discarded.
     void dropped();
     /// Sends a last status that says that the node goes offline.
     void end(Instant now);

@@ -34,6 +34,7 @@ class MachineNumbers {
     Instant measured_at() const {
         return Instant(Duration(measured_at_ns_.load(std::memory_order_acquire)));
     }
+    /// The fact with that index in kMachineFacts. `nullopt` if the machine does not report it.
     std::optional<double> number(std::size_t fact) const {
         const double latest = numbers_[fact].load(std::memory_order_acquire);
         return std::isnan(latest) ? std::nullopt : std::optional(latest);

@@ -9,6 +9,7 @@
 
 namespace tribus {
 
+/// Scheduling of the data thread: SCHED_FIFO priority (1 to 99) and processor (absent: any).
 struct SchedulingSettings {
     int priority = 80;
     std::optional<int> cpu;

@@ -37,6 +37,7 @@ struct FrameTimes {
 /// Times of an output. The data thread records, any thread may read.
 class OutputTiming {
   public:
+    /// A frame was handed over.
     void frame_went(const FrameTimes& times);
 
     /// From due to taken.

@@ -17,6 +17,7 @@ class SensorBusRole {
     SensorBusRole& operator=(const SensorBusRole&) = delete;
     virtual ~SensorBusRole() = default;
 
+    /// Call once, before any other call.
     virtual void start(Instant now) = 0;
     /// Takes undamaged bytes that were read at `now`.
     virtual void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) = 0;
