@@ -52,7 +52,7 @@ void Appliance::look_at_machine(Instant now, bool watches) {
         return;
     }
     next_machine_look_ = later(now, kPeriod);
-    machine_.tell(machine_watch_.look(), now);
+    machine_.set(machine_watch_.look(), now);
 }
 
 std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
@@ -114,7 +114,7 @@ std::vector<std::string> Appliance::make_threads(std::vector<PortWiring> wiring,
         gpio_thread_ = std::make_unique<GpioThread>(
             *line_exchange_, line_tasks(configuration_), std::move(lines),
             GpioThreadSettings{first ? std::optional(runtime.priority - 1) : std::nullopt});
-        line_exchange_->tell_states(engine_->shown_on_lines());
+        line_exchange_->set_states(engine_->shown_on_lines());
     }
     loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links),
                                    loop_settings(line_exchange_.get()));
@@ -138,7 +138,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
 
 tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
     std::unique_ptr<Appliance> appliance, MissingDevices missing) {
-    keep_stops_from_threads();
+    handle_sigcont();
     const auto recorder = appliance->make_recorder(nullptr);
     std::vector<std::string> errors = appliance->open_devices(missing);
     if (!recorder) {

@@ -84,7 +84,7 @@ void CaptureText::end_burst() {
         return;
     }
     burst_.begun = false;
-    Text& text = texts_[static_cast<std::size_t>(burst_.first.passage())];
+    Text& text = texts_[static_cast<std::size_t>(burst_.first.direction())];
     if (format_.can) {
         end_frame(text);
     } else {
@@ -96,7 +96,7 @@ void CaptureText::end_burst() {
 void CaptureText::end_bytes(Text& text) {
     const Duration length = format_.byte_time * static_cast<Duration::rep>(burst_.bytes.size());
     Duration start = burst_.first.at() - format_.zero;
-    if (burst_.first.passage() == Passage::read) {
+    if (burst_.first.direction() == Direction::read) {
         start -= length;
     }
     if (start < Duration::zero()) {
@@ -104,7 +104,7 @@ void CaptureText::end_bytes(Text& text) {
     }
     // A pty is faster than its line would be.
     start = std::max(start, text.latest_end);
-    text.latest_end = burst_.first.passage() == Passage::read ? start + length : start;
+    text.latest_end = burst_.first.direction() == Direction::read ? start + length : start;
     append_timed_line(text.text, start, burst_.bytes, burst_.damaged);
     ++text.count;
 }

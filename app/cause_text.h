@@ -18,7 +18,7 @@ std::string cause_text(const LinkState& state);
 std::string as_word(std::string_view name);
 /// "control", "hold", "failsafe", "cannot_send"; an output that says nothing in failsafe:
 /// "silent".
-std::string_view stage_word(OutputStage stage, bool speaks);
+std::string_view stage_word(OutputStage stage, bool sends);
 
 /// The same of an output: "under control of backup", "in failsafe until it is released".
 /// `inputs` are the names of all inputs, by index.

@@ -96,7 +96,7 @@ void Daemon::go_on(Instant now) {
 ReloadOutcome Daemon::refuse(const std::vector<Mistake>& mistakes) {
     explain_mistakes(mistakes);
     log_error("reload refused: {} {}; the old configuration runs on", path_,
-              may_pass(mistakes) ? "cannot be read as a whole" : "has mistakes");
+              may_be_temporary(mistakes) ? "cannot be read as a whole" : "has mistakes");
     service_.started(*appliance_, monotonic_now());
     ReloadOutcome outcome;
     for (const Mistake& mistake : mistakes) {

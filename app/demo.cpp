@@ -157,7 +157,7 @@ class Demo {
         figures.after = report.received;
         figures.link_up = report.link_up;
         figures.input_rate_hz = in_rate_.rate(input.counts.frames, now);
-        figures.output_rate_hz = out_rate_.rate(output.counts.sent, now);
+        figures.output_rate_hz = out_rate_.rate(output.counts.frames, now);
         figures.frames_in = report.frames_sent;
         figures.frames_out = report.frames_received;
         figures.lost = lost_;
@@ -194,7 +194,7 @@ class Demo {
         const std::uint64_t decoded = bench_.appliance->input_status(0).counts.frames;
         bench_.appliance->end();
         pause(kSettle);
-        const std::uint64_t written = bench_.appliance->output_status(0).counts.sent;
+        const std::uint64_t written = bench_.appliance->output_status(0).counts.frames;
         bench_.peers->stop();
         const PeerReport report = bench_.peers->report();
         lost_ = lost_frames(report, decoded, written);

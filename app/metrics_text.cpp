@@ -98,7 +98,7 @@ constexpr std::array kInputCounters{
 
 constexpr std::array kOutputCounters{
     Counter<OutputStatus>{"output_frames_total", "Frames sent.",
-                          [](const OutputStatus& status) { return status.counts.sent; }},
+                          [](const OutputStatus& status) { return status.counts.frames; }},
     Counter<OutputStatus>{"output_overruns_total", "Whole periods that were skipped.",
                           [](const OutputStatus& status) { return status.overruns; }},
     Counter<OutputStatus>{

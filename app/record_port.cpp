@@ -119,7 +119,7 @@ class Recorder {
         const ReadStatus status = link_->as_can()->read(can_reception_, now, wall_time_now());
         if (status == ReadStatus::received) {
             for (const ReceivedCanFrame& received : can_reception_.view()) {
-                ring_.record(Passage::read, received.frame, received.at);
+                ring_.record(Direction::read, received.frame, received.at);
             }
         }
         return status;

@@ -85,7 +85,7 @@ int run(const RunOptions& options) {
         explain_mistakes(configuration.error());
         // A service is started again where that may help, and not where somebody must mend the
         // file.
-        return may_pass(configuration.error()) ? kExitFailed : kExitWrongUse;
+        return may_be_temporary(configuration.error()) ? kExitFailed : kExitWrongUse;
     }
     if (const auto mistakes = mistaken_processor(*configuration, configured_processors());
         !mistakes.empty()) {

@@ -111,7 +111,7 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
         memory.silence_said = true;
         log_warning(
             "sensor bus {}: no sensor answers yet; check wire, ground and power{}", memory.name,
-            state.echo.heard == 0 ? ", and that TX and RX are joined if it is one wire" : "");
+            state.echo.returned == 0 ? ", and that TX and RX are joined if it is one wire" : "");
     }
 }
 

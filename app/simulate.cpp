@@ -82,10 +82,10 @@ class SinkRecorder final : public OutputObserver {
             append(texts_[output], at, sent.bytes);
         }
     }
-    void bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override {
+    void bus_wrote(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override {
         append(texts_[first_bus_ + bus], at, bytes);
     }
-    void turned(Instant at) override { log_.look(at); }
+    void polled(Instant at) override { log_.look(at); }
     const std::string& text(std::size_t sink) const { return texts_[sink]; }
 
   private:
@@ -215,7 +215,7 @@ void print_summary(const Engine& engine) {
     }
     for (const Output& output : engine.outputs()) {
         fmt::print(stderr, "output {}: {}, {} into failsafe, {}\n", output.name(),
-                   counted(output.counts().sent, "frame"),
+                   counted(output.counts().frames, "frame"),
                    counted(output.counts().failsafe_entries, "time"),
                    counted(output.counts().recoveries, "recovery", "recoveries"));
     }

@@ -41,7 +41,7 @@ void StatusKeeper::look(const Appliance& appliance) {
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const OutputStatus status = appliance.output_status(i);
-        outputs_[i].look(status.counts.sent, status.at);
+        outputs_[i].look(status.counts.frames, status.at);
     }
 }
 
@@ -116,7 +116,7 @@ StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
     for (std::size_t i = 0; i < appliance.value_count(); ++i) {
         report.values.push_back({appliance.value(i), appliance.value_status(i)});
     }
-    if (appliance.machine().told_at() != Instant{}) {
+    if (appliance.machine().measured_at() != Instant{}) {
         for (std::size_t fact = 0; fact < kMachineFactCount; ++fact) {
             report.machine.push_back(appliance.machine().number(fact));
         }

@@ -152,7 +152,7 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
     json["inputs"] = names_of(output.inputs, configuration);
-    json["state"] = stage_word(status.state.stage, status.speaks);
+    json["state"] = stage_word(status.state.stage, status.sends);
     json["obstacle"] = obstacle_word(status.state.obstacle);
     json["forced"] = status.state.forced;
     json["awaits_release"] = status.state.awaits_release;
@@ -168,7 +168,7 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["frame_lost"] = status.latest.frame_lost || cannot_send;
     json["failsafe"] = status.latest.failsafe || cannot_send;
     json["cause"] = as_word(name_of(status.latest.cause));
-    json["frames"] = status.counts.sent;
+    json["frames"] = status.counts.frames;
     json["overruns"] = status.overruns;
     json["deadline_misses"] = output.deadline_misses;
     json["dropped"] = {{"busy", status.counts.busy_drops},

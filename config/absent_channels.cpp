@@ -14,7 +14,7 @@
 namespace tribus {
 namespace {
 
-/// The channels that a rule reads, a bit each.
+/// The channels that a rule reads, one bit each.
 std::uint32_t read_by(const ChannelSource& source) {
     if (const auto* from = std::get_if<FromChannel>(&source)) {
         return 1U << from->channel;
@@ -31,13 +31,13 @@ std::uint32_t read_by(const ChannelSource& source) {
     return channels;
 }
 
-/// What every good frame of the protocol has.
+/// The channels that every good frame of the protocol has.
 std::uint32_t received(const InputConfig& input) {
     const auto sure = input.protocol->sure_channels;
     return sure == nullptr ? kAllChannels : sure(input.settings).value_or(kAllChannels);
 }
 
-/// The same behind the input's own map.
+/// The channels that every good frame has after the input's own map.
 std::uint32_t given(const InputConfig& input) {
     const std::uint32_t came = received(input);
     std::uint32_t channels = came;
@@ -48,18 +48,19 @@ std::uint32_t given(const InputConfig& input) {
     return channels;
 }
 
-/// `sure`: what `input` has of those that the rules read.
+/// `sure`: the channels that `input` certainly has.
 void look_at(const std::vector<ChannelRule>& rules, const std::vector<Location>& places,
              const InputConfig& input, std::uint32_t sure, Mistakes& remarks) {
     for (std::size_t i = 0; i < rules.size(); ++i) {
         const std::uint32_t unsure = read_by(rules[i].source) & ~sure;
         if (unsure != 0) {
-            remarks.add(places[i],
-                        fmt::format("channel {} is made of channel {}, which input {} ({}) may not "
-                                    "have; while it has none, an output that must say something "
-                                    "says its preset",
-                                    rules[i].output + 1, std::countr_zero(unsure) + 1,
-                                    in_quotes(input.name), input.protocol->name));
+            remarks.add(
+                places[i],
+                fmt::format(
+                    "channel {} is made from channel {}, which input {} ({}) may lack; while it is "
+                    "absent, an output whose format cannot mark absent channels sends its preset",
+                    rules[i].output + 1, std::countr_zero(unsure) + 1, in_quotes(input.name),
+                    input.protocol->name));
         }
     }
 }

@@ -7,8 +7,8 @@
 
 namespace tribus {
 
-/// What is allowed and may surprise: each channel that a map makes of one which its input's
-/// protocol does not have for certain. By line and column.
+/// Notes on channels that a map makes from a channel which the input's protocol may lack. That is
+/// allowed, but may surprise. Sorted by line and column.
 std::vector<Mistake> maps_of_absent_channels(const Configuration& configuration);
 
 }  // namespace tribus

@@ -15,7 +15,7 @@
 namespace tribus {
 namespace {
 
-/// Nothing where the protocol is of the other kind of link.
+/// Null if the protocol is on the other kind of link.
 template <class Codec>
 std::unique_ptr<Codec> make(std::unique_ptr<Codec> (*maker)(const SettingValues&),
                             const SettingValues& settings) {
@@ -69,7 +69,7 @@ std::uint32_t outputs_of(const std::vector<ChannelRule>& rules) {
     return channels;
 }
 
-/// Those of its outputs that it makes itself, and those that pass as a map of an input made them.
+/// The channels that the pipeline's map makes, and those that the maps of its inputs make.
 std::uint32_t mapped_channels(const Configuration& configuration, const PipelineConfig& pipeline) {
     std::uint32_t channels = outputs_of(pipeline.channels);
     for (const std::size_t input : pipeline.selection.inputs) {
@@ -160,7 +160,7 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     for (std::size_t i = 0; i < configuration.sensor_buses.size(); ++i) {
         PortPlan& plan = plan_for(plans, configuration.sensor_buses[i].port);
         plan.wiring.sensor_buses.push_back(i);
-        // A request must be read as soon as it is there.
+        // The port must be read at once, because a request needs its answer in time.
         plan.wiring.byte_time = {};
     }
     std::size_t message = 0;

@@ -19,41 +19,41 @@
 
 namespace tribus {
 
-/// One device or interface to open, for all inputs and outputs that name it.
+/// One device or interface to open, and the inputs and outputs that use it.
 struct PortPlan {
     PortConfig config;
     PortWiring wiring;
 };
 
-/// The engine that a configuration describes. Opens nothing.
+/// Builds the engine of a configuration. Opens nothing.
 std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine = {});
 
-/// Its named values and sensor buses; null where nothing needs them. Outputs of `engine` that send
-/// values take them from there from now on, so it must outlive the engine. Opens nothing.
+/// Builds the value engine: named values and sensor buses. Null if nothing needs it. Outputs of
+/// `engine` that send values read them from it, so it must outlive `engine`. Opens nothing.
 std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configuration, Engine& engine);
 
-/// What its GPIO lines are for, in their order.
+/// The tasks of the GPIO lines, in the order of the configuration.
 std::vector<LineTask> line_tasks(const Configuration& configuration);
 
-/// The devices that it needs, each once.
+/// The devices and interfaces of the configuration, each once.
 std::vector<PortPlan> plan_ports(const Configuration& configuration);
 
-/// What the users of one CAN interface need of it.
+/// The requirements of all users of one CAN interface.
 CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* values,
                                       const PortPlan& plan);
 
-/// Nothing has the name of that device or interface (yet).
+/// Whether no device or interface of that name exists (yet).
 bool is_missing(const PortConfig& port);
 
-/// Opens one device. With `open_line` the only place in the program that does. The error is for the
-/// person who set it up: `file:line:column: ...`. The ids that a CAN interface is to pass are those
-/// of the engine's inputs and outputs, and of the values.
+/// Opens one device. Only this function and `open_line` open devices. Error: `file:line:column:
+/// ...`. A CAN interface receives and sends the ids of the engine's inputs and outputs and of the
+/// values.
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
                                                            const Engine& engine,
                                                            const ValueEngine* values,
                                                            const PortPlan& plan);
 
-/// Opens one GPIO line, an output at the level that it has before the first frame. Errors as above.
+/// Opens one GPIO line. An output gets its level before the first frame. Error as above.
 tl::expected<std::unique_ptr<HeldLine>, std::string> open_line(const Configuration& configuration,
                                                                const LineConfig& line);
 

@@ -17,8 +17,8 @@ std::int64_t microseconds(Duration duration) {
     return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
 }
 
-/// FNV-1a, which mixes every byte into every bit that follows; nobody has to be kept from
-/// guessing a unique id, but what it was made from should not be read from it.
+/// FNV-1a: each byte changes all later bits. The unique id is no secret, but must not reveal the
+/// machine id.
 std::uint64_t hash(std::uint64_t seed, std::string_view text) {
     constexpr std::uint64_t kPrime = 0x100000001B3;
     std::uint64_t value = 0xCBF29CE484222325 ^ seed;
@@ -28,7 +28,8 @@ std::uint64_t hash(std::uint64_t seed, std::string_view text) {
     return value;
 }
 
-/// Several of these programs may be on one interface of one machine, each with its own file.
+/// Includes the file, because several programs may use one interface of a machine, each with its
+/// own file.
 dronecan::UniqueId unique_id(MachineId machine, std::string_view interface, std::string_view file) {
     const std::string all = fmt::format("tribus {} {} {}", machine, interface, file);
     dronecan::UniqueId id{};

@@ -10,20 +10,20 @@
 
 namespace tribus {
 
-/// What tells this machine from all others, such as /etc/machine-id; empty: it is not known.
+/// Identifies this machine, such as the content of /etc/machine-id. Empty: unknown.
 using MachineId = std::string_view;
 
-/// The node of one interface: that of [dronecan.NAME], or else of the outputs there that give an
-/// id.
+/// The DroneCAN node of one interface, from [dronecan.NAME] or from the outputs there that have a
+/// node_id.
 struct NodePlan {
     PortConfig port;
     dronecan::NodeSettings settings;
 };
 
-/// One for each interface where the configuration makes this program a node.
+/// One plan for each interface on which the configuration makes this program a node.
 std::vector<NodePlan> plan_nodes(const Configuration& configuration, MachineId machine);
 
-/// The place of that interface's node among the plans.
+/// Index of the plan for that interface.
 std::optional<std::size_t> node_on(const std::vector<NodePlan>& plans, std::string_view interface);
 
 }  // namespace tribus

@@ -10,7 +10,7 @@
 namespace tribus {
 namespace {
 
-/// From a value to the number that a field of a sensor holds.
+/// Converts a named value to the number in a field of a sensor.
 FieldSource field_source(const SensorConfig& sensor, std::size_t field, std::size_t value,
                          const NamedValue& named) {
     FieldSource source{.value = value, .factor = 1, .offset = sensor.offset};
@@ -18,7 +18,7 @@ FieldSource field_source(const SensorConfig& sensor, std::size_t field, std::siz
         source.factor = *sensor.scale;
         return source;
     }
-    // The check of the configuration knows that there is one, or that no unit is known.
+    // The checks have ensured that a conversion exists or that a unit is unknown.
     const auto conversion = unit_conversion(named.unit, sensor.type.fields[field].unit);
     if (conversion) {
         source.factor = conversion->factor;
@@ -42,7 +42,7 @@ SensorSettings sensor_settings(const SensorConfig& sensor, const ValueCatalog& c
 SensorRoleSettings sensor_role(const SensorBusConfig& bus, const ValueCatalog& catalog) {
     SensorRoleSettings role;
     role.first_address = bus.chain ? std::nullopt : std::optional(bus.address);
-    role.hears_itself = bus.wires != Wires::two;
+    role.receives_echo = bus.wires != Wires::two;
     role.reply_after = bus.reply_after;
     role.reply_within = bus.reply_within;
     for (const SensorConfig& sensor : bus.sensors) {

@@ -15,8 +15,8 @@
 namespace tribus {
 namespace {
 
-/// For each of `fresh` the one of `running` that it is: by its name, and else any that is like it
-/// and has no successor of its own.
+/// For each part in `fresh`, the index of the matching part in `running`: the one with the same
+/// name, or else one that is alike and has no other match.
 template <class Part, class Alike>
 std::vector<CarriedFrom> match(const std::vector<Part>& running, const std::vector<Part>& fresh,
                                Alike alike) {
@@ -56,7 +56,7 @@ bool alike_outputs(const OutputConfig& a, const OutputConfig& b) {
            (a.port.link == LinkKind::serial || a.settings == b.settings);
 }
 
-/// The pipeline of an output, and its place there.
+/// The pipeline of an output and the output's index in it.
 struct Feed {
     const PipelineConfig* pipeline = nullptr;
     std::size_t place = 0;
@@ -179,7 +179,7 @@ ValueCarry carry_values(const Configuration& running, const Configuration& fresh
     return carry;
 }
 
-/// The lines speak of inputs and outputs by their places.
+/// GPIO lines refer to inputs and outputs by their indices.
 bool same_places(const Configuration& running, const Configuration& fresh) {
     const auto same_name = [](const auto& a, const auto& b) { return a.name == b.name; };
     return std::ranges::equal(running.inputs, fresh.inputs, same_name) &&
@@ -192,10 +192,11 @@ std::vector<std::string> obstacles(const Configuration& running, const Configura
     const RuntimeConfig& after = fresh.runtime;
     if (before.realtime != after.realtime || before.priority != after.priority ||
         before.cpu != after.cpu) {
-        found.emplace_back("[runtime] asks for another scheduling of the data thread");
+        found.emplace_back("[runtime] changes the scheduling of the data thread");
     }
     if (running.lines != fresh.lines) {
-        found.emplace_back("the GPIO lines are others, and must be given back first");
+        found.emplace_back(
+            "the GPIO lines have changed, and the program must release the old ones first");
     } else if (!fresh.lines.empty() && !same_places(running, fresh)) {
         found.emplace_back("inputs or outputs that GPIO lines refer to were added or removed");
     }

@@ -8,21 +8,23 @@
 
 namespace tribus {
 
-/// Both name the same thing: a path may be a link to a device, or another link to it.
+/// Whether both name the same device. A path may be a link to it.
 bool same_device(const PortConfig& a, const PortConfig& b);
 
-/// What a fresh configuration goes on with of the running one.
+/// What a new configuration takes over from the running one.
 ///
-/// An input goes on if its port, protocol and the protocol's own settings are the same; an output
-/// if its port and protocol are, and on CAN, where its ids are its name, the settings too. Their
-/// other settings may change. A part that was only renamed goes on as well, where its port tells.
+/// An input continues if its port, protocol and protocol settings are unchanged. An output
+/// continues if its port and protocol are unchanged and, on CAN, its protocol settings, because
+/// they contain its ids. Other settings may change. A part that was only renamed continues if its
+/// port identifies it.
 struct CarryOver {
     EngineCarry engine;
     ValueCarry values;
     Leaving leaving;
-    /// What cannot change without a stop, as sentences; empty where nothing is in the way.
+    /// Reasons why a reload must stop all outputs, as sentences. Empty if none.
     std::vector<std::string> obstacles;
 };
+/// Compares two valid configurations. Reads only the links of device paths. Main thread.
 CarryOver plan_carry_over(const Configuration& running, const Configuration& fresh);
 
 }  // namespace tribus

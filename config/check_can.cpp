@@ -70,12 +70,12 @@ void check_pair(const CanUse& earlier, const CanUse& later, Mistakes& mistakes) 
     if (const auto id = shared_id(earlier, later)) {
         mistakes.add(
             later.port->where,
-            fmt::format("on {} the id 0x{:X}{} of [{}.{}] is also that of [{}.{}] in line {}; "
-                        "allowed: ids that only one output sends, and that no input of the same "
-                        "file listens to",
-                        in_quotes(later.port->device), id->id, id->extended ? " (29 bits)" : "",
-                        later.direction, later.name, earlier.direction, earlier.name,
-                        earlier.port->where.line));
+            fmt::format(
+                "on {} the id 0x{:X}{} of [{}.{}] is also used by [{}.{}] in line {}; allowed: ids "
+                "that only one output sends and no input of the same file receives",
+                in_quotes(later.port->device), id->id, id->extended ? " (29 bits)" : "",
+                later.direction, later.name, earlier.direction, earlier.name,
+                earlier.port->where.line));
     }
 }
 

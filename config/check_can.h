@@ -5,8 +5,8 @@
 
 namespace tribus {
 
-/// On one CAN interface every id has one sender: outputs may not share ids, and an input may not
-/// listen to what an output of the same configuration sends there.
+/// On a CAN interface each id has one sender: two outputs must not share an id, and an input must
+/// not receive an id that an output of the same configuration sends.
 void check_can_ids(const Draft& draft, Mistakes& mistakes);
 
 }  // namespace tribus

@@ -14,7 +14,7 @@
 namespace tribus {
 namespace {
 
-/// What makes this program a node on an interface, and where the file says so.
+/// The node that a table defines for an interface, and its place in the file.
 struct NodeClaim {
     std::optional<std::uint8_t> id;
     bool dynamic = false;
@@ -22,7 +22,7 @@ struct NodeClaim {
     Location where;
 };
 
-bool speaks_dronecan(const OutputDraft& output) {
+bool sends_dronecan(const OutputDraft& output) {
     return output.port_sound && output.settings_sound &&
            output.config.protocol == &kDroneCanProtocol;
 }
@@ -43,12 +43,12 @@ class NodeChecks {
             }
         }
         for (const OutputDraft& output : draft_.outputs) {
-            if (speaks_dronecan(output)) {
+            if (sends_dronecan(output)) {
                 claim_output(output);
             }
         }
         for (const OutputDraft& output : draft_.outputs) {
-            if (speaks_dronecan(output)) {
+            if (sends_dronecan(output)) {
                 check_id(output);
                 check_twice(output);
             }
@@ -118,7 +118,7 @@ class NodeChecks {
         }
     }
 
-    /// Whoever listens could not tell them apart.
+    /// Two outputs that send the same message cannot be distinguished by readers.
     void check_twice(const OutputDraft& output) {
         const SettingValues& settings = output.config.settings;
         const std::string message =
@@ -129,10 +129,11 @@ class NodeChecks {
         if (!first) {
             mistakes_.add(
                 output.where,
-                fmt::format("[output.{}] in line {} sends the same message on {}; allowed: one "
-                            "output for each that a node carries, or rc with another \"receiver\"",
-                            known->second->config.name, known->second->where.line,
-                            in_quotes(output.config.port.device)));
+                fmt::format(
+                    "[output.{}] in line {} sends the same message on {}; allowed: one output for "
+                    "each message that a node sends, or carries = \"rc\" with another \"receiver\"",
+                    known->second->config.name, known->second->where.line,
+                    in_quotes(output.config.port.device)));
         }
     }
 

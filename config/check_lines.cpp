@@ -14,7 +14,7 @@
 namespace tribus {
 namespace {
 
-/// As far as their names tell: that a number and a name mean one line only its chip knows.
+/// Compares names only. Whether a number and a name are the same line is known to the chip alone.
 bool same_line(const GpioPlace& a, const GpioPlace& b) {
     const bool by_name = std::holds_alternative<std::string>(a.line);
     const bool any_chip = by_name && (a.chip.empty() || b.chip.empty());
@@ -39,7 +39,7 @@ void check_places(const Draft& draft, Mistakes& mistakes) {
     }
 }
 
-/// In each half of the wave there must be a frame.
+/// Each half of the wave needs a frame.
 void check_period(const LineDraft& line, const Draft& draft, Mistakes& mistakes) {
     const OutputDraft* slowest = nullptr;
     for (const std::size_t index : line.config.task.outputs) {
@@ -58,14 +58,13 @@ void check_period(const LineDraft& line, const Draft& draft, Mistakes& mistakes)
     const Duration period = slowest->config.schedule.period;
     mistakes.add(
         line.period.value_or(line.where),
-        fmt::format("the period of the wave of line {} is {}{}, but output {} sends every "
-                    "{}: not each half of the wave would have a frame; allowed: at least "
-                    "{}, best {}",
-                    in_quotes(line.config.name),
-                    in_quotes(format_duration(line.config.task.period)),
-                    line.period ? "" : " by default", in_quotes(slowest->config.name),
-                    in_quotes(format_duration(period)), in_quotes(format_duration(2 * period)),
-                    in_quotes(format_duration(4 * period))));
+        fmt::format(
+            "the period of the wave of line {} is {}{}, but output {} sends every {}: some half "
+            "periods of the wave would have no frame; allowed: at least {}, recommended: {}",
+            in_quotes(line.config.name), in_quotes(format_duration(line.config.task.period)),
+            line.period ? "" : " by default", in_quotes(slowest->config.name),
+            in_quotes(format_duration(period)), in_quotes(format_duration(2 * period)),
+            in_quotes(format_duration(4 * period))));
 }
 
 void check_button(std::size_t index, const Draft& draft, Reading reading) {
@@ -79,9 +78,8 @@ void check_button(std::size_t index, const Draft& draft, Reading reading) {
     if (!used && !draft.channels_uncertain && !reading.lost.mentions(line.config.name)) {
         reading.mistakes.add(
             line.where,
-            fmt::format("no channel is made from button {}, so nothing would happen with it; name "
-                        "it in [pipeline.NAME.channels], such as 12 = {{ line = {} }}, or leave it "
-                        "out",
+            fmt::format("no channel is made from button {}, so it would have no effect; name it in "
+                        "[pipeline.NAME.channels], such as 12 = {{ line = {} }}, or leave it out",
                         in_quotes(line.config.name), in_quotes(line.config.name)));
     }
 }
@@ -95,10 +93,10 @@ void check_select(const LineDraft& line, const Draft& draft, Mistakes& mistakes)
     if (input < draft.inputs.size() && !chooses && !draft.inputs_uncertain) {
         mistakes.add(
             line.where,
-            fmt::format("line {} picks input {}, but no pipeline has that input and "
-                        "another one to choose from; name further inputs in its \"from\", "
-                        "or leave the line out",
-                        in_quotes(line.config.name), in_quotes(draft.inputs[input].config.name)));
+            fmt::format(
+                "line {} selects input {}, but no pipeline has that input and a second one to "
+                "select from; name further inputs in its \"from\", or leave the line out",
+                in_quotes(line.config.name), in_quotes(draft.inputs[input].config.name)));
     }
 }
 

@@ -5,7 +5,7 @@
 
 namespace tribus {
 
-/// What is wrong with GPIO lines beside each other, and beside outputs and pipelines.
+/// Checks GPIO lines against each other, and against outputs and pipelines.
 void check_lines(const Draft& draft, Reading reading);
 
 }  // namespace tribus

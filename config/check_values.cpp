@@ -36,7 +36,7 @@ ValueSources value_sources(const Draft& draft) {
     return sources;
 }
 
-/// Checks names of values against all that there are.
+/// Checks names of values against all values of the configuration.
 class NameCheck {
   public:
     NameCheck(const Draft& draft, Reading reading)
@@ -66,12 +66,12 @@ class NameCheck {
             const auto near = nearest(name, names_);
             reading_.mistakes.add(
                 where,
-                fmt::format("there is no value {}; {}", in_quotes(name),
-                            near ? fmt::format("did you mean {}?", in_quotes(*near))
-                                 : std::string("values are the signals of [values.NAME], what a "
-                                               "[sensor_bus.NAME] with role \"receiver\" finds, "
-                                               "input.NAME.age and its like, machine.load and its "
-                                               "like")));
+                fmt::format(
+                    "there is no value {}; {}", in_quotes(name),
+                    near ? fmt::format("did you mean {}?", in_quotes(*near))
+                         : std::string("values are the signals of [values.NAME], the readings of a "
+                                       "[sensor_bus.NAME] with role \"receiver\", and facts such "
+                                       "as input.NAME.age and machine.load")));
         }
         return nullptr;
     }
@@ -81,7 +81,7 @@ class NameCheck {
     Reading reading_;
     bool all_known_;
     std::vector<std::string_view> names_;
-    /// Tables whose values are not known because of another mistake.
+    /// Tables with values that are unknown because of another mistake.
     std::vector<std::string> unsound_;
 };
 
@@ -90,9 +90,9 @@ void check_unit(const NamedValue& value, const SensorField& field, Location wher
     if (value.unit.empty() || field.unit.empty() || unit_conversion(value.unit, field.unit)) {
         return;
     }
-    const std::string unknown = is_known_unit(value.unit) ? "" : ", a unit that is not known here";
-    mistakes.add(where, fmt::format("{} is in {}{}, but this sensor sends {}; add scale = N, by "
-                                    "which the value is multiplied (scale = 1: as it is)",
+    const std::string unknown = is_known_unit(value.unit) ? "" : ", an unknown unit";
+    mistakes.add(where, fmt::format("{} is in {}{}, but this sensor sends {}; add scale = N, the "
+                                    "factor for the value (scale = 1: unchanged)",
                                     in_quotes(value.name), in_quotes(value.unit), unknown,
                                     in_quotes(field.unit)));
 }
@@ -115,13 +115,13 @@ void check_own_names(const Draft& draft, Mistakes& mistakes) {
     std::map<std::string_view, Location> seen;
     const auto check = [&](std::string_view kind, const std::string& name, Location where) {
         if (std::ranges::find(kOwnNames, name) != kOwnNames.end()) {
-            mistakes.add(where, fmt::format("{} is the first word of the program's own values; "
-                                            "give [{}.{}] another name",
-                                            in_quotes(name), kind, name));
+            mistakes.add(
+                where, fmt::format(
+                           "{} is reserved for the program's own values; give [{}.{}] another name",
+                           in_quotes(name), kind, name));
         } else if (!seen.emplace(name, where).second) {
-            mistakes.add(where, fmt::format("{} is the name of a sensor bus too, so that their "
-                                            "values could not be told apart; give [{}.{}] another "
-                                            "name",
+            mistakes.add(where, fmt::format("{} is also the name of a sensor bus, so their values "
+                                            "would have the same names; give [{}.{}] another name",
                                             in_quotes(name), kind, name));
         }
     };
@@ -138,8 +138,8 @@ void check_own_types(const Draft& draft, Mistakes& mistakes) {
         for (std::size_t j = 0; j < i; ++j) {
             if (draft.sensor_types[i].id == draft.sensor_types[j].id) {
                 mistakes.add(draft.sensor_type_places[i],
-                             fmt::format("[sensor_type.{}] has the id {}, as [sensor_type.{}]; "
-                                         "each has its own",
+                             fmt::format("[sensor_type.{}] has the id {}, and so has "
+                                         "[sensor_type.{}]; give one of them another id",
                                          draft.sensor_types[i].name, draft.sensor_types[i].id,
                                          draft.sensor_types[j].name));
             }

@@ -5,7 +5,7 @@
 
 namespace tribus {
 
-/// Of the inputs of a configuration, its outputs and so on, in their order.
+/// Names of the given inputs, outputs or other parts, in their order.
 template <class Configs>
 std::vector<std::string> configured_names(const Configs& configs) {
     std::vector<std::string> names;

@@ -24,9 +24,9 @@ struct PortUse {
     const PortConfig* port = nullptr;
     bool is_receiver_role = false;
 
-    /// Whether both may be on one device, if their line settings agree: one that listens and one
-    /// that speaks. A sensor answers in the pauses of a receiver whose servo frames are on the same
-    /// wire (docs/protocols/ibus.md, "Variants").
+    /// Whether both may share a device if their line settings agree: one receives and the other
+    /// sends. A sensor answers in the pauses of a receiver that sends servo frames on the same wire
+    /// (docs/protocols/ibus.md, "Variants").
     bool goes_with(const PortUse& other) const {
         const auto pair = [&](std::string_view a, std::string_view b) {
             return (direction == a && other.direction == b) ||
@@ -62,7 +62,7 @@ std::vector<PortUse> port_uses(const Draft& draft) {
     return uses;
 }
 
-/// `earlier` and `later` by their place in the file.
+/// `earlier` stands before `later` in the file.
 void check_pair(const PortUse& earlier, const PortUse& later, Mistakes& mistakes) {
     const std::string already = fmt::format("device {} is already used by [{}.{}] in line {}",
                                             in_quotes(later.port->device), earlier.direction,
@@ -98,7 +98,7 @@ void check_devices(const Draft& draft, Mistakes& mistakes) {
     }
 }
 
-/// Without any pipeline there is something to do all the same.
+/// A configuration with values only works without a pipeline.
 bool carries_values(const Draft& draft) {
     return !draft.sensor_buses.empty() ||
            std::ranges::any_of(draft.outputs,
@@ -110,9 +110,8 @@ void check_unused(const Draft& draft, Reading reading) {
         const std::string& name = input.config.name;
         if (!input.used && !draft.inputs_uncertain && !reading.lost.mentions(name)) {
             reading.mistakes.add(
-                input.where, fmt::format("input {} feeds no pipeline, so nothing would happen with "
-                                         "it; name it in the \"from\" of a pipeline, or leave it "
-                                         "out",
+                input.where, fmt::format("input {} feeds no pipeline, so it would have no effect; "
+                                         "name it in the \"from\" of a pipeline, or leave it out",
                                          in_quotes(name)));
         }
     }
@@ -121,15 +120,15 @@ void check_unused(const Draft& draft, Reading reading) {
         if (!output.pipeline && output.needs_pipeline && !draft.outputs_uncertain &&
             !reading.lost.mentions(name)) {
             reading.mistakes.add(
-                output.where, fmt::format("no pipeline feeds output {}, so nothing would happen "
-                                          "with it; name it in the \"to\" of a pipeline, or leave "
-                                          "it out",
-                                          in_quotes(name)));
+                output.where,
+                fmt::format("no pipeline feeds output {}, so it would have no effect; name it in "
+                            "the \"to\" of a pipeline, or leave it out",
+                            in_quotes(name)));
         }
     }
 }
 
-/// A frame that is not older than the timeout must still be there when the output is due.
+/// A frame must not become older than the timeout before the output is due.
 void check_timeout(const InputDraft& input, const PipelineConfig& pipeline, const Draft& draft,
                    Mistakes& mistakes) {
     const OutputDraft* slowest = nullptr;
@@ -154,7 +153,7 @@ void check_timeout(const InputDraft& input, const PipelineConfig& pipeline, cons
                              in_quotes(format_duration(slowest->config.schedule.period))));
 }
 
-/// Where the protocol tells how often its frames come.
+/// Applies to protocols that define the period of their frames.
 void check_cycle(const InputDraft& input, Mistakes& mistakes) {
     const InputConfig& config = input.config;
     const bool judged = config.protocol != nullptr && config.protocol->own_period != nullptr &&
@@ -164,8 +163,8 @@ void check_cycle(const InputDraft& input, Mistakes& mistakes) {
         mistakes.add(
             input.timeout.value_or(input.where),
             fmt::format("the timeout of input {} is {}{}, but its messages come every {}: each "
-                        "pause between two would be judged a loss; allowed: a longer timeout, "
-                        "best three times as long",
+                        "pause between two would count as a loss; allowed: a longer timeout; "
+                        "recommended: three times as long",
                         in_quotes(config.name),
                         in_quotes(format_duration(config.supervision.timeout)),
                         input.timeout ? "" : " by default", in_quotes(format_duration(*cycle))));
@@ -182,9 +181,10 @@ void check_across(const Draft& draft, Reading reading) {
     const bool only_values = draft.inputs.empty() && carries_values(draft);
     if (draft.pipelines.empty() && !only_values) {
         if (!reading.lost.mentions("pipeline")) {
-            reading.mistakes.add({1, 1},
-                                 "there is no pipeline, so nothing would happen; a pipeline joins "
-                                 "inputs and outputs: [pipeline.main] with \"from\" and \"to\"");
+            reading.mistakes.add(
+                {1, 1},
+                "there is no pipeline, so nothing would happen; a pipeline connects inputs to "
+                "outputs: [pipeline.main] with \"from\" and \"to\"");
         }
         return;
     }

@@ -5,8 +5,8 @@
 
 namespace tribus {
 
-/// What only shows when all tables are read: devices used twice, inputs and outputs that nothing
-/// uses, timeouts that no output period fits in, no pipeline at all.
+/// Checks across tables: devices that are used twice, unused inputs and outputs, timeouts shorter
+/// than a period, no pipeline.
 void check_across(const Draft& draft, Reading reading);
 
 }  // namespace tribus

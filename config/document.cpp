@@ -10,7 +10,7 @@
 namespace tribus {
 namespace {
 
-/// Enough to know a text again; messages stay readable.
+/// Long enough to recognise a text, short enough for a message.
 constexpr std::size_t kLongestQuote = 80;
 
 template <class... Ts>

@@ -8,8 +8,8 @@
 
 #include "config/schema.h"
 
-/// A TOML document as plain values that know their places: all that the rest of config sees of the
-/// TOML library.
+/// A TOML document as plain values with their places in the file. Only parse_toml.cpp sees the TOML
+/// library.
 namespace tribus {
 
 struct DateOrTime {};
@@ -21,13 +21,15 @@ struct List {
     std::vector<Value> items;
 };
 
-/// Entries in the order of the file.
+/// A table, with its entries in the order of the file.
 struct Table {
     std::vector<Entry> entries;
 
+    /// The entry with that key. Null if there is none.
     const Entry* find(std::string_view key) const;
 };
 
+/// A value and its place in the file.
 struct Value {
     Location where;
     std::variant<bool, std::int64_t, double, std::string, DateOrTime, List, Table> content;
@@ -38,9 +40,10 @@ struct Value {
     }
 };
 
+/// A key with its value.
 struct Entry {
     std::string key;
-    Location where;  ///< of the key
+    Location where;  ///< place of the key
     Value value;
 };
 
@@ -53,7 +56,7 @@ inline const Entry* Table::find(std::string_view key) const {
     return nullptr;
 }
 
-/// A value as a person would name it: `20`, `"abc"`, `true`, `a list`, `a table`.
+/// The value in words for a message: `20`, `"abc"`, `true`, `a list`, `a table`.
 std::string describe(const Value& value);
 
 }  // namespace tribus

@@ -8,67 +8,74 @@
 
 #include "config/schema.h"
 
-/// A configuration while it is read: perhaps with mistakes, and with the places that the checks
-/// across tables name in their messages.
+/// A configuration while it is read: it may contain mistakes, and it has the places in the file
+/// that the checks across tables need for their messages.
 namespace tribus {
 
+/// [input.NAME]. The flags `..._sound` are false after a mistake in the keys that they stand for.
 struct InputDraft {
     InputConfig config;
-    Location where;                   ///< of its name
-    std::optional<Location> timeout;  ///< of the value, where it is given
+    Location where;                   ///< place of its name
+    std::optional<Location> timeout;  ///< place of the value, if given
     bool timeout_sound = true;
     bool port_sound = true;
     bool settings_sound = true;
     bool used = false;
 };
 
-/// A named value that an output sends.
+/// The name of a value that an output sends.
 struct ValueUse {
     std::string name;
     Location where;
 };
 
+/// [output.NAME], as above.
 struct OutputDraft {
     OutputConfig config;
     Location where;
-    Location period;  ///< of the value, or of the table
+    Location period;  ///< place of the value, or of the table
     bool period_sound = true;
     bool port_sound = true;
     bool settings_sound = true;
-    std::optional<std::string> pipeline;  ///< the one that feeds it
-    bool needs_pipeline = true;           ///< false: it carries no channels
+    std::optional<std::string> pipeline;  ///< name of the pipeline that feeds it
+    bool needs_pipeline = true;           ///< false: it sends no channels
     std::vector<ValueUse> used_values;
 };
 
+/// [gpio.NAME], as above.
 struct LineDraft {
     LineConfig config;
-    Location where;                  ///< of its name
-    std::optional<Location> period;  ///< of the value, where it is given
+    Location where;                  ///< place of its name
+    std::optional<Location> period;  ///< place of the value, if given
     bool period_sound = true;
     bool place_sound = true;
     bool role_sound = true;
 };
 
+/// [sensor_bus.NAME], as above.
 struct SensorBusDraft {
     SensorBusConfig config;
-    Location where;  ///< of its name
+    Location where;  ///< place of its name
     bool port_sound = true;
 };
 
+/// [values.NAME], as above.
 struct ValuesDraft {
     ValuesConfig config;
-    Location where;  ///< of its name
-    /// Its source could not be read: what names it has is not known.
+    Location where;  ///< place of its name
+    /// False: its source could not be read, so the names of its values are unknown.
     bool sound = true;
 };
 
+/// [dronecan.NAME], as above.
 struct DroneCanDraft {
     DroneCanConfig config;
-    Location where;                   ///< of its name
-    std::optional<Location> node_id;  ///< of the value, where it is given
+    Location where;                   ///< place of its name
+    std::optional<Location> node_id;  ///< place of the value, if given
     bool sound = true;
 };
 
+/// The whole file.
 struct Draft {
     RuntimeConfig runtime;
     std::optional<RecorderConfig> recorder;
@@ -78,22 +85,23 @@ struct Draft {
     std::vector<LineDraft> lines;
     std::vector<SensorBusDraft> sensor_buses;
     std::vector<SensorType> sensor_types;
-    std::vector<Location> sensor_type_places;  ///< of their names
+    std::vector<Location> sensor_type_places;  ///< places of their names
     std::vector<ValuesDraft> values;
     std::vector<DroneCanDraft> dronecan;
-    /// A pipeline's `from` or `to` could not be read: what is used is not known.
+    /// A pipeline's `from` or `to` could not be read, so it is unknown which ones are used.
     bool inputs_uncertain = false;
     bool outputs_uncertain = false;
-    /// A channel of a pipeline could not be read: which lines are used is not known.
+    /// A channel of a pipeline could not be read, so it is unknown which lines are used.
     bool channels_uncertain = false;
-    /// Something stands where only named tables may: a name that is not found may be meant there.
+    /// False: something other than a named table stands there, and an unknown name may be meant by
+    /// it.
     bool input_names_known = true;
     bool output_names_known = true;
     bool line_names_known = true;
     bool value_names_known = true;
 };
 
-/// The index of the element of that name.
+/// Index of the element with that name.
 template <class Drafts>
 std::optional<std::size_t> index_of(const Drafts& drafts, std::string_view name) {
     for (std::size_t i = 0; i < drafts.size(); ++i) {
@@ -104,6 +112,7 @@ std::optional<std::size_t> index_of(const Drafts& drafts, std::string_view name)
     return std::nullopt;
 }
 
+/// Names of all elements.
 template <class Drafts>
 std::vector<std::string_view> names_in(const Drafts& drafts) {
     std::vector<std::string_view> names;

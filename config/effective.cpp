@@ -113,7 +113,7 @@ Json output_json(const OutputConfig& output) {
     return json;
 }
 
-/// The pulse that most channels have; the centre wins a draw.
+/// The most frequent pulse; on a tie, the centre.
 Pulse commonest(const std::array<Pulse, kChannelCount>& presets) {
     std::map<Pulse, int> counts;
     for (const Pulse pulse : presets) {

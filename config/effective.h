@@ -6,10 +6,11 @@
 
 namespace tribus {
 
-/// A configuration with every default filled in, in the order of the key table. The TOML is valid
-/// input again and means the same; a map of a channel without any shaping is written short.
+/// The configuration as TOML with every default, in the order of the key table. It is a valid
+/// configuration with the same meaning. A channel that is only mapped is written in the short form.
 std::string effective_toml(const Configuration& configuration);
-/// The same as one JSON object, indented; durations as in TOML, channels as text keys.
+/// The same as an indented JSON object. Durations are written as in TOML, channel numbers are text
+/// keys.
 std::string effective_json(const Configuration& configuration);
 
 }  // namespace tribus

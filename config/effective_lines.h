@@ -6,7 +6,7 @@
 
 namespace tribus {
 
-/// A [gpio.NAME] with every default that its role has.
+/// [gpio.NAME] with all defaults of its role.
 nlohmann::ordered_json line_json(const LineConfig& line, const Configuration& configuration);
 
 }  // namespace tribus

@@ -4,7 +4,7 @@
 
 #include "config/schema.h"
 
-/// Tables of sensor buses, values and nodes in the effective configuration.
+/// [sensor_bus], [sensor_type], [values] and [dronecan] of the effective configuration.
 namespace tribus {
 
 nlohmann::ordered_json sensor_bus_json(const SensorBusConfig& bus);

@@ -52,7 +52,7 @@ Json table_schema(std::span<const Key> keys) {
     return json;
 }
 
-/// Names of the keys that any protocol has of its own.
+/// Names of the keys that at least one protocol defines.
 std::set<std::string> own_key_names(SettingScope scope) {
     std::set<std::string> names;
     for (const Protocol* protocol : protocols()) {
@@ -63,7 +63,7 @@ std::set<std::string> own_key_names(SettingScope scope) {
     return names;
 }
 
-/// If the table is of that protocol: its keys as they are, those of other protocols not at all.
+/// Schema for tables with that protocol: allows its keys and forbids those of other protocols.
 Json protocol_branch(const Protocol& protocol, SettingScope scope) {
     const auto keys = protocol_keys(protocol, scope);
     Json own = properties(keys);

@@ -4,9 +4,9 @@
 
 namespace tribus {
 
-/// The configuration language as a JSON schema (draft 7), for editors: taplo and what stands on it
-/// check and complete a file whose first line is `#:schema PATH-OF-THE-SCHEMA`. Made from the key
-/// table and the registry; rules between tables are beyond it.
+/// JSON schema (draft 7) of the configuration language, for editors. Editors with taplo check and
+/// complete a file whose first line is `#:schema PATH-OF-THE-SCHEMA`. Generated from the key table
+/// and the registry. It does not contain the checks across tables.
 std::string json_schema();
 
 }  // namespace tribus

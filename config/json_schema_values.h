@@ -6,7 +6,7 @@
 
 namespace tribus {
 
-/// What one row of the key table allows, as a JSON schema, with its default.
+/// JSON schema of one row of the key table, with its default.
 nlohmann::ordered_json setting_schema(const Setting& setting);
 
 }  // namespace tribus

@@ -35,7 +35,7 @@ std::string home_in_protocols(std::string_view name, const Key& tables, std::str
     return {};
 }
 
-/// The key table is three levels deep.
+/// Recurses through the three levels of the key table.
 std::string home_in(std::string_view name, std::span<const Key> keys, const std::string& path,
                     std::string_view only) {
     for (const Key& key : keys) {

@@ -5,7 +5,7 @@
 namespace tribus {
 namespace {
 
-/// Goes through a text as a TOML parser does that meets no mistake: behind one nothing is parsed.
+/// Scans a text as a TOML parser does as long as it finds no mistake.
 class Scan {
   public:
     explicit Scan(std::string_view text) : text_(text) {}
@@ -39,7 +39,7 @@ class Scan {
             ++where_.line;
             where_.column = 1;
         } else if ((byte & 0xC0U) != 0x80U) {
-            // Columns count characters; these bytes go on with one.
+            // Continuation bytes of UTF-8: a column is a character.
             ++where_.column;
         }
     }

@@ -28,7 +28,7 @@ bool is_name(std::string_view text) {
     });
 }
 
-/// Calls `read` for each table under [kind]. False if something else stands there too.
+/// Calls `read` for each table [kind.NAME]. Returns false if there is something other than tables.
 template <class Read>
 bool for_each_named(const Entry* kind, Reading reading, Read read) {
     if (kind == nullptr) {
@@ -158,7 +158,7 @@ Configuration finish(Draft draft, std::string_view file_name) {
     return configuration;
 }
 
-/// What is not TOML is one mistake a line, whatever else follows from it.
+/// On a line with a mistake of syntax, reports only that mistake.
 Mistakes merge(const Mistakes& syntax, const Mistakes& meaning) {
     Mistakes all = syntax;
     for (const Mistake& mistake : meaning.sorted()) {

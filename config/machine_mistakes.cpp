@@ -13,13 +13,13 @@
 namespace tribus {
 namespace {
 
-/// What stands there, if it can be no serial port; empty where nothing does, or what may be one.
+/// What `path` is, if it can never be a serial port. Empty if nothing is there or it may be one.
 std::string_view what_else(const std::string& path) {
     struct stat told {};
     if (::stat(path.c_str(), &told) != 0) {
         return {};
     }
-    // /dev/null, /dev/zero, /dev/random and their like.
+    // Memory devices: /dev/null, /dev/zero, /dev/random and others.
     if (S_ISCHR(told.st_mode) && major(told.st_rdev) == MEM_MAJOR) {
         return "this is not a serial device";
     }

@@ -5,18 +5,17 @@
 #include "config/mistakes.h"
 #include "config/schema.h"
 
-/// Mistakes that only the machine shows on which a configuration is to run. All but what is wrong
-/// for good may change and is none: a device that is not plugged in.
+/// Mistakes that depend on the machine that runs the configuration. Anything that may still change,
+/// such as a device that is not plugged in, is not a mistake.
 namespace tribus {
 
-/// Devices at whose path something else stands that can never be a serial port: /dev/null, a
-/// folder.
+/// Devices whose path is something that can never be a serial port: /dev/null, a folder.
 std::vector<Mistake> mistaken_devices(const Configuration& configuration);
 
-/// A processor that a machine with so many does not have.
+/// A `cpu` that a machine with this number of processors does not have.
 std::vector<Mistake> mistaken_processor(const Configuration& configuration, int processors);
 
-/// Of this machine, also those that are switched off.
+/// Number of processors of this machine, including those that are switched off.
 int configured_processors();
 
 }  // namespace tribus

@@ -18,7 +18,7 @@ std::string format_mistake(const Mistake& mistake) {
                        mistake.text);
 }
 
-bool may_pass(std::span<const Mistake> mistakes) {
+bool may_be_temporary(std::span<const Mistake> mistakes) {
     return !mistakes.empty() && std::ranges::all_of(mistakes, &Mistake::out_of_reach);
 }
 

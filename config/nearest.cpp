@@ -6,7 +6,8 @@
 namespace tribus {
 namespace {
 
-/// Longer words are not misspelt names; the comparison takes the product of the lengths.
+/// Longer words are not misspelt names. Limits the time, which grows with the product of the
+/// lengths.
 constexpr std::size_t kLongestWord = 64;
 
 char lower(char c) {
@@ -15,7 +16,7 @@ char lower(char c) {
 
 }  // namespace
 
-std::size_t slips_between(std::string_view a, std::string_view b) {
+std::size_t edit_distance(std::string_view a, std::string_view b) {
     const std::size_t width = b.size() + 1;
     std::vector<std::size_t> table((a.size() + 1) * width);
     const auto at = [&](std::size_t i, std::size_t j) -> std::size_t& {
@@ -48,11 +49,11 @@ std::optional<std::string_view> nearest(std::string_view wrong,
     }
     for (const std::string_view candidate : candidates) {
         const std::size_t longer = std::max(wrong.size(), candidate.size());
-        const std::size_t slips = slips_between(wrong, candidate);
+        const std::size_t distance = edit_distance(wrong, candidate);
         const std::size_t most = std::max<std::size_t>(1, longer / 3);
-        if (slips <= most && slips < longer && (!best || slips < fewest)) {
+        if (distance <= most && distance < longer && (!best || distance < fewest)) {
             best = candidate;
-            fewest = slips;
+            fewest = distance;
         }
     }
     return best;

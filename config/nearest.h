@@ -7,12 +7,12 @@
 
 namespace tribus {
 
-/// How many slips of the finger lie between two words: a letter too many, too few, wrong, or two
-/// neighbours swapped (Damerau and Levenshtein). Upper and lower case count as equal. Pure.
-std::size_t slips_between(std::string_view a, std::string_view b);
+/// Number of typing errors between two words (Damerau-Levenshtein distance): a missing, additional
+/// or wrong letter, or two neighbours swapped. Ignores upper and lower case. Pure.
+std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate that `wrong` was most likely meant to be, the first of equals; nothing where all
-/// are too far: more than a third of the longer word, at least one slip, never all of it.
+/// The candidate nearest to `wrong`, the first one of equals. `nullopt` if all differ by more than
+/// a third of the longer word (at least one error is permitted) or in every letter.
 std::optional<std::string_view> nearest(std::string_view wrong,
                                         std::span<const std::string_view> candidates);
 

@@ -8,14 +8,14 @@
 
 namespace tribus {
 
-/// The first place where a text is not TOML.
+/// The first place at which a text is not TOML.
 struct SyntaxError {
     Location where;
-    std::string text;    ///< the library's words, or
-    bool whole = false;  ///< a sentence of our own
+    std::string text;    ///< message of the library, or
+    bool whole = false;  ///< our own complete message
 };
 
-/// The one place that sees the TOML library. Any bytes are allowed.
+/// Parses TOML. Only its source file sees the TOML library. Accepts any bytes.
 tl::expected<Table, SyntaxError> parse_toml(std::string_view text);
 
 }  // namespace tribus

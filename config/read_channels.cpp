@@ -50,10 +50,11 @@ std::string given_sources(const TableContent& content) {
             given.push_back(source);
         }
     }
-    return given.empty() ? "nothing that it is made from" : in_quotes_all(given);
+    return given.empty() ? "no source" : in_quotes_all(given);
 }
 
-/// Exactly one source; a switch needs `from`; a switch and a fixed pulse have no shape.
+/// Checks that there is one source, that a switch has `from`, and that a switch, a line and a fixed
+/// pulse have no shaping keys.
 void check_combination(const TableContent& content, const TableRef& ref, Mistakes& mistakes) {
     const auto sources = channel_source_names();
     const auto count = std::count_if(sources.begin(), sources.end(),
@@ -68,10 +69,11 @@ void check_combination(const TableContent& content, const TableRef& ref, Mistake
                                                          : "";
     for (const std::string_view limit : kSwitchLimits) {
         if (content.given(limit) && !content.given("from")) {
-            mistakes.add(content.find(limit)->where,
-                         fmt::format("{} makes a switch of one input channel; it stands beside "
-                                     "\"from\" only",
-                                     in_quotes(limit)));
+            mistakes.add(
+                content.find(limit)->where,
+                fmt::format(
+                    "{} makes a switch from one input channel; it is only allowed with \"from\"",
+                    in_quotes(limit)));
         } else if (content.given(limit)) {
             shapeless = limit;
         }
@@ -79,7 +81,7 @@ void check_combination(const TableContent& content, const TableRef& ref, Mistake
     for (const std::string_view shape : shaping_key_names()) {
         if (!shapeless.empty() && content.given(shape)) {
             mistakes.add(content.find(shape)->where,
-                         fmt::format("{} has no effect beside {}; leave one of them out",
+                         fmt::format("{} has no effect together with {}; leave one of them out",
                                      in_quotes(shape), in_quotes(shapeless)));
         }
     }
@@ -87,13 +89,13 @@ void check_combination(const TableContent& content, const TableRef& ref, Mistake
     check_limits(content, "below", "above", "the switch would always be on", mistakes);
 }
 
-/// The button of that name, or the one that it most likely means.
+/// The button with that name, or the nearest name.
 FromLine read_line_name(const TableContent& content, Draft* draft, Reading reading) {
     const auto* name = content.values().find_as<std::string>("line");
     if (draft == nullptr) {
         reading.mistakes.add(content.find("line")->where,
-                             "\"line\" makes a channel of an output; it stands in "
-                             "[pipeline.NAME.channels] only");
+                             "\"line\" makes a channel of an output; it is only allowed in "
+                             "[pipeline.NAME.channels]");
         return {};
     }
     if (name == nullptr) {
@@ -110,14 +112,13 @@ FromLine read_line_name(const TableContent& content, Draft* draft, Reading readi
     const auto meant = known ? std::optional<std::string_view>(*name) : nearest(*name, buttons);
     draft->channels_uncertain = draft->channels_uncertain || !meant;
     if (!known && draft->line_names_known && !reading.lost.mentions(*name)) {
-        reading.mistakes.add(
-            content.where("line"),
-            buttons.empty()
-                ? fmt::format("no line with role \"button\" is named {}; it takes a [gpio.{}] "
-                              "with role = \"button\"",
-                              in_quotes(*name), *name)
-                : fmt::format("no line with role \"button\" is named {}; {}", in_quotes(*name),
-                              suggestion(*name, buttons)));
+        reading.mistakes.add(content.where("line"),
+                             buttons.empty()
+                                 ? fmt::format("no line with role \"button\" is named {}; add a "
+                                               "[gpio.{}] with role = \"button\"",
+                                               in_quotes(*name), *name)
+                                 : fmt::format("no line with role \"button\" is named {}; {}",
+                                               in_quotes(*name), suggestion(*name, buttons)));
     }
     return {meant ? index_of(draft->lines, *meant).value_or(0) : 0};
 }

@@ -18,7 +18,7 @@ namespace {
 using Lines = std::vector<std::string>;
 using Parsed = tl::expected<Table, SyntaxError>;
 
-/// Stands for a header that could not be read; no file has a table of such a name by accident.
+/// Prefix of the table that replaces a header which could not be read.
 constexpr std::string_view kLostTable = "lost table of line ";
 
 bool is_word(char c) {
@@ -38,7 +38,7 @@ bool is_header(std::string_view line) {
     return trimmed(line).starts_with('[');
 }
 
-/// `key = ...` or a header: not in the middle of something.
+/// Whether the line starts a statement: `key = ...` or a header.
 bool starts_statement(std::string_view line) {
     const std::string_view text = trimmed(line);
     const std::size_t equals = text.find('=');
@@ -69,12 +69,13 @@ std::string join(const Lines& lines) {
     return text;
 }
 
-/// One way past a mistake of syntax: other text for the lines from `first` (counted from 0).
+/// One way to continue after a mistake of syntax: other text for the lines from `first` (counted
+/// from 0).
 struct Detour {
     std::size_t first = 0;
     Lines replacement;
     bool loses_text = false;
-    std::string text;  ///< what is wrong, where the detour shows it
+    std::string text;  ///< what is wrong, if the detour shows it
 };
 
 bool means_truth(std::string_view value) {
@@ -100,7 +101,7 @@ std::optional<Detour> quote_value(const Lines& lines, std::size_t line) {
     std::string repaired = fmt::format("{} = \"{}\"", key, value);
     std::string message = fmt::format("{} is not a valid value; ", value);
     message += means_truth(value) ? "allowed: true or false, or text in quotes"
-                                  : "text and durations stand in quotes: " + repaired;
+                                  : "put text and durations in quotes: " + repaired;
     return Detour{line, {std::move(repaired)}, false, std::move(message)};
 }
 
@@ -127,8 +128,7 @@ Detour leave_out(const Lines& lines, std::size_t first, std::size_t last) {
     return detour;
 }
 
-/// The statement that may still be open where the parser stumbled: its first line, and the last one
-/// with something in it.
+/// The statement before a line that may still be open: its first line and its last non-empty line.
 struct OpenStatement {
     std::size_t first = 0;
     std::size_t last = 0;
@@ -146,7 +146,7 @@ std::optional<OpenStatement> statement_before(const Lines& lines, std::size_t li
     return last < line ? std::optional(OpenStatement{first, last}) : std::nullopt;
 }
 
-/// The mildest first.
+/// Detours, those with the smallest change first.
 std::vector<Detour> detours_around(const Lines& lines, std::size_t line) {
     std::vector<Detour> detours;
     const auto add = [&detours](std::vector<Detour> more) {
@@ -176,7 +176,7 @@ std::vector<Detour> detours_around(const Lines& lines, std::size_t line) {
     return detours;
 }
 
-/// How far the parser gets, as the line of its next mistake.
+/// Line of the next mistake: how far the parser gets.
 std::size_t reach(const Parsed& parsed) {
     return parsed ? std::numeric_limits<std::size_t>::max() : parsed.error().where.line;
 }
@@ -187,7 +187,7 @@ bool given_twice(const SyntaxError& error) {
 
 std::string without_detour(const SyntaxError& error) {
     if (given_twice(error)) {
-        return "this key or table was already given further up; each stands once";
+        return "this key or table was already given further up; give each once";
     }
     return error.whole ? error.text : fmt::format("not valid TOML: {}", error.text);
 }
@@ -213,8 +213,8 @@ class Recovery {
     }
 
   private:
-    /// Records the mistake and takes the detour that gets furthest, the mildest of equals. False
-    /// where none gets further.
+    /// Records the mistake and takes the detour that gets furthest, among equals the first. Returns
+    /// false if none gets further.
     bool go_on(LostText& lost) {
         const SyntaxError error = parsed_.error();
         const std::size_t line = std::clamp<std::size_t>(error.where.line, 1, lines_.size()) - 1;
@@ -247,7 +247,7 @@ class Recovery {
 
     void report(const SyntaxError& error, const std::string& text) {
         const std::size_t line = std::clamp<std::size_t>(error.where.line, 1, lines_.size()) - 1;
-        // Where a statement as a whole is wrong, its begin is the place.
+        // If a whole statement is wrong, the place is its start.
         const Location where = given_twice(error) ? begin_of(line) : error.where;
         mistakes_.add(where, text.empty() ? without_detour(error) : text);
     }
@@ -261,8 +261,9 @@ class Recovery {
     void record(const SyntaxError& error, const Detour& detour, LostText& lost) {
         const bool earlier = detour.first + detour.replacement.size() < error.where.line;
         if (earlier && detour.loses_text) {
-            mistakes_.add(begin_of(detour.first),
-                          "what begins here does not end; a closing quote, ] or } is missing");
+            mistakes_.add(
+                begin_of(detour.first),
+                "the statement that begins here does not end; a closing quote, ] or } is missing");
         } else if (earlier) {
             const std::size_t length = trimmed(lines_[detour.first]).size();
             Location where = begin_of(detour.first);
@@ -310,8 +311,8 @@ bool LostText::mentions(std::string_view word) const {
 
 Document read_document(std::string_view text, Mistakes& mistakes) {
     if (text.size() > kMostConfigurationBytes) {
-        mistakes.add({1, 1}, fmt::format("the file has {} bytes; a configuration has at most {}",
-                                         text.size(), kMostConfigurationBytes));
+        mistakes.add({1, 1}, fmt::format("the file has {} bytes; allowed: at most {}", text.size(),
+                                         kMostConfigurationBytes));
         Document document;
         document.readable = false;
         return document;

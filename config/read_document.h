@@ -11,38 +11,41 @@
 
 namespace tribus {
 
-/// No useful configuration comes near it; bounds the time that mistakes take to find.
+/// Upper limit of the size of a file. Limits the time that the search for mistakes takes.
 inline constexpr std::size_t kMostConfigurationBytes = 256UL * 1024UL;
-/// After so many, further syntax mistakes of one file are not looked for.
+/// Upper limit of the mistakes of syntax that are searched for in one file.
 inline constexpr std::size_t kMostSyntaxMistakes = 32;
-/// Nor after so much parsing, about a second: each mistake costs some thirty tries to read on.
+/// Upper limit of the bytes that are parsed for it, about a second: each mistake costs some thirty
+/// attempts.
 inline constexpr std::size_t kMostReparsedBytes = 8UL * 1024UL * 1024UL;
 
-/// What had to be left out of a file to read the rest of it. A name or key that only stood in there
-/// is not missing.
+/// The text that was left out in order to read the rest of a file. A name or key that stands only
+/// in it is not missing.
 class LostText {
   public:
+    /// Adds a line that was left out. `header_line`: the line of the header of its table.
     void add_line(std::string_view line, unsigned header_line);
 
-    /// A word (letters, digits, `_`, `-`) of a lost line.
+    /// Whether a lost line contains the word (letters, digits, `_`, `-`).
     bool mentions(std::string_view word) const;
-    /// The table whose header stands in that line has lost something.
-    bool hurts(Location table) const { return header_lines_.count(table.line) != 0; }
+    /// Whether the table whose header stands in that line has lost text.
+    bool affects(Location table) const { return header_lines_.count(table.line) != 0; }
 
   private:
     std::set<std::string, std::less<>> words_;
     std::set<unsigned> header_lines_;
 };
 
+/// A file as far as it could be read.
 struct Document {
     Table root;
     LostText lost;
-    /// Nothing was found that can be judged: only the mistakes of syntax are known.
+    /// False: only the mistakes of syntax are known, and `root` is empty.
     bool readable = true;
 };
 
-/// Reads TOML, and reads on behind a mistake of syntax: the line is repaired where it is clear what
-/// was meant, else left out. Every such mistake is added to `mistakes`. Any bytes are allowed.
+/// Reads TOML and continues after mistakes of syntax: it repairs a line if the intention is clear,
+/// and leaves it out otherwise. Adds each such mistake to `mistakes`. Accepts any bytes.
 Document read_document(std::string_view text, Mistakes& mistakes);
 
 }  // namespace tribus

@@ -48,8 +48,8 @@ DroneCanDraft read_dronecan(const Entry& entry, const Table& table, Reading read
     if (content.sound("name") && !is_node_name(draft.config.node_name)) {
         reading.mistakes.add(
             content.where("name"),
-            fmt::format("{} is not a name of a node; allowed: 1 to {} small letters, digits, "
-                        "\".\", \"_\" and \"-\"",
+            fmt::format("{} is not a node name; allowed: 1 to {} small letters, digits, \".\", "
+                        "\"_\" and \"-\"",
                         in_quotes(draft.config.node_name), dronecan::kLongestNodeName));
     }
     return draft;

@@ -15,7 +15,7 @@
 namespace tribus {
 namespace {
 
-/// What one failsafe table gives.
+/// The content of one failsafe table.
 struct Given {
     std::optional<Duration> hold;
     std::optional<Duration> recover;
@@ -78,7 +78,7 @@ std::vector<std::string_view> output_names(const PipelineConfig& pipeline, const
 
 using GivenByOutput = std::map<std::string, Given, std::less<>>;
 
-/// [pipeline.NAME.failsafe.output.NAME] of all outputs that have one.
+/// Reads all tables [pipeline.NAME.failsafe.output.NAME].
 GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, const Draft& draft,
                            Reading reading) {
     GivenByOutput result;
@@ -134,7 +134,7 @@ FailsafeSettings combine(const Given& own, const Given& shared, const OutputConf
     return settings;
 }
 
-/// Fail silent or fail explicit, never fail stale.
+/// Rule: an output is silent or says failsafe; it never repeats old values without a mark.
 void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistakes) {
     if (given.action == FailsafeAction::hold && output.protocol != nullptr &&
         !output.protocol->signals_failsafe(output.settings)) {
@@ -146,13 +146,14 @@ void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistak
     }
 }
 
-/// Presets that someone wrote down, but that the default action of the output does not send.
+/// Reports presets that are written down but never sent, because the default action of the output
+/// is silence.
 void check_presets(const Given& given, bool used, Mistakes& mistakes) {
     if (given.presets && !used) {
         mistakes.add(given.preset_where,
                      "\"preset\" is not sent in failsafe: without \"action\", an output whose "
-                     "protocol cannot say failsafe goes silent; add action = \"preset\", or "
-                     "action = \"silence\" where it is only for channels that the input lacks");
+                     "protocol cannot say failsafe goes silent; add action = \"preset\", or action "
+                     "= \"silence\" if \"preset\" is only for channels that the input lacks");
     }
 }
 
@@ -176,7 +177,7 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
                                                              describe(entry->value)));
     }
     std::vector<FailsafeSettings> result;
-    // What is not known for sure is not held against the user.
+    // Without certainty, no mistake is reported.
     bool shared_used = shared.action || !shared.action_sound || draft.outputs_uncertain ||
                        pipeline.outputs.empty();
     for (const std::size_t index : pipeline.outputs) {

@@ -7,8 +7,9 @@
 
 namespace tribus {
 
-/// [pipeline.NAME.failsafe] for each of the pipeline's outputs: what its own table says, else what
-/// the pipeline's says, else the default of its protocol. `entry` is null where the file has none.
+/// Reads [pipeline.NAME.failsafe] for each output of the pipeline: the key in the output's own
+/// table, or that of the pipeline, or the default of its protocol. `entry` is null if there is no
+/// such table.
 std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineConfig& pipeline,
                                             const Draft& draft, Reading reading);
 

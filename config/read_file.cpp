@@ -39,9 +39,9 @@ tl::expected<std::string, std::string> read_to_end(int file, std::size_t expecte
 
 tl::expected<std::string, std::string> read_file(const std::filesystem::path& path,
                                                  std::size_t most, FileKinds kinds) {
-    // Opening a pipe would wait for somebody who writes to it.
-    const int patience = kinds == FileKinds::regular ? O_NONBLOCK : 0;
-    const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | patience));
+    // Opening a pipe would wait for a writer.
+    const int nonblocking = kinds == FileKinds::regular ? O_NONBLOCK : 0;
+    const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | nonblocking));
     struct stat told {};
     if (!file.valid() || ::fstat(file.get(), &told) != 0) {
         return Failed(std::strerror(errno));

@@ -8,13 +8,14 @@
 
 namespace tribus {
 
+/// Which kinds of files `read_file` accepts.
 enum class FileKinds : std::uint8_t {
-    regular,  ///< what is anything else is refused, and never waited for
-    any,      ///< a pipe is read to its end, such as /dev/stdin
+    regular,  ///< anything but a regular file is refused, without waiting for it
+    any,      ///< a pipe, such as /dev/stdin, is read to its end
 };
 
-/// What a file holds, up to `most` bytes; the rest stays unread. The error is the reason why it
-/// cannot be read, for a message that names the file.
+/// Content of a file, at most its first `most` bytes. The error is the reason why it cannot be
+/// read, for a message that names the file.
 tl::expected<std::string, std::string> read_file(const std::filesystem::path& path,
                                                  std::size_t most,
                                                  FileKinds kinds = FileKinds::regular);

@@ -62,17 +62,17 @@ void check_keys(const TableContent& content, LineRole role, Mistakes& mistakes) 
     }
 }
 
-/// What a role cannot be without, which the key table cannot say.
+/// Reports a missing key that only some roles require, which the key table cannot express.
 void needs(const TableContent& content, std::string_view title, LineRole role, std::string_view key,
            std::string_view example, Reading reading) {
-    if (!content.given(key) && !reading.lost.hurts(content.where(key))) {
+    if (!content.given(key) && !reading.lost.affects(content.where(key))) {
         reading.mistakes.add(content.where(key),
                              fmt::format("{} lacks {}; required with role {}, such as {}", title,
                                          in_quotes(key), in_quotes(name_of(role)), example));
     }
 }
 
-/// Nothing, and perhaps a mistake added, where it is not sound.
+/// Absent if the place is not valid; then a mistake was added.
 std::optional<GpioPlace> read_place(const TableContent& content, Mistakes& mistakes) {
     const Entry* line = content.find("line");
     if (line == nullptr) {
@@ -101,8 +101,8 @@ std::optional<GpioPlace> read_place(const TableContent& content, Mistakes& mista
     }
     if (!content.given("chip")) {
         mistakes.add(line->value.where,
-                     fmt::format("\"line\" is {}, a number on a chip that is not named; allowed: "
-                                 "with \"chip\", such as chip = \"gpiochip0\", or the line's name",
+                     fmt::format("\"line\" is {}, a number without a chip; add \"chip\", such as "
+                                 "chip = \"gpiochip0\", or give the line's name",
                                  *number));
         return std::nullopt;
     }
@@ -110,7 +110,7 @@ std::optional<GpioPlace> read_place(const TableContent& content, Mistakes& mista
     return content.sound("chip") ? std::optional(std::move(place)) : std::nullopt;
 }
 
-/// The input or output that the key names, or most likely means.
+/// The input or output that the key names, or the nearest name.
 template <class Drafts>
 std::optional<std::size_t> read_name(const TableContent& content, std::string_view key,
                                      const Drafts& drafts, bool names_known, Reading reading) {
@@ -140,7 +140,7 @@ std::vector<std::size_t> read_outputs(const TableContent& content, const Draft& 
     }
     std::vector<std::size_t> all;
     for (std::size_t i = 0; i < draft.outputs.size() && !content.given("output"); ++i) {
-        // Those that carry values only know no failsafe.
+        // Outputs that send only values have no failsafe.
         if (draft.outputs[i].needs_pipeline) {
             all.push_back(i);
         }
@@ -152,7 +152,7 @@ ValueRule read_switch_rule(const TableContent& content, std::string_view title, 
     constexpr std::string_view kExample = "channel = 9, above = 1700";
     needs(content, title, LineRole::channel_switch, "output", "output = \"servos\"", reading);
     needs(content, title, LineRole::channel_switch, "channel", kExample, reading);
-    if (!has_value_limit(content) && !reading.lost.hurts(content.where("above"))) {
+    if (!has_value_limit(content) && !reading.lost.affects(content.where("above"))) {
         reading.mistakes.add(content.where("above"),
                              fmt::format("{} has no limit; at least one of {} is required with "
                                          "role \"switch\", such as {}",

@@ -21,7 +21,7 @@ struct Name {
     Location where;
 };
 
-/// A name or a list of names; nothing, and a mistake added, if it is neither.
+/// Reads a name or a list of names. Adds a mistake and returns `nullopt` if it is neither.
 std::optional<std::vector<Name>> read_names(std::string_view key, std::string_view what,
                                             const Value& value, Mistakes& mistakes) {
     std::vector<Name> names;
@@ -51,7 +51,7 @@ std::optional<std::vector<Name>> read_names(std::string_view key, std::string_vi
     return names;
 }
 
-/// The input or output of that name, or the one that it most likely means.
+/// The input or output with that name, or the nearest name.
 template <class Drafts>
 std::optional<std::size_t> resolve(const Name& name, std::string_view what, const Drafts& drafts,
                                    bool names_known, bool& uncertain, Reading reading) {
@@ -69,13 +69,13 @@ std::optional<std::size_t> resolve(const Name& name, std::string_view what, cons
     return near ? index_of(drafts, *near) : std::nullopt;
 }
 
-/// Adds an index, once.
+/// Adds an index, or a mistake if it was added before.
 void add_index(std::vector<std::size_t>& indices, std::size_t index, const Name& name,
                std::string_view what, Mistakes& mistakes) {
     if (std::find(indices.begin(), indices.end(), index) == indices.end()) {
         indices.push_back(index);
     } else {
-        mistakes.add(name.where, fmt::format("{} {} is listed twice; each stands once", what,
+        mistakes.add(name.where, fmt::format("{} {} is listed twice; list it once", what,
                                              in_quotes(name.text)));
     }
 }

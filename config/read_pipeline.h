@@ -5,8 +5,7 @@
 
 namespace tribus {
 
-/// One [pipeline.NAME]. The inputs and outputs of the draft must be complete; marks those that it
-/// uses.
+/// Reads one [pipeline.NAME]. The draft must have all inputs and outputs; marks those that it uses.
 PipelineConfig read_pipeline(const Entry& entry, const Table& table, Draft& draft, Reading reading);
 
 }  // namespace tribus

@@ -17,7 +17,7 @@
 namespace tribus {
 namespace {
 
-/// The protocol that a table names, or most likely means.
+/// The protocol that a table names, or the nearest name.
 const Protocol* meant_protocol(const Table& table, std::span<const Key> keys) {
     for (const Entry& entry : table.entries) {
         const Key* key = meant_key(entry.key, keys);
@@ -34,15 +34,15 @@ const Protocol* meant_protocol(const Table& table, std::span<const Key> keys) {
     return nullptr;
 }
 
-/// What may stand in the table of an input or output, by its protocol.
+/// The keys of an input or output, which depend on its protocol.
 struct PortKeys {
     const Protocol* protocol = nullptr;
     std::vector<Key> keys;
-    /// Of an unknown protocol, any protocol's keys: none is a mistake of its own.
+    /// If the protocol is unknown: the keys of all protocols, which are not reported.
     std::vector<std::string_view> tolerated;
 };
 
-/// In the order in which messages list them: protocol, place, what all have, what the protocol has.
+/// Order of the keys in messages: protocol, place, common keys, keys of the protocol.
 PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope scope) {
     PortKeys port{meant_protocol(table, common), {common.begin(), common.end()}, {}};
     for (const Protocol* protocol : protocols()) {
@@ -73,7 +73,7 @@ SettingValues own_settings(const PortKeys& port, const TableContent& content) {
     return settings;
 }
 
-/// Where the value at the end of a path of keys stands; as near as the file has it.
+/// Place of the value at the end of a path of keys, or of the last part of the path that exists.
 Location where_of(const std::vector<std::string>& path, const TableContent& content) {
     if (path.empty()) {
         return content.where("protocol");
@@ -88,7 +88,7 @@ Location where_of(const std::vector<std::string>& path, const TableContent& cont
     return where;
 }
 
-/// What the protocol itself finds wrong, if its keys are sound each. Returns whether it is content.
+/// Runs the protocol's own check if each of its keys is valid. Returns whether all is valid.
 bool check_by_protocol(const PortKeys& port, const SettingValues& settings, SettingScope scope,
                        const TableContent& content, Mistakes& mistakes) {
     if (port.protocol == nullptr || !port.protocol->goes(scope)) {
@@ -109,7 +109,7 @@ bool check_by_protocol(const PortKeys& port, const SettingValues& settings, Sett
     return found.empty();
 }
 
-/// No serial driver of Linux has a setting that inverts a line, so the wish is always a mistake.
+/// No serial driver of Linux has a setting for inversion, so `inverted = true` is always a mistake.
 void check_inverted(const TableContent& content, Mistakes& mistakes) {
     if (content.values().get_or("inverted", false)) {
         mistakes.add(content.where("inverted"),
@@ -143,12 +143,12 @@ bool port_sound(const PortKeys& port, const TableContent& content) {
            content.sound("protocol");
 }
 
-/// A frame must have left before the next one is due, with a byte of silence between.
+/// The time of one frame on the wire and a pause of one byte.
 Duration wire_period(const OutputConfig& output) {
     return output.port.line.bytes_time(output.protocol->longest_frame + 1);
 }
 
-/// `most`: of the protocol with its settings, where they are sound.
+/// `most`: upper limit of the protocol with its settings, if they are valid.
 void check_period(const OutputConfig& output, std::optional<Duration> most,
                   const TableContent& content, Mistakes& mistakes) {
     const Duration period = output.schedule.period;
@@ -178,7 +178,7 @@ void check_period(const OutputConfig& output, std::optional<Duration> most,
     }
 }
 
-/// Where the user gives none.
+/// The default period: that of the settings if they define one, else that of the protocol.
 Duration own_period(const Protocol& protocol, const SettingValues& settings, bool sound) {
     const auto own =
         sound && protocol.own_period != nullptr ? protocol.own_period(settings) : std::nullopt;
@@ -269,7 +269,7 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     if (draft.settings_sound) {
         read_values_used(*port.protocol, content, draft);
     } else if (port.protocol != nullptr && port.protocol->needs_pipeline != nullptr) {
-        // Perhaps it carries values only: another mistake hides that.
+        // It may be an output for values only, which the other mistake hides.
         draft.needs_pipeline = false;
     }
     draft.config.yield_to_foreign_sender =

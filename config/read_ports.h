@@ -5,7 +5,7 @@
 
 namespace tribus {
 
-/// One [input.NAME] or [output.NAME]. All that can be read is, whatever else is wrong in it.
+/// Read one [input.NAME] or [output.NAME]. They read as much as possible in spite of mistakes.
 InputDraft read_input(const Entry& entry, const Table& table, Reading reading);
 OutputDraft read_output(const Entry& entry, const Table& table, Reading reading);
 

@@ -7,7 +7,7 @@
 
 namespace tribus {
 
-/// [recorder]; nothing where it is not there.
+/// Reads [recorder]. `nullopt` if there is none.
 std::optional<RecorderConfig> read_recorder(const Entry* entry, Reading reading);
 
 }  // namespace tribus

@@ -19,12 +19,13 @@ void check_value_rule(const RuleRef& ref, const TableContent& content, Reading r
     const bool limited = has_value_limit(content);
     if (content.values().get_or("all_zero", false)) {
         if (content.given("channel") || limited) {
-            reading.mistakes.add(content.where("all_zero"),
-                                 "\"all_zero\" judges all channels; it stands alone in its rule");
+            reading.mistakes.add(
+                content.where("all_zero"),
+                "\"all_zero\" applies to all channels; a rule with it has no other key");
         }
         return;
     }
-    if (reading.lost.hurts(where)) {
+    if (reading.lost.affects(where)) {
         return;
     }
     if (!content.given("channel")) {

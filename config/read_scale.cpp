@@ -14,10 +14,11 @@ namespace {
 
 constexpr std::string_view kExample = "{ raw = [172, 1811], us = [988, 2012] }";
 
-/// Below, two raw values would share an eighth of a microsecond; above, a stick would not do it.
+/// Smaller slopes map two raw values to the same eighth of a microsecond; larger ones do not occur
+/// with sticks.
 constexpr double kLeastSlope = 0.25;
 constexpr double kMostSlope = 4;
-/// What a pulse can hold.
+/// Range of a Pulse.
 constexpr double kLeastMicroseconds = -4000;
 constexpr double kMostMicroseconds = 4095;
 
@@ -47,11 +48,11 @@ std::optional<Pair> read_pair(const Table& table, Location where, std::string_vi
             return Pair{{*first, *second}, entry->value.where};
         }
     }
-    mistakes.add(entry->value.where,
-                 fmt::format("{} is not a list of two different {}numbers from {} to {}; allowed: "
-                             "such as {}",
-                             in_quotes(name), name == "raw" ? "whole " : "", format_number(least),
-                             format_number(most), kExample));
+    mistakes.add(
+        entry->value.where,
+        fmt::format("{} is not a list of two different {}numbers from {} to {}; example: {}",
+                    in_quotes(name), name == "raw" ? "whole " : "", format_number(least),
+                    format_number(most), kExample));
     return std::nullopt;
 }
 
@@ -90,10 +91,10 @@ std::optional<TwoPoints> read_scale(std::string_view key, const Value& value, Mi
     if (lowest < kLeastMicroseconds || highest > kMostMicroseconds) {
         mistakes.add(
             value.where,
-            fmt::format("{} spreads raw 0 to {} over {:.6g} to {:.6g} us; allowed: within "
-                        "{} to {} us",
-                        in_quotes(key), format_number(kMostRaw), lowest, highest,
-                        format_number(kLeastMicroseconds), format_number(kMostMicroseconds)));
+            fmt::format(
+                "{} maps raw 0 to {} to the range {:.6g} to {:.6g} us; allowed: within {} to {} us",
+                in_quotes(key), format_number(kMostRaw), lowest, highest,
+                format_number(kLeastMicroseconds), format_number(kMostMicroseconds)));
         return std::nullopt;
     }
     return TwoPoints{raw->numbers, us->numbers};

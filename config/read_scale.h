@@ -9,12 +9,12 @@
 
 namespace tribus {
 
-/// `{ raw = [a, b], us = [c, d] }`, which is a table already. The line through the points must rise
-/// such that neighbouring raw values stay apart, and keep the whole raw range inside a pulse.
-/// Nothing, and mistakes added, if it does not.
+/// Reads `{ raw = [a, b], us = [c, d] }`; `value` must be a table. The line through the points must
+/// rise so that neighbouring raw values stay distinct, and the whole raw range must fit into a
+/// Pulse. Otherwise adds mistakes and returns `nullopt`.
 std::optional<TwoPoints> read_scale(std::string_view key, const Value& value, Mistakes& mistakes);
 
-/// Raw values of a scale are 11 bits wide.
+/// Raw values have 11 bits.
 inline constexpr double kMostRaw = 2047;
 
 }  // namespace tribus

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kLeastMedianInputs = 3;
 
-/// The choices stand in the order of the modes.
+/// The choices of the key are in the order of SelectionMode.
 SelectionMode mode_of(const TableContent& content) {
     const auto name = content.values().get_or<std::string>("mode", {});
     const auto found = std::ranges::find(key_rows::kModeChoices, name);
@@ -57,7 +57,7 @@ std::optional<HandoverSettings> read_handover(const Value& value, std::string_vi
                             static_cast<std::size_t>(channel - 1)};
 }
 
-/// What is of use to several inputs only.
+/// Reports keys that only apply to several inputs.
 void check_use(const TableContent& content, std::string_view title,
                const SelectionSettings& selection, Mistakes& mistakes) {
     const std::size_t count = selection.inputs.size();
@@ -68,9 +68,8 @@ void check_use(const TableContent& content, std::string_view title,
     if (selection.mode == SelectionMode::median && content.sound("mode") &&
         count < kLeastMedianInputs) {
         mistakes.add(content.where("mode"),
-                     fmt::format("\"mode\" is \"median\", but {} has {} input{}: one that lies "
-                                 "could not be outvoted; allowed: three or more inputs, or another "
-                                 "mode",
+                     fmt::format("\"mode\" is \"median\", but {} has {} input{}: a wrong one could "
+                                 "not be outvoted; allowed: three or more inputs, or another mode",
                                  title, count, count == 1 ? "" : "s"));
     }
     if (content.given("tolerance") && selection.mode != SelectionMode::median &&
@@ -81,8 +80,8 @@ void check_use(const TableContent& content, std::string_view title,
     if (content.given("changeover") && selection.mode == SelectionMode::freshest &&
         content.sound("mode")) {
         mistakes.add(content.find("changeover")->where,
-                     "\"changeover\" has no effect with mode \"freshest\", where each frame may be "
-                     "of another input: every movement would be slowed; leave it out");
+                     "\"changeover\" has no effect with mode \"freshest\", where each frame may "
+                     "come from another input, so every movement would be slowed; leave it out");
     }
     for (const std::string_view key : {"handover", "changeover"}) {
         if (content.given(key) && count < 2) {

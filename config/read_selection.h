@@ -7,7 +7,7 @@
 
 namespace tribus {
 
-/// How a pipeline chooses among its inputs, whose indices `selection` has already.
+/// Reads how a pipeline selects its input. `selection` already has the indices of the inputs.
 void read_selection(const TableContent& content, std::string_view title,
                     SelectionSettings& selection, const Draft& draft, Reading reading);
 

@@ -47,7 +47,7 @@ std::vector<std::string_view> type_names(const SensorTypes& types) {
     return names;
 }
 
-/// Where a misspelt name is in a list too long to print.
+/// Hint for a misspelt name, because the list of names is too long to print.
 std::string near_name(std::string_view wrong, std::span<const std::string_view> names) {
     const auto near = nearest(wrong, names);
     return near ? fmt::format("did you mean {}? ", in_quotes(*near)) : std::string();
@@ -82,7 +82,7 @@ void check_sources(const TableContent& content, const SensorConfig& sensor,
     const bool several = sensor.type.fields.size() > 1;
     if (content.given("value") && several) {
         mistakes.add(content.find("value")->where,
-                     fmt::format("type {} has {} fields, so \"value\" does not say which; allowed: "
+                     fmt::format("type {} has {} fields, so \"value\" is ambiguous; allowed: "
                                  "values = {{ {} = \"...\" }}",
                                  in_quotes(sensor.type.name), sensor.type.fields.size(),
                                  sensor.type.fields.front().name));
@@ -92,7 +92,7 @@ void check_sources(const TableContent& content, const SensorConfig& sensor,
                                  title, several ? "\"values\"" : "\"value\""));
     } else if (content.given("value") && content.given("values")) {
         mistakes.add(content.find("values")->where,
-                     "\"values\" beside \"value\"; leave one of them out");
+                     "\"values\" and \"value\" are both given; leave one of them out");
     }
 }
 
@@ -112,11 +112,12 @@ std::optional<SensorConfig> read_sensor(const Value& value, const std::string& t
     }
     const SensorType* type = types.find(*name);
     if (type == nullptr) {
-        reading.mistakes.add(content.where("type"),
-                             fmt::format("{} is no sensor type; {}allowed: {}, or one of your own, "
-                                         "[sensor_type.NAME]",
-                                         in_quotes(*name), near_name(*name, type_names(types)),
-                                         in_quotes_all(type_names(types))));
+        reading.mistakes.add(
+            content.where("type"),
+            fmt::format(
+                "{} is not a sensor type; {}allowed: {}, or one of your own, [sensor_type.NAME]",
+                in_quotes(*name), near_name(*name, type_names(types)),
+                in_quotes_all(type_names(types))));
         return std::nullopt;
     }
     SensorConfig sensor;
@@ -144,7 +145,7 @@ void read_sensors(const TableContent& content, const std::string& title, const S
     const Entry* entry = content.find("sensor");
     const auto* list = entry == nullptr ? nullptr : entry->value.as<List>();
     if (list == nullptr || list->items.empty()) {
-        if (!reading.lost.hurts(content.where("sensor"))) {
+        if (!reading.lost.affects(content.where("sensor"))) {
             reading.mistakes.add(content.where("sensor"),
                                  fmt::format("{} has no sensors; required with role \"sensor\": "
                                              "[{}.sensor]], each with \"type\" and \"value\"",
@@ -156,9 +157,9 @@ void read_sensors(const TableContent& content, const std::string& title, const S
     if (list->items.size() > room) {
         reading.mistakes.add(
             list->items[room].where,
-            fmt::format("{} has {} sensors from address {} on; allowed: addresses up to {}, so {} "
-                        "of them",
-                        title, list->items.size(), config.address, kMostSensors, room));
+            fmt::format(
+                "{} has {} sensors from address {} on; allowed: addresses up to {}, so at most {}",
+                title, list->items.size(), config.address, kMostSensors, room));
     }
     for (std::size_t i = 0; i < list->items.size(); ++i) {
         const std::string which = fmt::format("sensor {} of {}", i + 1, title);
@@ -180,8 +181,8 @@ void check_reply_times(const TableContent& content, const SensorBusConfig& confi
     if (config.reply_after >= config.reply_within && content.sound("reply_after") &&
         content.sound("reply_within")) {
         mistakes.add(content.where(content.given("reply_after") ? "reply_after" : "reply_within"),
-                     "\"reply_after\" is not before \"reply_within\", so no answer would ever "
-                     "leave; allowed: less than that");
+                     "\"reply_after\" is not less than \"reply_within\", so no answer would be "
+                     "sent; allowed: less than \"reply_within\"");
     }
 }
 

@@ -30,7 +30,7 @@ std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* proto
     }
     for (const Value& item : list->items) {
         const auto rule = read_value_rule({item, "a rule of \"failsafe_when\"", kLossRuleExample,
-                                           "every value would be loss", loss_rule_keys()},
+                                           "every value would mean loss", loss_rule_keys()},
                                           reading);
         if (!rule) {
             continue;
@@ -46,16 +46,17 @@ std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* proto
     return rules;
 }
 
-/// Detectors that this wire has nothing for.
+/// Reports checks that do not apply to this protocol.
 void check_use(const TableContent& content, const Protocol& protocol, const SettingValues& settings,
                Mistakes& mistakes) {
     for (const std::string_view key : kFlagKeys) {
         if (content.given(key) && !has_flags(protocol, settings)) {
-            mistakes.add(content.find(key)->where,
-                         fmt::format("{} has no effect: {} marks no frame as lost; what its "
-                                     "receivers do instead is found with \"failsafe_when\" or "
-                                     "\"frozen\"",
-                                     in_quotes(key), in_quotes(protocol.name)));
+            mistakes.add(
+                content.find(key)->where,
+                fmt::format(
+                    "{} has no effect: {} cannot mark a frame as lost; use \"failsafe_when\" or "
+                    "\"frozen\" to detect what its receivers do instead",
+                    in_quotes(key), in_quotes(protocol.name)));
         }
     }
     if (content.given("zero_guard") && protocol.raw_zero == nullptr) {

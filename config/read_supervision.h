@@ -4,14 +4,14 @@
 
 namespace tribus {
 
-/// How an input is judged, from the content of [input.NAME]. `settings_sound`: what the protocol's
-/// own settings say of its wire format is certain.
+/// Reads from [input.NAME] how the link of an input is judged. `settings_sound`: the protocol's
+/// settings are valid, so its wire format is known.
 SupervisionSettings read_supervision(const TableContent& content, const Protocol* protocol,
                                      const SettingValues& settings, bool settings_sound,
                                      Reading reading);
 
-/// Whether the decoder of an input can mark a frame as frame-lost or failsafe. On CAN each can: it
-/// also judges values that are missing and messages that do not come.
+/// Whether the decoder of an input can mark a frame as frame-lost or failsafe. Every decoder on CAN
+/// can, because it also judges missing values and missing messages.
 bool has_flags(const Protocol& protocol, const SettingValues& settings);
 
 }  // namespace tribus

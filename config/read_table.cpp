@@ -21,8 +21,8 @@ const Key* exact_key(std::string_view name, std::span<const Key> keys) {
     return key == keys.end() ? nullptr : &*key;
 }
 
-/// Where the name is that of the place of another kind of link, such as "device" on a CAN bus: the
-/// key of the right place.
+/// If `name` is the place key of another kind of link, such as "device" on CAN: the right place
+/// key.
 const Key* place_instead(std::string_view name, const TableRef& ref, std::span<const Key> keys) {
     const Protocol* own = find_protocol(ref.protocol);
     const bool is_place = std::ranges::any_of(protocols(), [name](const Protocol* protocol) {
@@ -50,8 +50,8 @@ void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key
                                           suggestion(entry.key, names)));
 }
 
-/// Which entry is which key. An entry with a misspelt name stands for the key that was meant, so
-/// that its value is judged in the same run and the key does not count as missing.
+/// Assigns entries to keys. An entry with a misspelt name counts as the key that was meant, so that
+/// its value is checked too and the key is not reported as missing.
 std::vector<TableContent::Item> match(const TableRef& ref, std::span<const Key> keys,
                                       std::span<const std::string_view> tolerated,
                                       Mistakes& mistakes) {
@@ -99,7 +99,7 @@ bool has_value(const Key& key) {
 }
 
 void report_missing(const TableRef& ref, const Key& key, Reading reading) {
-    if (reading.lost.hurts(ref.where)) {
+    if (reading.lost.affects(ref.where)) {
         return;
     }
     const std::string meaning = key.kind == KeyKind::protocol

@@ -13,45 +13,45 @@
 
 namespace tribus {
 
-/// What every reader needs at hand.
+/// Common arguments of all readers.
 struct Reading {
     const LostText& lost;
     Mistakes& mistakes;
 };
 
-/// A table and where it stands, with a name for messages such as `[input.receiver]`.
+/// A table and its place in the file. `title` names it in messages, such as `[input.receiver]`.
 struct TableRef {
     const Table& table;
     Location where;
     std::string title;
-    /// Of an input or output: which of the two, and its protocol, where that is known.
+    /// For an input or output: "input" or "output", and the name of its protocol if known.
     std::string_view side{};
     std::string_view protocol{};
 };
 
-/// A table held against its rows of the key table.
+/// The entries of a table, assigned to rows of the key table.
 class TableContent {
   public:
     struct Item {
         const Key* key = nullptr;
         const Entry* entry = nullptr;
         bool sound = true;
-        /// The entry names the place of another kind of link; its value is not judged.
+        /// The entry is the place key of another kind of link. Its value is not checked.
         bool other_link = false;
     };
 
     TableContent(Location where, std::vector<Item> items, SettingValues values)
         : where_(where), items_(std::move(items)), values_(std::move(values)) {}
 
-    /// Sound values that were given, and the defaults of all others.
+    /// The valid values that were given, and the defaults of all other keys.
     const SettingValues& values() const { return values_; }
 
-    /// The entry of that key, also where its name was misspelt; null if there is none.
+    /// The entry of that key, also if its name was misspelt. Null if there is none.
     const Entry* find(std::string_view key) const;
     bool given(std::string_view key) const { return find(key) != nullptr; }
-    /// Not given, or given without a mistake.
+    /// True if the key was not given, or was given without a mistake.
     bool sound(std::string_view key) const;
-    /// Of the value, or of the table where it is not given.
+    /// Place of the value, or of the table if it was not given.
     Location where(std::string_view key) const;
 
   private:
@@ -62,25 +62,25 @@ class TableContent {
     SettingValues values_;
 };
 
-/// Adds a mistake for each unknown key, each missing one that is required, and each value that is
-/// not allowed; keys of other kinds than `value` and `protocol` are found but not judged. Names in
-/// `tolerated` are passed over. `keys` must outlive the result.
+/// Checks a table against `keys`. Adds a mistake for each unknown key, each missing required key,
+/// and each value that is not allowed. Does not check values of kinds other than `value` and
+/// `protocol`. Ignores the names in `tolerated`. `keys` must outlive the result.
 TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading reading,
                         std::span<const std::string_view> tolerated = {});
 
-/// As above, of a table of the root that there is once, such as [runtime]. Nothing where it is not
-/// there, or where its entry is no table, which is a mistake.
+/// The same for a table that may exist once at the top, such as [runtime]. `nullopt` if it does not
+/// exist, or if it is not a table, which is a mistake.
 std::optional<TableContent> read_only_table(std::string_view name, const Entry* entry,
                                             std::span<const Key> keys, Reading reading);
 
-/// The key that an entry of that name means: the same, or the nearest; null if there is none.
+/// The key with that name, or with the nearest name. Null if there is none.
 const Key* meant_key(std::string_view name, std::span<const Key> keys);
 
 std::vector<std::string_view> names_of(std::span<const Key> keys);
 
 /// Names of all protocols in the registry.
 std::vector<std::string_view> protocol_names();
-/// Of those that an input, or an output, can have.
+/// Names of the protocols that an input or an output can have.
 std::vector<std::string_view> protocol_names(SettingScope way);
 
 }  // namespace tribus

@@ -13,7 +13,7 @@
 namespace tribus {
 namespace {
 
-/// Far beyond any DBC file of a vehicle.
+/// Far more than any DBC file of a vehicle has.
 constexpr std::size_t kMostFileBytes = 16UL * 1024UL * 1024UL;
 
 std::optional<SettingTree> convert(std::string_view key, const Value& value, Mistakes& mistakes);
@@ -41,7 +41,7 @@ std::optional<SettingTree> convert_table(const Table& table, Mistakes& mistakes)
     return whole ? std::optional(SettingTree{std::move(entries)}) : std::nullopt;
 }
 
-/// As deep as the TOML parser goes, which has a limit of its own.
+/// The TOML parser limits the depth.
 std::optional<SettingTree> convert(std::string_view key, const Value& value, Mistakes& mistakes) {
     return std::visit(
         [&](const auto& content) -> std::optional<SettingTree> {
@@ -78,7 +78,7 @@ std::optional<SettingFile> read_named_file(std::string_view key, const Value& va
                                            Mistakes& mistakes) {
     const auto sentence = [&](std::string_view reason) {
         return fmt::format(
-            "{} is {}: {}; allowed: the path of a text file, from the folder of this file",
+            "{} is {}: {}; allowed: the path of a text file, relative to the folder of this file",
             in_quotes(key), describe(value), reason);
     };
     const auto refuse = [&](std::string_view reason) {

@@ -8,11 +8,10 @@
 
 namespace tribus {
 
-/// A table as the user wrote it, for a protocol to judge. Dates and times mean nothing anywhere:
-/// each is a mistake.
+/// Reads a table as it is, for the protocol to check. Dates and times are mistakes.
 std::optional<SettingTree> read_tree(std::string_view key, const Value& value, Mistakes& mistakes);
 
-/// Reads the text file that the value names, from the folder of the configuration file.
+/// Reads the text file that the value names, relative to the folder of the configuration file.
 std::optional<SettingFile> read_named_file(std::string_view key, const Value& value,
                                            Mistakes& mistakes);
 

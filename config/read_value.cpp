@@ -86,7 +86,7 @@ std::optional<SettingValue> read_range(const Setting& setting, const Value& valu
                                         : std::nullopt;
 }
 
-/// Whoever reads it in a log must not take a part of it for a line of its own.
+/// A control character could make a part of the text look like a line of its own in a log.
 bool has_control_characters(std::string_view text) {
     return std::ranges::any_of(
         text, [](char c) { return std::iscntrl(static_cast<unsigned char>(c)) != 0; });
@@ -175,7 +175,7 @@ std::string allowed_values(const Setting& setting) {
             return fmt::format("two numbers of microseconds{}, the lower one first: [985, 995]",
                                limits);
         case SettingType::slew:
-            return fmt::format("microseconds a second{}, text such as \"2000us/s\"", limits);
+            return fmt::format("microseconds per second{}, text such as \"2000us/s\"", limits);
         case SettingType::file:
             return "the path of a text file";
         case SettingType::tree:

@@ -10,18 +10,18 @@
 
 namespace tribus {
 
-/// A value checked against its row: type, range, choices. Nothing, and a mistake added, if it is
-/// not allowed. A number for a pulse is a double, in microseconds; so is one for a slew.
+/// Checks a value against its row: type, range, choices. Adds a mistake and returns `nullopt` if it
+/// is not allowed. Pulses (microseconds) and slews (microseconds per second) are doubles.
 std::optional<SettingValue> read_value(const Setting& setting, const Value& value,
                                        Mistakes& mistakes);
 
-/// What the row allows, for a person: "a whole number from 1 to 99".
+/// The values that the row allows, for messages: "a whole number from 1 to 99".
 std::string allowed_values(const Setting& setting);
 
-/// A number of microseconds in the limits that all given pulses share.
+/// Reads a pulse in microseconds, within kLeastPulse and kMostPulse.
 std::optional<double> read_pulse(std::string_view key, const Value& value, Mistakes& mistakes);
 
-/// A number from `least` to `most`; whole numbers count, not-a-number and infinities do not.
+/// A number from `least` to `most`, whole or not. Rejects not-a-number and infinities.
 std::optional<double> number_within(const Value& value, double least, double most);
 
 }  // namespace tribus

@@ -24,7 +24,7 @@ namespace {
 constexpr Duration kDefaultTimeout = std::chrono::seconds(1);
 constexpr int kCyclesToStale = 3;
 
-/// What a table of values is of: the key that says so, what it must have, and what else it may.
+/// A kind of [values.NAME]: the key that selects it, and its required and optional keys.
 struct ValuesKind {
     std::string_view key;
     std::span<const std::string_view> required;
@@ -48,7 +48,7 @@ const ValuesKind& kind_of(const TableContent& content) {
     return content.given(kDroneCan.key) ? kDroneCan : kDbc;
 }
 
-/// The message that the table names, as the file describes it.
+/// The message that the table names, from the DBC file.
 std::optional<DbcMessage> find_message(const TableContent& content, const SettingFile& dbc,
                                        const std::string& name, Mistakes& mistakes) {
     const auto file = parse_dbc(dbc.content);
@@ -178,15 +178,15 @@ void check_kind(const TableContent& content, const std::string& title, Mistakes&
         if (content.given(key) && content.given(kind.key) && !has(kind.required, key) &&
             !has(kind.optional, key)) {
             mistakes.add(content.find(key)->where,
-                         fmt::format("{} has no effect beside {}; leave one of them out",
+                         fmt::format("{} has no effect together with {}; leave one of them out",
                                      in_quotes(key), in_quotes(kind.key)));
         }
     }
     for (const std::string_view key : kind.required) {
         if (!content.given(key)) {
             mistakes.add(content.where(key),
-                         fmt::format("{} lacks {}; required: \"interface\" and either \"dbc\" "
-                                     "with \"message\" or \"dronecan\"; or else \"constant\"",
+                         fmt::format("{} lacks {}; required: \"constant\", or \"interface\" with "
+                                     "either \"dbc\" and \"message\" or \"dronecan\"",
                                      title, in_quotes(key)));
         }
     }
@@ -223,7 +223,7 @@ ValuesDraft read_values(const Entry& entry, const Table& table, Reading reading)
     ValuesDraft draft;
     draft.config.name = entry.key;
     draft.where = entry.where;
-    if (!reading.lost.hurts(entry.value.where)) {
+    if (!reading.lost.affects(entry.value.where)) {
         check_kind(content, title, reading.mistakes);
     }
     if (content.given("constant")) {

@@ -5,26 +5,26 @@
 
 namespace tribus {
 
-/// [values.NAME]
+/// Reads [values.NAME].
 ValuesDraft read_values(const Entry& entry, const Table& table, Reading reading);
 
-/// [sensor_type.NAME]
+/// Reads [sensor_type.NAME].
 SensorType read_sensor_type(const Entry& entry, const Table& table, Reading reading);
 
-/// [sensor_bus.NAME], with the types of the draft.
+/// Reads [sensor_bus.NAME] with the sensor types of the draft.
 SensorBusDraft read_sensor_bus(const Entry& entry, const Table& table, const Draft& draft,
                                Reading reading);
 
-/// { NAME = text }: the entries that are sound, with the places of their texts. `what` says what a
-/// text is, for messages.
+/// An entry of { NAME = text }. `read_texts` returns the valid ones. `what` says in messages what a
+/// text is.
 struct NamedText {
     const Entry* entry = nullptr;
     std::string text;
 };
 std::vector<NamedText> read_texts(const Entry& entry, std::string_view what, Mistakes& mistakes);
 
-/// What is wrong with named values beside each other: names that nobody gives, units that do not
-/// fit, devices that cannot be shared.
+/// Checks named values across tables: unknown names, units that do not convert, names that are used
+/// twice.
 void check_values(const Draft& draft, Reading reading);
 
 }  // namespace tribus

@@ -20,26 +20,27 @@
 #include "transports/codecs/protocol.h"
 #include "transports/links/gpio_place.h"
 
-/// The configuration as plain values: what a checked file means, with every default filled in.
+/// The configuration as plain values: a checked file with every default.
 namespace tribus {
 
-/// A place in the configuration file, both counted from 1.
+/// A place in the configuration file. Line and column count from 1.
 struct Location {
     unsigned line = 0;
     unsigned column = 0;
 
-    /// Where a thing stands is no part of what it is.
+    /// Always equal: the place of a thing does not change its meaning.
     friend bool operator==(Location, Location) { return true; }
 };
 
 enum class Realtime : std::uint8_t { automatic, off, require };
 
+/// [runtime].
 struct RuntimeConfig {
     Realtime realtime = Realtime::automatic;
     int priority = 80;
     std::optional<int> cpu;
     Location cpu_where{};
-    /// So long before a deadline the data thread stays awake for it.
+    /// For this time before a deadline the data thread polls the clock instead of sleeping.
     Duration spin{};
 
     bool operator==(const RuntimeConfig&) const = default;
@@ -50,26 +51,28 @@ struct PortConfig {
     LinkKind link = LinkKind::serial;
     std::string device;  ///< path of a device, or name of an interface
     LineSettings line;   ///< serial only
-    Location where;      ///< of the value of `device` or `interface`
+    Location where;      ///< place of the value of `device` or `interface`
 
     bool operator==(const PortConfig&) const = default;
 };
 
+/// [input.NAME].
 struct InputConfig {
     std::string name;
     const Protocol* protocol = nullptr;
-    SettingValues settings;  ///< the protocol's own keys
+    SettingValues settings;  ///< values of the protocol's own keys
     PortConfig port;
     SupervisionSettings supervision;
-    std::vector<ChannelRule> channels;       ///< of the input itself, before any pipeline
-    std::vector<Location> channels_where{};  ///< what each is made from
+    std::vector<ChannelRule> channels;       ///< map of the input itself, before any pipeline
+    std::vector<Location> channels_where{};  ///< place of each source
 
     bool operator==(const InputConfig&) const = default;
 };
 
-/// Between two frames of an output, where its protocol does not say otherwise.
+/// Default upper limit of the period of an output. A protocol may set its own.
 inline constexpr Duration kMostOutputPeriod = std::chrono::seconds(1);
 
+/// [output.NAME].
 struct OutputConfig {
     std::string name;
     const Protocol* protocol = nullptr;
@@ -82,22 +85,23 @@ struct OutputConfig {
     bool operator==(const OutputConfig&) const = default;
 };
 
+/// [pipeline.NAME].
 struct PipelineConfig {
     std::string name;
     SelectionSettings selection;
     std::vector<std::size_t> outputs;  ///< indices
     std::vector<ChannelRule> channels;
-    std::vector<Location> channels_where{};  ///< what each is made from
+    std::vector<Location> channels_where{};  ///< place of each source
     std::vector<FailsafeSettings> failsafe;  ///< one for each of `outputs`
 
     bool operator==(const PipelineConfig&) const = default;
 };
 
-/// A GPIO line and what it is for.
+/// A GPIO line and its task.
 struct LineConfig {
     std::string name;
     GpioPlace place;
-    Location where;  ///< of the value of `line`
+    Location where;  ///< place of the value of `line`
     bool active_low = false;
     GpioBias bias = GpioBias::as_is;
     LineTask task;
@@ -105,14 +109,14 @@ struct LineConfig {
     bool operator==(const LineConfig&) const = default;
 };
 
-/// One sensor that the appliance is.
+/// One sensor whose role the program plays.
 struct SensorConfig {
     SensorType type;
-    /// For each field of the type the name of its value; empty: none.
+    /// Name of the value for each field of the type. Empty: none.
     std::vector<std::string> values;
-    /// Where those names stand in the file.
+    /// Places of these names in the file.
     std::vector<Location> where;
-    /// Absent: the units of value and field tell.
+    /// Absent: the units of value and field determine it.
     std::optional<double> scale;
     double offset = 0;
     std::optional<double> not_available;
@@ -120,6 +124,7 @@ struct SensorConfig {
     bool operator==(const SensorConfig&) const = default;
 };
 
+/// [sensor_bus.NAME], in either role.
 struct SensorBusConfig {
     std::string name;
     PortConfig port;
@@ -142,7 +147,7 @@ struct SensorBusConfig {
     bool operator==(const SensorBusConfig&) const = default;
 };
 
-/// A number that does not change.
+/// A constant value.
 struct ConstantConfig {
     double number = 0;
     std::string unit;
@@ -150,18 +155,18 @@ struct ConstantConfig {
     bool operator==(const ConstantConfig&) const = default;
 };
 
-/// How a DBC file describes a message.
+/// Values from a message that a DBC file describes.
 struct DbcValueSource {
     SettingFile dbc;
     std::string message;
-    DbcFile described;  ///< that message alone
+    DbcFile described;  ///< only that message
 
     bool operator==(const DbcValueSource& other) const {
         return dbc == other.dbc && message == other.message;
     }
 };
 
-/// A message of DroneCAN, one of dronecan::kValueMessages.
+/// Values from a DroneCAN message, one of dronecan::kValueMessages.
 struct DroneCanValueSource {
     std::string message;
     dronecan::SourceChoice from;
@@ -170,17 +175,18 @@ struct DroneCanValueSource {
     bool operator==(const DroneCanValueSource&) const = default;
 };
 
-/// A message on CAN with values.
+/// A CAN message with values.
 struct ValueMessageConfig {
     PortConfig port;
     std::variant<DbcValueSource, DroneCanValueSource> layout;
     Duration timeout{};
-    /// Own names for values, beside theirs in the message.
+    /// Own names of values (first), and their names in the message (second).
     std::vector<std::pair<std::string, std::string>> names;
 
     bool operator==(const ValueMessageConfig&) const = default;
 };
 
+/// [values.NAME].
 struct ValuesConfig {
     std::string name;
     std::variant<ConstantConfig, ValueMessageConfig> source;
@@ -188,11 +194,11 @@ struct ValuesConfig {
     bool operator==(const ValuesConfig&) const = default;
 };
 
-/// [dronecan.NAME]: this program as a node of DroneCAN.
+/// [dronecan.NAME]: this program as a DroneCAN node.
 struct DroneCanConfig {
     std::string name;
     PortConfig port;
-    /// With `dynamic` the one that it would like; absent: any, or that of an output.
+    /// With `dynamic`: the preferred id. Absent: any, or that of an output.
     std::optional<std::uint8_t> node_id;
     bool dynamic = false;
     std::string node_name;
@@ -202,21 +208,22 @@ struct DroneCanConfig {
     bool operator==(const DroneCanConfig&) const = default;
 };
 
-/// [recorder]: what passed the ports, kept in memory and written out when something happens.
+/// [recorder]: keeps in memory what passed the ports, and writes it to a folder on an event.
 struct RecorderConfig {
-    std::string directory;  ///< empty: what the service manager gives
-    Location where;         ///< of the table
+    std::string directory;  ///< empty: given by the service manager
+    Location where;         ///< place of the table
     int memory_kib = 0;     ///< for each port
-    Duration before{};      ///< so much of the past is written
-    Duration after{};       ///< and so much of what follows
+    Duration before{};      ///< time before the event
+    Duration after{};       ///< time after the event
     bool on_failsafe = true;
-    Duration pause{};   ///< from one recording that nobody asked for to the next
-    int keep = 0;       ///< recordings
-    int space_mib = 0;  ///< of all recordings
+    Duration pause{};   ///< least time between two recordings that were not requested
+    int keep = 0;       ///< number of recordings
+    int space_mib = 0;  ///< size of all recordings
 
     bool operator==(const RecorderConfig&) const = default;
 };
 
+/// A whole configuration.
 struct Configuration {
     std::string file;
     RuntimeConfig runtime;

@@ -13,9 +13,10 @@
 namespace tribus {
 namespace {
 
-/// Numbers of the program itself that are not renewed for so long would mean that it hangs.
+/// Lifetime of facts about inputs and outputs. If they are not renewed in this time, the program
+/// hangs.
 constexpr Duration kHealthLasts = 5 * HealthWatch::kPeriod;
-/// The main thread asks the machine once a second.
+/// Lifetime of facts about the machine. The main thread reads them once per second.
 constexpr Duration kMachineLasts = std::chrono::seconds(5);
 
 class Catalog {

@@ -16,7 +16,7 @@
 
 namespace tribus {
 
-/// What values may come from.
+/// The parts of a configuration from which values may come.
 struct ValueSources {
     std::vector<std::string_view> inputs;
     std::vector<std::string_view> outputs;
@@ -26,30 +26,31 @@ struct ValueSources {
 };
 ValueSources value_sources(const Configuration& configuration);
 
-/// Null where the message could not be read from the configuration.
+/// Null if the message could not be read from the configuration.
 std::unique_ptr<CanValueReader> make_reader(const ValueMessageConfig& config);
 
-/// Whether anything says or asks for a value while the configuration runs.
+/// Whether anything provides or uses a value while the configuration runs.
 bool needs_values(const Configuration& configuration);
 
-/// Every value that a configuration has a name for, and where each comes from.
+/// Every value that has a name in the configuration, and its source.
 struct ValueCatalog {
-    /// Where the values of one [values.NAME] with a message go.
+    /// Indices of the values of one [values.NAME] with a message.
     struct Message {
         const ValueMessageConfig* config = nullptr;
         std::vector<std::optional<std::size_t>> values;
     };
-    /// Where what a bus in the receiver role says goes.
+    /// Indices of the values of a bus in the receiver role.
     struct Readings {
         std::array<ReadingPlaces, kMostSensors> by_address;
         std::vector<TypePlaces> by_type;
     };
 
-    /// But for its buses and messages, which are made of the configuration and of the following.
+    /// Without buses and messages, which are built from the configuration and the members below.
     ValueEngineSettings settings;
     std::vector<Message> messages;
-    std::vector<Readings> readings;  ///< one for each bus; of sensors empty
+    std::vector<Readings> readings;  ///< one for each bus, empty for the sensor role
 
+    /// Index of the value with that name.
     std::optional<std::size_t> find(std::string_view name) const;
 };
 ValueCatalog catalog_of(const ValueSources& sources);

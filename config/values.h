@@ -8,30 +8,30 @@
 #include "core/setting.h"
 #include "core/time.h"
 
-/// Values as they are written in the configuration, both ways. Pure.
+/// Converts values from and to their notation in the configuration. Pure.
 namespace tribus {
 
-/// In the largest unit that needs no fraction: "14ms", "1500us". Parses back to the same.
+/// Formats in the largest unit without a fraction: "14ms", "1500us". Parses back to the same value.
 std::string format_duration(Duration duration);
 
-/// "2000us/s": microseconds of pulse a second.
+/// Parses a rate of change such as "2000us/s", in microseconds of pulse per second.
 std::optional<double> parse_slew(std::string_view text);
 std::string format_slew(double microseconds_per_second);
 
-/// The shortest text that reads back as the same number; whole numbers without a point.
+/// The shortest text that reads back as the same number. Whole numbers have no decimal point.
 std::string format_number(double number);
 
-/// The default of a row whose `fallback` is not empty, which is checked by a test over all rows.
+/// Default of a row with a `fallback`. A test checks all rows.
 SettingValue default_of(const Setting& setting);
 
-/// The text of a default without the quotes around it.
+/// The `fallback` of a row without quotes.
 std::string_view unquoted_fallback(const Setting& setting);
 
-/// Whether a row names a network interface, in whatever table it stands.
+/// Whether the row is the name of a network interface.
 inline bool names_interface(const Setting& setting) {
     return setting.key == "interface";
 }
-/// As Linux allows them: 1 to 15 characters, none of them a blank, "/" or ":"; not "." or "..".
+/// Names that Linux accepts: 1 to 15 characters without blanks, "/" and ":"; not "." or "..".
 bool is_interface_name(std::string_view text);
 
 double seconds_of(Duration duration);

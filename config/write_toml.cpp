@@ -42,7 +42,7 @@ const Key* header_key(std::span<const Key> keys, std::string_view name) {
     return header ? &*key : nullptr;
 }
 
-/// Lines of one table, then the tables inside.
+/// Writes the lines of a table, then the tables inside it.
 void write_table(const Json& json, std::span<const Key> keys, const std::string& path,
                  std::string& out) {
     std::string lines;
@@ -65,7 +65,7 @@ void write_table(const Json& json, std::span<const Key> keys, const std::string&
                 write_table(table, key->inside, fmt::format("{}.{}", inside, user_name), out);
             }
         } else {
-            // The entries of `channels` are written in one line each, whatever their keys.
+            // The entries of `channels` are written in one line each.
             const bool channels = key->kind == KeyKind::channels;
             write_table(value, channels ? std::span<const Key>{} : key->inside, inside, out);
         }

@@ -8,8 +8,8 @@
 
 namespace tribus {
 
-/// An object with the keys of the language as TOML: a header for each table that has one in the
-/// key table, everything else in one line each.
+/// Writes an object as TOML: a header for each table that has one in the key table, everything else
+/// in one line each.
 std::string write_toml(const nlohmann::ordered_json& json, std::span<const Key> keys);
 
 }  // namespace tribus

@@ -4,20 +4,23 @@
 #include <optional>
 #include <vector>
 
-/// What a new configuration goes on with of the running one, so that whoever flies or drives with
-/// it does not notice the change. Plain indices, worked out before the hand-over: nothing is
-/// compared or looked up on the data path.
+/// What a new configuration takes over from the running one, so that a reload does not disturb
+/// control. Plain indices, computed before the hand-over: the data path compares nothing and looks
+/// nothing up.
 namespace tribus {
 
-/// The part before from which a new one goes on; nothing: it starts as never seen.
+/// Index of the part in the running configuration from which a new part takes over its state.
+/// `nullopt`: it starts without state.
 using CarriedFrom = std::optional<std::size_t>;
 
+/// How an input continues.
 struct InputCarry {
     CarriedFrom from{};
-    /// Its own channel rules are as before, so that a slew goes on where it is.
+    /// Its own channel rules are unchanged, so that its slews continue.
     bool same_channels = false;
 };
 
+/// How an output continues.
 struct OutputCarry {
     CarriedFrom from{};
     bool same_channels = false;
@@ -32,14 +35,15 @@ struct EngineCarry {
     std::vector<CarriedFrom> nodes;
 };
 
-/// Of named values: of the new board, buses and messages.
+/// One entry for each named value, sensor bus and value message of the new configuration.
 struct ValueCarry {
     std::vector<CarriedFrom> values;
     std::vector<CarriedFrom> buses;
     std::vector<CarriedFrom> messages;
 };
 
-/// Of the running engine: what the new one has not, and ends before the hand-over.
+/// Parts of the running engine that the new one lacks. They send their last frames before the
+/// hand-over.
 struct Leaving {
     std::vector<std::size_t> outputs;
     std::vector<std::size_t> nodes;

@@ -23,7 +23,7 @@ Pulse from_deviation(double eighths) {
     return Pulse::from_eighths(kCentrePulse.eighths() + nearest_whole(eighths));
 }
 
-/// Reads one output channel's source from an input frame.
+/// Reads the source of one output channel from an input frame.
 struct SourceReader {
     const ChannelFrame& input;
     LineLevels lines;
@@ -170,7 +170,7 @@ void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         values[channel] = std::bit_cast<std::int16_t>(input.pulses()[input_[channel]]);
     }
-    // Values, not std::clamp's references, so that the compiler takes eight lanes at once.
+    // std::clamp returns references, which keeps the compiler from using vector instructions.
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
         const std::int16_t least = least_[lane];
         const std::int16_t most = most_[lane];
@@ -181,7 +181,7 @@ void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const
             static_cast<std::int16_t>((limited ^ turned_[lane]) - turned_[lane] + offset_[lane]);
     }
     std::memcpy(static_cast<void*>(output.pulses().data()), values.data(), sizeof output.pulses());
-    // As of a receiver with 14 channels: those that are there stay as they are.
+    // A receiver with 14 channels, for example, leaves the others absent.
     if (!input.has_first(kChannelCount)) {
         output.mark_first(kChannelCount);
         for (std::size_t channel = 0; channel < kChannelCount; ++channel) {

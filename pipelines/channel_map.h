@@ -12,21 +12,21 @@
 #include "pipelines/line_words.h"
 #include "pipelines/settings.h"
 
-/// The filters of one pipeline. Each is a small struct; the set is closed.
+/// The filters of a channel map. Each is a small struct; the set is closed.
 namespace tribus {
 
-/// This far around the centre reads as centre. What is beyond is stretched, so that there is no
-/// step at the edge and 1000 and 2000 us stay.
+/// Pulses within `width` of 1500 us become 1500 us. Pulses beyond are stretched, so that there is
+/// no step at the edge, and 1000 and 2000 us stay.
 struct DeadbandFilter {
     Pulse width;
     Pulse apply(Pulse pulse, Instant now);
 };
-/// A share of the cubic curve; 1000, 1500 and 2000 us stay, and so does what is beyond.
+/// Blends in a share of a cubic curve. 1000, 1500 and 2000 us stay, and so do pulses beyond.
 struct ExpoFilter {
     double share = 0;
     Pulse apply(Pulse pulse, Instant now);
 };
-/// Mirrored at 1500 us.
+/// Mirrors at 1500 us.
 struct ReverseFilter {
     Pulse apply(Pulse pulse, Instant now);
 };
@@ -34,7 +34,7 @@ struct TrimFilter {
     Pulse offset;
     Pulse apply(Pulse pulse, Instant now);
 };
-/// No faster than so much; starts at the first value that it sees.
+/// Limits the rate of change. Starts at the first value that it gets.
 struct SlewFilter {
     double eighths_per_nanosecond = 0;
     bool started = false;
@@ -50,48 +50,48 @@ struct LimitFilter {
 using Filter =
     std::variant<DeadbandFilter, ExpoFilter, ReverseFilter, TrimFilter, SlewFilter, LimitFilter>;
 
-/// Those outputs of a map that are an input channel, reversed, trimmed and limited at most, as
-/// nearly all are: all at once. A value is limited first, in terms of the input, so that no step
-/// can leave the range of a Pulse.
+/// The output channels of a map that are at most a reversed, trimmed and limited input channel,
+/// which nearly all are. Computes all of them at once. Limits are converted to the input and
+/// applied first, so that no step can leave the range of a Pulse.
 class StraightLanes {
   public:
-    /// Every channel passes as it is.
+    /// Passes every channel unchanged.
     StraightLanes();
-    /// Whether it could take the rule.
+    /// Takes the rule if it can. Returns false if it cannot.
     bool take(const ChannelRule& rule);
     void apply(const ChannelFrame& input, ChannelFrame& output) const;
 
   private:
-    /// Whole vectors of eight.
+    /// A multiple of eight, for vector instructions.
     static constexpr std::size_t kLanes = (kChannelCount + 7) / 8 * 8;
     using Lanes = std::array<std::int16_t, kLanes>;
 
     std::array<std::uint8_t, kChannelCount> input_{};
     Lanes least_{};
     Lanes most_{};
-    Lanes turned_{};  ///< all bits where it is reversed, else none
+    Lanes turned_{};  ///< all bits set if the channel is reversed, else zero
     Lanes offset_{};
 };
 
 /// Makes the channels of an output from those of an input. Channels without a rule pass unchanged.
-/// No allocation and no failure after construction. Thread-bound.
+/// Does not allocate or fail after construction. Thread-bound.
 class ChannelMap {
   public:
     explicit ChannelMap(std::span<const ChannelRule> rules);
 
-    /// Every channel reads from `input`, none from another output channel. A channel whose source
-    /// is absent is absent. Flags, time and origin pass.
+    /// Every channel reads from `input`, never from another output channel. It is absent if its
+    /// source is absent. Flags, time and origin pass.
     ChannelFrame apply(const ChannelFrame& input, Instant now);
 
-    /// What input lines say from now on.
+    /// Sets the levels of the input lines.
     void set_lines(LineLevels levels) { lines_ = levels; }
     LineLevels lines() const { return lines_; }
 
-    /// The output said `frame` instead (presets): a slew goes on from there.
+    /// The output sent `frame` instead (presets): slews continue from there.
     void restart_from(const ChannelFrame& frame, Instant now);
 
   private:
-    /// Any lane but a straight one.
+    /// A channel that StraightLanes cannot take.
     struct Lane {
         std::size_t output = 0;
         ChannelSource source;

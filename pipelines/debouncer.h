@@ -6,14 +6,15 @@
 
 namespace tribus {
 
-/// Makes a level of a contact that bounces: a new one counts once it has stood still for a while.
-/// Time is an argument. Thread-bound.
+/// Debounces a contact: a new level counts after it was stable for the given time. Time is an
+/// argument. Thread-bound.
 class Debouncer {
   public:
+    /// `still`: time for which a new level must be stable. Zero: no debouncing.
     explicit Debouncer(Duration still) : still_(still) {}
 
-    /// The line reads `level` at `now`; nothing: it cannot be read, which counts at once, as does
-    /// the first level behind it. `moved`: it had edges since the look before, seen or not.
+    /// Takes the level at `now`. `nullopt` means that the line cannot be read; that, and the first
+    /// level after it, count at once. `moved`: the line had edges since the call before.
     void look(std::optional<bool> level, bool moved, Instant now) {
         const bool counts_at_once = !level || !level_ || still_ == Duration::zero();
         const bool stood_still = !moved && now >= settles_at_;
@@ -25,9 +26,9 @@ class Debouncer {
         }
     }
 
-    /// Nothing while the line cannot be read, and before the first look.
+    /// `nullopt` while the line cannot be read, and before the first call of `look`.
     std::optional<bool> level() const { return level_; }
-    /// When to look next although nothing moves; `kNever`: the level has settled.
+    /// When to call `look` next if the line has no edge before. `kNever` if the level is stable.
     Instant settles_at() const { return settles_at_; }
 
   private:

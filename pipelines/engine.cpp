@@ -114,15 +114,15 @@ Instant Engine::poll_nodes(Instant now) {
     Instant next = kNever;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         next = std::min(next, nodes_[i]->poll(now, health_of(i)));
-        const auto wish = nodes_[i]->take_wish();
-        if (wish) {
-            outputs_[wish->output].set_period(wish->period);
+        const auto request = nodes_[i]->take_period_request();
+        if (request) {
+            outputs_[request->output].set_period(request->period);
         }
     }
     return next;
 }
 
-/// Who has lost its inputs warns the others.
+/// A node reports a warning while any of its outputs is not in control.
 dronecan::NodeHealth Engine::health_of(std::size_t node) const {
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         if (node_of_[i] == node && outputs_[i].stage() != OutputStage::control) {
@@ -132,7 +132,7 @@ dronecan::NodeHealth Engine::health_of(std::size_t node) const {
     return dronecan::NodeHealth::ok;
 }
 
-/// Returns when its last frames have been said.
+/// Returns when its last frames have been sent.
 Instant Engine::end_output(std::size_t output, Instant now) {
     constexpr int kLastFrames = 3;
     outputs_[output].end(now);

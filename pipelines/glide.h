@@ -8,15 +8,16 @@
 
 namespace tribus {
 
-/// Leads the channels of an output from what it said to what it is to say, no faster than so much,
-/// instead of jumping. A channel that has arrived is free. Pure; thread-bound.
+/// Moves the channels of an output from its latest frame to new values at a limited rate, instead
+/// of a jump. A channel that has arrived is no longer limited. Pure. Thread-bound.
 class Glide {
   public:
-    /// From the channels of `from` on, which were said at `now`.
+    /// Starts from the channels of `from`, which were sent at `now`.
     void start(const ChannelFrame& from, double us_per_second, Instant now);
+    /// Ends the limit for all channels.
     void stop() { under_way_.reset(); }
-    /// Channels that are still under way get the value that they have reached; absent ones stay
-    /// absent, and are free.
+    /// Sets the channels that have not arrived to the values that they have reached. A channel that
+    /// is absent in `frame` stays absent and is no longer limited.
     void apply(ChannelFrame& frame, Instant now);
 
   private:

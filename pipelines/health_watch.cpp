@@ -42,7 +42,7 @@ void HealthWatch::look(const Engine& engine, Instant now) {
                              .lost = counts.frame_lost_frames + counts.failsafe_frames};
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
-        outputs_[i][place] = {.frames = engine.outputs()[i].counts().sent};
+        outputs_[i][place] = {.frames = engine.outputs()[i].counts().frames};
     }
 }
 
@@ -64,7 +64,7 @@ double HealthWatch::rate(const Looks& looks) const {
     return static_cast<double>(newest(looks).frames - oldest(looks).frames) / in_seconds(watched());
 }
 
-/// Of the frames that should have come by the rhythm of the input, those that carried nothing new.
+/// Share of the frames expected at the input's interval that did not come or were marked as lost.
 double HealthWatch::loss_ratio(const Engine& engine, std::size_t input) const {
     const Looks& looks = inputs_[input];
     const auto frames = static_cast<double>(newest(looks).frames - oldest(looks).frames);
@@ -72,7 +72,7 @@ double HealthWatch::loss_ratio(const Engine& engine, std::size_t input) const {
     const Duration interval = engine.inputs()[input].arrivals().interval();
     const double due =
         interval > Duration::zero() ? in_seconds(watched()) / in_seconds(interval) : frames;
-    // A frame more or less fits into the second by chance.
+    // One frame more or less in a second is normal.
     const double expected = due - frames > 1 ? due : frames;
     const double good = std::max(frames - lost, 0.0);
     return expected > 0 ? 100 * (1 - good / expected) : 100;

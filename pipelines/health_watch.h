@@ -14,53 +14,55 @@
 
 namespace tribus {
 
-/// What is told of an input as a named value, input.NAME.FACT.
+/// Facts about an input that are available as named values, input.NAME.FACT.
 enum class InputFact : std::uint8_t {
-    frame_rate,  ///< Hz, of the latest second
-    loss_ratio,  ///< %, of the latest second: frames marked as lost, and those that did not come
-    age,         ///< ms, of the latest good frame
+    frame_rate,  ///< Hz, over the last second
+    loss_ratio,  ///< %, over the last second: frames marked as lost, and frames that did not come
+    age,         ///< ms, age of the latest good frame
     good,        ///< 1 or 0
-    cause,       ///< the number of the LinkCause
+    cause,       ///< number of the LinkCause
 };
-/// And of an output.
+/// The same for an output, output.NAME.FACT.
 enum class OutputFact : std::uint8_t {
     frame_rate,
-    failsafe,  ///< 1 or 0; 1 also while it cannot send
-    holding,   ///< 1 while old values are held, marked frame-lost
+    failsafe,  ///< 1 or 0; 1 also in the stage cannot_send
+    holding,   ///< 1 while held values are sent, marked frame-lost
     cannot_send,
 };
 
+/// Last part of the name of a value, and its unit.
 struct FactName {
     std::string_view name;
     std::string_view unit;
 };
-/// In the order of the facts.
+/// In the order of InputFact and OutputFact.
 inline constexpr std::array<FactName, 5> kInputFacts{
     {{"frame_rate", "Hz"}, {"loss_ratio", "%"}, {"age", "ms"}, {"good", ""}, {"cause", ""}}};
 inline constexpr std::array<FactName, 4> kOutputFacts{
     {{"frame_rate", "Hz"}, {"failsafe", ""}, {"holding", ""}, {"cannot_send", ""}}};
 
-/// The health of inputs and outputs in numbers. Pure; thread-bound; no allocation after
-/// construction.
+/// Health of inputs and outputs as numbers. Pure. Thread-bound. No allocation after construction.
 class HealthWatch {
   public:
+    /// Covers the first `inputs` inputs and `outputs` outputs of the engine.
     HealthWatch(std::size_t inputs, std::size_t outputs);
 
-    /// How often to look, at most.
+    /// Least time between two calls of `look`.
     static constexpr Duration kPeriod = std::chrono::milliseconds(100);
 
-    /// Goes on with the looks of `before`: of each input and output at the place that is given.
+    /// Takes over the history of `before` for each input and output that `carry` names.
     void continue_from(const HealthWatch& before, const EngineCarry& carry);
 
+    /// Samples the counters. Call every kPeriod, so that the samples cover a second.
     void look(const Engine& engine, Instant now);
-    /// As of the latest look. Nothing where there is nothing to say yet.
+    /// Number as of the latest `look`. `nullopt` if there is none yet.
     std::optional<double> number(const Engine& engine, std::size_t input, InputFact fact,
                                  Instant now) const;
     std::optional<double> number(const Engine& engine, std::size_t output, OutputFact fact,
                                  Instant now) const;
 
   private:
-    /// Of one input or output, counted since the start.
+    /// Counters of one input or output since the start.
     struct Counts {
         std::uint64_t frames = 0;
         std::uint64_t lost = 0;

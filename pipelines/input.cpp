@@ -56,7 +56,7 @@ bool Input::pause(Instant now) {
     return any;
 }
 
-/// One that waited for its proof is as old as its bytes, not as what released it.
+/// A frame that the decoder held back is as old as its last byte, not as the byte that released it.
 void Input::take_decoded(Instant now) {
     pauses_.frame_came(decoded_.first_byte, decoded_.length);
     const Instant arrival = read_times_.of(decoded_.first_byte + decoded_.length - 1);
@@ -69,7 +69,7 @@ void Input::device_lost() {
     start_anew();
 }
 
-/// What the decoder holds does not go on with what comes next.
+/// Discards a frame received in part: the next bytes do not continue it.
 void Input::start_anew() {
     if (decoder_) {
         decoder_->reset();

@@ -26,43 +26,45 @@ namespace tribus {
 
 struct InputSettings {
     std::string name;
-    /// One of the two, as the protocol is.
+    /// Exactly one of the two decoders is set, as the protocol requires.
     std::unique_ptr<Decoder> decoder;
     std::unique_ptr<CanDecoder> can_decoder{};
-    /// Of one byte on its wire; zero where the instants of reads say nothing of pauses on it.
+    /// Duration of one byte on the wire. Zero if read times do not show the pauses on it.
     Duration byte_time{};
     SupervisionSettings supervision{};
-    /// How its channels are made from those that the receiver sends.
+    /// Rules that make the input's channels from the channels that it receives. Empty: unchanged.
     std::vector<ChannelRule> channels{};
 };
 
-/// Events of one input since start. Only ever incremented.
+/// Counters of one input since the start. They never decrease.
 struct InputCounts {
-    std::uint64_t bytes = 0;  ///< of CAN: the data of the frames that it wants
+    std::uint64_t bytes = 0;  ///< CAN: data bytes of the frames with the wanted ids
     std::uint64_t frames = 0;
-    std::uint64_t frame_lost_frames = 0;  ///< the sender marked them so
-    std::uint64_t failsafe_frames = 0;    ///< the sender marked them so, or a rule did
+    std::uint64_t frame_lost_frames = 0;  ///< marked by the sender
+    std::uint64_t failsafe_frames = 0;    ///< marked by the sender, or by a rule
     std::uint64_t device_losses = 0;
-    /// How often each cause began; by `LinkCause`.
+    /// How often each cause of loss began, indexed by `LinkCause`.
     std::array<std::uint64_t, kLinkCauseCount> began{};
 };
 
-/// One source of frames: keeps the latest, and has its link judged. Never a queue.
-/// Thread-bound, no allocation after construction.
+/// One source of frames. Keeps the latest frame (no queue) and judges its link. Thread-bound. No
+/// allocation after construction.
 class Input {
   public:
+    /// `index`: of this input, stored in its frames as their source.
     Input(InputSettings settings, std::uint8_t index);
 
-    /// Goes on at `now` as `before`, an input of the same protocol and settings, which is left
-    /// without use: half a frame, what is known of the link, and the counters.
+    /// Takes over the state of `before`, an input with the same protocol and protocol settings: a
+    /// frame received in part, the state of the link and the counters. `before` is unusable
+    /// afterwards.
     void continue_from(Input& before, bool same_channels, Instant now);
 
-    /// Takes bytes that were read at `now`. Returns whether a frame came out of them.
+    /// Takes bytes that were read at `now`. Returns true if they completed a frame.
     bool receive(std::span<const std::uint8_t> bytes, Instant now) {
         const bool any = arrived(bytes.size(), now);
         return decode(bytes, now) || any;
     }
-    /// The same, with the positions of those that the line damaged.
+    /// The same; `damaged[i]` is true if byte i was damaged on the line.
     template <class DamagedMarks>
     bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
         bool any = arrived(bytes.size(), now);
@@ -76,37 +78,38 @@ class Input {
         }
         return decode(bytes.subspan(start), now) || any;
     }
-    /// Takes one CAN frame that arrived at `at`; false also if it is none that this input wants.
+    /// Takes one CAN frame that arrived at `at`. Returns true if it completed a frame of channels.
+    /// Ignores unwanted ids.
     bool receive(const CanFrame& frame, Instant at);
-    /// What came before does not belong to what comes when the device is back.
+    /// Discards a frame received in part and counts the loss of the device.
     void device_lost();
-    /// Nobody read from `since` to `now`. What waited meanwhile has been given to `receive`, bytes
-    /// as if they had been read at `since`, for so old they may be; or it was thrown away.
+    /// Call after the caller did not read from `since` to `now`. Before, pass the waiting bytes to
+    /// `receive` with the time `since`, because they may be that old, or discard them.
     void was_away(Instant since, Instant now) {
         supervisor_.was_away(since, now);
         forget_read_time();
     }
-    /// Bytes behind those that came were thrown away: no frame goes on across them.
+    /// Call when bytes after the received ones were discarded: ends the frame received in part.
     void bytes_discarded() { start_anew(); }
-    /// The time since the latest bytes says nothing of pauses on the line.
+    /// Call when the time since the latest bytes does not show a pause on the line.
     void forget_read_time() { pauses_.forget(); }
 
-    /// Whether its frames count, and since when, until when and why.
+    /// Whether its frames count, since when, until when, and why not.
     const LinkSupervisor& link() const { return supervisor_; }
-    /// The same in a word, as of the latest frame or look.
+    /// State of the link at the latest frame or call of `look`.
     const LinkState& state() const { return state_; }
-    /// Brings `state` and its counters up to date.
+    /// Updates `state` and the counters of causes.
     void look(Instant now);
 
-    /// The values of the latest good frame, by the input's own channel rules; marked frame-lost if
-    /// the sender's newest frame is not good.
+    /// The values of the latest good frame, after the input's own channel rules. Marked frame-lost
+    /// if the newest frame is not good.
     const ChannelFrame& control() const { return map_ ? mapped_ : supervisor_.control(); }
-    /// The latest frame as it came, whatever its flags.
+    /// The latest frame as received, good or not.
     const ChannelFrame& latest() const { return latest_; }
     const ArrivalClock& arrivals() const { return arrivals_; }
     const InputCounts& counts() const { return counts_; }
     const DecoderReport& decoder() const;
-    /// The CAN ids that it listens to; empty where it is not on CAN.
+    /// The CAN ids that it receives. Empty if it is not on CAN.
     std::span<const CanIdMatch> wanted_ids() const;
     bool on_can() const { return can_decoder_ != nullptr; }
     bool uses_fd() const { return can_decoder_ && can_decoder_->uses_fd(); }
@@ -117,7 +120,7 @@ class Input {
         counts_.bytes += count;
         supervisor_.bytes_came(now);
     }
-    /// Before the bytes themselves. Returns whether a frame came out of it that they are behind.
+    /// Call before the bytes are decoded. Returns true if the pause before them completed a frame.
     bool arrived(std::size_t count, Instant now) {
         count_bytes(count, now);
         read_times_.add(counts_.bytes, now);
@@ -126,22 +129,21 @@ class Input {
     bool pause(Instant now);
     void start_anew();
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
-    /// The decoder's frame.
     void take_decoded(Instant now);
-    /// A frame that arrived at `arrival`, no later than `now`.
+    /// Takes a frame that arrived at `arrival`, not later than `now`.
     void take(ChannelFrame frame, Instant arrival, Instant now);
 
     std::string name_;
     std::unique_ptr<Decoder> decoder_;
     std::unique_ptr<CanDecoder> can_decoder_;
     DecodedFrame decoded_;
-    /// By the bytes that are counted, as the decoder places its frames.
+    /// Maps positions in the received bytes to the times at which they were read.
     ReadTimes read_times_;
     LinePauses pauses_;
     std::uint8_t index_;
 
     LinkSupervisor supervisor_;
-    /// None where the channels pass as they are.
+    /// Absent: the channels pass unchanged.
     std::optional<ChannelMap> map_;
     LinkState state_;
     ChannelFrame latest_;

@@ -8,14 +8,15 @@
 namespace tribus {
 namespace {
 
-/// Receivers hear the same sticks some milliseconds apart, so quick moves make them differ.
+/// Receivers pass on the same sticks some milliseconds apart, so they differ while a stick moves
+/// fast.
 constexpr Duration kDissentTime = std::chrono::milliseconds(500);
-/// So many inputs that contradict nobody make a liar of one that does.
-constexpr std::size_t kWitnesses = 2;
-/// A stick at a boundary between two positions of the handover channel stays where it was.
+/// An input is outvoted only if at least this many inputs agree with the majority on every channel.
+constexpr std::size_t kLeastAgreeing = 2;
+/// Hysteresis of the handover channel at the boundary between two positions.
 constexpr std::int32_t kHandoverSlackEighths = 25 * Pulse::kEighthsPerMicrosecond;
 
-/// Of values in order: the middle one, or between the middle two.
+/// Median of `values`, which it sorts. The mean of the middle two if their number is even.
 Pulse middle_of(std::span<Pulse> values) {
     std::ranges::sort(values);
     const std::size_t half = values.size() / 2;
@@ -69,7 +70,7 @@ void InputSelector::continue_from(const InputSelector& before,
         voters_[place] = before.voters_[place_before];
         place_ = before.place_ == place_before ? std::optional(place) : place_;
     }
-    bereft_ = before.place_ && !place_;
+    control_removed_ = before.place_ && !place_;
     const bool same_choice = settings_ == before.settings_;
     voted_ = before.voted_ && settings_.mode == SelectionMode::median;
     position_ = same_choice ? before.position_ : std::nullopt;
@@ -85,7 +86,7 @@ std::optional<std::size_t> InputSelector::chosen_by_a_person(std::span<const Inp
         return std::nullopt;
     }
     const auto [place, channel] = *settings_.handover;
-    // Before the inputs stands the vote, of a median.
+    // In median mode, position 0 selects the median.
     const std::size_t unpicked = settings_.mode == SelectionMode::median ? 1 : 0;
     const auto pulse = control(place, inputs).channel(channel);
     if (!pulse || !voters_[place].serves) {
@@ -150,7 +151,7 @@ bool InputSelector::select(Instant now, Instant until, std::span<const Input> in
     }
     const bool voting = settings_.mode == SelectionMode::median && !by_person;
     const bool another = place_ && (voting != voted_ || (!voting && place != place_));
-    changed_over_ = follows_one() && (another || std::exchange(bereft_, false));
+    changed_over_ = follows_one() && (another || std::exchange(control_removed_, false));
     place_ = place;
     voted_ = voting;
     if (voting) {
@@ -171,7 +172,7 @@ bool InputSelector::near(Pulse a, Pulse b) const {
     return std::abs(a.eighths() - b.eighths()) <= settings_.tolerance.eighths();
 }
 
-/// Channel by channel. Old values, marked so, have no vote while others have fresh ones.
+/// Decides each channel by the median. Frame-lost (old) values do not count while others are fresh.
 void InputSelector::vote(std::span<const Input> inputs) {
     frame_ = control(*place_, inputs);
     bool any_fresh = false;
@@ -193,7 +194,7 @@ void InputSelector::vote(std::span<const Input> inputs) {
     }
 }
 
-/// By the values of all voters, the preferred one first.
+/// Decides one channel from the values of all inputs that vote, the preferred one first.
 void InputSelector::decide(std::size_t channel, std::span<Pulse> values) {
     majority_[channel] = false;
     if (values.empty()) {
@@ -208,8 +209,8 @@ void InputSelector::decide(std::size_t channel, std::span<Pulse> values) {
     majority_[channel] = values.size() > 2 && 2 * agree > values.size();
 }
 
-/// Where most agree, it does not. Where nobody agrees, as on a channel with the receivers' own
-/// signal strengths, nobody lies.
+/// True if the frame differs from the majority on any channel. A channel without a majority does
+/// not count: on a channel with each receiver's own signal strength no input is wrong.
 bool InputSelector::dissents(const ChannelFrame& frame) const {
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         if (majority_[channel] && frame.has(channel) &&
@@ -230,20 +231,21 @@ bool InputSelector::agrees(const ChannelFrame& frame) const {
     return true;
 }
 
-/// Who may outvote others: where fewer than two contradict nobody, as when each agrees with another
-/// one on another channel, it is not known who lies, and the vote on each channel has to do.
-bool InputSelector::has_witnesses(std::span<const Input> inputs) const {
-    std::size_t witnesses = 0;
+/// Whether any input may be outvoted. With fewer than two inputs that agree with the majority
+/// everywhere (each agrees with another one on another channel), it is unknown which one is wrong,
+/// and only the vote on each channel decides.
+bool InputSelector::enough_inputs_agree(std::span<const Input> inputs) const {
+    std::size_t agreeing = 0;
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         const Voter& voter = voters_[place];
         const bool votes = voter.serves && !voter.outvoted;
-        witnesses += votes && !dissents(control(place, inputs)) ? 1U : 0U;
+        agreeing += votes && !dissents(control(place, inputs)) ? 1U : 0U;
     }
-    return witnesses >= kWitnesses;
+    return agreeing >= kLeastAgreeing;
 }
 
 void InputSelector::watch_dissent(Instant now, std::span<const Input> inputs) {
-    const bool certain = has_witnesses(inputs);
+    const bool certain = enough_inputs_agree(inputs);
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         Voter& voter = voters_[place];
         const ChannelFrame& frame = control(place, inputs);

@@ -15,62 +15,64 @@
 
 namespace tribus {
 
-/// Chooses which of several inputs controls an output, or makes one of all. Thread-bound; no
-/// allocation after construction.
+/// Selects the input that controls an output, or combines all inputs. Thread-bound. No allocation
+/// after construction.
 ///
-/// An input that was lost must have shown an unbroken run of good frames before it serves again,
-/// except where the output has bridged the loss; so must one that was never good, for as long as
-/// the guard at power-on asks. One that was outvoted serves no median, not even alone.
+/// An input that was lost gets control again after good frames without interruption for `recover`,
+/// unless the output is still holding values. An input that was never good needs `power_on`
+/// instead. An outvoted input is not used in median mode, not even as the only one.
 class InputSelector {
   public:
-    /// `recover`: an unbroken run of good frames this long before an input that was lost serves
-    /// again; `power_on`: the same for one that was never good before.
+    /// `recover`: time of uninterrupted good frames before a lost input is used again. `power_on`:
+    /// the same for an input that was never good before.
     InputSelector(SelectionSettings settings, Duration recover, Duration power_on);
 
-    /// Decides at `now` for a frame that speaks until `until`. `bridging`: the output has not been
-    /// in failsafe since the latest choice. False if no input serves.
+    /// Selects at `now` for a frame that is valid until `until`. `bridging`: the output has not
+    /// been in failsafe since the latest selection. Returns false if no input can be used.
     bool select(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
 
-    /// Goes on as `before`, whose inputs `carried` gives for each input of the engine: an input
-    /// that was trusted stays so. One that is new must earn that, and one that is not there any
-    /// more has lost control.
+    /// Takes over the state of `before`. `carried` gives, for each input of the engine, the input
+    /// before from which it continues. Such an input stays trusted; a new one has to earn trust. An
+    /// input in control that was removed counts as lost.
     void continue_from(const InputSelector& before, std::span<const InputCarry> carried);
 
-    /// Indices of all inputs that may be chosen, the preferred first.
+    /// Indices of all inputs that may be selected, the preferred one first.
     std::span<const std::size_t> inputs() const { return settings_.inputs; }
-    /// The input that the latest choice follows: of several that are joined, the preferred one.
+    /// Index of the input that the latest selection follows. In median mode: the preferred input
+    /// that is used.
     std::optional<std::size_t> current() const {
         return place_ ? std::optional(settings_.inputs[*place_]) : std::nullopt;
     }
-    /// It keeps to an input for a while.
+    /// True if the mode keeps one input in control for longer than a frame.
     bool follows_one() const { return settings_.mode != SelectionMode::freshest; }
-    /// The values of the latest choice.
+    /// The values of the latest selection.
     const ChannelFrame& frame() const { return frame_; }
-    /// The latest choice follows another input than the one before, and not by a vote both times.
+    /// True if the latest selection took control from one input to another. A change inside a
+    /// median does not count.
     bool changed_over() const { return changed_over_; }
-    /// Whether the others have outvoted the input at that place of `inputs()` for so long that it
-    /// is no accident. Only of medians.
+    /// Whether the input at that index of `inputs()` has been outvoted. Median mode only.
     bool outvoted(std::size_t place) const { return voters_[place].outvoted; }
-    /// How often that began.
+    /// How often an input became outvoted.
     std::uint64_t outvoted_count() const { return outvoted_count_; }
 
-    /// A person has chosen the input at that place by other means than a channel; nothing: nobody.
+    /// Selects the input at that index of `inputs()` by other means than a channel (a GPIO line).
+    /// `nullopt`: none.
     void pick(std::optional<std::size_t> place) { picked_ = place; }
 
   private:
     struct Voter {
         bool serves = false;
-        /// It did when last any did.
+        /// It could be used at the latest selection at which any input could.
         bool served = false;
         bool ever_served = false;
-        /// Of its link, when it last served.
+        /// `LinkSupervisor::absences()` when it was last used.
         std::uint64_t absences = 0;
         bool outvoted = false;
-        /// Since when it disagrees with the vote, or agrees again.
+        /// Since when it has disagreed with the median or, if outvoted, agreed with it again.
         std::optional<Instant> turning_since{};
     };
 
-    /// The unbroken run that it must have shown.
+    /// Required time of uninterrupted good frames.
     Duration proof(const Voter& voter, const LinkSupervisor& link) const;
     void judge_service(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
     std::optional<std::size_t> chosen_by_a_person(std::span<const Input> inputs);
@@ -82,7 +84,7 @@ class InputSelector {
     void vote(std::span<const Input> inputs);
     void decide(std::size_t channel, std::span<Pulse> values);
     void watch_dissent(Instant now, std::span<const Input> inputs);
-    bool has_witnesses(std::span<const Input> inputs) const;
+    bool enough_inputs_agree(std::span<const Input> inputs) const;
     bool dissents(const ChannelFrame& frame) const;
     bool agrees(const ChannelFrame& frame) const;
     const ChannelFrame& control(std::size_t place, std::span<const Input> inputs) const {
@@ -96,12 +98,12 @@ class InputSelector {
     std::optional<std::size_t> place_;
     bool voted_ = false;
     std::optional<std::size_t> picked_;
-    std::optional<std::size_t> position_;  ///< of the handover channel, latest
+    std::optional<std::size_t> position_;  ///< latest position of the handover channel
     bool changed_over_ = false;
-    /// The input that was in control is not among the inputs any more.
-    bool bereft_ = false;
+    /// The input in control was removed from the configuration.
+    bool control_removed_ = false;
     ChannelFrame frame_;
-    /// Channels on which most voters of three or more agree.
+    /// Channels on which a majority of three or more inputs agrees.
     std::bitset<kChannelCount> majority_;
     std::uint64_t outvoted_count_ = 0;
 };

@@ -24,7 +24,7 @@ Shown link_lamp(const Output& output) {
     return Shown::blinking;
 }
 
-/// The darkest of all.
+/// The lowest state of all outputs: off, else blinking, else on.
 Shown link_lamp(const LineTask& task, std::span<const Output> outputs) {
     Shown darkest = Shown::on;
     for (const std::size_t output : task.outputs) {
@@ -42,7 +42,7 @@ bool any_in_failsafe(const LineTask& task, std::span<const Output> outputs) {
 
 bool switched_on(const LineTask& task, std::span<const Output> outputs) {
     return std::ranges::any_of(task.outputs, [&](std::size_t output) {
-        return outputs[output].speaks() && outputs[output].stage() != OutputStage::cannot_send &&
+        return outputs[output].sends() && outputs[output].stage() != OutputStage::cannot_send &&
                task.rule.matches(outputs[output].latest());
     });
 }

@@ -7,7 +7,7 @@
 namespace tribus {
 namespace {
 
-/// Channels that have a number on every wire; SBUS has only switches in 17 and 18.
+/// Channels 17 and 18 of SBUS are switches without a raw number.
 constexpr std::size_t kNumberedChannels = 16;
 
 }  // namespace
@@ -56,7 +56,8 @@ bool LinkSupervisor::rule_says_loss(const ChannelFrame& frame) const {
     });
 }
 
-/// A receiver that clears its flag before its channels are back sends zeros for a while.
+/// Some receivers clear the failsafe flag before they have channel values again, and send zeros for
+/// a while.
 bool LinkSupervisor::plausible(const ChannelFrame& frame, Instant now) {
     if (settings_.plausible) {
         for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -79,7 +80,7 @@ bool LinkSupervisor::plausible(const ChannelFrame& frame, Instant now) {
     return !within || !any_zero(frame);
 }
 
-/// Of links that mark no frame nothing is kept, as they are most.
+/// Most links never mark a frame. For them this keeps no history.
 void LinkSupervisor::count_frame_lost(bool lost) {
     if (!lost && lost_count_ == 0) {
         return;
@@ -90,7 +91,8 @@ void LinkSupervisor::count_frame_lost(bool lost) {
     next_mark_ = (next_mark_ + 1) % kRatioFrames;
 }
 
-/// A ratio that was too high must fall well below, so that the link does not flutter.
+/// The ratio must fall well below the limit before the link counts again, so that it does not
+/// toggle.
 bool LinkSupervisor::too_many_lost() const {
     constexpr double kSlack = 0.1;
     const bool already = radio_lost_ && sign_ == RadioLossSign::frame_lost_ratio;
@@ -118,7 +120,7 @@ LinkSupervisor::Verdict LinkSupervisor::judge(const ChannelFrame& frame, Instant
             RadioLossSign::none};
 }
 
-/// A frame without any channel is no good one, whoever sends it and for how long.
+/// A frame without any channel is never good.
 bool LinkSupervisor::channels_missing(const ChannelFrame& frame, Instant now) {
     if (!frame.has_any()) {
         fewer_ = {};
@@ -134,7 +136,7 @@ bool LinkSupervisor::channels_missing(const ChannelFrame& frame, Instant now) {
     return now < later(fewer_since_, settings_.fewer_channels_after);
 }
 
-/// Flags that change say nothing of the values.
+/// Compares channels only: a change of flags does not show that the values are alive.
 void LinkSupervisor::watch_for_change(const ChannelFrame& frame, Instant now) {
     if (settings_.frozen > Duration::zero() && (!ever_frame_ || !frame.same_channels(unchanged_))) {
         unchanged_ = frame;
@@ -172,7 +174,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
         ++runs_;
         lost_before_run_ = ever_good_ ? lost_at() : now;
     }
-    // A frame-lost mark breaks the run that recovery waits for, though the link was not lost.
+    // A frame-lost mark interrupts the run that recovery needs, although the link was not lost.
     if (was_lost || run_broken_) {
         run_start_ = frame.has_all_of(good_) || !ever_good_ ? now : fewer_since_;
     }
@@ -200,7 +202,7 @@ void LinkSupervisor::refuse(Verdict verdict, Instant now) {
         }
         channels_missing_ = true;
     } else if (verdict.kind == Kind::frame_lost && settings_.frame_lost_run && now < expires_) {
-        // The wire is there; what is lost already stays so.
+        // Frames still arrive. A link that is lost already stays lost.
         expires_ = not_after_frozen(
             std::min(now + settings_.timeout, good_.received + *settings_.frame_lost_run));
     }
@@ -249,8 +251,8 @@ void LinkSupervisor::bytes_came(Instant now) {
     latest_bytes_ = now;
 }
 
-/// What a link says by its own clock, as a CAN socket's stamps do, may be younger than `since`: it
-/// counts for nothing all the same.
+/// A link with its own time stamps, such as a CAN socket, may have delivered frames with times
+/// after `since`. They do not count either.
 void LinkSupervisor::was_away(Instant since, Instant now) {
     if (now - since < settings_.timeout) {
         return;

@@ -14,58 +14,60 @@
 
 namespace tribus {
 
-/// What is known of a link at an instant.
+/// State of a link at an instant.
 struct LinkState {
     LinkCause cause = LinkCause::never_seen;
     RadioLossSign sign = RadioLossSign::none;
-    /// Since when it is so; nothing to say of a link that was never seen.
+    /// When the state began. Meaningless for a link that was never seen.
     Instant since{};
 };
 
-/// Judges whether the frames of one input count, and why not: by what the sender says, by values
-/// that mean loss, by silence, by frames that stand still or cannot be. Pure; thread-bound; no
-/// allocation after construction.
+/// Judges whether the frames of one input count, and if not, why: the sender's flags, values that
+/// mean loss, silence, frames that do not change, implausible values, missing channels. Pure.
+/// Thread-bound. No allocation after construction.
 class LinkSupervisor {
   public:
     explicit LinkSupervisor(SupervisionSettings settings);
 
-    /// Goes on at `now` with all that `before` knows, which is left empty; judges by its own
-    /// settings. A timeout that was shortened counts at once, one that was prolonged from the next
-    /// good frame on.
+    /// Takes over the state of `before` at `now` and judges by its own settings. `before` is
+    /// unusable afterwards. A shorter timeout applies at once, a longer one from the next good
+    /// frame on.
     void continue_from(LinkSupervisor& before, Instant now);
 
-    /// Bytes came, whether or not a frame will come of them.
+    /// Bytes arrived, whether or not they complete a frame.
     void bytes_came(Instant now);
-    /// Nobody looked from `since` to `now`; what came meanwhile was told already. For as long as
-    /// the timeout or longer: lost since then, and of no use to an output that still holds values
-    /// until it has proved itself anew.
+    /// Call after the caller did not read from `since` to `now` and after the waiting frames were
+    /// taken. If that lasted for the timeout or longer, the link was lost at `since + timeout`, and
+    /// an output that holds values may use it again only after it has recovered.
     void was_away(Instant since, Instant now);
-    /// How often it was lost so.
+    /// How often `was_away` lost the link.
     std::uint64_t absences() const { return absences_; }
     Duration timeout() const { return settings_.timeout; }
-    /// A whole frame came at `now`. What is ignored, or found by a rule, is set right in its flags.
+    /// Takes a whole frame that arrived at `now`. Clears flags that the settings ignore. Sets the
+    /// failsafe flag if the frame means that the radio link is lost (flag, rule or ratio).
     void take(ChannelFrame& frame, Instant now);
 
-    /// Whether its frames count at `at`, which may lie a little ahead.
+    /// Whether its frames count at `at`, which may lie shortly in the future.
     bool alive(Instant at) const {
         return ever_good_ && !radio_lost_ && !channels_missing_ && at < expires_;
     }
-    /// When it was lost, or will be if nothing more comes. Only where it was ever good. A sender
-    /// that says failsafe after the timeout tells nothing new.
+    /// When the link was lost, or will be lost if no frame follows. Requires `ever_good()`. A
+    /// failsafe flag that comes after the timeout does not change it.
     Instant lost_at() const {
         const Instant radio = radio_lost_ ? radio_lost_since_ : expires_;
         const Instant channels = channels_missing_ ? channels_missing_since_ : expires_;
         return std::min({radio, channels, expires_});
     }
     bool ever_good() const { return ever_good_; }
-    /// Start of the unbroken run of good frames.
+    /// Start of the uninterrupted run of good frames.
     Instant run_start() const { return run_start_; }
-    /// The run is the first one: it was never lost, so there is nothing to recover from.
+    /// True while the link was never lost after its first good frame: there is nothing to recover
+    /// from.
     bool first_run() const { return runs_ <= 1; }
     /// The values of the latest good frame, marked frame-lost if a newer frame was not good.
     const ChannelFrame& control() const { return good_; }
 
-    /// At `now`, which is not before what was told already.
+    /// State at `now`, which must not lie before the latest call.
     LinkState state(Instant now) const;
 
   private:
@@ -100,22 +102,22 @@ class LinkSupervisor {
     std::uint64_t runs_ = 0;
     std::uint64_t absences_ = 0;
 
-    /// When the good frame becomes too old, if nothing else comes.
+    /// When the good frame becomes too old if no other frame follows.
     Instant expires_{};
     Instant run_start_{};
     Instant lost_before_run_{};
     Instant radio_lost_since_{};
     Instant channels_missing_since_{};
-    /// The frame whose channels the sender has left since then, and no more than those.
+    /// The frame with the reduced set of channels that the sender has used since `fewer_since_`.
     ChannelFrame fewer_;
     Instant fewer_since_{};
     Instant latest_frame_{};
     Instant kind_since_{};
     Instant unchanged_since_{};
-    /// A raw zero does not count until then.
+    /// Frames with a raw zero are not good until then.
     Instant guarded_until_{};
     Instant latest_bytes_{};
-    Instant bytes_since_{};  ///< after the latest silence
+    Instant bytes_since_{};  ///< start of the bytes after the latest silence
 
     bool ever_good_ = false;
     bool run_broken_ = true;
@@ -123,7 +125,7 @@ class LinkSupervisor {
     bool channels_missing_ = false;
     bool ever_frame_ = false;
     bool ever_bytes_ = false;
-    /// The guard against raw zeros was set up for the start or the present loss.
+    /// The guard against raw zeros was started for the start or the present loss.
     bool guarded_ = false;
     Kind latest_kind_ = Kind::good;
     RadioLossSign sign_ = RadioLossSign::none;

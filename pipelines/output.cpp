@@ -7,12 +7,12 @@
 namespace tribus {
 namespace {
 
-/// Longer than the period of any sender that a reader would mistake for this one.
+/// Longer than the period of any sender that a reader would confuse with this output.
 constexpr Duration kForeignSenderMemory = std::chrono::seconds(1);
-/// Fewer are no sender: what a program that has just ended left in the controller, or somebody's
-/// experiment. Readers of a protected format see through them.
+/// Fewer frames are no second sender: they may be left over in the controller from a program that
+/// has just ended, or come from a test. Readers of a protected format reject them.
 constexpr int kForeignSenderFrames = 3;
-/// So many frames in a row are no slow moment of a port that works.
+/// Number of busy frames in a row after which the port counts as obstructed.
 constexpr int kBusyFrames = 10;
 
 }  // namespace
@@ -71,8 +71,8 @@ void Output::foreign_frame_seen(Instant now) {
     foreign_run_ = goes_on ? std::min(foreign_run_ + 1, kForeignSenderFrames) : 1;
     foreign_seen_ = now;
     if (yield_to_foreign_sender_ && foreign_run_ == kForeignSenderFrames) {
-        // Afterwards `recover` is due, as after any failsafe; the input was never lost, so `select`
-        // would not ask for it.
+        // `recover` applies afterwards, as after any failsafe. `select` would not enforce it,
+        // because the input was never lost.
         yield_until_ = later(later(now, kForeignSenderMemory), failsafe_.recover);
     }
 }
@@ -159,16 +159,16 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
     return frame;
 }
 
-/// Not even its first frame repeats the one before: the time since then counts.
+/// Starts at the time of the latest frame, so that already the first frame of the glide moves.
 void Output::glide_from_latest(std::optional<double> us_per_second) {
-    if (us_per_second && spoke_) {
+    if (us_per_second && made_frame_) {
         glide_.start(latest_, *us_per_second, latest_at_);
     } else {
         glide_.stop();
     }
 }
 
-/// What the chosen input says; nothing if its throttle, say, must come down first.
+/// The frame of the selected input. No value while `release_when` does not hold.
 std::optional<ChannelFrame> Output::control_frame(Instant now) {
     ChannelFrame frame = map_.apply(selector_.frame(), now);
     const bool returns = stage_ == OutputStage::failsafe;
@@ -195,8 +195,8 @@ void Output::enter_failsafe() {
     glide_from_latest(failsafe_.slew_us_per_second);
 }
 
-/// Of an output that no input feeds. It sends named values, each of which is fresh or says that it
-/// is not; nothing is held, and there are no presets.
+/// Frame of an output that no input feeds. It sends named values, each of which is fresh or marked
+/// stale. Nothing is held, and there are no presets.
 std::optional<ChannelFrame> Output::frame_without_inputs(bool yielding) {
     stage_ = yielding ? OutputStage::failsafe : OutputStage::control;
     if (yielding) {
@@ -223,7 +223,7 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
     awaits_release_ = false;
     if (bridging) {
         if (stage_ == OutputStage::control) {
-            // One that was left for another reason than its loss may live on.
+            // An input that lost control for another reason may still be alive.
             const Instant lost_at = inputs[*selector_.current()].link().lost_at();
             holding_since_ = lost_at <= end_of_period ? lost_at : now;
         }
@@ -238,8 +238,7 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
     return failsafe_frame(now);
 }
 
-/// What nobody sent is not made up: an absent channel is the preset, where the format cannot say
-/// that it is absent.
+/// Replaces absent channels by their presets if the format cannot mark a channel as absent.
 [[gnu::noinline]] void Output::fill_absent(ChannelFrame& frame, Instant now) {
     const std::uint32_t needed =
         can_encoder_ ? can_encoder_->needed_channels(frame) : encoder_->needed_channels();
@@ -258,8 +257,8 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
 void Output::run(Instant now, std::span<const Input> inputs) {
     std::optional<ChannelFrame> frame = make_frame(now, inputs);
     if (frame && !selector_.inputs().empty()) {
-        const std::size_t told_of = selector_.current().value_or(selector_.inputs().front());
-        frame->cause = inputs[told_of].state().cause;
+        const std::size_t judged_input = selector_.current().value_or(selector_.inputs().front());
+        frame->cause = inputs[judged_input].state().cause;
     }
     by_preset_ = 0;
     if (frame && !frame->has_first(kChannelCount) && !selector_.inputs().empty()) {
@@ -276,12 +275,12 @@ void Output::run(Instant now, std::span<const Input> inputs) {
             wire_length_ = encoder_->encode(*frame, wire_);
         }
     }
-    spoke_ = frame.has_value();
-    if (!spoke_ && obstacle_ != SendObstacle::device) {
-        // Of one that has nothing to send nobody knows better.
+    made_frame_ = frame.has_value();
+    if (!made_frame_ && obstacle_ != SendObstacle::device) {
+        // A silent output cannot find out whether the obstacle has gone.
         obstacle_ = SendObstacle::none;
     }
-    schedule_.done(now, spoke_);
+    schedule_.done(now, made_frame_);
 }
 
 }  // namespace tribus

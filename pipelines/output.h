@@ -29,63 +29,65 @@ namespace tribus {
 
 struct OutputSettings {
     std::string name;
-    /// One of the two, as the protocol is.
+    /// Exactly one of the two encoders is set, as the protocol requires.
     std::unique_ptr<Encoder> encoder;
     std::unique_ptr<CanEncoder> can_encoder{};
-    /// The node of DroneCAN in whose name it speaks.
+    /// Index of the DroneCAN node whose id it sends with.
     std::optional<std::size_t> node{};
-    /// CAN only: while another node goes on sending with the ids of this output, it says failsafe.
+    /// CAN only: go to failsafe while another node sends with the ids of this output.
     bool yield_to_foreign_sender = true;
     ScheduleSettings schedule;
-    /// What its pipeline feeds it from.
+    /// The inputs of its pipeline, and how one is selected.
     SelectionSettings selection;
     std::vector<ChannelRule> channels;
-    /// A bit for each channel that a map makes, here or at one of its inputs.
+    /// One bit for each channel that a map makes, here or at one of its inputs.
     std::uint32_t mapped_channels = 0;
     FailsafeSettings failsafe;
 };
 
-/// No input is named.
+/// Value of `OutputState::input` if no input is in control.
 inline constexpr std::size_t kNoInput = SIZE_MAX;
 
+/// What an output does. `cannot_send` takes precedence over the others.
 enum class OutputStage : std::uint8_t {
     failsafe,     ///< no input in control: presets, held values with flags, or silence
-    holding,      ///< the input is lost: its last values, marked frame-lost
+    holding,      ///< the input is lost: the last values, marked frame-lost
     control,      ///< an input is in control
-    cannot_send,  ///< whatever its inputs say: nothing leaves
+    cannot_send,  ///< frames do not leave, whatever the inputs say
 };
 
-/// What keeps an output's frames from leaving.
+/// Why an output's frames do not leave.
 enum class SendObstacle : std::uint8_t {
     none,
-    device,  ///< its device or interface is gone
-    bus,     ///< the bus takes nothing: it is down, off, or nobody acknowledges
-    busy,    ///< frame upon frame finds the one before still waiting
+    device,  ///< the device or interface is gone
+    bus,     ///< the bus is down, off, or no node acknowledges
+    busy,    ///< many frames in a row find the frame before still waiting
 };
 
-/// What an output is doing and by whom, for those who tell people.
+/// What an output does and by which input, for status and log.
 struct OutputState {
     OutputStage stage = OutputStage::failsafe;
     SendObstacle obstacle = SendObstacle::none;
-    /// In failsafe although an input is healthy: `release_when` is not true yet.
+    /// In failsafe although an input is healthy: `release_when` does not hold yet.
     bool awaits_release = false;
-    /// In failsafe because somebody wants it: a switch, another node with its ids, the end.
+    /// In failsafe by request: a GPIO line, another node with the same ids, or the end of the
+    /// program.
     bool forced = false;
-    /// The input in control: of a median the preferred one. Else, and where each frame may be of
-    /// another one, kNoInput.
+    /// Index of the input in control. In median mode: the preferred input. `kNoInput` if no input
+    /// is in control, or if each frame may come from another input.
     std::size_t input = kNoInput;
-    /// A bit for each place in the list of inputs: the others have outvoted it.
+    /// One bit for each index in the list of inputs that is outvoted.
     std::uint32_t outvoted = 0;
-    /// While it holds, its frames say so. Constant.
+    /// Whether held values are marked in its frames. Constant.
     bool marks_frame_lost = true;
-    /// Channels, a bit each, for which the configuration names what does not come: they say their
-    /// presets although an input is in control.
+    /// One bit for each channel that is sent as its preset although an input is in control, because
+    /// the configuration maps it from a channel that is absent.
     std::uint32_t by_preset = 0;
 
     bool operator==(const OutputState&) const = default;
 };
 
-/// What an output hands to its link: a frame of bytes, or CAN frames, or nothing.
+/// What an output hands to its link: bytes of one frame, or CAN frames, or nothing.
 struct Transmission {
     std::span<const std::uint8_t> bytes;
     std::span<const CanFrame> can_frames;
@@ -93,89 +95,94 @@ struct Transmission {
     bool empty() const { return bytes.empty() && can_frames.empty(); }
 };
 
-/// Events of one output since start. Only ever incremented.
+/// Counters of one output since the start. They never decrease.
 struct OutputCounts {
-    std::uint64_t sent = 0;
-    std::uint64_t busy_drops = 0;  ///< the port still had the frame before; a newer one follows
-    std::uint64_t lost_drops = 0;  ///< the device was not there
-    std::uint64_t unavailable_drops = 0;  ///< the bus took nothing: down, off, or stalled
-    std::uint64_t foreign_frames = 0;     ///< CAN frames of others with the ids of this output
+    std::uint64_t frames = 0;             ///< handed over
+    std::uint64_t busy_drops = 0;         ///< the port still had the frame before
+    std::uint64_t lost_drops = 0;         ///< the device was missing
+    std::uint64_t unavailable_drops = 0;  ///< the bus was down, off or stalled
+    std::uint64_t foreign_frames = 0;     ///< CAN frames of other nodes with the ids of this output
     std::uint64_t failsafe_entries = 0;
     std::uint64_t recoveries = 0;
     std::uint64_t changeovers = 0;  ///< from one input to another, without failsafe between
 };
 
-/// The end of a pipeline: selects the input, runs the filters, judges loss and failsafe, and
-/// encodes, each time that it is due. Failsafe belongs here, to the output's own tick, because a
-/// dead link delivers nothing that could trigger anything. Thread-bound, no allocation after
-/// construction.
+/// The end of a pipeline: each time that it is due, it selects the input, runs the filters, judges
+/// loss and failsafe, and encodes. Failsafe belongs here because a dead link delivers nothing that
+/// could trigger it. Thread-bound. No allocation after construction.
 ///
-/// A frame speaks for the whole period until the next one, so inputs are judged by what they will
-/// be at its end: no reader acts on unmarked values older than the input's timeout.
+/// A frame is valid for the whole period until the next one. Inputs are judged by their state at
+/// the end of it, so that no reader acts on unmarked values older than the input's timeout.
 class Output {
   public:
     explicit Output(OutputSettings settings);
 
+    /// Starts the schedule.
     void start(Instant now) { schedule_.start(now); }
-    /// Where the named values are that it may send. Before `start`; must outlive it.
+    /// Sets the source of named values. Call before `start`. `board` must outlive the output.
     void use(const ValueBoard& board);
-    /// Goes on at `now` as `before`, which is the same port's output of the same protocol: what
-    /// stage it is in, its rhythm, its counters. What its settings say else counts from its next
-    /// frame on. An input in control that is gone is a lost one.
+    /// Takes over at `now` from `before`, an output of the same protocol on the same port: its
+    /// stage, schedule and counters. Other settings apply from the next frame on. If the input in
+    /// control was removed, it counts as lost.
     void continue_from(Output& before, const OutputCarry& carry,
                        std::span<const InputCarry> carried_inputs, Instant now);
-    /// In whose name it sends. As above.
+    /// Sets the node that it sends as. Call before `start`; the node must outlive the output.
     void send_as(const dronecan::NodeIdentity& identity);
+    /// Changes the period from the next frame on.
     void set_period(Duration period) { schedule_.set_period(period); }
-    /// A frame of input `index`, which is one of `inputs()`, has arrived.
+    /// A frame of input `index`, one of `inputs()`, has arrived.
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
+    /// When to call `run` next.
     Instant due() const { return schedule_.due(); }
-    /// Makes the next frame; call when due. Silence makes none.
+    /// Makes the next frame. Call when due. A silent output makes none.
     void run(Instant now, std::span<const Input> inputs);
-    /// No input regains control from here on: the program is about to end.
+    /// Enters failsafe for good: the program is about to end.
     void end(Instant now);
-    /// While `on`, no input has control; afterwards as after any loss.
+    /// While `on`, no input has control. Afterwards `recover` applies, as after a loss.
     void force_failsafe(bool on, Instant now);
-    /// A person has chosen that one of `inputs()`, by its place; nothing: nobody.
+    /// Selects the input at that index of `inputs()`. `nullopt`: no selection.
     void pick_input(std::optional<std::size_t> place) { selector_.pick(place); }
-    /// What input lines say, for channels that are made from them.
+    /// Sets the levels of input lines, for channels that are made from them.
     void set_lines(LineLevels levels) { map_.set_lines(levels); }
 
-    /// The encoded frame that waits to be written; empty if none. Taking it makes it empty.
-    /// Valid until the next `run`.
+    /// Takes the encoded frame. Empty if there is none, and after it was taken. Valid until the
+    /// next `run`.
     Transmission take();
+    /// Tells what became of the frame: handed over, or dropped because the port was busy, its
+    /// device missing or its bus unavailable.
     void written() {
-        ++counts_.sent;
+        ++counts_.frames;
         busy_run_ = 0;
         obstacle_ = SendObstacle::none;
     }
     void dropped_busy();
     void dropped_lost();
     void dropped_unavailable();
-    /// Its device is there, or is not: told also where there is nothing to write.
+    /// Whether its device is there. Call also if there is nothing to write.
     void set_device_present(bool present);
 
-    /// The ids that it sends; empty where it is not on CAN.
+    /// The CAN ids that it sends. Empty if it is not on CAN.
     std::span<const CanIdMatch> sent_ids() const;
     bool on_can() const { return can_encoder_ != nullptr; }
     bool uses_fd() const { return can_encoder_ && can_encoder_->uses_fd(); }
-    /// Another node has sent one of them. One that goes on doing so pretends to be this output.
+    /// Another node has sent one of these ids. If it goes on, it counts as a second sender.
     void foreign_frame_seen(Instant now);
 
     const std::string& name() const { return name_; }
-    /// Indices of the inputs that may feed it, the preferred first.
+    /// Indices of the inputs that may feed it, the preferred one first.
     std::span<const std::size_t> inputs() const { return selector_.inputs(); }
     const InputSelector& selector() const { return selector_; }
     OutputStage stage() const {
         return obstacle_ == SendObstacle::none ? stage_ : OutputStage::cannot_send;
     }
     OutputState state(Instant now) const;
-    /// The latest frame that it made; a default one before the first.
+    /// The latest frame that it made. A default frame before the first.
     const ChannelFrame& latest() const { return latest_; }
-    /// It made a frame at its latest turn.
-    bool speaks() const { return spoke_; }
+    /// Whether the latest `run` made a frame.
+    bool sends() const { return made_frame_; }
     /// When its latest frame was due.
     Instant latest_due() const { return latest_due_; }
+    /// Index of the input in control. `nullopt` if none is.
     std::optional<std::size_t> controlling_input() const;
     const OutputCounts& counts() const { return counts_; }
     std::uint64_t overruns() const { return schedule_.overruns(); }
@@ -205,26 +212,27 @@ class Output {
     FailsafeSettings failsafe_;
     Glide glide_;
 
-    /// What its inputs make of it; never `cannot_send`.
+    /// Stage that results from the inputs; never `cannot_send`.
     OutputStage stage_ = OutputStage::failsafe;
     SendObstacle obstacle_ = SendObstacle::none;
-    int busy_run_ = 0;  ///< frames in a row that found the one before still waiting
+    int busy_run_ = 0;  ///< frames in a row that found the frame before still waiting
     bool ending_ = false;
     bool forced_ = false;
     bool awaits_release_ = false;
     Instant foreign_seen_{};
-    int foreign_run_ = 0;  ///< frames of others, each soon after the one before
+    /// frames of other nodes in a row, each within a second of the one before
+    int foreign_run_ = 0;
     Instant yield_until_{};
     std::optional<ChannelFrame> held_;
     Instant holding_since_{};
-    /// The latest turn was not silent.
-    bool spoke_ = false;
+    /// The latest `run` made a frame.
+    bool made_frame_ = false;
     ChannelFrame latest_;
     Instant latest_due_{};
     Instant latest_at_{};
     std::array<std::uint8_t, kLongestSerialFrame> wire_{};
     std::size_t wire_length_ = 0;
-    /// Room for kMostSnapshotFrames where it is on CAN; else none.
+    /// Room for kMostSnapshotFrames if the output is on CAN, else empty.
     std::vector<CanFrame> can_frames_;
     std::size_t can_frame_count_ = 0;
     OutputCounts counts_;

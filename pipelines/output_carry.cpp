@@ -26,7 +26,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     yield_until_ = before.yield_until_;
     held_ = before.held_;
     holding_since_ = before.holding_since_;
-    spoke_ = before.spoke_;
+    made_frame_ = before.made_frame_;
     latest_ = before.latest_;
     latest_due_ = before.latest_due_;
     latest_at_ = before.latest_at_;
@@ -47,14 +47,14 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
         stage_ = OutputStage::holding;
         holding_since_ = now;
     }
-    // Of an output that had no inputs before.
+    // An output that had no inputs before has no values to hold.
     stage_ = held_ ? stage_ : OutputStage::failsafe;
 }
 
-/// Another map than before: no slew begins with a jump, and what is held is what the new map makes
-/// of the same sticks.
+/// For a changed map: slews start from the latest frame, and held values become those that the new
+/// map makes of the same input.
 void Output::take_up_channels() {
-    if (spoke_) {
+    if (made_frame_) {
         map_.restart_from(latest_, latest_at_);
     }
     if (held_) {

@@ -4,13 +4,13 @@
 
 namespace tribus {
 
-/// A frame that it slept through says nothing of how the port delivers; a change of length does.
+/// A paced frame does not show how the port delivers. A change of length restarts the count.
 void ReadPacer::frame_ended() {
     const bool same_length = bytes_ == frame_length_;
     if (!same_length || (!paced_ && deliveries_ < kManyDeliveries)) {
         frames_in_pieces_ = 0;
     } else if (!paced_) {
-        frames_in_pieces_ = std::min(frames_in_pieces_ + 1, kFramesToBelieve);
+        frames_in_pieces_ = std::min(frames_in_pieces_ + 1, kFramesToConfirm);
     }
     frame_length_ = bytes_;
     bytes_ = 0;
@@ -27,7 +27,7 @@ Instant ReadPacer::delivered(std::size_t bytes, bool frame_came, Instant now) {
         frame_ended();
         return now;
     }
-    // Several bytes at once: the port has a FIFO now, or somebody else held it up.
+    // Several bytes at once: the port has a FIFO, or the thread was delayed.
     const bool single = bytes <= kEarlyBytes;
     if (!begins || !single || !in_pieces() || bytes_ + kEarlyBytes >= frame_length_) {
         return now;

@@ -13,11 +13,11 @@
 #include "core/schedule.h"
 #include "core/time.h"
 
-/// What the parts of a pipeline are made from: plain values, complete and already checked.
-/// Channels count from 0.
+/// Settings of the parts of a pipeline: plain values, complete and already checked. Channels count
+/// from 0.
 namespace tribus {
 
-/// Both ends included.
+/// Includes both ends.
 struct PulseRange {
     Pulse low;
     Pulse high;
@@ -27,9 +27,9 @@ struct PulseRange {
     bool operator==(const PulseRange&) const = default;
 };
 
-/// A condition on the values of a frame, for `failsafe_when` and `release_when`. True when the
-/// channel is present and beyond a limit, or within the range, that is given; with `all_zero`, of
-/// failsafe_when only, when every channel reads the wire's own zero.
+/// A condition on the channel values of a frame, for `failsafe_when` and `release_when`. True if
+/// the channel is present and exceeds one of the given limits or lies in the given range. With
+/// `all_zero` (`failsafe_when` only): true if every channel has the raw value zero.
 struct ValueRule {
     bool all_zero = false;
     std::size_t channel = 0;
@@ -41,7 +41,7 @@ struct ValueRule {
         return (below && pulse < *below) || (above && pulse > *above) ||
                (between && between->contains(pulse));
     }
-    /// By its channel.
+    /// False if the frame lacks the channel.
     bool matches(const ChannelFrame& frame) const {
         return frame.has(channel) && matches(frame.pulses()[channel]);
     }
@@ -49,28 +49,31 @@ struct ValueRule {
     bool operator==(const ValueRule&) const = default;
 };
 
-/// How an input is judged. Every detector but the timeout has a value that turns it off.
+/// How the link of an input is judged. Each check except the timeout has a value that turns it off.
 struct SupervisionSettings {
-    /// No good frame for so long: this input is lost.
+    /// The input is lost after this time without a good frame.
     Duration timeout = std::chrono::milliseconds(100);
-    /// The sender's own flags count.
+    /// Whether the sender's flags count.
     bool failsafe_flag = true;
     bool frame_lost_flag = true;
     std::vector<ValueRule> failsafe_when{};
-    /// Nothing but frames marked frame-lost for so long: lost. Where absent, the timeout.
+    /// The input is lost after this time in which every frame was marked frame-lost. Absent:
+    /// `timeout`.
     std::optional<Duration> frame_lost_run{};
-    /// A larger share of frames marked frame-lost among the latest hundred: lost. 1: never.
+    /// The input is lost if more than this share of its latest 100 frames is marked frame-lost. 1:
+    /// never.
     double frame_lost_ratio = 0.9;
-    /// No change of any bit of a channel for so long: lost. Zero: never.
+    /// The input is lost if no bit of any channel has changed for this time. Zero: never.
     Duration frozen{};
-    /// A sender that leaves out channels that it had is lost until they are back, or until it has
-    /// sent the same fewer ones for so long without a break: then it means it.
+    /// A sender that omits channels which it sent before is lost until they are back, or until it
+    /// has sent the same smaller set for this time without interruption.
     Duration fewer_channels_after = std::chrono::milliseconds(100);
-    /// A frame with a channel outside of it does not count.
+    /// A frame with a channel outside this range is not good.
     std::optional<PulseRange> plausible{};
-    /// What a channel reads whose value on the wire is zero, where that means "no value".
+    /// Pulse of a channel whose raw value is zero, where zero means "no value". Absent: it has no
+    /// such meaning.
     std::optional<Pulse> raw_zero{};
-    /// For so long after the start and after a loss, a frame with such a channel does not count.
+    /// For this time after the start and after a loss, a frame with such a channel is not good.
     Duration zero_guard = std::chrono::seconds(1);
 
     bool operator==(const SupervisionSettings&) const = default;
@@ -81,24 +84,26 @@ struct FromChannel {
 
     bool operator==(const FromChannel&) const = default;
 };
+/// Term of a mix.
 struct MixTerm {
     std::size_t channel = 0;
     double weight = 0;
 
     bool operator==(const MixTerm&) const = default;
 };
-/// Weighted sum of the deviations from 1500 us; absent if any of its channels is.
+/// Weighted sum of the deviations from 1500 us. Absent if any of its channels is absent.
 struct Mix {
     std::vector<MixTerm> terms;
 
     bool operator==(const Mix&) const = default;
 };
+/// A constant pulse.
 struct Fixed {
     Pulse pulse;
 
     bool operator==(const Fixed&) const = default;
 };
-/// 2000 us while the channel is beyond the limit, else 1000 us.
+/// 2000 us while the channel exceeds the limits, else 1000 us.
 struct Switch {
     std::size_t channel = 0;
     std::optional<Pulse> above{};
@@ -106,7 +111,7 @@ struct Switch {
 
     bool operator==(const Switch&) const = default;
 };
-/// 2000 us while that input line is active, else 1000 us; absent while it cannot be read.
+/// 2000 us while the input line is active, else 1000 us. Absent while the line cannot be read.
 struct FromLine {
     std::size_t line = 0;
 
@@ -114,49 +119,51 @@ struct FromLine {
 };
 using ChannelSource = std::variant<FromChannel, Mix, Fixed, Switch, FromLine>;
 
-/// How one output channel is made. The steps run in the order in which they stand here.
+/// How one output channel is made. The steps run in the order of the members.
 struct ChannelRule {
     std::size_t output = 0;
     ChannelSource source;
-    Pulse deadband{};  ///< this far around 1500 us reads as 1500; full travel is kept
-    double expo = 0;   ///< 0 straight, 1 cubic; 1000, 1500 and 2000 us stay where they are
+    Pulse deadband{};  ///< pulses this close to 1500 us become 1500 us; full travel stays
+    double expo = 0;   ///< 0: linear, 1: cubic; 1000, 1500 and 2000 us stay
     bool reverse = false;
     Pulse trim{};                                ///< added
-    std::optional<double> slew_us_per_second{};  ///< fastest change
+    std::optional<double> slew_us_per_second{};  ///< limit of the rate of change
     std::optional<Pulse> min{};
     std::optional<Pulse> max{};
 
     bool operator==(const ChannelRule&) const = default;
 };
 
+/// How the input in control is selected.
 enum class SelectionMode : std::uint8_t {
-    priority,  ///< the first healthy one; it comes back once it has recovered
-    sticky,    ///< the one in control, until it fails
-    freshest,  ///< for each frame the one whose values are youngest
-    median,    ///< the middle of all, channel by channel: a single liar is outvoted
+    priority,  ///< the first healthy input; a better one takes over once it has recovered
+    sticky,    ///< the input in control, until it is lost
+    freshest,  ///< for each frame, the input with the newest values
+    median,    ///< the median of all inputs for each channel, so that one wrong input is outvoted
 };
 
-/// A person picks the input with a channel of one of them: its travel from 1000 to 2000 us is
-/// divided evenly among the inputs; of a median, its lowest part picks none.
+/// A channel of one input selects the input in control: its travel from 1000 to 2000 us is divided
+/// evenly among the inputs. In median mode the lowest part selects the median.
 struct HandoverSettings {
-    std::size_t input = 0;  ///< place in the list of inputs
+    std::size_t input = 0;  ///< index in the pipeline's list of inputs
     std::size_t channel = 0;
 
     bool operator==(const HandoverSettings&) const = default;
 };
 
-/// No pipeline has more inputs.
+/// Upper limit of the number of inputs of a pipeline.
 inline constexpr std::size_t kMostPipelineInputs = 16;
 
-/// How an output chooses among its inputs.
+/// How an output selects its input.
 struct SelectionSettings {
-    /// Indices, the preferred first.
+    /// Indices of the inputs, the preferred one first.
     std::vector<std::size_t> inputs;
     SelectionMode mode = SelectionMode::priority;
-    /// An input that differs by more from the median of three or more dissents.
+    /// An input dissents if it differs by more than this from the median of three or more inputs.
     Pulse tolerance = Pulse::from_microseconds(50);
     std::optional<HandoverSettings> handover{};
-    /// Fastest change of a channel while control passes to another input; absent: at once.
+    /// Limit of the rate of change of a channel while control passes to another input. Absent: no
+    /// limit.
     std::optional<double> changeover_us_per_second{};
 
     bool operator==(const SelectionSettings&) const = default;
@@ -164,48 +171,50 @@ struct SelectionSettings {
 
 enum class FailsafeAction : std::uint8_t { preset, hold, silence };
 
+/// What an output sends after a loss.
 struct FailsafeSettings {
-    /// After the input is lost: last values, marked frame-lost, for so long.
+    /// After a loss the output holds the last values, marked frame-lost, for this time.
     Duration hold = std::chrono::milliseconds(300);
     FailsafeAction action = FailsafeAction::preset;
     std::array<Pulse, kChannelCount> presets{};
-    /// Fastest change of a channel into the presets, and from them back; absent: at once.
+    /// Limit of the rate of change of a channel into the presets and back. Absent: no limit.
     std::optional<double> slew_us_per_second{};
-    /// An unbroken run of good frames this long before control returns.
+    /// Control returns after good frames without interruption for this time.
     Duration recover = std::chrono::milliseconds(500);
-    /// The same before control is given for the first time.
+    /// The same before an input gets control for the first time.
     Duration power_on{};
-    /// After failsafe, and at the start, control waits until this is true of the output's channels.
+    /// After failsafe and at the start, control waits until this holds for the output's channels.
     std::optional<ValueRule> release_when{};
 
     bool operator==(const FailsafeSettings&) const = default;
 };
 
-/// What a GPIO line is for. By outputs, those of `LineTask`.
+/// Role of a GPIO line. "The outputs" are those in `LineTask::outputs`.
 enum class LineRole : std::uint8_t {
-    link,            ///< output: on under control, blinking while values are held, off in failsafe
-    failsafe,        ///< output: active while one of the outputs is in failsafe
-    fresh,           ///< output: a square wave that only fresh data on time makes
-    force_failsafe,  ///< input: active, or gone: the outputs are in failsafe
-    select,          ///< input: while active, `input` is picked
-    inverter,        ///< output: active from start to end
-    button,          ///< input: the source of channels
-    channel_switch,  ///< output: active while what the output says matches `rule`
+    link,            ///< output: on in control, blinks while values are held, off in failsafe
+    failsafe,        ///< output: active while any of the outputs is in failsafe
+    fresh,           ///< output: a square wave while fresh data is sent on time
+    force_failsafe,  ///< input: while active or unreadable, the outputs are in failsafe
+    select,          ///< input: while active, selects `input`
+    inverter,        ///< output: active from start to end of the program
+    button,          ///< input: source of channels
+    channel_switch,  ///< output: active while the frame of the output matches `rule`
 };
 
 inline bool is_input_role(LineRole role) {
     return role == LineRole::force_failsafe || role == LineRole::select || role == LineRole::button;
 }
 
+/// What one GPIO line does.
 struct LineTask {
     LineRole role = LineRole::link;
-    /// Indices of those that it shows or forces.
+    /// Indices of the outputs that the line shows or forces.
     std::vector<std::size_t> outputs{};
     std::size_t input = 0;
     ValueRule rule{};
-    /// Of the wave.
+    /// Period of the wave of `fresh`.
     Duration period = std::chrono::milliseconds(40);
-    /// A level counts once it has stood still for so long.
+    /// A new level counts after it was stable for this time.
     Duration debounce = std::chrono::milliseconds(20);
 
     bool operator==(const LineTask&) const = default;

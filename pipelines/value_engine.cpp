@@ -28,10 +28,10 @@ ValueEngine::ValueEngine(ValueEngineSettings settings)
     }
     readings_.resize(most_values);
     make_health_watch();
-    speeches_.reserve(buses_.size());
+    bus_writes_.reserve(buses_.size());
 }
 
-/// For the inputs and outputs that somebody could ask about.
+/// Covers the inputs and outputs that named values refer to.
 void ValueEngine::make_health_watch() {
     std::size_t inputs = 0;
     std::size_t outputs = 0;
@@ -106,7 +106,7 @@ void ValueEngine::set_machine(std::size_t index, std::optional<double> number, I
     }
 }
 
-void ValueEngine::tell_health(const Engine& engine, Instant now) {
+void ValueEngine::update_health(const Engine& engine, Instant now) {
     health_watch_->look(engine, now);
     for (const HealthValue& health : health_) {
         const auto number = std::visit(
@@ -120,10 +120,10 @@ void ValueEngine::tell_health(const Engine& engine, Instant now) {
     }
 }
 
-void ValueEngine::tell_channels(const Engine& engine, Instant now) {
+void ValueEngine::update_channels(const Engine& engine, Instant now) {
     for (const ChannelValue& told : channels_) {
         const ChannelFrame* frame = nullptr;
-        if (told.of_output && engine.outputs()[told.index].speaks()) {
+        if (told.of_output && engine.outputs()[told.index].sends()) {
             frame = &engine.outputs()[told.index].latest();
         } else if (!told.of_output && engine.inputs()[told.index].link().alive(now)) {
             frame = &engine.inputs()[told.index].control();
@@ -138,17 +138,17 @@ void ValueEngine::tell_channels(const Engine& engine, Instant now) {
 
 Instant ValueEngine::poll(const Engine& engine, Instant now) {
     if (now >= next_health_) {
-        tell_health(engine, now);
-        tell_channels(engine, now);
+        update_health(engine, now);
+        update_channels(engine, now);
         next_health_ = now + HealthWatch::kPeriod;
     }
     Instant next = next_health_;
-    speeches_.clear();
+    bus_writes_.clear();
     for (std::size_t bus = 0; bus < roles_.size(); ++bus) {
         if (roles_[bus]->due() <= now) {
             const auto bytes = roles_[bus]->run(now, board_);
             if (!bytes.empty()) {
-                speeches_.push_back({.bus = bus, .bytes = bytes});
+                bus_writes_.push_back({.bus = bus, .bytes = bytes});
             }
         }
         next = std::min(next, roles_[bus]->due());

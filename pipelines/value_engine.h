@@ -23,29 +23,30 @@ namespace tribus {
 
 using SensorBusSettings = std::variant<SensorRoleSettings, ReceiverRoleSettings>;
 
-/// A message of a CAN bus with values.
+/// A CAN message with named values.
 struct ValueMessageSettings {
     std::unique_ptr<CanValueReader> reader;
-    /// For each value of the message its place on the board; nothing: nobody may ask for it.
+    /// Index on the board for each value of the message. `nullopt`: no name refers to it.
     std::vector<std::optional<std::size_t>> values;
 };
 
-/// A value that is the health of an input or output.
+/// A named value that is a fact about an input or output.
 struct HealthValue {
     std::size_t value = 0;
-    std::size_t index = 0;  ///< of the input or output
+    std::size_t index = 0;  ///< index of the input or output
     std::variant<InputFact, OutputFact> fact;
 };
 
-/// A value that is a channel of an input, as it comes, or of an output, as it was sent last, in
-/// microseconds. Of an input that is lost it is none.
+/// A named value that is a channel, in microseconds: of an input as received, of an output as last
+/// sent. Unavailable while the input is lost or the output is silent.
 struct ChannelValue {
     std::size_t value = 0;
     bool of_output = false;
-    std::size_t index = 0;  ///< of the input or output
+    std::size_t index = 0;  ///< index of the input or output
     std::size_t channel = 0;
 };
 
+/// A named value that does not change.
 struct ConstantValue {
     std::size_t value = 0;
     double number = 0;
@@ -58,28 +59,28 @@ struct ValueEngineSettings {
     std::vector<HealthValue> health;
     std::vector<ChannelValue> channels;
     std::vector<ConstantValue> constants;
-    /// Where the numbers of the machine go, in the order in which they are told.
+    /// Indices on the board for the facts of the machine, in the order of kMachineFacts.
     std::vector<std::size_t> machine;
 };
 
-/// What is known of a sensor bus, for those who tell people.
+/// State of a sensor bus, for status and log.
 struct SensorBusState {
     bool is_receiver = false;
-    SensorRoleCounts sensor;      ///< of the sensor role
-    ReceiverRoleCounts receiver;  ///< of the receiver role
+    SensorRoleCounts sensor;      ///< if it has the sensor role
+    ReceiverRoleCounts receiver;  ///< if it has the receiver role
     EchoCounts echo;
-    /// Sensor role: of its first sensor, 0 while it waits for one.
+    /// Sensor role: address of its first sensor. 0 while it waits for one.
     std::uint8_t first_address = 0;
-    /// When the latest request was heard; none before the first, and since its device was lost.
+    /// When the latest request came. Absent before the first one and after a loss of the device.
     std::optional<Instant> latest_request;
     std::array<FoundSensor, kMostSensors> found{};
     std::size_t found_count = 0;
 };
 
-/// All named values of a configuration and where they come from: sensor buses in both roles, CAN
-/// messages, the health of inputs and outputs, the machine, constants. Makes no system call and no
-/// allocation after construction; whoever drives it brings what was read, calls `poll` and carries
-/// away what the buses have to say. Thread-bound.
+/// All named values of a configuration and their sources: sensor buses in both roles, CAN messages,
+/// facts about inputs, outputs and the machine, constants. Makes no system call and does not
+/// allocate after construction. The caller passes what was read, calls `poll` and writes what the
+/// buses have to send. Thread-bound.
 class ValueEngine {
   public:
     explicit ValueEngine(ValueEngineSettings settings);
@@ -87,13 +88,14 @@ class ValueEngine {
     const ValueBoard& board() const { return board_; }
     std::size_t bus_count() const { return buses_.size(); }
 
+    /// Sets the constants and starts the buses.
     void start(Instant now);
-    /// After `start`: what the carries name goes on as it was in `before`, which is left without
-    /// use.
+    /// Call after `start`. The parts named in `carry` and `engine` take over their state in
+    /// `before`, which is unusable afterwards.
     void continue_from(ValueEngine& before, const ValueCarry& carry, const EngineCarry& engine);
 
-    /// Bytes of one bus, read at `now`. `damaged` answers [position] with whether the line damaged
-    /// that byte.
+    /// Takes bytes of one bus, read at `now`. `damaged[i]` is true if byte i was damaged on the
+    /// line.
     template <class DamagedMarks>
     void receive(std::size_t bus, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
                  Instant now) {
@@ -107,29 +109,32 @@ class ValueEngine {
         }
         role(bus).receive(bytes.subspan(start), now, board_);
     }
-    /// A CAN frame on the interface of one message.
+    /// Takes a CAN frame that arrived at `at` on the interface of one message.
     void receive(std::size_t message, const CanFrame& frame, Instant at);
+    /// The device of one bus is gone.
     void device_lost(std::size_t bus) { role(bus).device_lost(board_); }
-    /// Bytes of one bus were thrown away unread.
+    /// Unread bytes of one bus were discarded.
     void bytes_discarded(std::size_t bus, Instant now) { role(bus).damaged_byte(now); }
-    /// What the machine told of itself at `at`; nothing: it does not tell.
+    /// Sets a fact of the machine, measured at `at`. `nullopt`: the machine does not report it.
     void set_machine(std::size_t index, std::optional<double> number, Instant at);
 
-    /// Does all that is due at `now`; returns when to call next at the latest. Call it after
-    /// `receive` too.
+    /// Does all that is due at `now`. Returns the time of the next call at the latest. Call it
+    /// after `receive` too.
     Instant poll(const Engine& engine, Instant now);
 
-    /// What a bus has to say, to be written at once.
-    struct Speech {
+    /// Bytes that a bus sends, to be written at once.
+    struct BusWrite {
         std::size_t bus = 0;
         std::span<const std::uint8_t> bytes;
     };
-    /// Of the last `poll`.
-    std::span<const Speech> speeches() const { return speeches_; }
+    /// What the last `poll` made.
+    std::span<const BusWrite> bus_writes() const { return bus_writes_; }
+    /// The bytes of a BusWrite were handed over, or could not be sent.
     void written(std::size_t bus, Instant now) { role(bus).written(now, board_); }
     void dropped(std::size_t bus) { role(bus).dropped(); }
 
     SensorBusState bus_state(std::size_t bus) const;
+    /// The CAN ids of one message.
     std::span<const CanIdMatch> wanted_ids(std::size_t message) const {
         return messages_[message].reader->wanted();
     }
@@ -138,8 +143,8 @@ class ValueEngine {
   private:
     SensorBusRole& role(std::size_t bus) { return *roles_[bus]; }
     void make_health_watch();
-    void tell_health(const Engine& engine, Instant now);
-    void tell_channels(const Engine& engine, Instant now);
+    void update_health(const Engine& engine, Instant now);
+    void update_channels(const Engine& engine, Instant now);
 
     ValueBoard board_;
     std::vector<std::variant<std::unique_ptr<SensorRole>, std::unique_ptr<ReceiverRole>>> buses_;
@@ -152,7 +157,7 @@ class ValueEngine {
     std::vector<ConstantValue> constants_;
     std::optional<HealthWatch> health_watch_;
     Instant next_health_ = kNever;
-    std::vector<Speech> speeches_;
+    std::vector<BusWrite> bus_writes_;
 };
 
 }  // namespace tribus

@@ -24,14 +24,14 @@ void VirtualLoop::poll(Instant at) {
         }
     }
     for (std::size_t node = 0; node < engine_->node_count(); ++node) {
-        for (auto frames = engine_->node(node).speech(at); !frames.empty();
-             frames = engine_->node(node).speech(at)) {
-            observer_.node_spoke(node, at, frames);
+        for (auto frames = engine_->node(node).frames_to_send(at); !frames.empty();
+             frames = engine_->node(node).frames_to_send(at)) {
+            observer_.node_wrote(node, at, frames);
             engine_->node(node).written();
         }
     }
     next_ = std::min(next_, poll_values(at));
-    observer_.turned(at);
+    observer_.polled(at);
     now_ = at;
 }
 
@@ -40,9 +40,9 @@ Instant VirtualLoop::poll_values(Instant at) {
         return kNever;
     }
     const Instant next = values_->poll(*engine_, at);
-    for (const ValueEngine::Speech& speech : values_->speeches()) {
-        observer_.bus_spoke(speech.bus, at, speech.bytes);
-        values_->written(speech.bus, at);
+    for (const ValueEngine::BusWrite& write : values_->bus_writes()) {
+        observer_.bus_wrote(write.bus, at, write.bytes);
+        values_->written(write.bus, at);
     }
     return next;
 }

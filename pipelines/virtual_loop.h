@@ -10,26 +10,27 @@
 
 namespace tribus {
 
-/// Sees what outputs write under virtual time.
+/// Gets what the engine writes under virtual time.
 class OutputObserver {
   public:
     virtual ~OutputObserver() = default;
+    /// An output handed over `sent`.
     virtual void wrote(std::size_t output, Instant at, const Transmission& sent) = 0;
-    /// What a sensor bus said.
-    virtual void bus_spoke(std::size_t /*bus*/, Instant /*at*/,
+    /// A sensor bus wrote `bytes`.
+    virtual void bus_wrote(std::size_t /*bus*/, Instant /*at*/,
                            std::span<const std::uint8_t> /*bytes*/) {}
-    /// What a node of DroneCAN said.
-    virtual void node_spoke(std::size_t /*node*/, Instant /*at*/,
+    /// A DroneCAN node wrote `frames`.
+    virtual void node_wrote(std::size_t /*node*/, Instant /*at*/,
                             std::span<const CanFrame> /*frames*/) {}
-    /// Outputs had their turn, silent or not, or something arrived.
-    virtual void turned(Instant /*at*/) {}
+    /// The engine was polled, whether or not an output wrote.
+    virtual void polled(Instant /*at*/) {}
 };
 
-/// Drives an engine under virtual time: the same engine, without a clock, descriptors or waiting.
-/// Time only moves forward. Pure; thread-bound.
+/// Drives an engine under virtual time, without a clock, descriptors or waiting. Time only moves
+/// forward. Pure. Thread-bound.
 class VirtualLoop {
   public:
-    /// `values`: where sensor buses or values are configured; must outlive the loop.
+    /// `values` is null if no sensor bus or value is configured. It must outlive the loop.
     VirtualLoop(Engine& engine, OutputObserver& observer, Instant start,
                 ValueEngine* values = nullptr);
 
@@ -87,16 +88,16 @@ class VirtualLoop {
         poll(at);
     }
 
-    /// The thread was away from `since`, which is now, to `until`: no deadline ran meanwhile. Bytes
-    /// that came then are to be received by the engine before, as of `since`.
+    /// The thread did not run from `since`, which is now, until `until`: no deadline ran. Pass
+    /// bytes that came meanwhile to the engine before this call, with the time `since`.
     void come_back(Instant since, Instant until);
 
-    /// `next`, which has continued from the engine so far, runs from `at` on.
+    /// `next`, which has taken over from the present engine, runs from `at` on.
     void go_on_with(Engine& next, ValueEngine* values, Instant at);
-    /// These parts say their last frames; returns when they have.
+    /// These parts send their last frames. Returns when they have.
     Instant retire(const Leaving& leaving, Instant at);
 
-    /// As when the program is told to stop.
+    /// Ends as the program does on request.
     void end(Instant at);
 
     Instant now() const { return now_; }

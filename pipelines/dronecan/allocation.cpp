@@ -28,7 +28,7 @@ void AllocationClient::take(const Allocation& message, NodeId source, Instant at
     if (id_) {
         return;
     }
-    // Whoever else is at it goes first.
+    // Another client's transfer: wait, so that it can finish first.
     next_ = at + random_pause(kLeastPause, kMostPause);
     const std::size_t length = message.unique_id.size();
     const bool mine =
@@ -57,13 +57,13 @@ Allocation AllocationClient::run(Instant now) {
     for (std::size_t i = confirmed_; i < end; ++i) {
         message.unique_id.push_back(unique_id_[i]);
     }
-    // Without an answer it begins anew.
+    // Without an answer the next request starts from the first part.
     confirmed_ = 0;
     next_ = now + random_pause(kLeastPause, kMostPause);
     return message;
 }
 
-/// xorshift64: delays need no better randomness than that two nodes differ.
+/// xorshift64: the pauses only need to differ between two nodes.
 Duration AllocationClient::random_pause(Duration least, Duration most) {
     random_ ^= random_ << 13U;
     random_ ^= random_ >> 7U;

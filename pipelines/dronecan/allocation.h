@@ -10,19 +10,22 @@
 
 namespace tribus::dronecan {
 
-/// Gets an id from an allocator on the bus, three parts of the unique id one after the other, with
-/// random pauses (docs/protocols/can.md, "DroneCAN: nodes"). Pure; thread-bound.
+/// Client of dynamic node id allocation: sends the unique id to an allocator in three parts, with
+/// random pauses between them (docs/protocols/can.md, "DroneCAN: nodes"). Pure. Thread-bound.
 class AllocationClient {
   public:
+    /// `preferred`: requested id, kNobody for any. `seed`: of the random pauses.
     AllocationClient(UniqueId unique_id, NodeId preferred, std::uint64_t seed);
 
+    /// Starts, or starts again, to request an id.
     void start(Instant now);
-    /// Somebody's allocation message: another candidate's, or an answer.
+    /// Takes an allocation message: the request of another client, or an answer.
     void take(const Allocation& message, NodeId source, Instant at);
+    /// When to call `run` next.
     Instant due() const { return next_; }
-    /// What to say now, from nobody; call when due.
+    /// Returns the next request, to be sent by an anonymous node. Call when due.
     Allocation run(Instant now);
-    /// Once there is one.
+    /// The allocated id. `nullopt` before.
     std::optional<NodeId> id() const { return id_; }
 
   private:
@@ -31,7 +34,7 @@ class AllocationClient {
     UniqueId unique_id_;
     NodeId preferred_;
     std::uint64_t random_;
-    std::size_t confirmed_ = 0;  ///< bytes of the unique id that the allocator has
+    std::size_t confirmed_ = 0;  ///< bytes of the unique id that the allocator has confirmed
     Instant next_ = kNever;
     std::optional<NodeId> id_;
 };

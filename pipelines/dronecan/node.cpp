@@ -13,13 +13,13 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kStatusPeriod = 1s;
-/// Whoever asked has given up by then (docs/protocols/can.md, "DroneCAN: nodes").
+/// After this time requesters have given up (docs/protocols/can.md, "DroneCAN: nodes").
 constexpr Duration kMostWait = 1s;
-/// A transfer that the bus could not take yet is offered again after a few frames' time.
+/// Pause, a few frames long, before a transfer that the bus did not take is tried again.
 constexpr Duration kBusyRetry = 2ms;
 constexpr std::uint8_t kStatusPriority = 24;
 constexpr std::uint8_t kAllocationPriority = 24;
-/// Nodes that ask at one time; further ones ask again.
+/// Nodes whose requests are received at the same time. Further ones ask again.
 constexpr std::size_t kMostAskers = 8;
 
 std::vector<WantedTransfer> wanted_transfers() {
@@ -28,8 +28,8 @@ std::vector<WantedTransfer> wanted_transfers() {
             wanted_transfer<GetTransportStats::Request>(),  wanted_transfer<Allocation>()};
 }
 
-/// Of a node whose id is known: what is for it, and what says that it is from it. Else all
-/// services, allocation, and those who say that they are there.
+/// Node with a known id: what is addressed to it, and what was sent under its id. Otherwise all
+/// services, allocation messages and the status of other nodes.
 std::vector<CanIdMatch> wanted_ids(const NodeSettings& settings) {
     constexpr std::uint32_t kServiceBit = 0x80;
     constexpr std::uint32_t kSourceMask = 0x7F;
@@ -54,7 +54,7 @@ Node::Node(NodeSettings settings)
       receiver_(wanted_transfers(), kMostAskers),
       wanted_(wanted_ids(settings_)),
       waiting_(kMostWaiting) {
-    // What others said before the start must not be answered in a name that nobody has.
+    // Transfers that were received before the start must not be answered without an id.
     stage_ = settings_.dynamic ? NodeStage::allocating : NodeStage::online;
 }
 
@@ -79,8 +79,8 @@ void Node::continue_from(Node& before) {
             parameter.value = known->value;
         }
     }
-    // It speaks of an output by its place before.
-    wish_.reset();
+    // It holds the index of an output before the reload.
+    period_request_.reset();
 }
 
 void Node::receive(const CanFrame& frame, Instant at) {
@@ -151,11 +151,11 @@ Instant Node::poll(Instant now, NodeHealth health) {
             receiver_.set_own(*id);
             next_status_ = now;
         } else if (now >= allocation_.due()) {
-            say_allocation(now);
+            queue_allocation(now);
         }
     }
     if (now >= next_status_ && !ending_) {
-        say_status(now);
+        queue_status(now);
         next_status_ += kStatusPeriod * ((now - next_status_) / kStatusPeriod + 1);
     }
     Instant next = stage_ == NodeStage::allocating ? allocation_.due() : next_status_;
@@ -165,7 +165,7 @@ Instant Node::poll(Instant now, NodeHealth health) {
     return waiting_count_ > 0 ? std::min(next, std::max(retry_at_, now)) : next;
 }
 
-std::span<const CanFrame> Node::speech(Instant now) const {
+std::span<const CanFrame> Node::frames_to_send(Instant now) const {
     if (waiting_count_ == 0 || now < retry_at_) {
         return {};
     }
@@ -190,7 +190,7 @@ void Node::dropped() {
 void Node::end(Instant now) {
     ending_ = true;
     if (identity_.id != kNobody) {
-        say_status(now);
+        queue_status(now);
     }
     next_status_ = kNever;
 }
@@ -200,11 +200,11 @@ NodeReport Node::report() const {
         .stage = stage_, .id = identity_.id, .counts = counts_, .restart_wanted = restart_wanted_};
 }
 
-std::optional<PeriodWish> Node::take_wish() {
-    return std::exchange(wish_, std::nullopt);
+std::optional<PeriodRequest> Node::take_period_request() {
+    return std::exchange(period_request_, std::nullopt);
 }
 
-void Node::tell_bus(std::uint64_t sent, std::uint64_t received, std::uint64_t errors) {
+void Node::set_bus_counters(std::uint64_t sent, std::uint64_t received, std::uint64_t errors) {
     bus_ = {.frames_tx = sent, .frames_rx = received, .errors = errors};
 }
 
@@ -269,7 +269,7 @@ std::optional<std::size_t> Node::parameter_for(const ParamGetSet::Request& reque
                : std::optional(static_cast<std::size_t>(found - parameters.begin()));
 }
 
-/// What cannot be is answered with the value that stays.
+/// A value that is not allowed changes nothing. The response then has the present value.
 void Node::write_parameter(Parameter& parameter, const ParamValue& value) {
     const auto* number = std::get_if<std::int64_t>(&value.held);
     if (number == nullptr || !settings_.may_write || !parameter.output ||
@@ -277,10 +277,10 @@ void Node::write_parameter(Parameter& parameter, const ParamValue& value) {
         return;
     }
     parameter.value = *number;
-    wish_ = PeriodWish{*parameter.output, std::chrono::microseconds(*number)};
+    period_request_ = PeriodRequest{*parameter.output, std::chrono::microseconds(*number)};
 }
 
-/// Nothing is kept beyond the end of the program.
+/// Save and erase do nothing: no parameter outlives the program.
 void Node::serve_opcode(const ReceivedTransfer& transfer) {
     if (read<ParamExecuteOpcode::Request>(transfer.payload, transfer.fd)) {
         respond(transfer, ParamExecuteOpcode::Response{});
@@ -341,7 +341,7 @@ NodeStatus Node::status(Instant now) const {
     return status;
 }
 
-void Node::say_status(Instant now) {
+void Node::queue_status(Instant now) {
     queue({.kind = TransferKind::message,
            .data_type_id = NodeStatus::kId,
            .source = identity_.id,
@@ -351,7 +351,7 @@ void Node::say_status(Instant now) {
     status_transfer_id_ = (status_transfer_id_ + 1) & kMostTransferId;
 }
 
-void Node::say_allocation(Instant now) {
+void Node::queue_allocation(Instant now) {
     queue({.kind = TransferKind::message,
            .data_type_id = Allocation::kId,
            .source = kNobody,

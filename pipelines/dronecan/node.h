@@ -18,23 +18,24 @@
 
 namespace tribus::dronecan {
 
+/// State of a node; `NodeReport::stage`.
 enum class NodeStage : std::uint8_t {
     allocating,  ///< waits for an id
     online,
     conflict,  ///< another node has the same id: this one is silent
 };
 
-/// Events of one node since start. Only ever incremented.
+/// Counters of one node since the start. They never decrease.
 struct NodeCounts {
-    std::uint64_t sent = 0;      ///< transfers of the node itself
-    std::uint64_t received = 0;  ///< transfers that it took
-    std::uint64_t errors = 0;    ///< transfers that were damaged, or of which frames were missing
-    std::uint64_t requests = 0;  ///< that it answered
+    std::uint64_t sent = 0;      ///< own transfers
+    std::uint64_t received = 0;  ///< transfers addressed to it, and allocation messages
+    std::uint64_t errors = 0;    ///< damaged or incomplete transfers
+    std::uint64_t requests = 0;  ///< requests that it answered
     std::uint64_t dropped = 0;   ///< transfers that the bus did not take in time
     std::uint64_t conflicts = 0;
 };
 
-/// What is known of a node, for those who tell people.
+/// State of a node, for status and log.
 struct NodeReport {
     NodeStage stage = NodeStage::online;
     NodeId id = kNobody;
@@ -42,55 +43,58 @@ struct NodeReport {
     bool restart_wanted = false;
 };
 
-/// What a node says of the appliance behind it.
+/// Health that the node reports in NodeStatus.
 enum class NodeHealth : std::uint8_t { ok, warning, error, critical };
 
-/// A written parameter: the period of an output.
-struct PeriodWish {
+/// A request to change the period of an output, made by writing a parameter.
+struct PeriodRequest {
     std::size_t output = 0;
     Duration period{};
 };
 
-/// One node on one interface: says that it is there, answers those who ask, gets an id where it has
-/// none, and keeps quiet where another node has the same (docs/protocols/can.md, "DroneCAN:
-/// nodes"). Makes no system call and no allocation after construction. Thread-bound.
+/// One DroneCAN node on one interface: sends its status, answers requests, gets an id by allocation
+/// if it has none, and is silent while another node has the same id (docs/protocols/can.md,
+/// "DroneCAN: nodes"). Makes no system call and does not allocate after construction. Thread-bound.
 ///
-/// The transfers that it wants to send wait for the bus one behind the other, each for a second
-/// at most, when whoever asked has given up.
+/// Transfers wait in a queue until the bus takes them, each for at most one second: after that the
+/// requester has given up.
 class Node {
   public:
-    /// How long another node with the same id must be silent before this one speaks again.
+    /// For this time another node with the same id must be silent before this one sends again.
     static constexpr Duration kConflictSilence = std::chrono::seconds(5);
 
     explicit Node(NodeSettings settings);
 
     void start(Instant now);
-    /// Goes on as `before`, a node of the same interface, id and name, which is left without use.
-    /// A parameter that was written keeps its value where the configuration still says the same.
+    /// Takes over the state of `before`, a node with the same interface, id and name, which is
+    /// unusable afterwards. A parameter keeps the value that was written if its configured value is
+    /// unchanged.
     void continue_from(Node& before);
-    /// A frame of somebody else on its interface.
+    /// Takes a CAN frame of another node on its interface.
     void receive(const CanFrame& frame, Instant at);
-    /// Does what is due; returns when to call next at the latest.
+    /// Does what is due. Returns the time of the next call at the latest.
     Instant poll(Instant now, NodeHealth health);
 
-    /// Frames of one transfer to be written now; empty if there is none.
-    std::span<const CanFrame> speech(Instant now) const;
+    /// Frames of one transfer to write now. Empty if there is none.
+    std::span<const CanFrame> frames_to_send(Instant now) const;
+    /// The frames of `frames_to_send` were handed over.
     void written();
-    /// The bus still has the transfer before: it stays the next one.
+    /// The bus still has the transfer before. The present one stays the next.
     void busy(Instant now);
+    /// The frames of `frames_to_send` cannot be sent and are discarded.
     void dropped();
-    /// Says that it goes.
+    /// Sends a last status that says that the node goes offline.
     void end(Instant now);
 
-    /// Whose name others may send in. Lives as long as the node.
+    /// The id under which outputs send. Valid as long as the node.
     const NodeIdentity& identity() const { return identity_; }
-    /// The ids that it must hear. Constant.
+    /// The CAN ids that it receives. Constant.
     std::span<const CanIdMatch> wanted() const { return wanted_; }
     NodeReport report() const;
-    /// A parameter that was written since the last call.
-    std::optional<PeriodWish> take_wish();
-    /// What the interface counts, for those who ask for it.
-    void tell_bus(std::uint64_t sent, std::uint64_t received, std::uint64_t errors);
+    /// Takes the latest change of a period that was written. `nullopt` if there is none.
+    std::optional<PeriodRequest> take_period_request();
+    /// Sets the counters of the interface, for requests of statistics.
+    void set_bus_counters(std::uint64_t sent, std::uint64_t received, std::uint64_t errors);
 
   private:
     struct Waiting {
@@ -114,12 +118,13 @@ class Node {
     std::optional<std::size_t> parameter_for(const ParamGetSet::Request& request) const;
     void write_parameter(Parameter& parameter, const ParamValue& value);
     NodeStatus status(Instant now) const;
-    void say_status(Instant now);
-    void say_allocation(Instant now);
+    void queue_status(Instant now);
+    void queue_allocation(Instant now);
     void drop_old(Instant now);
     void pop();
 
-    /// Requests of several nodes in one turn; more ask again.
+    /// Several nodes may ask at once. A request that finds the queue full is dropped; the node asks
+    /// again.
     static constexpr std::size_t kMostWaiting = 8;
 
     NodeSettings settings_;
@@ -140,7 +145,7 @@ class Node {
     NodeHealth health_ = NodeHealth::ok;
     bool ending_ = false;
     bool restart_wanted_ = false;
-    std::optional<PeriodWish> wish_;
+    std::optional<PeriodRequest> period_request_;
     CanIfaceStats bus_{};
     NodeCounts counts_;
 };

@@ -11,34 +11,34 @@
 
 namespace tribus::dronecan {
 
-/// A number of this program that others may read, and write where that is allowed.
+/// A number of this program that other nodes may read and, if permitted, write.
 struct Parameter {
     std::string name;
     std::int64_t value = 0;
     std::int64_t at_start = 0;
     std::int64_t least = 0;
     std::int64_t most = 0;
-    /// Of the output whose period it is, in microseconds; absent: it cannot be written.
+    /// Index of the output whose period in microseconds it is. Absent: read-only.
     std::optional<std::size_t> output{};
 };
 
-/// Its answer is a transfer that one lane can take.
+/// With this length the response to GetNodeInfo still fits into one lane of a CAN link.
 inline constexpr std::size_t kLongestNodeName = 50;
 
 struct NodeSettings {
-    /// Its own; with `dynamic` the one that it would like to have, kNobody: any.
+    /// Own id. With `dynamic`: the preferred id, kNobody for any.
     NodeId id = kNobody;
-    /// Asks an allocator for an id.
+    /// Gets an id from an allocator.
     bool dynamic = false;
-    /// Not all zero, and no other node's.
+    /// Not all zero, and different from that of every other node.
     UniqueId unique_id{};
     std::string name{};
     std::uint8_t version_major = 0;
     std::uint8_t version_minor = 0;
     bool may_restart = false;
-    bool may_write = false;  ///< parameters
+    bool may_write = false;  ///< permits others to write parameters
     std::vector<Parameter> parameters{};
-    /// Seed of the random delays by which nodes keep out of each other's way.
+    /// Seed of the random pauses that keep allocation requests of several nodes apart.
     std::uint64_t seed = 1;
 };
 

@@ -9,7 +9,7 @@
 namespace tribus {
 namespace {
 
-/// Changes with the layout, so that a version never reads what another one left.
+/// Change it with the layout, so that no version reads the ring of another one.
 constexpr std::uint64_t kMagic = 0x3130'7370'6163'7274;
 
 static_assert(std::atomic_ref<std::uint64_t>::is_always_lock_free);
@@ -31,7 +31,7 @@ std::optional<CaptureRing> CaptureRing::adopt(std::span<std::byte> memory) {
     if (memory.size() < kLeastBytes) {
         return std::nullopt;
     }
-    // What the other process made there is of implicit-lifetime types.
+    // The other process created objects of implicit-lifetime types there.
     auto* header = reinterpret_cast<Header*>(memory.data());
     const std::size_t places = (memory.size() - sizeof(Header)) / sizeof(CapturePiece);
     if (header->magic != kMagic || header->places != places) {
@@ -44,7 +44,8 @@ std::optional<CaptureRing> CaptureRing::adopt(std::span<std::byte> memory) {
 void CaptureRing::put(const CapturePiece& piece) {
     const auto words = std::bit_cast<std::array<Word, kWords>>(piece);
     Word* place = words_ + place_ * kWords;
-    // Who reads a word of this piece has been told before that the one in its place is lost.
+    // Readers learn from `end_` that the old piece is lost before they can see a word of the new
+    // one.
     std::atomic_thread_fence(std::memory_order_release);
     for (std::size_t i = 0; i < kWords; ++i) {
         std::atomic_ref(place[i]).store(words[i], std::memory_order_relaxed);
@@ -84,14 +85,14 @@ void CaptureRing::record(std::span<const std::uint8_t> written, Instant at) {
     }
 }
 
-void CaptureRing::record(Passage passage, const CanFrame& frame, Instant at) {
+void CaptureRing::record(Direction direction, const CanFrame& frame, Instant at) {
     using Marks = CaptureMarks;
     const auto mark = [](bool set, std::uint8_t bit) { return set ? bit : std::uint8_t{0}; };
     CapturePiece piece;
     piece.at_ns = at.time_since_epoch().count();
     piece.can_id = frame.id;
     piece.marks = static_cast<std::uint8_t>(
-        Marks::kCan | mark(passage == Passage::written, Marks::kWritten) |
+        Marks::kCan | mark(direction == Direction::written, Marks::kWritten) |
         mark(frame.extended, Marks::kExtended) | mark(frame.remote, Marks::kRemote) |
         mark(frame.fd, Marks::kFd) | mark(frame.bit_rate_switch, Marks::kBitRateSwitch) |
         mark(frame.error_state_indicator, Marks::kErrorState));
@@ -130,7 +131,7 @@ CaptureRing::Batch CaptureRing::read(std::uint64_t from, std::span<CapturePiece>
         }
         pieces[i] = std::bit_cast<CapturePiece>(words);
     }
-    // What the writer has begun to overwrite meanwhile is not believed.
+    // Discard pieces that the writer has started to overwrite meanwhile.
     std::atomic_thread_fence(std::memory_order_acquire);
     const std::uint64_t whole =
         begin_for(std::atomic_ref(header_->end).load(std::memory_order_relaxed));

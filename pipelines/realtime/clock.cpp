@@ -32,7 +32,7 @@ std::timespec as_timespec(Duration duration) {
     const Duration positive = std::max(duration, Duration::zero());
     const auto seconds = std::chrono::floor<std::chrono::seconds>(positive);
     std::timespec time{};
-    // Of 32 bits on some processors.
+    // tv_sec has 32 bits on some processors.
     time.tv_sec = static_cast<decltype(time.tv_sec)>(seconds.count());
     time.tv_nsec = static_cast<decltype(time.tv_nsec)>((positive - seconds).count());
     return time;

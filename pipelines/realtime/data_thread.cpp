@@ -21,7 +21,7 @@ DataThread::~DataThread() {
 
 void* DataThread::main(void* self) {
     auto& thread = *static_cast<DataThread*>(self);
-    hear_of_stops();
+    unblock_sigcont();
     thread.got_ = make_realtime(thread.scheduling_);
     thread.prepared_.release();
     thread.go_.acquire();
@@ -35,7 +35,7 @@ void* DataThread::main(void* self) {
 }
 
 tl::expected<std::vector<std::string>, std::string> DataThread::prepare() {
-    // A second heap would be for a thread that allocates nothing once it runs.
+    // The data thread does not allocate once it runs, so it needs no heap of its own.
     ::mallopt(M_ARENA_MAX, 1);
     pthread_attr_t attributes;
     ::pthread_attr_init(&attributes);

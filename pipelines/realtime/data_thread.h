@@ -13,25 +13,26 @@
 
 namespace tribus {
 
-/// The thread that runs a loop, and those that take its place. Thread-bound to the main thread.
+/// The thread that runs a loop and, after a hand-over, its successor. Thread-bound to the main
+/// thread.
 class DataThread {
   public:
     DataThread(Loop& loop, const SchedulingSettings& scheduling)
         : loop_(&loop), scheduling_(scheduling) {}
     DataThread(const DataThread&) = delete;
     DataThread& operator=(const DataThread&) = delete;
-    /// Ends the loop and waits for it, if it still runs.
+    /// Ends the loop if it still runs, and waits for it.
     ~DataThread();
 
-    /// Makes the thread and its scheduling; it does not touch the loop yet. Returns what could not
-    /// be had of real time; the error is that there is no thread.
+    /// Creates the thread and its scheduling. The loop does not run yet. Returns the parts of
+    /// real-time scheduling that were refused, as sentences. The error: no thread was created.
     tl::expected<std::vector<std::string>, std::string> prepare();
-    /// Lets it go. After `prepare`.
+    /// Starts the loop. Call after `prepare`.
     void run();
-    /// The loop that it runs hands over to `next`; returns when that runs and the one before is of
-    /// no use any more.
+    /// The loop hands over to `next`. Returns when `next` runs and the loop before is no longer
+    /// used.
     void hand_over_to(Loop& next, LoopCarry carry);
-    /// Waits until the loop has ended, which `Loop::request_end` asks for.
+    /// Waits until the loop has ended, which `Loop::request_end` requests.
     void join();
 
   private:

@@ -7,11 +7,11 @@
 
 namespace tribus {
 
-/// Whether the kernel has it (Linux 5.11); `epoll` is any epoll descriptor.
+/// Whether the kernel has epoll_pwait2 (Linux 5.11). `epoll` is any epoll descriptor.
 bool has_epoll_pwait2(int epoll);
 
-/// epoll_wait with a timeout as exact as a sleep's. Returns the number of events, or -1 with errno
-/// set. Without epoll_pwait2 that takes one system call more. Thread-safe.
+/// epoll_wait with a timeout in nanoseconds. Returns the number of events, or -1 with errno set.
+/// Without epoll_pwait2 it takes one more system call. Thread-safe.
 int wait_for_events(int epoll, std::span<epoll_event> events, const timespec& timeout,
                     bool has_epoll_pwait2);
 

@@ -13,8 +13,8 @@
 namespace tribus {
 namespace {
 
-/// How often every line is looked at although nothing happens: a chip that is pulled out wakes
-/// nobody who already waits for its edges.
+/// Period in which every line is read even without an edge, because the removal of a chip does not
+/// wake a thread that already waits for its edges.
 constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
 
 }  // namespace
@@ -61,7 +61,7 @@ void GpioThread::end() {
         return;
     }
     end_requested_.store(true, std::memory_order_release);
-    exchange_.ring_lines();
+    exchange_.wake_lines();
     ::pthread_join(thread_, nullptr);
     started_ = false;
 }
@@ -73,7 +73,7 @@ std::unique_ptr<HeldLine> GpioThread::take_lost(std::size_t line) {
 
 void GpioThread::give(std::size_t line, std::unique_ptr<HeldLine> held) {
     delete lines_[line].given.exchange(held.release(), std::memory_order_acq_rel);
-    exchange_.ring_lines();
+    exchange_.wake_lines();
 }
 
 void* GpioThread::main(void* self) {
@@ -84,7 +84,7 @@ void* GpioThread::main(void* self) {
 void GpioThread::run() {
     ::pthread_setname_np(::pthread_self(), "tribus-gpio");
     if (settings_.priority) {
-        // Where it is refused, so it was for the data thread, which has said so.
+        // If the kernel refuses it, it refused it for the data thread too, which has reported that.
         const sched_param parameters{.sched_priority = *settings_.priority};
         ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
     }
@@ -99,7 +99,7 @@ void GpioThread::run() {
     }
     for (Line& line : lines_) {
         if (line.task.role == LineRole::link || line.task.role == LineRole::channel_switch) {
-            say(line, false);
+            set_line(line, false);
         }
     }
 }
@@ -113,7 +113,7 @@ void GpioThread::wait(Instant until) {
             inputs[count++] = &line;
         }
     }
-    polled_[count] = {.fd = exchange_.lines_bell(), .events = POLLIN, .revents = 0};
+    polled_[count] = {.fd = exchange_.lines_event(), .events = POLLIN, .revents = 0};
     const Duration pause = std::clamp(until - monotonic_now(), Duration::zero(), kLookPeriod);
     const timespec timeout = as_timespec(pause);
     if (::ppoll(polled_.data(), count + 1, &timeout, nullptr) <= 0) {
@@ -123,7 +123,7 @@ void GpioThread::wait(Instant until) {
         inputs[i]->moved = polled_[i].revents != 0;
     }
     if (polled_[count].revents != 0) {
-        exchange_.hush_lines();
+        exchange_.clear_lines_event();
     }
 }
 
@@ -131,7 +131,7 @@ void GpioThread::accept_given_lines() {
     for (Line& line : lines_) {
         if (HeldLine* given = line.given.exchange(nullptr, std::memory_order_acquire)) {
             line.held.reset(given);
-            line.said.reset();
+            line.last_set.reset();
             line.moved = true;
         }
     }
@@ -152,7 +152,7 @@ void GpioThread::read_inputs(Instant now, bool all) {
             levels_.set(i, line.contact.level());
         }
     }
-    exchange_.tell_levels(levels_);
+    exchange_.set_levels(levels_);
 }
 
 bool GpioThread::wanted(std::size_t index, Instant now) {
@@ -172,25 +172,25 @@ void GpioThread::show_outputs(Instant now, bool all) {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
         if (!is_input_role(lines_[i].task.role)) {
             const bool active = wanted(i, now);
-            if (all || lines_[i].said != active) {
-                say(lines_[i], active);
+            if (all || lines_[i].last_set != active) {
+                set_line(lines_[i], active);
             }
         }
     }
 }
 
-void GpioThread::say(Line& line, bool active) {
+void GpioThread::set_line(Line& line, bool active) {
     if (!line.held) {
         return;
     }
-    line.said = active;
+    line.last_set = active;
     if (!line.held->output->set(active)) {
         lose(line);
     }
 }
 
 void GpioThread::lose(Line& line) {
-    // Closing may take the kernel long: the main thread does it.
+    // Closing may take long in the kernel, so the main thread does it.
     line.lost.store(line.held.release(), std::memory_order_release);
 }
 

@@ -24,42 +24,43 @@
 
 namespace tribus {
 
-/// A line that is open, one of the two.
+/// An open line: exactly one of the two.
 struct HeldLine {
     std::unique_ptr<GpioInput> input{};
     std::unique_ptr<GpioOutput> output{};
 };
 
 struct GpioThreadSettings {
-    /// SCHED_FIFO at this priority where that is permitted; nothing: as any other thread.
+    /// SCHED_FIFO priority, used where it is permitted. Absent: normal scheduling.
     std::optional<int> priority{};
 };
 
-/// Keeps the GPIO lines: reads and debounces the inputs, makes lamps blink and waves go.
+/// The thread of the GPIO lines: reads and debounces inputs, blinks lamps and generates waves.
 ///
-/// A thread of its own beside the data thread, which must not wait for a line on a slow bus, and
-/// the main thread, which may be stuck in its log or in a device that it opens: a forced failsafe
-/// must not wait for that. It exists only where lines are configured. Thread-bound to the main
-/// thread; what says otherwise is inside.
+/// It is a thread of its own because the data thread must not wait for a line on a slow bus, and
+/// because a forced failsafe must not wait for the main thread, which may be blocked by its log or
+/// by opening a device. It exists only if lines are configured. Thread-bound to the main thread,
+/// except where a comment says otherwise.
 class GpioThread {
   public:
-    /// A line for each task; null where it is missing and will be given. Reads the inputs and tells
-    /// their levels, so that a failsafe that is forced at the start is so from the first frame.
+    /// `lines` has one line for each task, null if it is missing and will be given later. Reads the
+    /// inputs, so that a failsafe forced at the start applies from the first frame.
     GpioThread(LineExchange& exchange, const std::vector<LineTask>& tasks,
                std::vector<std::unique_ptr<HeldLine>> lines, GpioThreadSettings settings);
     GpioThread(const GpioThread&) = delete;
     GpioThread& operator=(const GpioThread&) = delete;
-    /// Ends the thread and gives the lines back, those of inverters last.
+    /// Ends the thread and releases the lines, those of inverters last.
     ~GpioThread();
 
-    /// The error is a sentence.
+    /// Starts the thread. The error is a sentence.
     tl::expected<void, std::string> start();
-    /// Waves stop where they are, lamps and switches go off, alarms stay.
+    /// Ends the thread. Waves stop, lamps and switches go off, failsafe outputs keep their level.
     void end();
 
-    /// The line that was given up because its chip is gone, if it has not been taken yet.
+    /// The line that was given up because its chip is gone. Null if there is none, or it was taken
+    /// before.
     std::unique_ptr<HeldLine> take_lost(std::size_t line);
-    /// A fresh one for a line whose lost one was taken.
+    /// Gives a new line in place of one that was taken by `take_lost`.
     void give(std::size_t line, std::unique_ptr<HeldLine> held);
 
   private:
@@ -71,7 +72,7 @@ class GpioThread {
         std::unique_ptr<HeldLine> held;
         Debouncer contact;
         FreshWave wave;
-        std::optional<bool> said;
+        std::optional<bool> last_set;
         bool moved = false;
         std::atomic<HeldLine*> lost{nullptr};
         std::atomic<HeldLine*> given{nullptr};
@@ -79,13 +80,13 @@ class GpioThread {
 
     static void* main(void* self);
     void run();
-    /// Returns after an edge, a ring of the bell, or at `until`.
+    /// Returns after an edge, after the event of `exchange_`, or at `until`.
     void wait(Instant until);
     void accept_given_lines();
     void read_inputs(Instant now, bool all);
     void show_outputs(Instant now, bool all);
     bool wanted(std::size_t index, Instant now);
-    void say(Line& line, bool active);
+    void set_line(Line& line, bool active);
     void lose(Line& line);
     Instant next_deadline(Instant now) const;
 

@@ -12,7 +12,7 @@ constexpr unsigned kUnitShift = 8;  // the finest bucket: 256 ns
 constexpr unsigned kSubBucketShift = 2;
 constexpr std::uint64_t kSubBuckets = 1U << kSubBucketShift;
 
-/// Adds one and stays at the most; only one thread writes, so nothing is lost between the two.
+/// Increments up to the maximum. Only one thread writes, so no increment is lost.
 template <class Count>
 void bump(std::atomic<Count>& count) {
     const Count before = count.load(std::memory_order_relaxed);
@@ -83,7 +83,7 @@ void Histogram::add(const Window& window, HistogramReading& to) {
     to.worst = std::max(to.worst, Duration(window.worst_ns.load(std::memory_order_relaxed)));
 }
 
-/// The older half gives way to a fresh one; after a long silence both do.
+/// The older half minute is replaced by a new one; after a long silence both are.
 void Histogram::turn_windows(Instant now) {
     const std::size_t older = 1 - current_.load(std::memory_order_relaxed);
     const Instant end{Duration(window_end_ns_.load(std::memory_order_relaxed))};

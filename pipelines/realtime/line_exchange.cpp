@@ -10,9 +10,9 @@
 namespace tribus {
 
 tl::expected<void, std::string> LineExchange::prepare() {
-    for (UniqueFd* bell : {&data_bell_, &lines_bell_}) {
-        *bell = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
-        if (!bell->valid()) {
+    for (UniqueFd* event : {&data_event_, &lines_event_}) {
+        *event = UniqueFd(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+        if (!event->valid()) {
             return tl::unexpected(std::string("eventfd failed: ") + std::strerror(errno));
         }
     }
@@ -28,14 +28,14 @@ Instant LineExchange::fresh_at(std::span<const std::size_t> outputs) const {
     return oldest == kNever ? Instant{} : oldest;
 }
 
-void LineExchange::ring(const UniqueFd& bell) {
+void LineExchange::set_event(const UniqueFd& event) {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(bell.get(), &one, sizeof one);
+    [[maybe_unused]] const auto written = ::write(event.get(), &one, sizeof one);
 }
 
-void LineExchange::hush(const UniqueFd& bell) {
+void LineExchange::clear_event(const UniqueFd& event) {
     std::uint64_t count = 0;
-    [[maybe_unused]] const auto taken = ::read(bell.get(), &count, sizeof count);
+    [[maybe_unused]] const auto taken = ::read(event.get(), &count, sizeof count);
 }
 
 }  // namespace tribus

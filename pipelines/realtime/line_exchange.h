@@ -15,56 +15,57 @@
 
 namespace tribus {
 
-/// What the data thread and the thread of the GPIO lines tell each other: words of bits and
-/// instants, and a descriptor each way that wakes the other one. Nobody waits for anybody, and
-/// nothing is allocated after construction. Thread-safe, as far as the functions say no more.
+/// Exchanges data between the data thread and the GPIO thread: words of bits, times, and one event
+/// descriptor for each direction, which wakes the other thread. Nothing waits, and nothing is
+/// allocated after construction. Thread-safe, except where a comment names a thread.
 class LineExchange {
   public:
     explicit LineExchange(std::size_t outputs) : fresh_ns_(outputs) {}
 
-    /// Main thread, before the others. The error is a sentence.
+    /// Main thread, before the other threads start. The error is a sentence.
     tl::expected<void, std::string> prepare();
 
-    /// What the input lines say. Of the thread of the lines, and before it runs of the main thread.
-    void tell_levels(LineLevels levels) { tell(levels, levels_, data_bell_); }
+    /// Sets the levels of the input lines. GPIO thread; before it runs, main thread.
+    void set_levels(LineLevels levels) { set(levels, levels_, data_event_); }
     LineLevels levels() const { return levels_.load(std::memory_order_acquire); }
-    /// Readable once the levels have changed, until `hush_data`.
-    int data_bell() const { return data_bell_.get(); }
-    void hush_data() const { hush(data_bell_); }
+    /// Readable after the levels have changed, until `clear_data_event`.
+    int data_event() const { return data_event_.get(); }
+    void clear_data_event() const { clear_event(data_event_); }
 
-    /// What the output lines are to show. Of the data thread.
-    void tell_states(LineStates states) { tell(states, states_, lines_bell_); }
+    /// Sets what the output lines show. Data thread.
+    void set_states(LineStates states) { set(states, states_, lines_event_); }
     LineStates states() const { return states_.load(std::memory_order_acquire); }
-    /// Readable once the states have changed or somebody rang, until `hush_lines`.
-    int lines_bell() const { return lines_bell_.get(); }
-    void hush_lines() const { hush(lines_bell_); }
-    void ring_lines() const { ring(lines_bell_); }
+    /// Readable after the states have changed or `wake_lines` was called, until
+    /// `clear_lines_event`.
+    int lines_event() const { return lines_event_.get(); }
+    void clear_lines_event() const { clear_event(lines_event_); }
+    void wake_lines() const { set_event(lines_event_); }
 
-    /// An output has handed over fresh data at `now`. Of the data thread.
-    void tell_fresh(std::size_t output, Instant now) {
+    /// An output has handed over fresh data at `now`. Data thread.
+    void set_fresh(std::size_t output, Instant now) {
         fresh_ns_[output].store(now.time_since_epoch().count(), std::memory_order_release);
     }
-    /// When each of these had done so at the latest, the oldest of them; the start of time if one
-    /// never did.
+    /// The oldest of the times at which these outputs last handed over fresh data. `Instant{}` if
+    /// one of them never did.
     Instant fresh_at(std::span<const std::size_t> outputs) const;
 
   private:
     template <class Word>
-    static void tell(Word word, std::atomic<Word>& told, const UniqueFd& bell) {
+    static void set(Word word, std::atomic<Word>& shared, const UniqueFd& event) {
         static_assert(std::atomic<Word>::is_always_lock_free);
-        if (told.load(std::memory_order_relaxed) != word) {
-            told.store(word, std::memory_order_release);
-            ring(bell);
+        if (shared.load(std::memory_order_relaxed) != word) {
+            shared.store(word, std::memory_order_release);
+            set_event(event);
         }
     }
-    static void ring(const UniqueFd& bell);
-    static void hush(const UniqueFd& bell);
+    static void set_event(const UniqueFd& event);
+    static void clear_event(const UniqueFd& event);
 
     std::atomic<LineLevels> levels_{kNoLineActive};
     std::atomic<LineStates> states_{LineStates{}};
     std::deque<std::atomic<std::int64_t>> fresh_ns_;
-    UniqueFd data_bell_;
-    UniqueFd lines_bell_;
+    UniqueFd data_event_;
+    UniqueFd lines_event_;
 };
 
 }  // namespace tribus

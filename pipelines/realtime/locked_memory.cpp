@@ -16,7 +16,7 @@
 #include <memory>
 #include <string_view>
 
-// Where the linker put the data path's code and constants (app/data_path.ld); null without it.
+// Range of the data path's code and constants (app/data_path.ld). Null if linked without it.
 extern "C" {
 [[gnu::weak]] extern const char kDataPathCodeBegin[];
 [[gnu::weak]] extern const char kDataPathCodeEnd[];
@@ -38,12 +38,12 @@ std::uintptr_t address_of(const char* symbol) {
     return reinterpret_cast<std::uintptr_t>(symbol);
 }
 
-/// Of whole pages: 4 KiB, but 16 KiB on a Raspberry Pi 5.
+/// Applies `function` to whole pages. They have 4 KiB, on a Raspberry Pi 5 16 KiB.
 template <class Function>
 int advise(Function function, MemoryRange range) {
     const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
     const std::uintptr_t begin = range.begin / page * page;
-    // The loader and the kernel's list of mappings give addresses as numbers.
+    // The loader and /proc/self/maps give addresses as numbers.
     return function(reinterpret_cast<void*>(begin),  // NOLINT(performance-no-int-to-ptr)
                     range.end - begin);
 }
@@ -52,8 +52,8 @@ int lock(MemoryRange range) {
     return advise([](void* begin, std::size_t length) { return ::mlock(begin, length); }, range);
 }
 
-/// Calls `visit` with each segment of the program and its libraries that is never written to, until
-/// it returns other than 0.
+/// Calls `visit` for each read-only segment of the program and its libraries until it returns
+/// nonzero.
 template <class Visit>
 int each_clean_segment(Visit visit) {
     const auto visit_object = [](dl_phdr_info* object, std::size_t, void* data) {
@@ -73,7 +73,7 @@ int each_clean_segment(Visit visit) {
     return ::dl_iterate_phdr(visit_object, &visit);
 }
 
-/// Their content is that of their files, so dropping them loses nothing.
+/// Read-only segments can be dropped because the kernel reads them again from their files.
 void drop_clean_segments() {
     each_clean_segment([](MemoryRange segment) {
         advise(
@@ -83,14 +83,14 @@ void drop_clean_segments() {
     });
 }
 
-/// The C library's code, found by one of its functions.
+/// Locks the segment of the C library's code, found by the address of one of its functions.
 int lock_c_library() {
     const auto inside = reinterpret_cast<std::uintptr_t>(&::epoll_pwait2);
     return each_clean_segment(
         [&](MemoryRange segment) { return segment.holds(inside) ? lock(segment) : 0; });
 }
 
-/// Remembers the first thing that went wrong, and lets the others go on.
+/// Keeps the first error.
 class FirstError {
   public:
     void note(int result) {
@@ -104,10 +104,10 @@ class FirstError {
     int error_ = 0;
 };
 
-/// Of one line of /proc/self/maps that is written to.
+/// Kind of a writable line of /proc/self/maps.
 enum class Mapping : std::uint8_t { other, heap, main_stack };
 
-/// Calls `visit` with each range of memory that is written to, and what it is.
+/// Calls `visit` with each writable range of memory and its kind.
 template <class Visit>
 int each_writable_range(Visit visit) {
     const std::unique_ptr<std::FILE, int (*)(std::FILE*)> maps(std::fopen("/proc/self/maps", "re"),
@@ -128,8 +128,8 @@ int each_writable_range(Visit visit) {
     return maps ? 0 : -1;
 }
 
-/// Data and the stacks of threads. Not the heap: what was made there was written to then, and what
-/// is free stays away. Not the main thread's stack either: no frame waits for it.
+/// Locks data and thread stacks. Not the heap: its used pages are present, and its unused pages are
+/// not needed. Not the main thread's stack: no frame waits for that thread.
 void lock_writable_memory(FirstError& first) {
     first.note(each_writable_range([&](MemoryRange range, Mapping mapping) {
         if (mapping == Mapping::other) {
@@ -138,7 +138,7 @@ void lock_writable_memory(FirstError& first) {
     }));
 }
 
-/// Pages of the heap stay from when they are first used.
+/// Pages of the heap stay from their first use on.
 void lock_heap(FirstError& first) {
     first.note(each_writable_range([&](MemoryRange range, Mapping mapping) {
         if (mapping == Mapping::heap) {
@@ -163,8 +163,8 @@ void lock_data_path(FirstError& first) {
     first.note(lock_c_library());
 }
 
-/// Whether what is mapped from now on counts against a limit, once it is locked as it is made. A
-/// capability that counts in a container only does not help, so the kernel is asked by doing it.
+/// Whether RLIMIT_MEMLOCK applies to mappings that are locked on creation. It tries it out, because
+/// a capability that is valid only inside a container does not help.
 bool limit_binds() {
     rlimit limit{};
     if (::getrlimit(RLIMIT_MEMLOCK, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) {
@@ -180,7 +180,7 @@ bool limit_binds() {
     return false;
 }
 
-/// What comes is locked by itself from here on. False, and nothing is locked, where a limit binds.
+/// Locks all present and future memory. Returns false, with nothing locked, if a limit applies.
 bool lock_all_that_comes() {
     const int on_use = kDataPathCodeBegin == nullptr ? 0 : MCL_ONFAULT;
     if (::mlockall(MCL_FUTURE | on_use) != 0 || limit_binds() ||

@@ -2,21 +2,21 @@
 
 namespace tribus {
 
-/// Locks into memory what the data path may touch: what it has made, its stacks and data, the code
-/// of the layers that carry frames, and the C library. What only the start needed is given back; it
-/// comes again page by page when something else runs it, and stays then. Where the program was
-/// linked without `data_path.ld`, everything is locked.
+/// Locks into memory what the data path may touch: the heap, stacks and data of the process, the
+/// code of the layers that carry frames, and the C library. Code that only the start needed is
+/// dropped; each page comes back and stays when it is used again. Without `data_path.ld` in the
+/// link, everything is locked.
 ///
-/// Where RLIMIT_MEMLOCK binds this process, that alone is locked, as much of it as the limit lets
-/// through: memory that comes later is not, so that neither a thread's stack nor the heap meets the
-/// limit.
+/// Where RLIMIT_MEMLOCK limits this process, it locks that much and does not lock memory that is
+/// allocated later, so that neither a stack nor the heap runs into the limit.
 ///
-/// Call when all that runs has been made, before it runs. Returns 0, or the error number of what
+/// Call after everything that runs was created, before it runs. Returns 0, or the first error
+/// number from the kernel; it locks the rest all the same.
 /// the kernel refused first; the rest is locked all the same.
 [[nodiscard]] int lock_memory();
 
-/// Locks what has been made since `lock_memory`, where a limit kept it from being locked by itself.
-/// Any thread. Returns as `lock_memory` does.
+/// Locks what was allocated since `lock_memory`, if the limit kept that from being locked
+/// automatically. Any thread. Returns as `lock_memory` does.
 [[nodiscard]] int lock_new_memory();
 
 }  // namespace tribus

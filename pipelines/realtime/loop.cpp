@@ -18,10 +18,10 @@
 namespace tribus {
 namespace {
 
-/// The longest sleep without a deadline, so that figures do not stand still.
+/// Longest sleep without a deadline, so that published figures stay current.
 constexpr Duration kLongestWait = std::chrono::milliseconds(250);
-/// A wake that is later finds what may be old: less than any period of frames, more than a busy
-/// machine lets a thread wait each time.
+/// Above this lateness of a wake-up, waiting bytes may be old. Less than any period of frames, more
+/// than a busy machine usually delays a thread.
 constexpr Duration kMostLateness = std::chrono::milliseconds(5);
 
 std::string error_text(const char* what) {
@@ -91,14 +91,14 @@ tl::expected<void, std::string> Loop::prepare() {
     if (wake_up_.get() < 0) {
         return tl::unexpected(error_text("eventfd"));
     }
-    // The bells have no place.
+    // Descriptors of events have no place.
     epoll_event event{};
     event.events = EPOLLIN;
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, wake_up_.get(), &event) != 0) {
         return tl::unexpected(error_text("epoll_ctl"));
     }
     if (settings_.lines != nullptr &&
-        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, settings_.lines->data_bell(), &event) != 0) {
+        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, settings_.lines->data_event(), &event) != 0) {
         return tl::unexpected(error_text("epoll_ctl"));
     }
     for (std::size_t port = 0; port < ports_.size(); ++port) {
@@ -109,10 +109,10 @@ tl::expected<void, std::string> Loop::prepare() {
 
 void Loop::request_end() {
     end_requested_.store(true, std::memory_order_release);
-    ring(wake_up_.get());
+    set_event(wake_up_.get());
 }
 
-/// A frame that was made at `now` speaks for one period: behind that it would be stale.
+/// A frame made at `now` is valid for one period. After that it is dropped as stale.
 WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& sent, Duration period,
                             Instant now) {
     ByteLink* bytes = link.as_bytes();
@@ -155,7 +155,7 @@ void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
     }
     port.wiring.capture->record(sent.bytes, at);
     for (const CanFrame& frame : sent.can_frames) {
-        port.wiring.capture->record(Passage::written, frame, at);
+        port.wiring.capture->record(Direction::written, frame, at);
     }
 }
 
@@ -180,7 +180,7 @@ void Loop::write_outputs(Instant now) {
                                                .period = output.period()});
             capture(port, sent, clock_);
             if (settings_.lines != nullptr && is_fresh(output, clock_)) {
-                settings_.lines->tell_fresh(index, clock_);
+                settings_.lines->set_fresh(index, clock_);
             }
         } else if (status == WriteStatus::lost && port.link) {
             lose(port);
@@ -198,7 +198,7 @@ Instant Loop::poll_can_links(Instant now) {
     return next;
 }
 
-/// Runs and sends what is due; returns when something will be.
+/// Runs and sends what is due. Returns when something will be due next.
 Instant Loop::advance(Instant now) {
     Instant next = engine_.poll(now);
     write_outputs(now);
@@ -206,7 +206,7 @@ Instant Loop::advance(Instant now) {
         write_nodes(now);
     }
     if (settings_.lines != nullptr && !engine_.ran().empty()) {
-        settings_.lines->tell_states(engine_.shown_on_lines());
+        settings_.lines->set_states(engine_.shown_on_lines());
     }
     next = std::min({next, poll_can_links(now), advance_values(now)});
     for (std::size_t port = 0, left = quiet_ports_; left > 0; ++port) {
@@ -231,12 +231,12 @@ std::size_t Loop::wait(Instant until) {
 }
 
 std::size_t Loop::wait_until(Instant until) {
-    // What was counted and published since the last write must not be slept on top.
+    // The time spent since the last write must not delay the wake-up.
     const Duration sleep = std::clamp(until - monotonic_now(), Duration::zero(), kLongestWait);
     const timespec timeout = as_timespec(sleep);
     std::array<epoll_event, kEventsPerWake> events;
     int count = wait_for_events(epoll_.get(), events, timeout, has_epoll_pwait2_);
-    // The thread was stopped, frozen or suspended, and was told nothing.
+    // The thread was stopped, frozen or suspended.
     interrupted_ = count < 0;
     if (interrupted_) {
         count = wait_for_events(epoll_.get(), events, {}, has_epoll_pwait2_);
@@ -250,7 +250,7 @@ std::size_t Loop::wait_until(Instant until) {
         }
         accept_given_links();
         if (settings_.lines != nullptr) {
-            settings_.lines->hush_data();
+            settings_.lines->clear_data_event();
         }
     }
     return ready;
@@ -268,12 +268,12 @@ void Loop::look_at_lines(Instant now) {
 }
 
 void Loop::begin() {
-    // From here on this thread allocates nothing; the tests recognise it by its name.
+    // From here on this thread does not allocate. The tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
     read_until_ = clock_;
     engine_.start(clock_);
-    tell_outputs_of_links();
+    set_devices_present();
     if (settings_.values != nullptr) {
         settings_.values->start(clock_);
     }

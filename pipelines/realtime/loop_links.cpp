@@ -9,8 +9,8 @@
 
 #include "pipelines/realtime/loop.h"
 
-/// Links on their way between the data thread, which uses them, and the main thread, which opens
-/// and closes them.
+/// Moves links between the data thread, which uses them, and the main thread, which opens and
+/// closes them.
 namespace tribus {
 
 void Loop::watch(std::size_t port) {
@@ -19,8 +19,8 @@ void Loop::watch(std::size_t port) {
         return;
     }
     epoll_event event{};
-    // A hang-up is reported without being asked for; bytes that nobody wants would wake for ever.
-    // A CAN socket also tells what became of frames that were sent.
+    // The kernel reports a hang-up without EPOLLIN. Bytes that nobody reads would wake the thread
+    // for ever. A CAN socket also reports what became of sent frames.
     const bool wanted = wants_bytes(ports_[port].wiring) || link->as_can() != nullptr;
     event.events = wanted ? EPOLLIN : 0U;
     event.data.ptr = ports_[port].place.get();
@@ -52,8 +52,8 @@ void Loop::lose(Port& port) {
     for (const std::size_t bus : port.wiring.sensor_buses) {
         settings_.values->device_lost(bus);
     }
-    tell_outputs(port, false);
-    // Closing may take the kernel long: the main thread does it.
+    set_device_present(port, false);
+    // Closing may take long in the kernel, so the main thread does it.
     port.lost.store(port.link.release(), std::memory_order_release);
 }
 
@@ -63,13 +63,12 @@ std::unique_ptr<Link> Loop::take_lost(std::size_t port) {
 
 void Loop::give(std::size_t port, std::unique_ptr<Link> link) {
     delete ports_[port].given.exchange(link.release(), std::memory_order_acq_rel);
-    ring(wake_up_.get());
+    set_event(wake_up_.get());
 }
 
-/// Wakes the data thread.
-void Loop::ring(int bell) {
+void Loop::set_event(int event) {
     const std::uint64_t one = 1;
-    [[maybe_unused]] const auto written = ::write(bell, &one, sizeof one);
+    [[maybe_unused]] const auto written = ::write(event, &one, sizeof one);
 }
 
 void Loop::accept_given_links() {
@@ -79,21 +78,21 @@ void Loop::accept_given_links() {
         Link* given = ports_[port].given.exchange(nullptr, std::memory_order_acquire);
         if (given != nullptr) {
             ports_[port].link.reset(given);
-            tell_outputs(ports_[port], true);
+            set_device_present(ports_[port], true);
             watch(port);
         }
     }
 }
 
-void Loop::tell_outputs(const Port& port, bool present) {
+void Loop::set_device_present(const Port& port, bool present) {
     for (const std::size_t output : port.wiring.outputs) {
         engine_.output(output).set_device_present(present);
     }
 }
 
-void Loop::tell_outputs_of_links() {
+void Loop::set_devices_present() {
     for (const Port& port : ports_) {
-        tell_outputs(port, port.link != nullptr);
+        set_device_present(port, port.link != nullptr);
     }
 }
 

@@ -3,8 +3,7 @@
 
 namespace tribus {
 
-/// What the nodes of DroneCAN have to say goes behind the outputs of the interface, in a lane of
-/// its own.
+/// DroneCAN nodes send in a lane of their own, after the outputs of the interface.
 void Loop::write_nodes(Instant now) {
     for (const std::size_t index : can_ports_) {
         Port& port = ports_[index];
@@ -12,7 +11,7 @@ void Loop::write_nodes(Instant now) {
             continue;
         }
         dronecan::Node& node = engine_.node(*port.wiring.node);
-        const auto frames = node.speech(now);
+        const auto frames = node.frames_to_send(now);
         if (frames.empty()) {
             continue;
         }

@@ -7,7 +7,7 @@
 namespace tribus {
 namespace {
 
-/// How often the main thread gets fresh figures: twice as often as it looks at them.
+/// Period of publication: half of the period in which the main thread reads.
 constexpr Duration kPublishPeriod = std::chrono::milliseconds(100);
 
 }  // namespace
@@ -42,7 +42,7 @@ void Loop::publish_output(std::size_t index, Instant now) {
     status.state = output.state(now);
     status.due = output.due();
     status.period = output.period();
-    status.speaks = output.speaks();
+    status.sends = output.sends();
     output_status_[index].publish(status);
 }
 
@@ -62,7 +62,7 @@ void Loop::publish_values() {
     }
 }
 
-/// As they come: an age by figures of a tenth of a second ago would tell how old those are.
+/// Published at once: with figures that are up to 100 ms old, ages would be wrong by that much.
 void Loop::publish_arrivals() {
     for (std::size_t i = 0; i < newest_at_ns_.size(); ++i) {
         newest_at_ns_[i].store(engine_.inputs()[i].latest().received.time_since_epoch().count(),
@@ -96,7 +96,7 @@ void Loop::publish(Instant now) {
     const bool machine_counts = settings_.values != nullptr && settings_.machine != nullptr;
     for (std::size_t fact = 0; machine_counts && fact < kMachineFactCount; ++fact) {
         settings_.values->set_machine(fact, settings_.machine->number(fact),
-                                      settings_.machine->told_at());
+                                      settings_.machine->measured_at());
     }
     publish_can_status();
     absence_status_.publish(absence_);
@@ -109,8 +109,8 @@ void Loop::publish_can_status() {
             const CanLinkStatus status = ports_[port].link->as_can()->status();
             ports_[port].can_status.publish(status);
             if (const auto node = ports_[port].wiring.node) {
-                engine_.node(*node).tell_bus(status.counts.sent, status.counts.received,
-                                             status.counts.error_frames);
+                engine_.node(*node).set_bus_counters(status.counts.sent, status.counts.received,
+                                                     status.counts.error_frames);
             }
         }
     }

@@ -5,21 +5,21 @@
 #include "pipelines/realtime/clock.h"
 #include "pipelines/realtime/loop.h"
 
-/// What the ports have to say, on the way to the engine; and what waited while the thread was away.
+/// Reads from the ports into the engine, also after the thread did not run for a while.
 namespace tribus {
 namespace {
 
-/// As much as a terminal's line buffer holds (N_TTY_BUF_SIZE, one byte stays free). What the kernel
-/// keeps beyond it moves up only after a read, in the kernel's own time.
+/// Capacity of a terminal's line buffer (N_TTY_BUF_SIZE, of which one byte stays free). Bytes that
+/// the kernel holds beyond it become readable only some time after a read.
 constexpr std::size_t kLineBufferBytes = 4095;
-/// On a bus where only sensors talk, what waited for longer is of no use.
+/// On a port with only a sensor bus, bytes that waited longer are useless.
 constexpr Duration kLongAbsenceOfBus = std::chrono::milliseconds(50);
-/// The timeout that an input has by itself.
+/// The default timeout of an input. A shorter absence is not reported.
 constexpr Duration kToldAbsence = std::chrono::milliseconds(100);
 
 }  // namespace
 
-/// The latest reception, as read at `at`. Returns whether a frame came out of it.
+/// Passes on the latest reception as read at `at`. Returns whether it completed a frame.
 bool Loop::hand_on_bytes(const PortWiring& wiring, Instant at) {
     if (wiring.capture != nullptr) {
         wiring.capture->record(reception_, at);
@@ -39,7 +39,7 @@ bool Loop::hand_on_bytes(const PortWiring& wiring, Instant at) {
     return frame_came;
 }
 
-/// More than one read's worth waits only where somebody was held up: only the newest counts.
+/// More than one read is needed only after a delay. Then the newest frame counts.
 ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
     Port& port = ports_[index];
     std::size_t bytes = 0;
@@ -69,7 +69,7 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
 void Loop::hand_on_can(const PortWiring& wiring) {
     for (const ReceivedCanFrame& received : can_reception_.view()) {
         if (wiring.capture != nullptr) {
-            wiring.capture->record(Passage::read, received.frame, received.at);
+            wiring.capture->record(Direction::read, received.frame, received.at);
         }
         for (const std::size_t input : wiring.inputs) {
             if (engine_.receive(input, received.frame, received.at)) {
@@ -88,7 +88,7 @@ void Loop::hand_on_can(const PortWiring& wiring) {
     }
 }
 
-/// Each frame has a time of its own, so that it matters little when it is read.
+/// CAN frames carry their own times, so the time of the read matters little.
 ReadStatus Loop::read_can(const PortWiring& wiring, CanLink& link, Instant now) {
     ReadStatus status = ReadStatus::nothing;
     can_reception_.full = true;
@@ -129,7 +129,7 @@ void Loop::read_quiet_ports(Instant now) {
     }
 }
 
-/// Whether nothing that waited so long is of use on that port.
+/// Whether everything that waited for this time is useless on that port.
 bool Loop::is_long(const PortWiring& wiring, Duration absence) const {
     return wiring.inputs.empty() ? absence >= kLongAbsenceOfBus
                                  : std::ranges::any_of(wiring.inputs, [&](std::size_t input) {
@@ -137,7 +137,7 @@ bool Loop::is_long(const PortWiring& wiring, Duration absence) const {
                                    });
 }
 
-/// All that waits, to the last byte: it may have come at any time since `since`.
+/// Reads every waiting byte. It may have come at any time since `since`.
 ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
                                    Instant now) {
     ReadStatus status = ReadStatus::received;
@@ -164,8 +164,8 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
     return status;
 }
 
-/// The thread was away from `since` to `now`. Every port is read dry, whether or not it was told to
-/// be ready, so that nothing old is left that a later read would take for new.
+/// Call after the thread did not run from `since` to `now`. Empties every port, ready or not, so
+/// that no later read takes old bytes for new ones.
 void Loop::catch_up(Instant since, Instant now) {
     if (late_by_ >= kToldAbsence) {
         ++absence_.count;

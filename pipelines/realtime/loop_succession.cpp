@@ -7,23 +7,23 @@
 #include "pipelines/realtime/clock.h"
 #include "pipelines/realtime/loop.h"
 
-/// One loop in the place of another, between two frames. The data thread does bounded work here,
-/// and neither allocates nor closes anything: what is left over stays in the loop before, which the
-/// main thread destroys.
+/// Replaces one loop by another between two frames. The data thread does bounded work here and
+/// neither allocates nor closes anything: what is left stays in the loop before, which the main
+/// thread destroys.
 namespace tribus {
 
 void Loop::retire(Leaving leaving) {
     leaving_ = std::move(leaving);
     retire_requested_.store(true, std::memory_order_release);
-    ring(wake_up_.get());
+    set_event(wake_up_.get());
 }
 
 void Loop::hand_over_to(Loop& next, LoopCarry carry) {
     next.carry_ = std::move(carry);
-    // A data thread that is awake takes the bell away as soon as it sees `next`.
-    const int bell = wake_up_.get();
+    // A running data thread takes `wake_up_` over as soon as it sees `next`.
+    const int event = wake_up_.get();
     successor_.store(&next, std::memory_order_release);
-    ring(bell);
+    set_event(event);
 }
 
 void Loop::discard_unread() {
@@ -60,7 +60,7 @@ void Loop::take_over(Loop& before, Instant now) {
     take_ports(before, now);
     engine_.start(now);
     engine_.continue_from(before.engine_, carry_.engine, now);
-    tell_outputs_of_links();
+    set_devices_present();
     if (settings_.values != nullptr) {
         settings_.values->start(now);
         if (before.settings_.values != nullptr) {
@@ -85,8 +85,8 @@ void Loop::take_over(Loop& before, Instant now) {
     publish(now);
 }
 
-/// Of interfaces that both loops have open: what came so far is for the loop before. A frame that
-/// comes between the two lines is seen twice, rather than not at all.
+/// For interfaces that both loops have open: the loop before gets the frames that came so far. A
+/// frame that comes between the two calls is seen twice, which is better than not at all.
 void Loop::read_second_sockets(Loop& before, Instant now) {
     for (std::size_t port = 0; port < ports_.size(); ++port) {
         const CarriedFrom from = carry_.ports[port].from;
@@ -97,8 +97,8 @@ void Loop::read_second_sockets(Loop& before, Instant now) {
     }
 }
 
-/// What the loop before waits on, as it is. To watch a tty anew may wait for the kernel's work on
-/// what is just arriving there: where that is starved, all outputs would be late.
+/// Takes the epoll descriptor of the loop before unchanged. Adding a tty anew may wait for the
+/// kernel's work on arriving bytes; where that is starved, all outputs would be late.
 void Loop::take_waiting(Loop& before) {
     std::swap(epoll_, before.epoll_);
     std::swap(wake_up_, before.wake_up_);
@@ -112,7 +112,7 @@ void Loop::take_ports(Loop& before, Instant now) {
             take_link(port, before.ports_[*carry.from], carry, now);
         }
     }
-    // The main thread closes what is left over, and nothing of it may be reported any more.
+    // The main thread closes the links that are left. Their events must not be reported any more.
     for (const Port& port : before.ports_) {
         if (port.link && port.link->descriptor() >= 0) {
             ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);

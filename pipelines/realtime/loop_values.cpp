@@ -7,32 +7,32 @@ namespace tribus {
 namespace {
 
 /// Half of a sensor's slot.
-constexpr Duration kMostSpeechDelay = std::chrono::microseconds(3500);
+constexpr Duration kMostAnswerDelay = std::chrono::microseconds(3500);
 
 }  // namespace
 
-/// Runs what is due of sensor buses and values, and sends it; returns when something will be.
+/// Runs and sends what is due in sensor buses and values. Returns when something will be due next.
 Instant Loop::advance_values(Instant now) {
     if (settings_.values == nullptr) {
         return kNever;
     }
     ValueEngine& values = *settings_.values;
     const Instant next = values.poll(engine_, now);
-    for (const ValueEngine::Speech& speech : values.speeches()) {
-        Port& port = ports_[bus_ports_[speech.bus]];
+    for (const ValueEngine::BusWrite& write : values.bus_writes()) {
+        Port& port = ports_[bus_ports_[write.bus]];
         ByteLink* link = port.link ? port.link->as_bytes() : nullptr;
         clock_ = monotonic_now();
-        // Behind that nobody waits for an answer any more.
-        const bool held_up = clock_ - now > kMostSpeechDelay;
+        // After that time nobody waits for the answer any more.
+        const bool too_late = clock_ - now > kMostAnswerDelay;
         const WriteStatus status = link == nullptr ? WriteStatus::lost
-                                   : held_up       ? WriteStatus::busy
-                                                   : link->write(speech.bytes);
+                                   : too_late      ? WriteStatus::busy
+                                                   : link->write(write.bytes);
         clock_ = monotonic_now();
         if (status == WriteStatus::written) {
-            capture(port, {.bytes = speech.bytes, .can_frames = {}}, clock_);
-            values.written(speech.bus, clock_);
+            capture(port, {.bytes = write.bytes, .can_frames = {}}, clock_);
+            values.written(write.bus, clock_);
         } else {
-            values.dropped(speech.bus);
+            values.dropped(write.bus);
         }
         if (status == WriteStatus::lost && port.link) {
             lose(port);

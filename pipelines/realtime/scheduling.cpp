@@ -52,7 +52,7 @@ void keep_in_memory(Missing& missing) {
     }
 }
 
-/// Touches the stack as far down as the thread will ever get, so that the pages are there.
+/// Touches the stack to the depth that the thread can reach, so that its pages are present.
 [[gnu::noinline]] void touch_stack() {
     constexpr std::size_t kLeftForWhatRunsNow = std::size_t{16} * 1024;
     std::array<volatile std::uint8_t, kRealtimeStackBytes - kLeftForWhatRunsNow> stack;
@@ -62,9 +62,9 @@ void keep_in_memory(Missing& missing) {
     }
 }
 
-/// Idle processors sleep, and waking from deep sleep takes longer than all that is done for a
-/// frame: held at 0 us, the p50 of a frame through two ptys was a third.
-UniqueFd keep_processors_awake(Missing& missing) {
+/// Waking a processor from deep sleep takes longer than all work on a frame: with a limit of 0 us,
+/// the p50 of the latency through two ptys fell to a third.
+UniqueFd limit_wake_latency(Missing& missing) {
     constexpr const char* kDevice = "/dev/cpu_dma_latency";
     UniqueFd device(::open(kDevice, O_WRONLY | O_CLOEXEC));
     const std::int32_t longest_us = 0;
@@ -72,7 +72,7 @@ UniqueFd keep_processors_awake(Missing& missing) {
         ::write(device.get(), &longest_us, sizeof longest_us) == sizeof longest_us) {
         return device;
     }
-    // A kernel without it has no sleep states to hold off.
+    // A kernel without this device has no sleep states to prevent.
     if (errno != ENOENT) {
         missing.push_back("idle processors may sleep deeply and wake late (" +
                           std::string(kDevice) + ": " + reason(errno) +
@@ -90,15 +90,15 @@ void mask_continue(int how) {
 
 }  // namespace
 
-void keep_stops_from_threads() {
+void handle_sigcont() {
     mask_continue(SIG_BLOCK);
     struct sigaction action {};
     action.sa_handler = [](int) {};
-    // Without SA_RESTART, that is the point.
+    // Without SA_RESTART, so that system calls are interrupted.
     ::sigaction(SIGCONT, &action, nullptr);
 }
 
-void hear_of_stops() {
+void unblock_sigcont() {
     mask_continue(SIG_UNBLOCK);
 }
 
@@ -107,7 +107,7 @@ Scheduling make_realtime(const SchedulingSettings& settings) {
     if (settings.cpu) {
         pin(*settings.cpu, got.missing);
     }
-    // Only without SCHED_FIFO the kernel would add 50 us to each sleep, to bundle wakes.
+    // Without SCHED_FIFO the kernel would delay each sleep by up to 50 us to combine wake-ups.
     ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
     if (!settings.realtime) {
         return got;
@@ -115,7 +115,7 @@ Scheduling make_realtime(const SchedulingSettings& settings) {
     run_first(settings.priority, got.missing);
     keep_in_memory(got.missing);
     touch_stack();
-    got.wide_awake = keep_processors_awake(got.missing);
+    got.latency_limit = limit_wake_latency(got.missing);
     return got;
 }
 

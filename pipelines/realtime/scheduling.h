@@ -9,35 +9,35 @@
 
 namespace tribus {
 
+/// Scheduling of the data thread: SCHED_FIFO priority (1 to 99) and processor (absent: any).
 struct SchedulingSettings {
     int priority = 80;
     std::optional<int> cpu;
-    /// All of real time; pinning alone if false.
+    /// False: only pins the thread.
     bool realtime = true;
 };
 
-/// The stack of a thread that is made real-time: locked memory counts all of it, and the default
-/// is 8 MB.
+/// Stack size of a real-time thread. All of it is locked into memory, and the default is 8 MB.
 inline constexpr std::size_t kRealtimeStackBytes = std::size_t{128} * 1024;
 
-/// What a thread got of real time.
+/// Real-time scheduling as granted to a thread.
 struct Scheduling {
-    /// What could not be had, each as a sentence that says how to get it; empty when all is well.
+    /// Parts that were refused, each as a sentence that says how to get it.
     std::vector<std::string> missing;
-    /// While it is open, no processor sleeps so deeply that waking takes long.
-    UniqueFd wide_awake;
+    /// While it is open, processors do not enter sleep states with a long wake-up time.
+    UniqueFd latency_limit;
 };
 
 /// Gives the calling thread real-time scheduling: SCHED_FIFO at `priority`, timers without slack,
-/// the process's memory locked, its own stack in memory, processors that wake at once, pinned to
-/// `cpu`. Call on the data thread before it starts; its stack has `kRealtimeStackBytes`.
+/// locked memory of the process, its own stack in memory, processors without deep sleep, pinned to
+/// `cpu`. Call on the data thread before it starts. Its stack has `kRealtimeStackBytes`.
 [[nodiscard]] Scheduling make_realtime(const SchedulingSettings& settings);
 
-/// A program that is stopped in the middle of a write begins it anew when it goes on, with the
-/// bytes of long ago, unless a signal comes that it handles. SIGCONT is one from here on, and
-/// reaches only a thread that calls `hear_of_stops`. Main thread, before all others.
-void keep_stops_from_threads();
-/// Calls of the kernel in this thread end with EINTR where a stop cut into them.
-void hear_of_stops();
+/// Handles SIGCONT, and blocks it in all threads except those that call `unblock_sigcont`. Without
+/// a handled signal, the kernel would restart a write that a stop interrupted, with bytes of long
+/// ago. Main thread, before any other thread starts.
+void handle_sigcont();
+/// System calls of this thread return EINTR if a stop interrupted them.
+void unblock_sigcont();
 
 }  // namespace tribus

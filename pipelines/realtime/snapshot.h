@@ -9,9 +9,9 @@
 
 namespace tribus {
 
-/// A value that one thread publishes and others read, without a lock: the writer never waits, a
-/// reader tries again if it was overtaken. Until the first one is published it is a default one.
-/// `publish`: thread-bound to the writer; `read`: thread-safe.
+/// A value that one thread publishes and others read, without a lock. The writer never waits; a
+/// reader tries again if it was overtaken. Before the first `publish` it is a default value.
+/// `publish`: thread-bound to the writer. `read`: thread-safe.
 template <class Value>
 class Snapshot {
     static_assert(std::is_trivially_copyable_v<Value>);

@@ -3,7 +3,7 @@
 namespace tribus {
 namespace {
 
-/// A frame that is late by more than this share of its period has missed its deadline.
+/// A frame that is late by more than period / kMissShare has missed its deadline.
 constexpr int kMissShare = 10;
 
 }  // namespace

@@ -8,13 +8,13 @@
 
 namespace tribus {
 
-/// Measured all the time, by the data thread; any thread may read.
+/// Times of an input. The data thread records, any thread may read.
 class InputTiming {
   public:
     /// A frame came at `now`.
     void frame_came(Instant now);
 
-    /// How old its latest frame had become when the next one came.
+    /// Age of the latest frame when the next one came.
     const Histogram& age() const { return age_; }
 
   private:
@@ -22,28 +22,29 @@ class InputTiming {
     Instant latest_{};
 };
 
-/// The way of one frame out.
+/// Times of one frame of an output.
 struct FrameTimes {
     Instant due{};
-    /// When the values were taken that it carries.
+    /// When its values were taken.
     Instant taken{};
-    /// When the kernel had it.
+    /// When it was handed over to the kernel.
     Instant handed_over{};
-    /// When the input's frame was read that the values are from; zero for presets.
+    /// When the input's frame with these values was read. Zero for presets.
     Instant read{};
     Duration period{};
 };
 
-/// Measured all the time, by the data thread; any thread may read.
+/// Times of an output. The data thread records, any thread may read.
 class OutputTiming {
   public:
+    /// A frame was handed over.
     void frame_went(const FrameTimes& times);
 
-    /// From when a frame was due to when its values were taken.
+    /// From due to taken.
     const Histogram& lateness() const { return lateness_; }
-    /// From reading an input's frame to having handed over its values, the first time.
+    /// From the read of an input's frame to the first hand-over of its values.
     const Histogram& latency() const { return latency_; }
-    /// Frames that were late by more than a tenth of their period.
+    /// Frames that were late by more than a tenth of the period.
     std::uint64_t deadline_misses() const {
         return deadline_misses_.load(std::memory_order_relaxed);
     }

@@ -6,11 +6,11 @@
 namespace tribus {
 namespace {
 
-/// Of one byte at 115200 baud with a start and two stop bits.
+/// One byte at 115200 baud with one start bit and two stop bits.
 constexpr Duration kByteTime = std::chrono::nanoseconds(95'486);
-/// For drivers that deliver late. Well before the next slot of a receiver, whose shortest distance
-/// from a reply is 4 ms.
-constexpr Duration kPatience = std::chrono::milliseconds(2);
+/// Allowance for drivers that deliver late. Shorter than the 4 ms between a reply and the next slot
+/// of a receiver.
+constexpr Duration kLateDelivery = std::chrono::milliseconds(2);
 
 }  // namespace
 
@@ -18,18 +18,18 @@ void EchoCanceller::sent(std::span<const std::uint8_t> frame, Instant now) {
     finish();
     length_ = std::min(frame.size(), frame_.size());
     std::copy_n(frame.begin(), length_, frame_.begin());
-    until_ = now + static_cast<Duration::rep>(length_) * kByteTime + kPatience;
+    until_ = now + static_cast<Duration::rep>(length_) * kByteTime + kLateDelivery;
 }
 
 void EchoCanceller::cancel(std::span<const std::uint8_t>& bytes, Instant now) {
     expire(now);
-    const std::size_t echoed = std::min(bytes.size(), length_ - heard_);
+    const std::size_t echoed = std::min(bytes.size(), length_ - echoed_);
     differs_ =
         differs_ || !std::equal(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(echoed),
-                                frame_.begin() + static_cast<std::ptrdiff_t>(heard_));
-    heard_ += echoed;
+                                frame_.begin() + static_cast<std::ptrdiff_t>(echoed_));
+    echoed_ += echoed;
     bytes = bytes.subspan(echoed);
-    if (heard_ == length_) {
+    if (echoed_ == length_) {
         finish();
     }
 }
@@ -40,7 +40,7 @@ bool EchoCanceller::cancel_damaged(Instant now) {
         return false;
     }
     differs_ = true;
-    if (++heard_ == length_) {
+    if (++echoed_ == length_) {
         finish();
     }
     return true;
@@ -54,16 +54,16 @@ void EchoCanceller::expire(Instant now) {
 
 void EchoCanceller::finish() {
     if (length_ > 0) {
-        if (heard_ == 0) {
-            ++counts_.unheard;
-        } else if (differs_ || heard_ < length_) {
+        if (echoed_ == 0) {
+            ++counts_.missing;
+        } else if (differs_ || echoed_ < length_) {
             ++counts_.collisions;
         } else {
-            ++counts_.heard;
+            ++counts_.returned;
         }
     }
     length_ = 0;
-    heard_ = 0;
+    echoed_ = 0;
     differs_ = false;
 }
 

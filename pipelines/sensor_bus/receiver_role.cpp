@@ -6,15 +6,15 @@
 namespace tribus {
 namespace {
 
-/// As a genuine receiver (docs/protocols/ibus.md, "Sensor bus: timing"): ten power-up frames, then
+/// As genuine receivers (docs/protocols/ibus.md, "Sensor bus: timing"): ten power-up frames, then
 /// 508 ms of silence.
 constexpr int kPowerUpFrames = 10;
 constexpr int kSilentSlots = 66;
 constexpr std::uint8_t kPowerUpByte = 0xF0;
-/// Nearly all sensors have one of these.
+/// The sizes of nearly all sensors.
 constexpr std::uint8_t kShortValue = 2;
 constexpr std::uint8_t kLongValue = 4;
-/// Longer ones do not fit where raw values go.
+/// Longer values do not fit into a raw value.
 constexpr std::size_t kLongestRaw = 4;
 
 }  // namespace
@@ -34,14 +34,14 @@ void ReceiverRole::start(Instant now) {
     stage_ = settings_.power_up_frames ? Stage::power_up : Stage::polling;
 }
 
-bool ReceiverRole::hears_itself() const {
-    const bool told = settings_.power_up_frames && stage_ != Stage::power_up;
+bool ReceiverRole::receives_echo() const {
+    const bool known = settings_.power_up_frames && stage_ != Stage::power_up;
     return settings_.wires == Wires::one ||
-           (settings_.wires == Wires::automatic && (!told || echo_.counts().heard > 0));
+           (settings_.wires == Wires::automatic && (!known || echo_.counts().returned > 0));
 }
 
 void ReceiverRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
-    if (hears_itself()) {
+    if (receives_echo()) {
         echo_.cancel(bytes, now);
     }
     while (const auto frame = parser_.next(bytes, now)) {
@@ -50,7 +50,7 @@ void ReceiverRole::receive(std::span<const std::uint8_t> bytes, Instant now, Val
 }
 
 void ReceiverRole::damaged_byte(Instant now) {
-    if (!hears_itself() || !echo_.cancel_damaged(now)) {
+    if (!receives_echo() || !echo_.cancel_damaged(now)) {
         parser_.damaged_byte(now);
     }
 }
@@ -65,7 +65,7 @@ std::span<const std::uint8_t> ReceiverRole::run(Instant now, ValueBoard& board) 
     return request ? send(*request) : std::span<const std::uint8_t>{};
 }
 
-/// The slot before is over.
+/// Evaluates the slot that has ended.
 void ReceiverRole::conclude(ValueBoard& board) {
     const auto unanswered = std::exchange(open_, std::nullopt);
     if (!unanswered || unanswered->command == SensorCommand::power_up) {
@@ -82,8 +82,8 @@ void ReceiverRole::conclude(ValueBoard& board) {
     }
 }
 
-/// Asked once more in the next slot, as genuine receivers do; then the others have their turn, so
-/// that a sensor without a value costs them little.
+/// Asks once more in the next slot, as genuine receivers do. Then the other sensors have their
+/// turn, so that a sensor without a value costs them little.
 void ReceiverRole::value_missed(std::uint8_t address, ValueBoard& board) {
     const std::size_t sensor = address - 1U;
     if (++sensors_[sensor].misses >= settings_.drop_after) {
@@ -139,7 +139,7 @@ std::span<const std::uint8_t> ReceiverRole::send(const Request& request) {
 
 void ReceiverRole::written(Instant now, ValueBoard& /*board*/) {
     ++counts_.requests;
-    if (hears_itself()) {
+    if (receives_echo()) {
         echo_.sent({wire_.data(), wire_length_}, now);
     }
 }
@@ -227,7 +227,7 @@ void ReceiverRole::continue_from(const ReceiverRole& before) {
     wire_ = before.wire_;
     wire_length_ = before.wire_length_;
     counts_ = before.counts_;
-    // Types and places are those of this role's own tables.
+    // Types and indices come from the tables of this role.
     for (const FoundSensor& found : before.found()) {
         found_[found_count_] = found;
         sensors_[found_count_] = {.type = type_of(found),
@@ -248,7 +248,7 @@ const SensorType* ReceiverRole::type_of(const FoundSensor& found) const {
     return resized == resized_.end() ? nullptr : &*resized;
 }
 
-/// Only where none of those that were found before has the type.
+/// Null if a sensor that was found earlier has the same type.
 const TypePlaces* ReceiverRole::places_of_first(std::uint8_t type) const {
     const auto places = std::ranges::find(settings_.first_of_type, type, &TypePlaces::type);
     const bool first = std::ranges::find(found(), type, &FoundSensor::type) == found().end();
@@ -286,7 +286,8 @@ void ReceiverRole::read_value(std::size_t sensor, std::span<const std::uint8_t> 
     }
 }
 
-/// What those behind it said stays until it is stale: mostly they are found again at once.
+/// The readings of the sensors behind it stay until they are stale, because most are found again at
+/// once.
 void ReceiverRole::drop_from(std::size_t sensor, ValueBoard& board) {
     forget_reading(sensor, board);
     counts_.lost_sensors += found_count_ - sensor;

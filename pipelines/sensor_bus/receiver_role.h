@@ -16,37 +16,40 @@
 
 namespace tribus {
 
-/// Where the reading of one sensor goes on the board: its raw value and its first fields.
+/// Indices on the board for the reading of one address: the raw value and the first fields.
 struct ReadingPlaces {
     std::size_t raw = 0;
     std::vector<std::size_t> fields;
 };
 
-/// Where the reading of the first sensor of a type goes as well.
+/// Indices on the board for the reading of the first sensor of a type, in addition.
 struct TypePlaces {
     std::uint8_t type = 0;
     std::vector<std::size_t> fields;
 };
 
-/// Automatic: what comes back of the power-up frames, which nobody answers, tells it.
+/// `automatic`: one wire if the power-up frames, which no sensor answers, come back.
 enum class Wires : std::uint8_t { automatic, one, two };
 
 struct ReceiverRoleSettings {
-    /// One request each (docs/protocols/ibus.md, "Sensor bus: timing").
+    /// Duration of a slot, in which one request is sent (docs/protocols/ibus.md, "Sensor bus:
+    /// timing").
     Duration slot = std::chrono::microseconds(7700);
     Wires wires = Wires::automatic;
-    /// Begins as genuine receivers do. Without it `automatic` means one wire.
+    /// Sends power-up frames first, as genuine receivers do. Without them `automatic` means one
+    /// wire.
     bool power_up_frames = true;
-    /// Slots from one look for a further sensor to the next.
+    /// Number of slots between two searches for a further sensor.
     int probe_every = 66;
-    /// So many requests in a row without an answer: the sensor is gone, and those behind it.
+    /// A sensor that leaves this number of requests in a row unanswered is gone, and so are those
+    /// behind it.
     int drop_after = 66;
     SensorTypes types = SensorTypes();
     std::array<ReadingPlaces, kMostSensors> readings{};
     std::vector<TypePlaces> first_of_type{};
 };
 
-/// A sensor that was found.
+/// Type and size of a value, as the sensor reports them.
 struct FoundSensor {
     std::uint8_t type = 0;
     std::uint8_t size = 0;
@@ -54,24 +57,25 @@ struct FoundSensor {
     bool operator==(const FoundSensor&) const = default;
 };
 
-/// Events since start. Only ever incremented.
+/// Counters since the start. They never decrease.
 struct ReceiverRoleCounts {
     std::uint64_t requests = 0;
     std::uint64_t replies = 0;
     std::uint64_t misses = 0;  ///< type and value requests without an answer
-    std::uint64_t wrong = 0;   ///< answers to something else, or of another size
+    std::uint64_t wrong = 0;   ///< answers to another request, or of another size
     std::uint64_t lost_sensors = 0;
     std::uint64_t dropped = 0;  ///< requests that the port did not take
 };
 
-/// The appliance as the receiver: finds sensors, polls them in turn, and puts what they say on the
-/// board (docs/protocols/ibus.md, "Sensor bus: timing" and "Sensor bus: the role of a receiver").
+/// The program in the role of the receiver: finds sensors, polls them in turn and sets the named
+/// values (docs/protocols/ibus.md, "Sensor bus: timing" and "Sensor bus: the role of a receiver").
 class ReceiverRole final : public SensorBusRole {
   public:
     explicit ReceiverRole(ReceiverRoleSettings settings);
 
     void start(Instant now) override;
-    /// Goes on as `before`, a role with the same settings but for the places of its readings.
+    /// Takes over the state of `before`, a role with the same settings except the indices on the
+    /// board.
     void continue_from(const ReceiverRole& before);
     void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) override;
     void damaged_byte(Instant now) override;
@@ -81,7 +85,7 @@ class ReceiverRole final : public SensorBusRole {
     void dropped() override;
     void device_lost(ValueBoard& board) override;
 
-    /// Those that answer, from address 1 on.
+    /// The sensors that answer, from address 1 on.
     std::span<const FoundSensor> found() const { return {found_.data(), found_count_}; }
     const ReceiverRoleCounts& counts() const { return counts_; }
     const EchoCounts& echo() const { return echo_.counts(); }
@@ -96,11 +100,11 @@ class ReceiverRole final : public SensorBusRole {
 
         bool operator==(const Request&) const = default;
     };
-    /// A sensor that answers, and how its bytes are read.
+    /// A sensor that answers, and how to decode its value.
     struct Sensor {
-        /// Null: a type, or a size, that the table does not know.
+        /// Null if the table has no such type or size.
         const SensorType* type = nullptr;
-        /// Null: it is not the first of its type, or nobody asks by that name.
+        /// Null if it is not the first of its type, or if no named value refers to the type.
         const TypePlaces* by_type = nullptr;
         int misses = 0;
     };
@@ -118,12 +122,12 @@ class ReceiverRole final : public SensorBusRole {
                     ValueBoard& board);
     void drop_from(std::size_t sensor, ValueBoard& board);
     void forget_reading(std::size_t sensor, ValueBoard& board);
-    bool hears_itself() const;
+    bool receives_echo() const;
 
     ReceiverRoleSettings settings_;
-    /// By id: the code of the table itself runs at the start only.
+    /// By id. The table's own search runs at the start only.
     std::array<const SensorType*, 256> types_by_id_{};
-    /// The types of the table with the other usual size, for sensors that say that one.
+    /// Types of the table with the other usual size, for sensors that report that one.
     std::vector<SensorType> resized_;
     SensorFrameParser parser_;
     EchoCanceller echo_;
@@ -131,9 +135,9 @@ class ReceiverRole final : public SensorBusRole {
     int slots_in_stage_ = 0;
     Instant next_slot_ = kNever;
 
-    /// The request of this slot, while it has no answer.
+    /// The request of the present slot. Empty once it was answered.
     std::optional<Request> open_;
-    /// What the next slot asks, where something is to follow at once.
+    /// Request of the next slot, if it must follow at once.
     std::optional<Request> follow_up_;
     bool repeated_ = false;
     std::size_t next_polled_ = 0;

@@ -8,8 +8,8 @@
 
 namespace tribus {
 
-/// One end of an i.Bus sensor bus, whichever role it has. Bytes and instants in, bytes out: makes
-/// no system call and no allocation after construction. Thread-bound to whoever drives it.
+/// One end of an i.Bus sensor bus, in either role. Takes bytes and times, returns bytes. Makes no
+/// system call and does not allocate after construction. Thread-bound.
 class SensorBusRole {
   public:
     SensorBusRole() = default;
@@ -17,20 +17,20 @@ class SensorBusRole {
     SensorBusRole& operator=(const SensorBusRole&) = delete;
     virtual ~SensorBusRole() = default;
 
+    /// Call once, before any other call.
     virtual void start(Instant now) = 0;
-    /// Bytes that were read at `now`, in which the line damaged none.
+    /// Takes undamaged bytes that were read at `now`.
     virtual void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) = 0;
-    /// A byte stood here that the line damaged.
+    /// A byte that was damaged on the line came at `now`.
     virtual void damaged_byte(Instant now) = 0;
-    /// When to call `run`; may be moved by `receive`.
+    /// When to call `run`. `receive` may change it.
     virtual Instant due() const = 0;
-    /// Its turn, at `now`: what is to be written at once, perhaps nothing. Valid until the next
-    /// call.
+    /// Call when due. Returns the bytes to write at once, or nothing. Valid until the next call.
     virtual std::span<const std::uint8_t> run(Instant now, ValueBoard& board) = 0;
-    /// What `run` returned has been handed over, or dropped because the port took nothing.
+    /// The bytes from `run` were handed over, or dropped because the port did not take them.
     virtual void written(Instant now, ValueBoard& board) = 0;
     virtual void dropped() = 0;
-    /// The device is gone; it will be opened again.
+    /// The device is gone. It will be opened again.
     virtual void device_lost(ValueBoard& board) = 0;
 };
 

@@ -9,17 +9,17 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A receiver that was switched on anew is silent for so long before it discovers
-/// (docs/protocols/ibus.md, "Sensor bus: timing"), and finds the sensors before us in the chain
+/// After power-on a receiver is silent for this time before it discovers sensors
+/// (docs/protocols/ibus.md, "Sensor bus: timing"), and it finds the sensors before us in the chain
 /// first.
 constexpr Duration kRestartSilence = 500ms;
-/// Answers that were worked out earlier are worked out again when they are asked for: two slots.
+/// A prepared answer that is older is prepared again when the request comes: two slots.
 constexpr Duration kPreparedFor = 16ms;
-/// So much is a rhythm believed at most, a request in time for one; from so much on it may say that
-/// a request was read late, which costs it more than half of that: said twice in a row, the
-/// receiver has another rhythm, or none.
-constexpr int kMostBelief = 64;
-constexpr int kEnoughBelief = 32;
+/// Upper limit of the confidence in the request period. Each request on time adds one. From
+/// kTrustedConfidence on, the period may show that a request was read late. That costs kCostOfLate,
+/// so that a second one in a row is not trusted: the receiver has another period, or none.
+constexpr int kMostConfidence = 64;
+constexpr int kTrustedConfidence = 32;
 constexpr int kCostOfLate = 24;
 
 }  // namespace
@@ -46,12 +46,12 @@ void SensorRole::continue_from(const SensorRole& before) {
     reply_length_ = before.reply_length_;
     reply_at_ = before.reply_at_;
     reply_until_ = before.reply_until_;
-    rhythm_belief_ = before.rhythm_belief_;
+    period_confidence_ = before.period_confidence_;
     counts_ = before.counts_;
 }
 
 void SensorRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
-    if (settings_.hears_itself) {
+    if (settings_.receives_echo) {
         echo_.cancel(bytes, now);
     }
     if (pending_ && !bytes.empty()) {
@@ -62,14 +62,14 @@ void SensorRole::receive(std::span<const std::uint8_t> bytes, Instant now, Value
         take(*frame, now, !bytes.empty(), board);
         frame_came = true;
     }
-    // Else nobody is in a hurry now, and the next request is a slot away.
+    // Without a frame there is no hurry, because the next request is a slot away.
     if (frame_came && !pending_) {
         prepare_all(now, board);
     }
 }
 
 void SensorRole::damaged_byte(Instant now) {
-    if (settings_.hears_itself && echo_.cancel_damaged(now)) {
+    if (settings_.receives_echo && echo_.cancel_damaged(now)) {
         return;
     }
     if (pending_) {
@@ -90,7 +90,7 @@ void SensorRole::take(const SensorFrame& frame, Instant now, bool more_follows, 
     if (restarted) {
         first_address_ = settings_.first_address;
         requests_ = {};
-        rhythm_belief_ = 0;
+        period_confidence_ = 0;
     }
     latest_request_ = now;
     if (!frame.is_request() || frame.command == SensorCommand::power_up) {
@@ -151,14 +151,15 @@ bool SensorRole::prepare_reply(const SensorFrame& frame, std::size_t sensor, Ins
     return true;
 }
 
-/// Whether this program was held up when the request came, as far as the rhythm of the receiver
-/// tells: an answer would leave too late, although it was read just now.
+/// Whether this program was delayed when the request came, judged by the period of the requests:
+/// the answer would be late although the request was read just now.
 bool SensorRole::read_late(Instant now) {
     const Duration behind = now - std::min(now, requests_.fitted());
     const bool late = behind + settings_.reply_after > settings_.reply_within;
-    const bool believed = rhythm_belief_ >= kEnoughBelief;
-    rhythm_belief_ = std::clamp(rhythm_belief_ + (late ? -kCostOfLate : 1), 0, kMostBelief);
-    return late && believed;
+    const bool trusted = period_confidence_ >= kTrustedConfidence;
+    period_confidence_ =
+        std::clamp(period_confidence_ + (late ? -kCostOfLate : 1), 0, kMostConfidence);
+    return late && trusted;
 }
 
 void SensorRole::withhold() {
@@ -180,7 +181,7 @@ std::span<const std::uint8_t> SensorRole::run(Instant now, ValueBoard& /*board*/
 
 void SensorRole::written(Instant now, ValueBoard& board) {
     ++counts_.answered;
-    if (settings_.hears_itself) {
+    if (settings_.receives_echo) {
         echo_.sent({reply_.data(), reply_length_}, now);
     }
     prepare_all(now, board);
@@ -201,7 +202,7 @@ void SensorRole::prepare(std::size_t sensor, Instant now, const ValueBoard& boar
     }
 }
 
-/// False where there is nothing to say.
+/// Returns false if there is no number to send.
 bool SensorRole::fill(std::size_t sensor, std::size_t field, Instant now, const ValueBoard& board) {
     const SensorSettings& settings = settings_.sensors[sensor];
     const SensorField& meaning = settings.type.fields[field];

@@ -17,58 +17,59 @@
 
 namespace tribus {
 
-/// Where a field of a sensor's value comes from: number = value * factor + offset.
+/// Source of a field of a sensor's value: number = value * factor + offset.
 struct FieldSource {
-    std::size_t value = 0;  ///< on the board
+    std::size_t value = 0;  ///< index on the board
     double factor = 1;
     double offset = 0;
 };
 
 struct SensorSettings {
     SensorType type;
-    /// One for each field of the type. A field without a source is "not available", or zero where
-    /// the type has no code for that.
+    /// One for each field of the type. A field without a source is sent as "not available", or as
+    /// zero if the type has no code for that.
     std::vector<std::optional<FieldSource>> sources;
-    /// A number that is sent for a value that is stale, where the type has no code for that;
-    /// absent: the sensor does not answer.
+    /// Number that is sent in place of a stale value if the type has no code "not available".
+    /// Absent: the sensor does not answer.
     std::optional<double> when_stale{};
 };
 
 struct SensorRoleSettings {
-    /// Of the first sensor, the others follow; absent: that of the first discover request that
-    /// comes, as genuine sensors in a daisy chain do (docs/protocols/ibus.md, "Sensor bus:
+    /// Address of the first sensor; the others follow. Absent: the address of the first discover
+    /// request, as for genuine sensors in a daisy chain (docs/protocols/ibus.md, "Sensor bus:
     /// addresses").
     std::optional<std::uint8_t> first_address = 1;
     std::vector<SensorSettings> sensors{};
-    /// One wire for both directions: what is sent comes back.
-    bool hears_itself = true;
-    /// An answer leaves so long after its request was read, and not at all after `reply_within`:
-    /// 0.1 to 1 ms is proven with genuine receivers (docs/protocols/ibus.md, "Sensor bus: answer
-    /// times").
+    /// One wire for both directions: sent bytes come back.
+    bool receives_echo = true;
+    /// Delay of an answer after its request was read. After `reply_within` it is not sent at all.
+    /// Genuine receivers are proven to accept 0.1 to 1 ms (docs/protocols/ibus.md, "Sensor bus:
+    /// answer times").
     Duration reply_after = std::chrono::microseconds(200);
     Duration reply_within = std::chrono::milliseconds(1);
 };
 
-/// Events since start. Only ever incremented.
+/// Counters since the start. They never decrease.
 struct SensorRoleCounts {
-    std::uint64_t requests = 0;  ///< of whatever address
-    std::uint64_t answered = 0;  ///< with the kernel
-    std::uint64_t late = 0;      ///< withheld: too late for its slot
-    std::uint64_t stale = 0;     ///< value requests without an answer, for there is no number
+    std::uint64_t requests = 0;  ///< for any address
+    std::uint64_t answered = 0;  ///< handed over to the kernel
+    std::uint64_t late = 0;      ///< not sent: too late for its slot
+    std::uint64_t stale = 0;     ///< value requests without an answer because there is no number
     std::uint64_t dropped = 0;   ///< the port took nothing
 };
 
-/// The appliance as up to 15 sensors of a receiver. Answers are worked out before they are asked
-/// for; one that cannot leave in its own slot is withheld.
+/// The program in the role of up to 15 sensors. Answers are prepared before the request comes. An
+/// answer that would miss its own slot is not sent.
 ///
-/// A stall of this program is seen in three ways: something else already follows the request, the
-/// turn comes too late, or the request was read late by the rhythm of those before it.
+/// A delay of this program shows in three ways: further bytes already follow the request, `run` is
+/// called too late, or the request was read late compared with the period of the requests before.
 class SensorRole final : public SensorBusRole {
   public:
     explicit SensorRole(SensorRoleSettings settings);
 
     void start(Instant now) override;
-    /// Goes on as `before`, a role with the same settings but for the places of its values.
+    /// Takes over the state of `before`, a role with the same settings except the indices on the
+    /// board.
     void continue_from(const SensorRole& before);
     void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) override;
     void damaged_byte(Instant now) override;
@@ -81,9 +82,9 @@ class SensorRole final : public SensorBusRole {
     const SensorRoleCounts& counts() const { return counts_; }
     const EchoCounts& echo() const { return echo_.counts(); }
     const SensorFrameParser& parser() const { return parser_; }
-    /// Of the first sensor; absent while it waits for one.
+    /// Address of the first sensor. Absent while it waits for one.
     std::optional<std::uint8_t> first_address() const { return first_address_; }
-    /// When the latest request came, of whatever address.
+    /// When the latest request came, for any address.
     std::optional<Instant> latest_request() const { return latest_request_; }
 
   private:
@@ -117,7 +118,7 @@ class SensorRole final : public SensorBusRole {
     std::size_t reply_length_ = 0;
     Instant reply_at_{};
     Instant reply_until_{};
-    int rhythm_belief_ = 0;
+    int period_confidence_ = 0;
     SensorRoleCounts counts_;
 };
 

@@ -147,7 +147,7 @@ class Witness final : public OutputObserver {
                     "no output says as good what no input has said for longer than it may");
         }
     }
-    void turned(Instant /*at*/) override { ++turns_; }
+    void polled(Instant /*at*/) override { ++turns_; }
     std::size_t turns() const { return turns_; }
 
   private:

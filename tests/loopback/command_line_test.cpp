@@ -77,8 +77,8 @@ TEST_F(Loopback, CheckWarnsOfAMapThatReadsAChannelWhichTheInputMayNotHave) {
     Program& check =
         start({"check", write_config(main_job("", "", "[pipeline.main.channels]\n3 = 17"))});
     EXPECT_EQ(check.end(), 0) << check.errors();
-    EXPECT_NE(check.errors().find(": warning: channel 3 is made of channel 17, which input "
-                                  "\"receiver\" (ibus) may not have; "),
+    EXPECT_NE(check.errors().find(": warning: channel 3 is made from channel 17, which input "
+                                  "\"receiver\" (ibus) may lack; "),
               std::string::npos)
         << check.errors();
     EXPECT_NE(check.output().find("[pipeline.main.channels]"), std::string::npos);

@@ -287,8 +287,9 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"[sensor_bus.x]\ndevice = \"@sensors\"\n", ":1:1: [sensor_bus.x] lacks \"role\""},
         Mistake{"[sensor_bus.x]\ndevice = \"@sensors\"\nrole = \"sensor\"\n",
                 "[sensor_bus.x] has no sensors"},
-        Mistake{telemetry(FarWires::two) + sensor("external_votlage", "machine.supply"),
-                ":6:8: \"external_votlage\" is no sensor type; did you mean \"external_voltage\"?"},
+        Mistake{
+            telemetry(FarWires::two) + sensor("external_votlage", "machine.supply"),
+            ":6:8: \"external_votlage\" is not a sensor type; did you mean \"external_voltage\"?"},
         Mistake{telemetry(FarWires::two) + sensor("external_voltage", "machine.suply"),
                 ":7:9: there is no value \"machine.suply\"; did you mean \"machine.supply\"?"},
         Mistake{telemetry(FarWires::two) + sensor("external_voltage", "machine.temperature"),

@@ -73,11 +73,11 @@ void ReloadRun::wrote(std::size_t output, Instant at, const Transmission& sent) 
                            {sent.can_frames.begin(), sent.can_frames.end()}});
 }
 
-void ReloadRun::node_spoke(std::size_t node, Instant at, std::span<const CanFrame> frames) {
+void ReloadRun::node_wrote(std::size_t node, Instant at, std::span<const CanFrame> frames) {
     said_["node " + std::to_string(node)].push_back({at, {}, {frames.begin(), frames.end()}});
 }
 
-void ReloadRun::bus_spoke(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) {
+void ReloadRun::bus_wrote(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) {
     const std::string& name = stage_->configuration.sensor_buses[bus].name;
     said_[name].push_back({at, {bytes.begin(), bytes.end()}, {}});
 }

@@ -106,9 +106,9 @@ TEST(CaptureText, leaves_out_what_came_before_the_zero) {
 
 TEST(CaptureText, of_can_is_a_log_whose_zero_is_that_of_the_recording) {
     Passing passing(true);
-    passing.ring().record(Passage::read, {.id = 0x123, .length = 2, .data = {0x11, 0x22}},
+    passing.ring().record(Direction::read, {.id = 0x123, .length = 2, .data = {0x11, 0x22}},
                           kZero + 250ms);
-    passing.ring().record(Passage::written, {.id = 0x300, .remote = true, .length = 4},
+    passing.ring().record(Direction::written, {.id = 0x300, .remote = true, .length = 4},
                           kZero + 300ms);
     EXPECT_EQ(passing.read(), "# zero (1436509052.000000)\n(1436509052.250000) can0 123#1122\n");
     EXPECT_EQ(passing.written(), "# zero (1436509052.000000)\n(1436509052.300000) can0 300#R4\n");
@@ -124,7 +124,7 @@ TEST(CaptureText, keeps_all_bytes_of_an_fd_frame) {
     for (std::size_t i = 0; i < frame.data.size(); ++i) {
         frame.data[i] = static_cast<std::uint8_t>(i);
     }
-    passing.ring().record(Passage::read, frame, kZero + 1ms);
+    passing.ring().record(Direction::read, frame, kZero + 1ms);
     const auto recording = parse_recording(passing.read(), "t");
     ASSERT_TRUE(recording) << recording.error();
     EXPECT_EQ(recording->can_frames.at(0).frame, frame);

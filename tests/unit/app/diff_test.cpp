@@ -75,12 +75,9 @@ TEST(Diff, TellsARenamedInputFromANewOne) {
 }
 
 TEST(Diff, SaysWhatAReloadCannotDoWithoutAStop) {
-    EXPECT_EQ(
-        difference(kJob + "[runtime]\npriority = 70\n"),
-        "runtime:\n"
-        "  priority: 80 before, now 70\n"
-        "a reload stops all outputs for a moment: [runtime] asks for another scheduling of the "
-        "data thread\n");
+    EXPECT_EQ(difference(kJob + "[runtime]\npriority = 70\n"),
+              "runtime:\n  priority: 80 before, now 70\na reload stops all outputs for a moment: "
+              "[runtime] changes the scheduling of the data thread\n");
 }
 
 }  // namespace

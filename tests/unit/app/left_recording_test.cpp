@@ -42,7 +42,7 @@ class Image {
         for (std::uint8_t i = 0; i < 6; ++i) {
             const Instant at(1s + 7ms * i);
             if (can) {
-                ring.record(Passage::read, frame_of(i), at);
+                ring.record(Direction::read, frame_of(i), at);
             } else {
                 ring.record(Bytes(45, i), at);
             }
@@ -61,8 +61,8 @@ class Image {
     std::vector<Line> lines_ = std::vector<Line>(kRingBytes / sizeof(Line));
 };
 
-/// Returns the text that a recording of this ring would have.
-std::string text_of(std::span<std::byte> image, bool can, Passage passage) {
+/// What a recording of that ring would hold.
+std::string text_of(std::span<std::byte> image, bool can, Direction direction) {
     const auto ring = CaptureRing::adopt(image);
     CaptureText text({.can = can,
                       .interface = "can0",
@@ -76,7 +76,7 @@ std::string text_of(std::span<std::byte> image, bool can, Passage passage) {
         text.take(std::span(pieces).first(batch.count));
         text.finish();
     }
-    return passage == Passage::read ? text.read() : text.written();
+    return direction == Direction::read ? text.read() : text.written();
 }
 
 /// Flips bits in each byte of a ring, one byte after the other, with each of these values.
@@ -86,9 +86,9 @@ void damage_each_byte(bool can) {
         const std::byte before = byte;
         for (const unsigned flip : {0x01U, 0x80U, 0x7FU, 0xFFU, 0x28U}) {
             byte = before ^ static_cast<std::byte>(flip);
-            for (const Passage passage : {Passage::read, Passage::written}) {
+            for (const Direction direction : {Direction::read, Direction::written}) {
                 const auto recording =
-                    parse_recording(text_of(image.bytes(), can, passage), "damaged");
+                    parse_recording(text_of(image.bytes(), can, direction), "damaged");
                 EXPECT_TRUE(recording)
                     << "byte " << &byte - image.bytes().data() << ": " << recording.error();
             }
@@ -109,7 +109,8 @@ TEST(DamagedRing, loses_the_burst_of_the_damaged_piece_only) {
     Image image(false);
     // The byte count of the second piece of the third write is 21 bytes into that piece.
     image.bytes()[64 + 5 * sizeof(CapturePiece) + 21] = std::byte{0xFF};
-    const auto recording = parse_recording(text_of(image.bytes(), false, Passage::written), "text");
+    const auto recording =
+        parse_recording(text_of(image.bytes(), false, Direction::written), "text");
     ASSERT_TRUE(recording) << recording.error();
     std::vector<int> values;
     for (const Burst& burst : recording->bursts) {

@@ -144,10 +144,10 @@ TEST_F(StatusJson, NamesTheInputInControlAndThoseOutvoted) {
 }
 
 TEST_F(StatusJson, TellsFailsafeThatIsSaidFromFailsafeThatIsSilence) {
-    output().speaks = true;
+    output().sends = true;
     EXPECT_EQ(told()["outputs"][0]["state"], "failsafe");
     EXPECT_TRUE(told()["outputs"][0]["input"].is_null());
-    output().speaks = false;
+    output().sends = false;
     EXPECT_EQ(told()["outputs"][0]["state"], "silent");
 }
 
@@ -168,7 +168,7 @@ TEST_F(StatusJson, AnOutputThatCannotSendSaysSoAndWhyAndNothingOfControl) {
     EXPECT_EQ(told()["outputs"][0]["failsafe"], false);
     output().state.stage = OutputStage::cannot_send;
     output().state.obstacle = SendObstacle::bus;
-    output().speaks = true;
+    output().sends = true;
     const json servos = told()["outputs"][0];
     EXPECT_EQ(servos["state"], "cannot_send");
     EXPECT_EQ(servos["obstacle"], "bus");

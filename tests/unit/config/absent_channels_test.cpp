@@ -20,9 +20,10 @@ std::vector<std::string> remarks_on(std::string_view text) {
 
 std::string remark(std::string_view place, int output, int input, std::string_view protocol) {
     return "t.toml:" + std::string(place) + ": channel " + std::to_string(output) +
-           " is made of channel " + std::to_string(input) + ", which input \"receiver\" (" +
+           " is made from channel " + std::to_string(input) + ", which input \"receiver\" (" +
            std::string(protocol) +
-           ") may not have; while it has none, an output that must say something says its preset";
+           ") may lack; while it is absent, an output whose format cannot mark absent channels "
+           "sends its preset";
 }
 using Remarks = std::vector<std::string>;
 

@@ -46,9 +46,9 @@ to = "bus"
 TEST(CanIds, TwoOutputsOfOneInterfaceMayNotShareAny) {
     EXPECT_EQ(
         mistakes_in(outputs({"interface = \"can0\"", "interface = \"can0\"\nid = 0x304"})),
-        Lines{R"(t.toml:9:13: on "can0" the id 0x304 of [output.o2] is also that of [output.o1] )"
-              R"(in line 6; allowed: ids that only one output sends, and that no input of the )"
-              R"(same file listens to)"});
+        Lines{R"(t.toml:9:13: on "can0" the id 0x304 of [output.o2] is also used by [output.o1] )"
+              R"(in line 6; allowed: ids that only one output sends and no input of the same )"
+              R"(file receives)"});
 }
 
 TEST(CanIds, OfDifferentInterfacesAreDifferentIds) {
@@ -81,9 +81,9 @@ TEST(CanIds, ThatAnOutputSendsMayNoInputOfTheFileListenTo) {
     EXPECT_EQ(
         mistakes_in(
             input_and_output("extended = true\nid = 0x10000", "extended = true\nid = 0x10002")),
-        Lines{R"(t.toml:8:13: on "can0" the id 0x10002 (29 bits) of [output.bus] is also that of )"
-              R"([input.cockpit] in line 3; allowed: ids that only one output sends, and that no )"
-              R"(input of the same file listens to)"});
+        Lines{R"(t.toml:8:13: on "can0" the id 0x10002 (29 bits) of [output.bus] is also used )"
+              R"(by [input.cockpit] in line 3; allowed: ids that only one output sends and no )"
+              R"(input of the same file receives)"});
 }
 
 TEST(CanIds, OfAnInputAndAnOutputSideBySideAreFine) {

@@ -146,9 +146,8 @@ timeout = "14ms")",
      R"(sends every "14ms": each frame would be judged too old; allowed: a timeout )"
      R"(longer than the period)"},
     {"output_on_the_ids_of_an_input", 6, R"(interface = "can0")",
-     R"(t.toml:6:13: on "can0" the id 0x300 of [output.bus] is also that of )"
-     R"([input.cockpit] in line 3; allowed: ids that only one output sends, and that no )"
-     R"(input of the same file listens to)"},
+     R"(t.toml:6:13: on "can0" the id 0x300 of [output.bus] is also used by [input.cockpit] in )"
+     R"(line 3; allowed: ids that only one output sends and no input of the same file receives)"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Mistakes, MistakeInCanPorts, ::testing::ValuesIn(kMistakes),

@@ -118,7 +118,7 @@ TEST_F(DbcSettings, TheFileAndTheSignalsAreRequired) {
 TEST_F(DbcSettings, AMissingFileIsToldWhereItIsNamed) {
     EXPECT_EQ(mistakes("dbc = \"buss.dbc\"\nsignals.Command.Speed = 1\n"),
               Lines{"11:7: \"dbc\" is \"buss.dbc\": No such file or directory; allowed: the path "
-                    "of a text file, from the folder of this file"});
+                    "of a text file, relative to the folder of this file"});
 }
 
 TEST_F(DbcSettings, AMistakeInTheFileIsToldWithItsLineThere) {
@@ -189,8 +189,8 @@ TEST_F(DbcSettings, AnInputWaitsLongerThanForOneCycleOfItsMessages) {
     EXPECT_EQ(mistakes_of_input("timeout = \"51ms\"\n" + std::string(signals)), Lines{});
     EXPECT_EQ(mistakes_of_input("timeout = \"50ms\"\n" + std::string(signals)),
               Lines{"10:11: the timeout of input \"bus\" is \"50ms\", but its messages come every "
-                    "\"50ms\": each pause between two would be judged a loss; allowed: a longer "
-                    "timeout, best three times as long"});
+                    "\"50ms\": each pause between two would count as a loss; allowed: a longer "
+                    "timeout; recommended: three times as long"});
 }
 
 TEST_F(DbcSettings, ThePeriodIsTheCycleOfTheFileUnlessTheUserSaysOtherwise) {

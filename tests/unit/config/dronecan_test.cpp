@@ -240,7 +240,7 @@ TEST(DroneCanConfiguration, OthersCannotSlowCommandsBelow25TimesASecond) {
 TEST(DroneCanConfiguration, RefusesANameThatNoNodeMayHave) {
     const std::string mistakes = mistakes_of(
         with_output("", "[dronecan.bus]\ninterface = \"can1\"\nnode_id = 7\nname = \"Rover 1\"\n"));
-    EXPECT_NE(mistakes.find("\"Rover 1\" is not a name of a node; allowed: 1 to 50 small letters"),
+    EXPECT_NE(mistakes.find("\"Rover 1\" is not a node name; allowed: 1 to 50 small letters"),
               std::string::npos)
         << mistakes;
 }

@@ -58,7 +58,7 @@ TEST(DroneCanValues, AreAsTheUserWroteThemWithEveryDefaultFilledIn) {
 TEST(DroneCanValues, AreConvertedToTheUnitOfTheSensorOrRefused) {
     EXPECT_EQ(mistakes(with_battery(kBattery, "battery.current")),
               Lines{"7:48: \"battery.current\" is in \"A\", but this sensor sends \"V\"; add scale "
-                    "= N, by which the value is multiplied (scale = 1: as it is)"});
+                    "= N, the factor for the value (scale = 1: unchanged)"});
 }
 
 TEST(DroneCanValues, NameWhatWasMeant) {
@@ -87,13 +87,15 @@ TEST(DroneCanValues, RefuseAnInstanceOfWhatANodeHasOneOf) {
 }
 
 TEST(DroneCanValues, RefuseKeysOfOtherSources) {
-    EXPECT_EQ(mistakes(with_battery(std::string(kBattery) + "message = \"Battery\"\n")),
-              Lines{"4:1: \"message\" has no effect beside \"dronecan\"; leave one of them out"});
-    EXPECT_EQ(mistakes(with_battery("constant = 12\nnode = 3\n", "battery")),
-              Lines{"3:1: \"node\" has no effect beside \"constant\"; leave one of them out"});
+    EXPECT_EQ(
+        mistakes(with_battery(std::string(kBattery) + "message = \"Battery\"\n")),
+        Lines{"4:1: \"message\" has no effect together with \"dronecan\"; leave one of them out"});
+    EXPECT_EQ(
+        mistakes(with_battery("constant = 12\nnode = 3\n", "battery")),
+        Lines{"3:1: \"node\" has no effect together with \"constant\"; leave one of them out"});
     EXPECT_EQ(mistakes(with_battery("dronecan = \"uavcan.equipment.power.BatteryInfo\"\n")),
-              Lines{"1:1: [values.battery] lacks \"interface\"; required: \"interface\" and either "
-                    "\"dbc\" with \"message\" or \"dronecan\"; or else \"constant\""});
+              Lines{"1:1: [values.battery] lacks \"interface\"; required: \"constant\", or "
+                    "\"interface\" with either \"dbc\" and \"message\" or \"dronecan\""});
 }
 
 }  // namespace

@@ -104,11 +104,11 @@ action = "silence"
 }
 
 TEST(Failsafe, APresetThatTheDefaultActionOfItsOutputIgnoresIsAMistake) {
-    EXPECT_EQ(mistakes_in(with("[pipeline.main.failsafe.output.autopilot]\npreset = { 3 = 988 }")),
-              Lines{"t.toml:15:1: \"preset\" is not sent in failsafe: without \"action\", an "
-                    "output whose protocol cannot say failsafe goes silent; add action = "
-                    "\"preset\", or action = \"silence\" where it is only for channels that the "
-                    "input lacks"});
+    EXPECT_EQ(
+        mistakes_in(with("[pipeline.main.failsafe.output.autopilot]\npreset = { 3 = 988 }")),
+        Lines{"t.toml:15:1: \"preset\" is not sent in failsafe: without \"action\", an output "
+              "whose protocol cannot say failsafe goes silent; add action = \"preset\", or action "
+              "= \"silence\" if \"preset\" is only for channels that the input lacks"});
 }
 
 TEST(Failsafe, APresetBesideAnotherActionIsKeptForLater) {

@@ -19,8 +19,8 @@ Lines places(std::string_view text) {
 
 TEST(FollowOn, AnEmptyFileHasNoPipeline) {
     EXPECT_EQ(mistakes_in(""),
-              Lines{"t.toml:1:1: there is no pipeline, so nothing would happen; a pipeline joins "
-                    "inputs and outputs: [pipeline.main] with \"from\" and \"to\""});
+              Lines{"t.toml:1:1: there is no pipeline, so nothing would happen; a pipeline "
+                    "connects inputs to outputs: [pipeline.main] with \"from\" and \"to\""});
 }
 
 TEST(FollowOn, WithoutAnyPipelineInputsAndOutputsAreNotCalledUnused) {

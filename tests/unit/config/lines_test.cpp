@@ -157,8 +157,8 @@ TEST_P(MistakeInLines, IsReportedWithItsPlaceAndWhatIsAllowed) {
 
 constexpr Spoilt kMistakes[]{
     {"number_without_a_chip", 10, "[gpio.a]\nline = 17\nrole = \"link\"",
-     R"(t.toml:11:8: "line" is 17, a number on a chip that is not named; allowed: with "chip", )"
-     R"(such as chip = "gpiochip0", or the line's name)"},
+     R"(t.toml:11:8: "line" is 17, a number without a chip; add "chip", such as chip = )"
+     R"("gpiochip0", or give the line's name)"},
     {"negative_number", 10, "[gpio.a]\nchip = \"gpiochip0\"\nline = -1\nrole = \"link\"",
      R"(t.toml:12:8: "line" is -1; allowed: the number of a line on its chip, from 0, or a name, )"
      R"(such as "GPIO17")"},
@@ -180,8 +180,8 @@ constexpr Spoilt kMistakes[]{
      R"("backup")"},
     {"select_with_nothing_to_choose", 10,
      "[gpio.a]\nline = \"A\"\nrole = \"select\"\ninput = \"receiver\"",
-     R"(t.toml:10:7: line "a" picks input "receiver", but no pipeline has that input and another )"
-     R"(one to choose from; name further inputs in its "from", or leave the line out)"},
+     R"(t.toml:10:7: line "a" selects input "receiver", but no pipeline has that input and a )"
+     R"(second one to select from; name further inputs in its "from", or leave the line out)"},
     {"switch_without_a_limit", 10,
      "[gpio.a]\nline = \"A\"\nrole = \"switch\"\noutput = \"servos\"\nchannel = 9",
      R"(t.toml:10:1: [gpio.a] has no limit; at least one of "below", "above", "between" is )"
@@ -198,13 +198,13 @@ constexpr Spoilt kMistakes[]{
     {"wave_faster_than_the_frames", 10,
      "[gpio.a]\nline = \"A\"\nrole = \"fresh\"\nperiod = \"20ms\"",
      R"(t.toml:13:10: the period of the wave of line "a" is "20ms", but output "servos" sends )"
-     R"(every "14ms": not each half of the wave would have a frame; allowed: at least "28ms", )"
-     R"(best "56ms")"},
+     R"(every "14ms": some half periods of the wave would have no frame; allowed: at least )"
+     R"("28ms", recommended: "56ms")"},
     {"wave_faster_than_the_frames_by_default", 6,
      "device = \"/dev/ttyB\"\nperiod = \"50ms\"\n[gpio.a]\nline = \"A\"\nrole = \"fresh\"",
      R"(t.toml:8:7: the period of the wave of line "a" is "40ms" by default, but output )"
-     R"("servos" sends every "50ms": not each half of the wave would have a frame; allowed: )"
-     R"(at least "100ms", best "200ms")"},
+     R"("servos" sends every "50ms": some half periods of the wave would have no frame; )"
+     R"(allowed: at least "100ms", recommended: "200ms")"},
     {"line_used_twice_by_name", 10,
      "[gpio.a]\nline = \"A\"\nrole = \"link\"\n[gpio.b]\nchip = \"gpiochip3\"\nline = \"A\"\n"
      "role = \"failsafe\"",
@@ -216,10 +216,10 @@ constexpr Spoilt kMistakes[]{
      R"(t.toml:16:8: line "/dev/gpiochip3:1" is already used by [gpio.a] in line 12 of the file; )"
      R"(a line has one role)"},
     {"button_without_a_channel", 10, "[gpio.a]\nline = \"A\"\nrole = \"button\"",
-     R"(t.toml:10:7: no channel is made from button "a", so nothing would happen with it; name )"
-     R"(it in [pipeline.NAME.channels], such as 12 = { line = "a" }, or leave it out)"},
+     R"(t.toml:10:7: no channel is made from button "a", so it would have no effect; name it in )"
+     R"([pipeline.NAME.channels], such as 12 = { line = "a" }, or leave it out)"},
     {"channel_from_no_line", 10, "[pipeline.main.channels]\n3 = { line = \"a\" }",
-     R"(t.toml:11:14: no line with role "button" is named "a"; it takes a [gpio.a] with role = )"
+     R"(t.toml:11:14: no line with role "button" is named "a"; add a [gpio.a] with role = )"
      R"("button")"},
     {"channel_from_a_misspelt_line", 10,
      "[pipeline.main.channels]\n3 = { line = \"bnid\" }\n[gpio.bind]\nline = \"A\"\n"
@@ -229,10 +229,10 @@ constexpr Spoilt kMistakes[]{
     {"channel_from_a_line_with_a_shape", 10,
      "[pipeline.main.channels]\n3 = { line = \"bind\", trim = 5 }\n[gpio.bind]\nline = \"A\"\n"
      "role = \"button\"",
-     R"(t.toml:11:22: "trim" has no effect beside "line"; leave one of them out)"},
+     R"(t.toml:11:22: "trim" has no effect together with "line"; leave one of them out)"},
     {"line_in_the_map_of_an_input", 3, "device = \"/dev/ttyA\"\nmap = { 3 = { line = \"a\" } }",
-     R"(t.toml:4:15: "line" makes a channel of an output; it stands in [pipeline.NAME.channels] )"
-     R"(only)"},
+     R"(t.toml:4:15: "line" makes a channel of an output; it is only allowed in )"
+     R"([pipeline.NAME.channels])"},
     {"line_without_a_name", 10, "[gpio]\nline = 5",
      R"(t.toml:11:1: "line" stands in [gpio] itself; allowed: tables with a name, [gpio.NAME])"},
     {"debounce_of_an_input", 3, "device = \"/dev/ttyA\"\ndebounce = \"5ms\"",

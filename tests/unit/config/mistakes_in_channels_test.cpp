@@ -51,8 +51,8 @@ throttle = 3)",
     {"empty_entry", 10,
      R"([pipeline.main.channels]
 1 = {})",
-     R"(t.toml:11:5: channel 1 has nothing that it is made from; exactly one of "from", )"
-     R"("mix", "fixed", "line" is required)"},
+     R"(t.toml:11:5: channel 1 has no source; exactly one of "from", "mix", "fixed", "line" is )"
+     R"(required)"},
     {"two_sources", 10,
      R"([pipeline.main.channels]
 1 = { from = 1, fixed = 1500 })",
@@ -91,12 +91,12 @@ throttle = 3)",
     {"slew_without_a_unit", 10,
      R"([pipeline.main.channels]
 1 = { from = 1, slew = 2000 })",
-     R"(t.toml:11:24: "slew" is 2000; allowed: microseconds a second from "1us/s" to )"
+     R"(t.toml:11:24: "slew" is 2000; allowed: microseconds per second from "1us/s" to )"
      R"("1000000us/s", text such as "2000us/s")"},
     {"slew_of_zero", 10,
      R"([pipeline.main.channels]
 1 = { from = 1, slew = "0us/s" })",
-     R"(t.toml:11:24: "slew" is "0us/s"; allowed: microseconds a second from "1us/s" to )"
+     R"(t.toml:11:24: "slew" is "0us/s"; allowed: microseconds per second from "1us/s" to )"
      R"("1000000us/s", text such as "2000us/s")"},
     {"min_out_of_range", 10,
      R"([pipeline.main.channels]
@@ -114,16 +114,16 @@ throttle = 3)",
     {"fixed_with_a_shape", 10,
      R"([pipeline.main.channels]
 1 = { fixed = 1500, trim = 10 })",
-     R"(t.toml:11:21: "trim" has no effect beside "fixed"; leave one of them out)"},
+     R"(t.toml:11:21: "trim" has no effect together with "fixed"; leave one of them out)"},
     {"switch_without_from", 10,
      R"([pipeline.main.channels]
 1 = { mix = { 1 = 1 }, above = 1700 })",
-     R"(t.toml:11:24: "above" makes a switch of one input channel; it stands beside )"
-     R"("from" only)"},
+     R"(t.toml:11:24: "above" makes a switch from one input channel; it is only allowed with )"
+     R"("from")"},
     {"switch_with_a_shape", 10,
      R"([pipeline.main.channels]
 1 = { from = 1, below = 1300, expo = 0.5 })",
-     R"(t.toml:11:31: "expo" has no effect beside "below"; leave one of them out)"},
+     R"(t.toml:11:31: "expo" has no effect together with "below"; leave one of them out)"},
     {"switch_that_is_always_on", 10,
      R"([pipeline.main.channels]
 1 = { from = 1, below = 1700, above = 1300 })",

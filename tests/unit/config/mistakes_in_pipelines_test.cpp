@@ -34,9 +34,9 @@ constexpr Spoilt kMistakes[]{
      R"(t.toml:9:17: "to" is a list with 2; allowed: the name of an output, or a list )"
      R"(of names)"},
     {"input_listed_twice", 8, R"(from = ["receiver", "receiver"])",
-     R"(t.toml:8:21: input "receiver" is listed twice; each stands once)"},
+     R"(t.toml:8:21: input "receiver" is listed twice; list it once)"},
     {"output_listed_twice", 9, R"(to = ["servos", "servos"])",
-     R"(t.toml:9:17: output "servos" is listed twice; each stands once)"},
+     R"(t.toml:9:17: output "servos" is listed twice; list it once)"},
     {"output_of_two_pipelines", 10,
      R"([pipeline.second]
 from = "receiver"
@@ -47,14 +47,14 @@ to = "servos")",
      R"([input.spare]
 protocol = "ibus"
 device = "/dev/ttyC")",
-     R"(t.toml:10:8: input "spare" feeds no pipeline, so nothing would happen with it; )"
-     R"(name it in the "from" of a pipeline, or leave it out)"},
+     R"(t.toml:10:8: input "spare" feeds no pipeline, so it would have no effect; name it in )"
+     R"(the "from" of a pipeline, or leave it out)"},
     {"unused_output", 10,
      R"([output.spare]
 protocol = "ibus"
 device = "/dev/ttyC")",
-     R"(t.toml:10:9: no pipeline feeds output "spare", so nothing would happen with it; )"
-     R"(name it in the "to" of a pipeline, or leave it out)"},
+     R"(t.toml:10:9: no pipeline feeds output "spare", so it would have no effect; name it in )"
+     R"(the "to" of a pipeline, or leave it out)"},
     {"two_outputs_on_one_device", 9,
      R"(to = ["servos", "b"]
 [output.b]

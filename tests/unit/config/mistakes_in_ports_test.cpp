@@ -159,22 +159,22 @@ scale = 1.5)",
      R"(device = "/dev/ttyB"
 scale = { raw = [172], us = [988, 2012] })",
      R"(t.toml:7:17: "raw" is not a list of two different whole numbers from 0 to 2047; )"
-     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+     R"(example: { raw = [172, 1811], us = [988, 2012] })"},
     {"scale_with_equal_raw_values", 6,
      R"(device = "/dev/ttyB"
 scale = { raw = [172, 172], us = [988, 2012] })",
      R"(t.toml:7:17: "raw" is not a list of two different whole numbers from 0 to 2047; )"
-     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+     R"(example: { raw = [172, 1811], us = [988, 2012] })"},
     {"scale_beyond_11_bits", 6,
      R"(device = "/dev/ttyB"
 scale = { raw = [0, 2048], us = [988, 2012] })",
      R"(t.toml:7:17: "raw" is not a list of two different whole numbers from 0 to 2047; )"
-     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+     R"(example: { raw = [172, 1811], us = [988, 2012] })"},
     {"scale_with_equal_microseconds", 6,
      R"(device = "/dev/ttyB"
 scale = { raw = [172, 1811], us = [988, 988] })",
-     R"(t.toml:7:35: "us" is not a list of two different numbers from -4000 to 4095; )"
-     R"(allowed: such as { raw = [172, 1811], us = [988, 2012] })"},
+     R"(t.toml:7:35: "us" is not a list of two different numbers from -4000 to 4095; example: { )"
+     R"(raw = [172, 1811], us = [988, 2012] })"},
     {"scale_without_us", 6,
      R"(device = "/dev/ttyB"
 scale = { raw = [172, 1811] })",
@@ -197,7 +197,7 @@ scale = { raw = [0, 2000], us = [1000, 1499] })",
     {"scale_that_leaves_the_range_of_a_pulse", 6,
      R"(device = "/dev/ttyB"
 scale = { raw = [0, 1000], us = [0, 2001] })",
-     R"(t.toml:7:9: "scale" spreads raw 0 to 2047 over 0 to 4096.05 us; allowed: within )"
+     R"(t.toml:7:9: "scale" maps raw 0 to 2047 to the range 0 to 4096.05 us; allowed: within )"
      R"(-4000 to 4095 us)"},
     {"value_rules_that_are_no_list", 3,
      R"(device = "/dev/ttyA"
@@ -231,7 +231,7 @@ failsafe_when = [{ channel = 3, bellow = 950 }])",
     {"loss_rule_that_is_always_true", 3,
      R"(device = "/dev/ttyA"
 failsafe_when = [{ channel = 3, below = 2000, above = 1000 }])",
-     R"(t.toml:4:55: "below" is 2000 and "above" is 1000, so every value would be loss; )"
+     R"(t.toml:4:55: "below" is 2000 and "above" is 1000, so every value would mean loss; )"
      R"(allowed: "below" less than "above")"},
 };
 

@@ -15,16 +15,16 @@ TEST_P(MistakeInSyntax, IsReportedWithItsPlaceAndWhatIsAllowed) {
 
 constexpr Spoilt kMistakes[]{
     {"text_without_quotes", 2, "protocol = ibus",
-     R"(t.toml:2:13: ibus is not a valid value; text and durations stand in quotes: )"
-     R"(protocol = "ibus")"},
+     R"(t.toml:2:13: ibus is not a valid value; put text and durations in quotes: protocol = )"
+     R"("ibus")"},
     {"path_without_quotes", 3, "device = /dev/ttyA # the first",
-     R"(t.toml:3:10: /dev/ttyA is not a valid value; text and durations stand in )"
-     R"(quotes: device = "/dev/ttyA")"},
+     R"(t.toml:3:10: /dev/ttyA is not a valid value; put text and durations in quotes: device = )"
+     R"("/dev/ttyA")"},
     {"duration_without_quotes", 3,
      R"(device = "/dev/ttyA"
 timeout = 100ms)",
-     R"(t.toml:4:14: 100ms is not a valid value; text and durations stand in quotes: )"
-     R"(timeout = "100ms")"},
+     R"(t.toml:4:14: 100ms is not a valid value; put text and durations in quotes: timeout = )"
+     R"("100ms")"},
     {"quote_not_closed", 3, R"(device = "/dev/ttyA)",
      R"(t.toml:3:20: this line ends too early; a closing " is missing)"},
     {"header_not_closed", 1, "[input.receiver",
@@ -44,11 +44,11 @@ timeout = 100ms)",
     {"key_given_twice", 3,
      R"(device = "/dev/ttyA"
 device = "/dev/ttyC")",
-     R"(t.toml:4:1: this key or table was already given further up; each stands once)"},
+     R"(t.toml:4:1: this key or table was already given further up; give each once)"},
     {"table_given_twice", 10,
      R"([output.servos]
 device = "/dev/ttyC")",
-     R"(t.toml:10:1: this key or table was already given further up; each stands once)"},
+     R"(t.toml:10:1: this key or table was already given further up; give each once)"},
     {"no_equals_sign", 3, R"(device "/dev/ttyA")",
      R"(t.toml:3:8: not valid TOML: Error while parsing key-value pair: expected '=', )"
      R"(saw '"')"},

@@ -9,17 +9,17 @@ namespace tribus::test::nearest_test {
 namespace {
 
 TEST(SlipsBetween, CountsLettersTooManyTooFewWrongAndSwapped) {
-    EXPECT_EQ(slips_between("device", "device"), 0U);
-    EXPECT_EQ(slips_between("device", "devicee"), 1U);
-    EXPECT_EQ(slips_between("device", "devce"), 1U);
-    EXPECT_EQ(slips_between("device", "dewice"), 1U);
-    EXPECT_EQ(slips_between("device", "devcie"), 1U);
-    EXPECT_EQ(slips_between("", "abc"), 3U);
-    EXPECT_EQ(slips_between("kitten", "sitting"), 3U);
+    EXPECT_EQ(edit_distance("device", "device"), 0U);
+    EXPECT_EQ(edit_distance("device", "devicee"), 1U);
+    EXPECT_EQ(edit_distance("device", "devce"), 1U);
+    EXPECT_EQ(edit_distance("device", "dewice"), 1U);
+    EXPECT_EQ(edit_distance("device", "devcie"), 1U);
+    EXPECT_EQ(edit_distance("", "abc"), 3U);
+    EXPECT_EQ(edit_distance("kitten", "sitting"), 3U);
 }
 
 TEST(SlipsBetween, DoesNotCountUpperCase) {
-    EXPECT_EQ(slips_between("Device", "DEVICE"), 0U);
+    EXPECT_EQ(edit_distance("Device", "DEVICE"), 0U);
 }
 
 constexpr std::array<std::string_view, 4> kNames{"to", "from", "failsafe", "channels"};

@@ -125,22 +125,21 @@ TEST_F(ReadTree, ReadsAnEmptyFile) {
 TEST_F(ReadTree, SaysThatAFileIsMissing) {
     EXPECT_FALSE(file("\"none.dbc\""));
     EXPECT_EQ(mistakes(), Lines{"1:7: \"key\" is \"none.dbc\": No such file or directory; allowed: "
-                                "the path of a text file, from the folder of this file"});
+                                "the path of a text file, relative to the folder of this file"});
 }
 
 TEST_F(ReadTree, SaysThatAFolderIsNoFile) {
     std::filesystem::create_directory(folder_ / "inside");
     EXPECT_FALSE(file("\"inside\""));
-    EXPECT_EQ(mistakes(),
-              Lines{"1:7: \"key\" is \"inside\": it is a folder; allowed: the path of a "
-                    "text file, from the folder of this file"});
+    EXPECT_EQ(mistakes(), Lines{"1:7: \"key\" is \"inside\": it is a folder; allowed: the path of "
+                                "a text file, relative to the folder of this file"});
 }
 
 TEST_F(ReadTree, NeverReadsADeviceThatHasNoEnd) {
     EXPECT_FALSE(file("\"/dev/zero\""));
-    EXPECT_EQ(mistakes(), Lines{"1:7: \"key\" is \"/dev/zero\": it is a device or a pipe, not a "
-                                "file; allowed: the path of a "
-                                "text file, from the folder of this file"});
+    EXPECT_EQ(mistakes(),
+              Lines{"1:7: \"key\" is \"/dev/zero\": it is a device or a pipe, not a file; allowed: "
+                    "the path of a text file, relative to the folder of this file"});
 }
 
 TEST_F(ReadTree, RefusesAFileBeyond16MiBAndTakesOneOf16) {
@@ -151,16 +150,16 @@ TEST_F(ReadTree, RefusesAFileBeyond16MiBAndTakesOneOf16) {
     std::filesystem::resize_file(folder_ / "big.dbc", kMost + 1);
     EXPECT_FALSE(file("\"big.dbc\""));
     EXPECT_EQ(mistakes(), Lines{"1:7: \"key\" is \"big.dbc\": larger than 16 MiB; allowed: the "
-                                "path of a text file, from the folder of this file"});
+                                "path of a text file, relative to the folder of this file"});
 }
 
 TEST_F(ReadTree, RefusesAPathThatIsNoText) {
     EXPECT_FALSE(file("5"));
     EXPECT_FALSE(file("\"\""));
     EXPECT_EQ(mistakes(), (Lines{"1:7: \"key\" is 5: not the path of a file; allowed: the path of "
-                                 "a text file, from the folder of this file",
+                                 "a text file, relative to the folder of this file",
                                  "1:7: \"key\" is \"\": not the path of a file; allowed: the path "
-                                 "of a text file, from the folder of this file"}));
+                                 "of a text file, relative to the folder of this file"}));
 }
 
 }  // namespace

@@ -102,8 +102,8 @@ constexpr Wrong kMistakes[]{
      R"("sticky", "freshest", "median")"},
     {"changeover_where_each_frame_may_be_of_another_input",
      "mode = \"freshest\"\nchangeover = \"500us/s\"", kAll,
-     R"(t.toml:17:1: "changeover" has no effect with mode "freshest", where each frame may be )"
-     R"(of another input: every movement would be slowed; leave it out)"},
+     R"(t.toml:17:1: "changeover" has no effect with mode "freshest", where each frame may come )"
+     R"(from another input, so every movement would be slowed; leave it out)"},
     {"tolerance_without_a_vote", "tolerance = 40", kAll,
      R"(t.toml:16:1: "tolerance" has no effect: it is for mode = "median"; leave it out)"},
     {"handover_by_an_input_that_is_not_there", "handover = { input = \"d\", channel = 8 }", kAll,
@@ -140,8 +140,8 @@ mode = "median"
 )";
     EXPECT_EQ(mistakes_in(text),
               std::vector<std::string>{
-                  R"(t.toml:13:8: "mode" is "median", but [pipeline.main] has 2 inputs: one that )"
-                  R"(lies could not be outvoted; allowed: three or more inputs, or another mode)"});
+                  R"(t.toml:13:8: "mode" is "median", but [pipeline.main] has 2 inputs: a wrong )"
+                  R"(one could not be outvoted; allowed: three or more inputs, or another mode)"});
 }
 
 TEST(MoreInputsThanAPipelineMayHave, are_a_mistake) {

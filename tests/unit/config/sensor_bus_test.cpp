@@ -139,24 +139,23 @@ TEST_F(SensorBusConfiguration, NamesTheValueThatWasMeant) {
 TEST_F(SensorBusConfiguration, RefusesUnitsThatDoNotFit) {
     EXPECT_EQ(sensor_mistake("type = \"external_voltage\"\nvalue = \"battery.Current\""),
               "13:9: \"battery.Current\" is in \"A\", but this sensor sends \"V\"; add scale = N, "
-              "by which the value is multiplied (scale = 1: as it is)");
+              "the factor for the value (scale = 1: unchanged)");
     EXPECT_EQ(sensor_mistake("type = \"external_voltage\"\nvalue = \"battery.Odd\""),
-              "13:9: \"battery.Odd\" is in \"furlong\", a unit that is not known here, but this "
-              "sensor sends \"V\"; add scale = N, by which the value is multiplied (scale = 1: as "
-              "it is)");
+              "13:9: \"battery.Odd\" is in \"furlong\", an unknown unit, but this sensor sends "
+              "\"V\"; add scale = N, the factor for the value (scale = 1: unchanged)");
 }
 
 TEST_F(SensorBusConfiguration, NamesTheTypeAndTheFieldThatWereMeant) {
     const std::string type = sensor_mistake("type = \"external_voltge\"\nvalue = \"cells\"");
     EXPECT_EQ(type.substr(0, 84),
-              "12:8: \"external_voltge\" is no sensor type; did you mean \"external_voltage\"? "
+              "12:8: \"external_voltge\" is not a sensor type; did you mean \"external_voltage\"? "
               "allowed:");
     EXPECT_EQ(sensor_mistake("type = \"gps_status\"\nvalues = { satelites = \"cells\" }"),
               "13:12: type \"gps_status\" has no field \"satelites\"; did you mean "
               "\"satellites\"? Allowed: \"fix\", \"satellites\"");
     EXPECT_EQ(sensor_mistake("type = \"gps_status\"\nvalue = \"cells\""),
-              "13:1: type \"gps_status\" has 2 fields, so \"value\" does not say which; allowed: "
-              "values = { fix = \"...\" }");
+              "13:1: type \"gps_status\" has 2 fields, so \"value\" is ambiguous; allowed: values "
+              "= { fix = \"...\" }");
     EXPECT_EQ(sensor_mistake("type = \"fuel\""),
               "11:1: sensor 1 of [sensor_bus.telemetry] lacks \"value\"; required: the name of the "
               "value that it sends");
@@ -184,7 +183,7 @@ TEST_F(SensorBusConfiguration, WantsSensorsAndRoomForThem) {
     EXPECT_EQ(mistakes(bus + "address = 14\n" + two), Lines{});
     EXPECT_EQ(mistakes(bus + "address = 15\n" + two),
               Lines{"5:54: [sensor_bus.t] has 2 sensors from address 15 on; allowed: addresses up "
-                    "to 15, so 1 of them"});
+                    "to 15, so at most 1"});
 }
 
 TEST_F(SensorBusConfiguration, SharesItsDeviceOnlyWithAnInputAndOnlyAsSensor) {
@@ -207,13 +206,14 @@ TEST_F(SensorBusConfiguration, SharesItsDeviceOnlyWithAnInputAndOnlyAsSensor) {
 TEST_F(SensorBusConfiguration, RefusesNamesThatCouldNotBeToldApart) {
     const std::string probes = "[sensor_bus.probes]\ndevice = \"/dev/ttyB\"\nrole = \"receiver\"\n";
     EXPECT_EQ(mistakes(probes + "[values.probes]\nconstant = 1\n"),
-              Lines{"4:9: \"probes\" is the name of a sensor bus too, so that their values could "
-                    "not be told apart; give [values.probes] another name"});
+              Lines{"4:9: \"probes\" is also the name of a sensor bus, so their values would have "
+                    "the same names; give [values.probes] another name"});
     EXPECT_EQ(mistakes(probes + "[values.machine]\nconstant = 1\n"),
-              Lines{"4:9: \"machine\" is the first word of the program's own values; give "
+              Lines{"4:9: \"machine\" is reserved for the program's own values; give "
                     "[values.machine] another name"});
     EXPECT_EQ(mistakes(probes + "[sensor_type.a]\nid = 200\n[sensor_type.b]\nid = 200\n"),
-              Lines{"6:14: [sensor_type.b] has the id 200, as [sensor_type.a]; each has its own"});
+              Lines{"6:14: [sensor_type.b] has the id 200, and so has [sensor_type.a]; give one of "
+                    "them another id"});
 }
 
 /// Lacks the name of the message, which would be in line 7.
@@ -225,9 +225,8 @@ TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithAMessage) {
     EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Batery\"\n").size(), 1U);
     EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Batery\"\n").front().substr(0, 5), "7:11:");
     EXPECT_EQ(mistakes(kMessageOfABus),
-              Lines{"4:1: [values.x] lacks \"message\"; required: \"interface\" "
-                    "and either \"dbc\" with \"message\" or \"dronecan\"; or "
-                    "else \"constant\""});
+              Lines{"4:1: [values.x] lacks \"message\"; required: \"constant\", or \"interface\" "
+                    "with either \"dbc\" and \"message\" or \"dronecan\""});
     EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Battery\"\nsignals = { u = \"Voltge\" }\n"),
               Lines{"8:17: message Battery has no signal \"Voltge\"; did you mean \"Voltage\"? "
                     "Allowed: \"Voltage\", \"Current\", \"Odd\""});
@@ -258,7 +257,7 @@ TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithTheNamesOfSignals) {
 
 TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithASensor) {
     EXPECT_EQ(sensor_mistake("type = \"fuel\"\nvalue = \"cells\"\nvalues = { fuel = \"cells\" }"),
-              "14:1: \"values\" beside \"value\"; leave one of them out");
+              "14:1: \"values\" and \"value\" are both given; leave one of them out");
     EXPECT_EQ(sensor_mistake("type = \"gps_status\"\nvalues = \"cells\""),
               "13:10: \"values\" is \"cells\"; allowed: a table, { NAME = the name of a value in "
               "quotes }");

@@ -83,8 +83,8 @@ constexpr Spoilt kMistakes[]{
     {"a_flag_of_a_wire_that_has_none", 3,
      R"(device = "/dev/ttyA"
 failsafe_flag = true)",
-     R"(t.toml:4:1: "failsafe_flag" has no effect: "ibus" marks no frame as lost; what its )"
-     R"(receivers do instead is found with "failsafe_when" or "frozen")"},
+     R"(t.toml:4:1: "failsafe_flag" has no effect: "ibus" cannot mark a frame as lost; use )"
+     R"("failsafe_when" or "frozen" to detect what its receivers do instead)"},
     {"a_zero_guard_where_zero_means_nothing", 3,
      R"(device = "/dev/ttyA"
 zero_guard = "1s")",
@@ -98,7 +98,7 @@ failsafe_when = [{ all_zero = true }])",
     {"all_zero_beside_a_channel", 2,
      R"(protocol = "sbus"
 failsafe_when = [{ all_zero = true, channel = 3 }])",
-     R"(t.toml:3:31: "all_zero" judges all channels; it stands alone in its rule)"},
+     R"(t.toml:3:31: "all_zero" applies to all channels; a rule with it has no other key)"},
     {"a_range_that_is_the_wrong_way_round", 3,
      R"(device = "/dev/ttyA"
 plausible = [2100, 900])",

@@ -60,7 +60,7 @@ TEST(CaptureRing, keeps_what_was_written_with_its_time) {
     const auto pieces = all_of(ring);
     ASSERT_EQ(pieces.size(), 1U);
     EXPECT_EQ(pieces[0].at(), Instant(7ms));
-    EXPECT_EQ(pieces[0].passage(), Passage::written);
+    EXPECT_EQ(pieces[0].direction(), Direction::written);
     EXPECT_EQ(data_of(pieces[0]), counted_bytes(25));
 }
 
@@ -74,7 +74,7 @@ TEST(CaptureRing, keeps_which_bytes_of_a_read_were_damaged) {
     ring.record(reception, Instant(1ms));
     const auto pieces = all_of(ring);
     ASSERT_EQ(pieces.size(), 2U);
-    EXPECT_EQ(pieces[0].passage(), Passage::read);
+    EXPECT_EQ(pieces[0].direction(), Direction::read);
     EXPECT_EQ(pieces[0].damaged, 1U << 3U);
     EXPECT_EQ(pieces[1].damaged, 1U << 2U);
 }
@@ -96,7 +96,7 @@ TEST(CaptureRing, keeps_a_can_frame_as_it_was) {
     Memory memory(16);
     CaptureRing ring = CaptureRing::create(memory.span());
     CanFrame frame{.id = 0x12345678, .extended = true, .length = 3, .data = {1, 2, 3}};
-    ring.record(Passage::read, frame, Instant(1ms));
+    ring.record(Direction::read, frame, Instant(1ms));
     EXPECT_EQ(can_frame_of(all_of(ring).at(0)), frame);
 }
 
@@ -164,7 +164,7 @@ TEST(CaptureRing, never_shows_a_piece_that_is_half_overwritten) {
             frame.id = number;
             frame.length = 8;
             frame.data.fill(static_cast<std::uint8_t>(number));
-            ring.record(Passage::read, frame, Instant(Duration(number)));
+            ring.record(Direction::read, frame, Instant(Duration(number)));
         }
     });
     std::array<CapturePiece, 16> pieces;

@@ -54,7 +54,8 @@ class NodeOnBus {
         for (Instant next = now_; next <= end;) {
             now_ = next;
             next = node_.poll(now_, health);
-            for (auto frames = node_.speech(now_); !frames.empty(); frames = node_.speech(now_)) {
+            for (auto frames = node_.frames_to_send(now_); !frames.empty();
+                 frames = node_.frames_to_send(now_)) {
                 said.insert(said.end(), frames.begin(), frames.end());
                 node_.written();
                 next = node_.poll(now_, health);
@@ -184,9 +185,9 @@ std::pair<std::int64_t, std::optional<Duration>> written(NodeSettings settings, 
     auto request = parameter_named(name);
     request.value.held = value;
     const auto answer = message_of_frames<ParamGetSet::Response>(bus.ask(request));
-    const auto wish = bus.node().take_wish();
+    const auto change = bus.node().take_period_request();
     return {std::get<std::int64_t>(answer.value.held),
-            wish ? std::optional(wish->period) : std::nullopt};
+            change ? std::optional(change->period) : std::nullopt};
 }
 
 TEST(DroneCanNode, LetsNobodyWriteUnlessThatIsAllowed) {
@@ -231,7 +232,7 @@ TEST(DroneCanNode, WantsToRestartWhereThatIsAllowedAndTheMagicNumberIsRight) {
 
 TEST(DroneCanNode, TellsWhatItCounts) {
     NodeOnBus bus = started(node_42());
-    bus.node().tell_bus(7, 8, 9);
+    bus.node().set_bus_counters(7, 8, 9);
     bus.ask(GetNodeInfo::Request{});
     const auto answer =
         message_of_frames<GetTransportStats::Response>(bus.ask(GetTransportStats::Request{}));
@@ -269,10 +270,10 @@ TEST(DroneCanNode, OffersATransferAgainThatTheBusCouldNotTakeAndDropsItAfterASec
     Instant now = bus.now();
     int offers = 0;
     for (; bus.node().report().counts.dropped == 0; now = bus.node().poll(now, NodeHealth::ok)) {
-        if (!bus.node().speech(now).empty()) {
+        if (!bus.node().frames_to_send(now).empty()) {
             ++offers;
             bus.node().busy(now);
-            EXPECT_TRUE(bus.node().speech(now).empty());
+            EXPECT_TRUE(bus.node().frames_to_send(now).empty());
         }
     }
     EXPECT_EQ(offers, 502);  // every 2 ms from 0 to 1002 ms

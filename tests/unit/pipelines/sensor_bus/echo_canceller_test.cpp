@@ -32,7 +32,7 @@ TEST(EchoCanceller, TakesWhatWasSentAndLeavesWhatFollows) {
     Bytes heard = kSent;
     heard.push_back(0x04);
     EXPECT_EQ(after_cancelling(echo, heard), Bytes{0x04});
-    EXPECT_EQ(echo.counts().heard, 1U);
+    EXPECT_EQ(echo.counts().returned, 1U);
 }
 
 TEST(EchoCanceller, TakesItInWhateverPiecesItComes) {
@@ -42,7 +42,7 @@ TEST(EchoCanceller, TakesItInWhateverPiecesItComes) {
         const auto middle = kSent.begin() + static_cast<std::ptrdiff_t>(cut);
         EXPECT_TRUE(after_cancelling(echo, Bytes(kSent.begin(), middle)).empty());
         EXPECT_TRUE(after_cancelling(echo, Bytes(middle, kSent.end())).empty());
-        EXPECT_EQ(echo.counts().heard, 1U) << cut;
+        EXPECT_EQ(echo.counts().returned, 1U) << cut;
     }
 }
 
@@ -62,7 +62,7 @@ TEST(EchoCanceller, CountsADifferenceAsCollisionAndCancelsByCountAllTheSame) {
         heard[wrong] ^= 0x10U;
         EXPECT_TRUE(after_cancelling(echo, heard).empty());
         EXPECT_EQ(echo.counts().collisions, 1U) << wrong;
-        EXPECT_EQ(echo.counts().heard, 0U) << wrong;
+        EXPECT_EQ(echo.counts().returned, 0U) << wrong;
     }
 }
 
@@ -79,7 +79,7 @@ TEST(EchoCanceller, NeverTakesTheNextRequestForALateEcho) {
     EchoCanceller echo;
     echo.sent(kSent, kNow);
     EXPECT_EQ(after_cancelling(echo, kSent, kNow + 4ms), kSent);
-    EXPECT_EQ(echo.counts().unheard, 1U);
+    EXPECT_EQ(echo.counts().missing, 1U);
 }
 
 TEST(EchoCanceller, CountsAnEchoThatLostAByteAsCollision) {
@@ -99,7 +99,7 @@ TEST(EchoCanceller, HearsTheEchoBehindACollision) {
     echo.sent(kSent, kNow + 8ms);
     after_cancelling(echo, kSent, kNow + 9ms);
     EXPECT_EQ(echo.counts().collisions, 1U);
-    EXPECT_EQ(echo.counts().heard, 1U);
+    EXPECT_EQ(echo.counts().returned, 1U);
 }
 
 }  // namespace

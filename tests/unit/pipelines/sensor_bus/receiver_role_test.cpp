@@ -213,7 +213,7 @@ TEST_F(ReceiverRoleAtAWire, NeverTakesItsOwnRequestForAReply) {
     start_up();
     asked(100);
     EXPECT_TRUE(role_->found().empty());
-    EXPECT_EQ(role_->echo().heard, 10U + 100U);
+    EXPECT_EQ(role_->echo().returned, 10U + 100U);
 }
 
 TEST_F(ReceiverRoleAtAWire, FindsOutThatItHasTwoWires) {

@@ -202,12 +202,12 @@ TEST_F(SensorRoleOfTwo, TakesItsOwnEchoForNothingElse) {
         answer(request(0x81));
     }
     EXPECT_EQ(role_->counts().requests, 10U);
-    EXPECT_EQ(role_->echo().heard, 10U);
+    EXPECT_EQ(role_->echo().returned, 10U);
     EXPECT_EQ(role_->echo().collisions, 0U);
 }
 
 TEST_F(SensorRoleOfTwo, AnswersOnTwoWiresToo) {
-    make({.hears_itself = false});
+    make({.receives_echo = false});
     for (int slot = 0; slot < 3; ++slot) {
         role_->receive(request(0x81), now_, board_);
         EXPECT_EQ(turn(*role_, now_ + 200us, board_), request(0x81));
