@@ -68,7 +68,7 @@ std::string as_word(std::string_view name) {
     return word;
 }
 
-std::string_view stage_word(OutputStage stage, bool speaks) {
+std::string_view output_state_word(OutputStage stage, bool sends) {
     switch (stage) {
         case OutputStage::control:
             return "control";
@@ -79,7 +79,7 @@ std::string_view stage_word(OutputStage stage, bool speaks) {
         case OutputStage::failsafe:
             break;
     }
-    return speaks ? "failsafe" : "silent";
+    return sends ? "failsafe" : "silent";
 }
 
 std::string output_text(const OutputState& state, std::span<const std::string> inputs) {

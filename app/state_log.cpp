@@ -122,7 +122,7 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                               std::span<const std::size_t> places, OutputMemory& memory,
                               Instant now) {
     const LogFields fields({"TRIBUS_OUTPUT", name},
-                           {"TRIBUS_STATE", stage_word(status.state.stage, status.speaks)});
+                           {"TRIBUS_STATE", output_state_word(status.state.stage, status.speaks)});
     const OutputWord word{.state = output_text(status.state, input_names_),
                           .outvoted = outvoted_names(status.state.outvoted, places)};
     const bool same_votes = word.outvoted == memory.word.said().outvoted;
