@@ -82,7 +82,7 @@ TEST(Program, MistakeInAFileEndsWithOneAndSaysHowItWasRead) {
     EXPECT_EQ(result.output,
               "tribus: standard input:1:4: \"4x\" is no byte; a byte is two hex digits, bytes "
               "stand apart: 20 40 dc 05 (read as hex; --input-format raw, hex, timed or saleae "
-              "reads it otherwise)\n");
+              "selects another format)\n");
 }
 
 TEST(Program, WrongUseEndsWithTwo) {
