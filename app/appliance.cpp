@@ -59,7 +59,7 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
     std::vector<std::string> errors;
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
-    // Lines first: an inverter is selected before the port behind it wakes up.
+    // Lines come first: one may select an inverter, which must be set before its port opens.
     auto lines = open_lines(missing, errors);
     for (std::size_t port = 0; port < plans_.size(); ++port) {
         links.push_back(open_or_wait(port, missing, errors));
@@ -109,7 +109,7 @@ std::vector<std::string> Appliance::make_threads(std::vector<PortWiring> wiring,
         if (auto prepared = line_exchange_->prepare(); !prepared) {
             return {prepared.error()};
         }
-        // Behind the data thread, which it must never delay.
+        // One priority below the data thread, which it must never delay.
         const bool first = runtime.realtime != Realtime::off && runtime.priority > 1;
         gpio_thread_ = std::make_unique<GpioThread>(
             *line_exchange_, line_tasks(configuration_), std::move(lines),
@@ -147,8 +147,8 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
     if (!errors.empty()) {
         return tl::unexpected(std::move(errors));
     }
-    appliance->settle_recorder();
-    // Before the data thread locks the memory, stacks and all.
+    appliance->update_recorder();
+    // Must precede `prepare`, where the data thread locks all memory, including the stacks.
     if (appliance->gpio_thread_) {
         if (auto started = appliance->gpio_thread_->start(); !started) {
             return tl::unexpected(std::vector{started.error()});
@@ -182,7 +182,7 @@ std::vector<Appliance::DeviceEvent> Appliance::devices() const {
     return all;
 }
 
-std::vector<Appliance::DeviceEvent> Appliance::tend() {
+std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
     std::vector<DeviceEvent> events;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
         const std::string name = device_name(plans_[port].config);
@@ -198,14 +198,14 @@ std::vector<Appliance::DeviceEvent> Appliance::tend() {
             }
         }
     }
-    tend_lines(events);
+    reopen_lines(events);
     return events;
 }
 
-void Appliance::tend_lines(std::vector<DeviceEvent>& events) {
-    // To find a line all chips are asked for all of theirs: about once a second will do.
-    constexpr int kTendsPerOpening = 5;
-    tends_until_opening_ = tends_until_opening_ == 0 ? kTendsPerOpening : tends_until_opening_ - 1;
+void Appliance::reopen_lines(std::vector<DeviceEvent>& events) {
+    // Finding a line queries all lines of all chips; about once a second is enough.
+    constexpr int kCallsPerOpening = 5;
+    calls_until_opening_ = calls_until_opening_ == 0 ? kCallsPerOpening : calls_until_opening_ - 1;
     for (std::size_t i = 0; i < missing_lines_.size(); ++i) {
         const LineConfig& config = configuration_.lines[i];
         const std::string name = device_name(config);
@@ -213,7 +213,7 @@ void Appliance::tend_lines(std::vector<DeviceEvent>& events) {
             missing_lines_[i] = true;
             events.push_back({name, false});
         }
-        if (missing_lines_[i] && tends_until_opening_ == 0) {
+        if (missing_lines_[i] && calls_until_opening_ == 0) {
             if (auto line = open_line(configuration_, config)) {
                 gpio_thread_->give(i, std::move(*line));
                 missing_lines_[i] = false;

@@ -17,14 +17,14 @@
 namespace tribus {
 namespace {
 
-/// After so many lines that cannot be used the input is something else.
+/// With so many unusable lines, the input is something else.
 constexpr unsigned kMostMistakes = 20;
-/// The longest line of a log, 64 bytes of FD, takes below 200 characters.
+/// The longest line of a log, 64 bytes of CAN FD, takes less than 200 characters.
 constexpr std::size_t kLongestLine = 4096;
 
 std::string several_interfaces(std::string_view file_name, std::span<const std::string> names) {
     const std::vector<std::string_view> views(names.begin(), names.end());
-    return fmt::format("{}: frames of several interfaces, {}; say which with --interface NAME",
+    return fmt::format("{}: frames of several interfaces, {}; select one with --interface NAME",
                        file_name, in_quotes_all(views));
 }
 
@@ -35,14 +35,14 @@ std::string no_such_interface(std::string_view file_name, std::string_view asked
                        suggestion(asked, views));
 }
 
-/// Cuts text that comes in pieces into lines.
+/// Splits text that arrives in pieces into lines.
 class LineCutter {
   public:
     void add(std::string_view text) {
         text_.erase(0, std::exchange(at_, 0));
         text_ += text;
     }
-    /// Nothing where the next line has not come to its end.
+    /// Nothing if the next line is not complete yet.
     std::optional<std::string_view> next() {
         const std::size_t end = text_.find('\n', at_);
         if (end == std::string::npos) {
@@ -51,7 +51,7 @@ class LineCutter {
         const std::size_t begin = std::exchange(at_, end + 1);
         return std::string_view(text_).substr(begin, end - begin);
     }
-    /// What stands behind the last end of a line.
+    /// The text after the last line end.
     std::string_view rest() const { return std::string_view(text_).substr(at_); }
 
   private:
@@ -59,19 +59,19 @@ class LineCutter {
     std::size_t at_ = 0;
 };
 
-/// Reads line by line.
+/// Parses a log line by line.
 class LogReader {
   public:
     LogReader(const CanLogSource& source, const std::function<void(const RecordedCanFrame&)>& take,
-              std::ostream& talk)
-        : source_(source), reader_(source.name), take_(take), talk_(talk) {}
+              std::ostream& messages)
+        : source_(source), reader_(source.name), take_(take), messages_(messages) {}
 
-    /// Returns whether to go on.
+    /// Returns false when reading must stop.
     bool take(std::string_view line) {
         const auto read = reader_.next(line);
         if (!read) {
-            talk_ << read.error() << '\n';
-            return ++mistakes_ < kMostMistakes || stop("too much of the input cannot be used");
+            messages_ << read.error() << '\n';
+            return ++mistakes_ < kMostMistakes || stop("too many lines cannot be used");
         }
         if (!*read) {
             return true;
@@ -90,7 +90,7 @@ class LogReader {
         return true;
     }
     bool stop(std::string_view reason) {
-        talk_ << "tribus: stopped, " << reason << '\n';
+        messages_ << "tribus: stopped, " << reason << '\n';
         failed_ = true;
         return false;
     }
@@ -99,8 +99,8 @@ class LogReader {
                              std::find(interfaces_.begin(), interfaces_.end(), source_.interface) ==
                                  interfaces_.end();
         if (missing) {
-            talk_ << "tribus: " << no_such_interface(source_.name, source_.interface, interfaces_)
-                  << '\n';
+            messages_ << "tribus: "
+                      << no_such_interface(source_.name, source_.interface, interfaces_) << '\n';
         }
         return {.error_frames = reader_.error_frames(),
                 .log_start = reader_.log_start(),
@@ -111,7 +111,7 @@ class LogReader {
     const CanLogSource& source_;
     CandumpReader reader_;
     const std::function<void(const RecordedCanFrame&)>& take_;
-    std::ostream& talk_;
+    std::ostream& messages_;
     std::vector<std::string> interfaces_;
     unsigned mistakes_ = 0;
     bool failed_ = false;
@@ -138,8 +138,8 @@ tl::expected<Recording, std::string> take_interface(Recording recording, std::st
 
 CanLogEnd read_can_log(const CanLogSource& source,
                        const std::function<void(const RecordedCanFrame&)>& take,
-                       std::ostream& results, std::ostream& talk) {
-    LogReader reader(source, take, talk);
+                       std::ostream& results, std::ostream& messages) {
+    LogReader reader(source, take, messages);
     LineCutter cutter;
     bool going = true;
     while (going && results.good()) {
@@ -156,7 +156,7 @@ CanLogEnd read_can_log(const CanLogSource& source,
         results.flush();
         if (going && cutter.rest().size() > kLongestLine) {
             going = reader.stop(fmt::format(
-                "a line of more than {} characters is no line of candump -L", kLongestLine));
+                "a line of more than {} characters is not a line of candump -L", kLongestLine));
         }
     }
     if (going && !cutter.rest().empty()) {

@@ -12,7 +12,7 @@
 namespace tribus {
 namespace {
 
-/// The kernel's own restart, where it is set up, comes well before.
+/// Longer than the kernel's own restart takes, if it is configured.
 constexpr Duration kBusOffPatience = std::chrono::seconds(1);
 
 std::string state_text(CanBusState state, const std::string& name) {
@@ -22,13 +22,12 @@ std::string state_text(CanBusState state, const std::string& name) {
         case CanBusState::warning:
             return "many errors on the bus; check bit rate, termination and wiring";
         case CanBusState::passive:
-            return "error-passive: hardly a frame gets through; check bit rate, termination and "
-                   "wiring";
+            return "error-passive: few frames get through; check bit rate, termination and wiring";
         case CanBusState::stalled:
-            return "frames do not leave: no other node acknowledges them, or the bus is full; "
-                   "nothing old will be sent";
+            return "frames are not sent: no other node acknowledges them, or the bus is full; old "
+                   "frames will not be sent later";
         case CanBusState::bus_off:
-            return "bus-off: the controller has withdrawn after too many errors; check bit rate, "
+            return "bus-off: the controller left the bus after too many errors; check bit rate, "
                    "termination and wiring";
         case CanBusState::down:
             return fmt::format("is down; `ip link set {} up` brings it up", name);
@@ -72,7 +71,7 @@ void CanReport::go_on_from(const CanReport& before, const Appliance& appliance) 
         }
         const std::size_t port = std::exchange(memory, known->second).port;
         memory.port = port;
-        // An interface that is opened anew counts anew.
+        // An interface that was reopened counts from zero.
         memory.receive_overflows =
             std::min(memory.receive_overflows, appliance.can_status(port).counts.receive_overflows);
     }
@@ -98,13 +97,13 @@ void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& 
         return;
     }
     if (const auto swallowed = memory.overflow_limit.pass(now)) {
-        log_warning("interface {}: {} lost because they came faster than they were read{}", name,
+        log_warning("interface {}: {} lost because they arrived faster than they were read{}", name,
                     counted(lost, "frame"), swallowed_note(*swallowed));
     }
     memory.receive_overflows = status.counts.receive_overflows;
 }
 
-/// Where restart-ms is 0 the controller stays off for ever, unless somebody restarts it.
+/// With restart-ms 0 the controller stays off until somebody restarts it.
 void CanReport::end_bus_off(const std::string& name, Memory& memory, Instant now) {
     if (!memory.bus_off_since || now - *memory.bus_off_since < kBusOffPatience) {
         return;

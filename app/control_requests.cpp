@@ -30,8 +30,8 @@ ControlServer::LateAnswer known(std::string text) {
     return [text = std::move(text)] { return std::optional(text); };
 }
 
-/// Once that change is there and has an outcome. An earlier request of the same moment may have
-/// ended all.
+/// Outcome of the change, once it has begun and ended. The daemon may have stopped meanwhile, for
+/// an earlier request.
 std::optional<std::string> outcome_of(const Daemon& daemon, std::optional<std::uint64_t> change) {
     if (!daemon.runs()) {
         return error_object("nothing runs any more");
@@ -44,9 +44,8 @@ ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
     const auto trial = words.empty() ? std::nullopt : parse_duration(words.front());
     if (words.size() > 1 ||
         (!words.empty() && (!trial || *trial < kLeastTrial || *trial > kMostTrial))) {
-        return known(
-            error_object("\"reload\" takes how long the trial is, from \"1s\" to \"3600s\", "
-                         "or nothing"));
+        return known(error_object(
+            "\"reload\" takes the length of a trial, from \"1s\" to \"3600s\", or nothing"));
     }
     return [&daemon, trial, change = std::optional<std::uint64_t>()]() mutable {
         if (!change && daemon.runs()) {
@@ -56,7 +55,7 @@ ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
     };
 }
 
-/// The trial that these words mean is on, or why it cannot be ended.
+/// Nothing if `words` name the present trial, else the reason why it cannot be ended.
 std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
     const auto trial = daemon.runs() ? daemon.trial() : std::nullopt;
     if (!trial) {
@@ -65,7 +64,7 @@ std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
     if (words.empty() || (words.size() == 1 && words.front() == std::to_string(*trial))) {
         return std::nullopt;
     }
-    return fmt::format("that trial is over; the one that goes on is number {}", *trial);
+    return fmt::format("that trial is over; the present one is number {}", *trial);
 }
 
 std::string confirm(Daemon& daemon, Words words) {

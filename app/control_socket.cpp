@@ -24,7 +24,7 @@ using Refused = tl::unexpected<std::string>;
 
 constexpr std::string_view kFolder = "tribus";
 constexpr std::string_view kEnding = ".sock";
-/// In a directory of its own, as systemd gives one to a service.
+/// In the service's own directory, which systemd makes.
 constexpr std::string_view kOwnName = "control";
 constexpr mode_t kUserAndGroup = 0660;
 constexpr int kBacklog = 16;
@@ -53,56 +53,58 @@ std::uint64_t inode_of(const std::string& path) {
     return ::lstat(path.c_str(), &file) == 0 ? file.st_ino : 0;
 }
 
-/// Nothing is there, or what a daemon left that is gone.
+/// Succeeds if nothing is at `path`, or only the socket of a daemon that ended.
 tl::expected<void, std::string> must_be_free(const std::string& path) {
     struct stat file {};
     if (::lstat(path.c_str(), &file) != 0) {
         return {};
     }
     if (!S_ISSOCK(file.st_mode)) {
-        return Refused(
-            fmt::format("{} is there already and is no socket; choose another --socket", path));
+        return Refused(fmt::format("{} exists and is not a socket; choose another --socket", path));
     }
     const auto answers = connect_local(path);
     if (!answers && answers.error() != ECONNREFUSED) {
-        return Refused(fmt::format("whether {} is in use cannot be told: {}", path,
+        return Refused(fmt::format("cannot find out whether {} is in use: {}", path,
                                    std::strerror(answers.error())));
     }
     if (answers) {
-        return Refused(fmt::format(
-            "another program answers on {}: a second daemon of that name? --socket gives this one "
-            "another place",
-            path));
+        return Refused(
+            fmt::format("another program answers on {}: a second daemon of that name? Give this "
+                        "one another path with --socket",
+                        path));
     }
     return {};
 }
 
 }  // namespace
 
-SocketHomes SocketHomes::of_this_process() {
-    SocketHomes homes;
-    homes.runtime_directory = variable("RUNTIME_DIRECTORY");
-    // Where a unit has several, the first one is the service's own.
-    homes.runtime_directory.resize(
-        std::min(homes.runtime_directory.find(':'), homes.runtime_directory.size()));
-    homes.user_directory = variable("XDG_RUNTIME_DIR");
-    homes.root = ::geteuid() == 0;
-    return homes;
+SocketDirectories SocketDirectories::of_this_process() {
+    SocketDirectories directories;
+    directories.runtime_directory = variable("RUNTIME_DIRECTORY");
+    // If the unit has several directories, the first one is its own.
+    directories.runtime_directory.resize(
+        std::min(directories.runtime_directory.find(':'), directories.runtime_directory.size()));
+    directories.user_directory = variable("XDG_RUNTIME_DIR");
+    directories.root = ::geteuid() == 0;
+    return directories;
 }
 
-std::optional<std::string> default_socket(const SocketHomes& homes, const std::string& config) {
-    if (!homes.runtime_directory.empty()) {
-        return fmt::format("{}/{}", homes.runtime_directory, kOwnName);
+std::optional<std::string> default_socket(const SocketDirectories& directories,
+                                          const std::string& config) {
+    if (!directories.runtime_directory.empty()) {
+        return fmt::format("{}/{}", directories.runtime_directory, kOwnName);
     }
-    const std::string& home = homes.root ? homes.system_directory : homes.user_directory;
-    if (home.empty()) {
+    const std::string& directory =
+        directories.root ? directories.system_directory : directories.user_directory;
+    if (directory.empty()) {
         return std::nullopt;
     }
-    return fmt::format("{}/{}/{}{}", home, kFolder, fs::path(config).stem().string(), kEnding);
+    return fmt::format("{}/{}/{}{}", directory, kFolder, fs::path(config).stem().string(), kEnding);
 }
 
 tl::expected<LocalListener, std::string> LocalListener::open(const std::string& path) {
-    // Ready before it has its name, so that nobody ever finds one that is not.
+    // The socket listens before it is renamed to its path, so that clients never find one that does
+    // not.
     const std::string unnamed = fmt::format("{}.{}", path, ::getpid());
     const auto address = address_of(unnamed);
     if (!address) {
@@ -126,7 +128,7 @@ tl::expected<LocalListener, std::string> LocalListener::open(const std::string& 
     if (!made) {
         const int why = errno;
         ::unlink(unnamed.c_str());
-        return Refused(fmt::format("no socket can be made at {}: {}", path, std::strerror(why)));
+        return Refused(fmt::format("cannot create a socket at {}: {}", path, std::strerror(why)));
     }
     LocalListener listener(std::move(socket), path);
     listener.inode_ = inode_of(path);
@@ -162,12 +164,12 @@ void add_answering(std::vector<FoundSocket>& found, std::string name, const std:
     }
 }
 
-/// `tribus/NAME.sock`, and of services `tribus/control`, `tribus/NAME/control` and
+/// Adds `tribus/NAME.sock`, and of services `tribus/control`, `tribus/NAME/control` and
 /// `tribus-NAME/control`.
-void add_from(std::vector<FoundSocket>& found, const fs::path& home) {
+void add_from(std::vector<FoundSocket>& found, const fs::path& directory) {
     const std::string prefix = std::string(kFolder) + "-";
     std::error_code error;
-    for (fs::directory_iterator at(home / kFolder, error), end; !error && at != end;
+    for (fs::directory_iterator at(directory / kFolder, error), end; !error && at != end;
          at.increment(error)) {
         const std::string name = at->path().filename().string();
         if (name.ends_with(kEnding)) {
@@ -176,8 +178,9 @@ void add_from(std::vector<FoundSocket>& found, const fs::path& home) {
             add_answering(found, name, (at->path() / kOwnName).string());
         }
     }
-    add_answering(found, std::string(kFolder), (home / kFolder / kOwnName).string());
-    for (fs::directory_iterator at(home, error), end; !error && at != end; at.increment(error)) {
+    add_answering(found, std::string(kFolder), (directory / kFolder / kOwnName).string());
+    for (fs::directory_iterator at(directory, error), end; !error && at != end;
+         at.increment(error)) {
         const std::string name = at->path().filename().string();
         if (name.starts_with(prefix)) {
             add_answering(found, name.substr(prefix.size()), (at->path() / kOwnName).string());
@@ -187,15 +190,15 @@ void add_from(std::vector<FoundSocket>& found, const fs::path& home) {
 
 }  // namespace
 
-std::vector<FoundSocket> find_sockets(const SocketHomes& homes) {
+std::vector<FoundSocket> find_sockets(const SocketDirectories& directories) {
     std::vector<FoundSocket> found;
-    if (!homes.runtime_directory.empty()) {
-        add_answering(found, fs::path(homes.runtime_directory).filename().string(),
-                      fmt::format("{}/{}", homes.runtime_directory, kOwnName));
+    if (!directories.runtime_directory.empty()) {
+        add_answering(found, fs::path(directories.runtime_directory).filename().string(),
+                      fmt::format("{}/{}", directories.runtime_directory, kOwnName));
     }
-    add_from(found, homes.system_directory);
-    if (!homes.user_directory.empty()) {
-        add_from(found, homes.user_directory);
+    add_from(found, directories.system_directory);
+    if (!directories.user_directory.empty()) {
+        add_from(found, directories.user_directory);
     }
     std::ranges::sort(found, {}, &FoundSocket::name);
     return found;

@@ -30,21 +30,22 @@ void log_all(const std::vector<std::string>& errors) {
 
 }  // namespace
 
-/// Tells of an appliance that has just started.
-void Daemon::watch() {
+/// Reports an appliance that has just started.
+void Daemon::show_started() {
     if (!appliance_) {
-        inside_.hide();
+        sockets_.hide();
         return;
     }
     const Instant now = monotonic_now();
     log_ = std::make_unique<StateLog>(*appliance_, now);
-    log_->say_interfaces(*appliance_);
-    inside_.show(*appliance_);
+    log_->log_interfaces(*appliance_);
+    sockets_.show(*appliance_);
     service_.started(*appliance_, now);
 }
 
-/// Tells of one that goes on from another, which had those ports.
-void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over) {
+/// Reports an appliance that replaced another one, which had `ports_before`.
+void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
+                            const CarryOver& carry_over) {
     const Instant now = monotonic_now();
     auto log = std::make_unique<StateLog>(*appliance_, now);
     log->go_on_from(*log_, *appliance_, carry_over);
@@ -55,11 +56,11 @@ void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver
         });
     });
     if (new_port) {
-        log_->say_interfaces(*appliance_);
+        log_->log_interfaces(*appliance_);
     }
-    // Devices with other line settings are opened here.
+    // Opens the devices that got other line settings.
     log_->look(*appliance_, now);
-    inside_.show(*appliance_);
+    sockets_.show(*appliance_);
     service_.started(*appliance_, now);
 }
 
@@ -86,11 +87,11 @@ void Daemon::start(Configuration configuration) {
     std::vector<std::string> errors;
     start_or_log(Appliance::build(std::move(configuration)),
                  Appliance::MissingDevices::wait_for_absent, errors);
-    watch();
+    show_started();
 }
 
-/// For what cannot change while frames flow. A configuration whose devices cannot be opened gives
-/// way to the old one again, whether or not one of its own devices is unplugged just now.
+/// For changes that need a stop. If devices of the new configuration cannot be opened, the old one
+/// starts again, even if one of its own devices is unplugged now.
 ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
                                        std::vector<std::string> obstacles) {
     for (const std::string& obstacle : obstacles) {
@@ -109,7 +110,7 @@ ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
         start_or_log(Appliance::build(std::move(old)), Appliance::MissingDevices::wait_for,
                      ignored);
     }
-    watch();
+    show_started();
     return outcome;
 }
 
@@ -126,7 +127,7 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
     }
     appliance_ = std::move(*next);
     log_info("reloaded {}", summary(configuration()));
-    watch_on(ports_before, carry_over);
+    show_successor(ports_before, carry_over);
     return {.taken = true};
 }
 
@@ -146,7 +147,7 @@ std::optional<std::uint64_t> Daemon::trial() const {
 
 void Daemon::set_trial(std::optional<Trial> trial) {
     trial_ = std::move(trial);
-    inside_.show_trial(trial_end());
+    sockets_.show_trial(trial_end());
 }
 
 void Daemon::confirm() {
@@ -154,16 +155,16 @@ void Daemon::confirm() {
     set_trial(std::nullopt);
 }
 
-/// As another node of DroneCAN asked for.
+/// Another DroneCAN node asked for it.
 void Daemon::restart() {
     service_.reloading();
-    log_info("restarting, as another DroneCAN node asked for");
+    log_info("restarting because another DroneCAN node asked for it");
     Configuration same = configuration();
     appliance_->end();
     appliance_.reset();
     std::vector<std::string> errors;
     start_or_log(Appliance::build(std::move(same)), Appliance::MissingDevices::wait_for, errors);
-    watch();
+    show_started();
 }
 
 void Daemon::look(Instant now) {
@@ -178,8 +179,8 @@ void Daemon::look(Instant now) {
         return;
     }
     log_->look(*appliance_, now);
-    appliance_->look_at_machine(now, inside_.watched());
-    inside_.look();
+    appliance_->look_at_machine(now, sockets_.watched());
+    sockets_.look();
     service_.look(*appliance_, now);
     appliance_->look_at_recorder(now);
 }

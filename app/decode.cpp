@@ -23,17 +23,18 @@ Burst raw_burst(std::string_view bytes) {
     return {.start = std::nullopt, .bytes = {bytes.begin(), bytes.end()}, .damaged = {}};
 }
 
-/// How a recording is shared out among several protocols.
+/// Which protocol decodes which burst of a recording.
 struct Allotment {
     std::size_t best = 0;
     std::uint64_t frames_of_best = 0;
-    /// Of each burst that is a frame by itself and none in the stream of the best: its protocol.
+    /// For each burst that is a frame of another protocol and not touched by a frame of the best:
+    /// the index of that protocol.
     std::vector<std::optional<std::size_t>> alone;
 };
 
 struct Coverage {
     std::uint64_t frames = 0;
-    std::vector<bool> touched;  ///< of each burst: a frame has a byte in it
+    std::vector<bool> touched;  ///< for each burst: a frame contains a byte of it
 };
 
 Coverage coverage_of(const Recording& recording, const ProtocolUse& use) {
@@ -133,7 +134,7 @@ int decode_allotted(const Recording& recording, std::span<const ProtocolUse> use
 }
 
 int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses,
-                   FramePrinter& printer, std::ostream& talk) {
+                   FramePrinter& printer, std::ostream& messages) {
     Tally tally;
     for (const Burst& burst : recording.bursts) {
         tally.bytes += burst.bytes.size();
@@ -148,21 +149,21 @@ int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses
     for (const ProtocolUse& use : uses) {
         names.push_back(use.protocol->name);
     }
-    talk << fmt::format("tribus: no frame of {} in {}\n", fmt::join(names, " or "),
-                        counted(tally.bytes, "byte"));
+    messages << fmt::format("tribus: no frame of {} in {}\n", fmt::join(names, " or "),
+                            counted(tally.bytes, "byte"));
     return kExitFailed;
 }
 
-/// `recording` holds the bytes in which no frame was found.
+/// `recording` holds the bytes in which the protocol found no frame.
 void explain_no_frame(const Recording& recording, const ProtocolUse& use, const Tally& tally,
-                      std::ostream& talk) {
+                      std::ostream& messages) {
     if (tally.frames == 0 && tally.bytes > 0) {
-        talk << no_frame_text(recording, use.protocol->name);
+        messages << no_frame_text(recording, use.protocol->name);
     }
 }
 
 int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinter& printer,
-                 std::ostream& talk) {
+                 std::ostream& messages) {
     printer.heading();
     FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
     for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
@@ -170,30 +171,30 @@ int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinte
     }
     finder.finish();
     printer.summary(finder.tally());
-    explain_no_frame(recording, use, finder.tally(), talk);
+    explain_no_frame(recording, use, finder.tally(), messages);
     return kExitFine;
 }
 
 }  // namespace
 
 int decode_recording(const Recording& recording, std::span<const ProtocolUse> uses,
-                     FramePrinter& printer, std::ostream& talk) {
+                     FramePrinter& printer, std::ostream& messages) {
     const std::vector<ProtocolUse> serial = of_link(uses, LinkKind::serial);
     if (serial.size() == 1) {
-        return decode_known(recording, serial.front(), printer, talk);
+        return decode_known(recording, serial.front(), printer, messages);
     }
     const Allotment allotment = allot(recording, serial);
     if (allotment.frames_of_best == 0) {
-        return decode_unknown(recording, serial, printer, talk);
+        return decode_unknown(recording, serial, printer, messages);
     }
     return decode_allotted(recording, serial, allotment, printer);
 }
 
 int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
-                  FramePrinter& printer, std::ostream& results, std::ostream& talk) {
+                  FramePrinter& printer, std::ostream& results, std::ostream& messages) {
     printer.heading();
     FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
-    /// For want of a frame; more than enough to tell what would find one.
+    /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
     constexpr std::size_t kMostKept = std::size_t{64} * 1024;
     std::string kept;
     while (results.good()) {
@@ -211,7 +212,7 @@ int decode_stream(const std::function<std::string()>& read, const ProtocolUse& u
     printer.summary(finder.tally());
     Recording without_frame;
     without_frame.bursts.push_back(raw_burst(kept));
-    explain_no_frame(without_frame, use, finder.tally(), talk);
+    explain_no_frame(without_frame, use, finder.tally(), messages);
     return kExitFine;
 }
 

@@ -30,7 +30,7 @@
 namespace tribus {
 namespace {
 
-/// Two frames of any serial protocol: enough to tell raw bytes from text while more is to come.
+/// Two frames of any serial protocol: enough to tell raw bytes from text before the input ends.
 constexpr std::size_t kEnoughToTell = 64;
 
 const std::map<std::string, DecodeFormat> kFormats{
@@ -62,11 +62,11 @@ struct DecodeArguments {
                    ? SensorDialect::flysky
                    : SensorDialect(named - kSensorDialectNames.begin());
     }
-    /// With settings, or as an input of a configuration, DroneCAN is read for its channels.
+    /// With settings, or as an input of a configuration, only the channels of DroneCAN are decoded.
     bool explains_dronecan() const {
         return protocol == kDroneCanName && as.empty() && given.empty();
     }
-    /// Nothing speaks against it that a recording is one of the sensor bus.
+    /// True if the recording may also be one of the sensor bus.
     bool any_protocol() const { return protocol == "auto" && as.empty() && given.empty(); }
 };
 
@@ -82,7 +82,7 @@ bool starts_as_candump(std::string_view beginning) {
     return first != std::string_view::npos && beginning[first] == '(';
 }
 
-/// What the first characters already show.
+/// The format, if the first characters already show it.
 std::optional<RecordingKind> early_kind(std::string_view beginning) {
     if (looks_raw(beginning)) {
         return RecordingKind::raw;
@@ -95,16 +95,17 @@ bool only_can(std::span<const ProtocolUse> uses) {
         uses, [](const ProtocolUse& use) { return use.protocol->link == LinkKind::can; });
 }
 
-/// Those protocols that such a recording can be of; the error says what is.
+/// The protocols that the kind of recording allows. The error says what is wrong.
 tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const ProtocolUse> uses,
                                                               RecordingKind kind,
                                                               std::string_view file_name,
                                                               std::string_view interface) {
     const LinkKind link = kind == RecordingKind::candump ? LinkKind::can : LinkKind::serial;
     if (link == LinkKind::serial && !interface.empty()) {
-        return tl::unexpected(fmt::format(
-            "--interface: {} is no log of candump, and only that has interfaces; leave it out",
-            file_name));
+        return tl::unexpected(
+            fmt::format("--interface: {} is not a candump log, and only such a log has interfaces; "
+                        "leave it out",
+                        file_name));
     }
     std::vector<ProtocolUse> suited = of_link(uses, link);
     if (!suited.empty()) {
@@ -114,14 +115,14 @@ tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const Pr
     const std::string allowed = protocol_list(link);
     return tl::unexpected(
         link == LinkKind::can
-            ? fmt::format("{}: a log of CAN frames, and {} is no CAN protocol; allowed: {}",
+            ? fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
                           file_name, asked, allowed)
             : fmt::format("{}: bytes of a serial line, but {} is read from CAN frames: lines such "
                           "as (1436509052.249713) can0 123#1122, as candump -L writes them",
                           file_name, asked));
 }
 
-/// What reads `file` in turn, from the `beginning` on that was read of it before.
+/// Reads `file` piece by piece, starting with the `beginning` that was already read.
 std::function<std::string()> reader_of(InputFile& file, std::string& beginning,
                                        std::string& failed) {
     return [&] {
@@ -188,7 +189,7 @@ int decode_parsed(Recording recording, const std::string& name, std::span<const 
     return taken ? decode_can_parsed(*taken, uses, arguments) : fail(taken.error(), kExitFailed);
 }
 
-/// `uses` are of CAN only or of serial lines only, unless the kind is still open.
+/// `uses` are all CAN or all serial, unless the kind is not known yet.
 int decode_whole(std::string_view content, const std::string& name, std::vector<ProtocolUse> uses,
                  std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
     if (!kind) {
@@ -196,7 +197,7 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
         if (!told) {
             return fail(fmt::format("{} ({})", told.error(), kKindHint), kExitFailed);
         }
-        // Whatever text a CAN protocol is given, the reader of the log says best what is wrong.
+        // For CAN protocols any text is parsed as a log, whose parser reports best what is wrong.
         kind = only_can(uses) && *told != RecordingKind::raw ? RecordingKind::candump : *told;
         auto suited = suited_to(uses, *kind, name, arguments.interface);
         if (!suited) {
@@ -209,14 +210,14 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
         return fail(recording.error(), kExitFailed);
     }
     if (!recording) {
-        return fail(fmt::format("{} (read as {}; {} reads it otherwise)", recording.error(),
+        return fail(fmt::format("{} (read as {}; {} selects another format)", recording.error(),
                                 recording_kind_name(*kind), kKindHint),
                     kExitFailed);
     }
     return decode_parsed(std::move(*recording), name, uses, arguments);
 }
 
-/// Reads enough of the file to tell its kind, if that is possible before its end.
+/// Reads as much of the file as is needed to recognise its format.
 tl::expected<std::string, std::string> read_beginning(InputFile& file) {
     std::string beginning;
     while (beginning.size() < kEnoughToTell && !starts_as_candump(beginning)) {
@@ -229,11 +230,11 @@ tl::expected<std::string, std::string> read_beginning(InputFile& file) {
     return beginning;
 }
 
-/// The protocols that come into question.
+/// The protocols that the options allow.
 tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArguments& arguments) {
     if (arguments.protocol != "auto" && find_protocol(arguments.protocol) == nullptr) {
         return tl::unexpected(
-            fmt::format("--protocol: {} is no protocol that is known; allowed: auto, {}, {}",
+            fmt::format("--protocol: {} is not a known protocol; allowed: auto, {}, {}",
                         in_quotes(arguments.protocol), protocol_list(), kSensorProtocol));
     }
     if (arguments.as.empty()) {
@@ -247,7 +248,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArgume
     });
 }
 
-/// What does not go together with the sensor bus; empty if nothing.
+/// Why the options do not fit the sensor bus; empty if they do.
 std::string mistake_with_sensors(const DecodeArguments& arguments) {
     if (!arguments.as.empty()) {
         return kAsAlone;
@@ -257,7 +258,7 @@ std::string mistake_with_sensors(const DecodeArguments& arguments) {
                            arguments.given.begin()->first, kSensorProtocol);
     }
     if (!arguments.interface.empty() || arguments.kind() == RecordingKind::candump) {
-        return fmt::format("{} is read from bytes of a serial line, not from a log of candump",
+        return fmt::format("{} is read from bytes of a serial line, not from a candump log",
                            kSensorProtocol);
     }
     return {};
@@ -285,9 +286,10 @@ int decode_sensor_file(InputFile& file, std::string beginning, const DecodeArgum
         return fail(fmt::format("{} ({})", recording.error(), kKindHint), kExitFailed);
     }
     if (recording->kind == RecordingKind::candump) {
-        return fail(fmt::format("{}: a log of CAN frames, and {} is no CAN protocol; allowed: {}",
-                                file.name(), kSensorProtocol, protocol_list(LinkKind::can)),
-                    kExitWrongUse);
+        return fail(
+            fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
+                        file.name(), kSensorProtocol, protocol_list(LinkKind::can)),
+            kExitWrongUse);
     }
     return decode_sensor_parsed(*recording, arguments);
 }
@@ -335,7 +337,7 @@ int run_decode(const DecodeArguments& arguments) {
         return fail(uses.error(), kExitWrongUse);
     }
     const bool log = kind == RecordingKind::candump;
-    // A log that is there as a whole is judged as a whole, before anything is printed.
+    // A complete log is judged as a whole before anything is printed.
     const bool flows = kind == RecordingKind::raw || (log && !file->is_whole());
     if (flows && log && arguments.protocol == "auto") {
         uses = without_dronecan(*uses);
@@ -357,20 +359,19 @@ Command decode_command() {
     std::vector<CommandOption> options{
         {.name = "file",
          .value = &arguments->file,
-         .help = "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial "
-                 "decoder, or a log of candump; the content tells which. Absent or -: "
-                 "standard input, of which raw bytes of a named protocol, and the lines of "
-                 "candump -L, are decoded as they come"},
+         .help = "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial decoder, or a "
+                 "candump log; the content shows which. Absent or -: standard input; raw bytes of "
+                 "a named protocol and the lines of candump -L are decoded as they arrive"},
         {.name = "--protocol",
          .value = &arguments->protocol,
-         .help = "auto: the one that finds the most frames, and lines that are one frame of "
-                 "another",
+         .help =
+             "auto: the protocol that finds the most frames; single lines may be frames of another",
          .shows_value = true,
          .type_name = choices_type("auto," + protocol_list() + "," + kSensorProtocol)},
         {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
         {.name = "--dialect",
          .value = &arguments->dialect,
-         .help = "Of ibus-sensor: whose meaning of the disputed types; flysky if absent",
+         .help = "For ibus-sensor: the dialect of the disputed types; default: flysky",
          .choices = {kSensorDialectNames.begin(), kSensorDialectNames.end()}},
         {.name = "--format",
          .value = &arguments->format,
@@ -379,16 +380,16 @@ Command decode_command() {
          .choices = {"csv", "json", "text"}},
         {.name = "--input-format",
          .value = &arguments->input_format,
-         .help = "Kind of the input, where its content does not show it",
+         .help = "Format of the input, if its content does not show it",
          .choices = {"candump", "hex", "raw", "saleae", "timed"}},
         {.name = "--interface",
          .value = &arguments->interface,
-         .help = "Of a log of candump: the interface whose frames are decoded; needed only "
-                 "where it names several"}};
+         .help = "For a candump log: the interface whose frames are decoded; needed if it has "
+                 "several"}};
     append_setting_options(options, SettingScope::input, arguments->given);
     return {
         .name = "decode",
-        .help = "Bytes or CAN frames of a protocol to frames, one a line",
+        .help = "Decode bytes or CAN frames of a protocol to channel frames, one a line",
         .options = std::move(options),
         .run = [arguments] { return finish_standard_output(run_decode(*arguments)); },
     };

@@ -10,11 +10,12 @@
 namespace tribus {
 
 int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
-                            std::ostream& talk) {
+                            std::ostream& messages) {
     printer.heading();
     SensorConversation conversation(
         [&](const SensorExchange& exchange) { printer.exchange(exchange); });
-    SensorFrameFinder finder([&](const HeardSensorFrame& heard) { conversation.hear(heard); });
+    SensorFrameFinder finder(
+        [&](const ReceivedSensorFrame& received) { conversation.take(received); });
     for (const Burst& burst : recording.bursts) {
         finder.feed(burst);
     }
@@ -24,7 +25,7 @@ int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
     if (tally.frames.frames > 0 || tally.frames.bytes == 0) {
         return kExitFine;
     }
-    talk << no_frame_text(recording, kSensorProtocol);
+    messages << no_frame_text(recording, kSensorProtocol);
     return kExitFailed;
 }
 
@@ -33,7 +34,8 @@ int decode_sensor_stream(const std::function<std::string()>& read, SensorPrinter
     printer.heading();
     SensorConversation conversation(
         [&](const SensorExchange& exchange) { printer.exchange(exchange); });
-    SensorFrameFinder finder([&](const HeardSensorFrame& heard) { conversation.hear(heard); });
+    SensorFrameFinder finder(
+        [&](const ReceivedSensorFrame& received) { conversation.take(received); });
     while (results.good()) {
         const std::string bytes = read();
         if (bytes.empty()) {

@@ -31,10 +31,10 @@ namespace {
 constexpr Duration kScreenPeriod = std::chrono::milliseconds(50);
 constexpr Duration kLinePeriod = std::chrono::seconds(1);
 constexpr Duration kRateWindow = std::chrono::seconds(1);
-/// Longer than a frame needs from the receiver to the servos, on a loaded machine too.
+/// Longer than a frame takes from the receiver to the servos, even on a loaded machine.
 constexpr Duration kSettle = std::chrono::milliseconds(200);
 
-/// The nine lines of the README, with the servos' period at its least.
+/// The configuration of the README, with the shortest period of the servos.
 std::string demo_configuration(std::string_view receiver, std::string_view servos) {
     return fmt::format(R"([input.receiver]
 protocol = "ibus"
@@ -52,7 +52,7 @@ to   = "servos"
                        receiver, servos);
 }
 
-/// Frames a second over the last window, from counts taken now and then.
+/// Frames per second in the last window, from a counter that is read now and then.
 class RateMeter {
   public:
     explicit RateMeter(Instant start) : window_start_(start) {}
@@ -89,10 +89,10 @@ std::string drop_sentence(const DropRecord& drop) {
                        after(drop.control_after));
 }
 
-/// Frames that went into a pty and did not come out of it decoded. A frame that a newer one
-/// overtook is not lost: RC data is a state, and the newest counts.
+/// Frames that went into a pty but did not come out decoded. A frame that a newer one replaced is
+/// not lost: RC data is a state, and the newest frame counts.
 std::uint64_t lost_frames(const PeerReport& report, std::uint64_t decoded, std::uint64_t written) {
-    // The servos' decoder holds its first frame back until a second one proves it.
+    // The servos' decoder may keep back its first frame until a second one confirms it.
     const auto missing = [](std::uint64_t sent, std::uint64_t got) {
         return sent > got ? sent - got : 0;
     };
@@ -176,7 +176,7 @@ class Demo {
             if (::sigtimedwait(&ending_signals, nullptr, &wait) > 0) {
                 return;
             }
-            bench_.appliance->tend();
+            bench_.appliance->reopen_devices();
             const DemoFigures now = figures(bench_.peers->report(), monotonic_now());
             if (terminal) {
                 AlternateScreen::show(draw_demo(now, screen_style()));
@@ -187,9 +187,9 @@ class Demo {
         }
     }
 
-    /// Lets what is under way arrive, ends the appliance, and says what came of it all.
+    /// Waits for frames on their way, ends the appliance, and prints the summary.
     int finish() {
-        bench_.peers->hush();
+        bench_.peers->stop_receiver();
         pause(kSettle);
         const std::uint64_t decoded = bench_.appliance->input_status(0).counts.frames;
         bench_.appliance->end();
@@ -232,7 +232,8 @@ class Demo {
 };
 
 int demo(std::optional<double> seconds) {
-    // Blocked before any thread exists, so that all inherit it and this one can wait for them.
+    // Blocked before any thread is created, so that all inherit it and this thread can wait for
+    // them.
     sigset_t ending;
     ::sigemptyset(&ending);
     ::sigaddset(&ending, SIGINT);
@@ -260,13 +261,13 @@ Command demo_command() {
     constexpr double kLongestSeconds = 1e6;
     return {
         .name = "demo",
-        .help = "The main job with nothing attached: i.Bus in, SBUS out, with live bars",
+        .help = "Translate i.Bus to SBUS without hardware, with live bars",
         .footer =
             "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the\n"
             "real engine, a servo bank on another. The radio link drops every few seconds.",
         .options = {{.name = "--seconds",
                      .value = seconds.get(),
-                     .help = "End after so long, with a summary",
+                     .help = "End after this time, with a summary",
                      .range = {{0.1, kLongestSeconds}}}},
         .run = [seconds] { return demo(*seconds); },
     };

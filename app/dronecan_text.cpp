@@ -22,16 +22,16 @@ constexpr std::array<std::string_view, kTransferFaultCount> kFaultTexts{
     "bad CRC: damaged, or the sender's type has another signature",
     "a frame is missing within it",
     "its first frame is missing",
-    "broke off: its end never came",
+    "broke off: its last frame never came",
     "the recording ends in it",
     "longer than its type can be",
-    "no payload that its type can have",
+    "the payload does not fit its type",
     "repeated: sent again with the transfer id of the one before",
-    "not followed: more senders and types at one time than there is room for"};
+    "not decoded: too many senders and types at the same time"};
 
-/// Continuation lines stand under the type.
+/// Continuation lines are indented to the type.
 constexpr std::size_t kIndent = 31;
-/// Narrower terminals get continuation lines that start further left.
+/// Narrower terminals get a smaller indentation.
 constexpr std::size_t kLeastText = 40;
 constexpr std::size_t kNarrowIndent = 4;
 
@@ -60,14 +60,14 @@ std::string payload_text(const ExplainedTransfer& transfer) {
 }
 
 std::string frames_text(std::size_t frames) {
-    return fmt::format("{} {} came", frames, frames == 1 ? "frame" : "frames");
+    return fmt::format("{} {} received", frames, frames == 1 ? "frame" : "frames");
 }
 
-bool says_failsafe(const ExplainedTransfer& transfer) {
+bool is_failsafe(const ExplainedTransfer& transfer) {
     return rc_input_of(transfer) && rc_input_of(transfer)->failsafe;
 }
 
-std::string said(const ExplainedTransfer& transfer) {
+std::string content_text(const ExplainedTransfer& transfer) {
     if (transfer.fault != TransferFault::none) {
         return fmt::format("  broken: {} ({}): {}",
                            kFaultTexts.at(static_cast<std::size_t>(transfer.fault)),
@@ -78,10 +78,10 @@ std::string said(const ExplainedTransfer& transfer) {
                            payload_text(transfer));
     }
     const std::string fields = fields_text(fields_of(transfer));
-    return (fields.empty() ? "" : "  " + fields) + (says_failsafe(transfer) ? "  failsafe" : "");
+    return (fields.empty() ? "" : "  " + fields) + (is_failsafe(transfer) ? "  failsafe" : "");
 }
 
-/// Breaks between words; a word that is longer than a line stays whole.
+/// Breaks a line between words; a word longer than a line is not broken.
 std::string broken_into(std::string_view line, std::size_t columns) {
     const bool roomy = columns >= kIndent + kLeastText;
     const std::string indent(roomy ? kIndent : kNarrowIndent, ' ');
@@ -105,7 +105,7 @@ std::string broken_into(std::string_view line, std::size_t columns) {
     return text.append(line);
 }
 
-/// `, rejected: 3 bad_crc, 1 broke_off`; nothing if none was.
+/// ` 3 bad_crc, 1 broke_off`; empty if no transfer was rejected.
 std::string rejected_text(const TransferCounts& counts) {
     std::string text;
     for (std::size_t fault = 1; fault < counts.size(); ++fault) {
@@ -155,7 +155,7 @@ void append_transfer_text(std::string& text, const ExplainedTransfer& transfer,
     const std::string line =
         fmt::format("{:>12} {:>8} {:>4} {:>3}  {}{}{}", whole_microseconds(transfer.last_at),
                     nodes_text(head), head.priority, head.transfer_id,
-                    named(head.kind, head.data_type_id), after, said(transfer));
+                    named(head.kind, head.data_type_id), after, content_text(transfer));
     text += columns ? broken_into(line, *columns) : line;
     text += '\n';
 }

@@ -23,9 +23,9 @@
 namespace tribus {
 namespace {
 
-/// A frame with 18 fractions and its details takes below 500 characters.
+/// A frame with 18 fractional pulses and its details takes less than 500 characters.
 constexpr std::size_t kLongestJsonLine = std::size_t{64} * 1024;
-/// After so many lines that cannot be used the input is something else.
+/// With so many unusable lines, the input is something else.
 constexpr unsigned kMostJsonMistakes = 20;
 
 const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::binary},
@@ -34,14 +34,14 @@ const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::bina
                                                    {"vcd", EncodeFormat::vcd},
                                                    {"candump", EncodeFormat::candump}};
 
-/// Names of interfaces have at most 15 characters in Linux.
+/// Linux limits interface names to 15 characters.
 constexpr std::size_t kLongestInterface = 15;
 
-/// What decode has read is written back whole, where the protocol has room for it; the
-/// configuration's default of 14 is for readers that know no more.
+/// Writes all channels that decode printed, if the protocol has room for them. The configuration's
+/// default of 14 suits receivers that know no more.
 const GivenSettings kEncodeDefaults{{"channels", "18"}};
 
-/// The next line, cut at the longest that is allowed; `too_long` says so.
+/// The next line, cut at the longest allowed length; then `too_long` is true.
 std::optional<std::string_view> next_line(std::istream& lines, std::vector<char>& buffer,
                                           bool& too_long) {
     lines.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()));
@@ -68,7 +68,7 @@ int fail(std::string_view message, int status) {
     return status;
 }
 
-/// Adds the defaults of this command where the protocol has such a setting.
+/// Adds the defaults of this command for settings that the protocol has.
 GivenSettings with_defaults(const Protocol& protocol, GivenSettings given) {
     for (const Setting& setting : protocol.settings) {
         const auto own = kEncodeDefaults.find(setting.key);
@@ -79,7 +79,7 @@ GivenSettings with_defaults(const Protocol& protocol, GivenSettings given) {
     return given;
 }
 
-/// The format as given, or the usual one of the protocol; the error says what is allowed.
+/// The given format, or the protocol's usual one. The error says what is allowed.
 tl::expected<EncodeFormat, std::string> choose_format(const Protocol& protocol,
                                                       const EncodeArguments& arguments) {
     const bool can = protocol.link == LinkKind::can;
@@ -91,11 +91,11 @@ tl::expected<EncodeFormat, std::string> choose_format(const Protocol& protocol,
         return format;
     }
     return tl::unexpected(
-        can ? fmt::format("--format {}: {} goes over CAN; allowed: candump", arguments.format,
+        can ? fmt::format("--format {}: {} runs on CAN; allowed: candump", arguments.format,
                           protocol.name)
-            : fmt::format("--format candump: {} does not go over CAN; allowed: binary, hex, timed, "
-                          "vcd",
-                          protocol.name));
+            : fmt::format(
+                  "--format candump: {} does not run on CAN; allowed: binary, hex, timed, vcd",
+                  protocol.name));
 }
 
 tl::expected<std::string, std::string> choose_interface(const Protocol& protocol,
@@ -105,17 +105,17 @@ tl::expected<std::string, std::string> choose_interface(const Protocol& protocol
     }
     if (protocol.link != LinkKind::can) {
         return tl::unexpected(
-            fmt::format("--interface: {} does not go over CAN; leave it out", protocol.name));
+            fmt::format("--interface: {} does not run on CAN; leave it out", protocol.name));
     }
     if (given.size() > kLongestInterface || given.find_first_of(" \t\r\n") != std::string::npos) {
-        return tl::unexpected(fmt::format(
-            "--interface {}: names of interfaces have at most {} characters and no blanks", given,
-            kLongestInterface));
+        return tl::unexpected(
+            fmt::format("--interface {}: interface names have at most {} characters and no blanks",
+                        given, kLongestInterface));
     }
     return given;
 }
 
-/// The one protocol to write.
+/// The one protocol to encode.
 tl::expected<ProtocolUse, std::string> asked_for(const EncodeArguments& arguments) {
     if (!arguments.as.empty()) {
         if (!arguments.protocol.empty() || !arguments.given.empty()) {
@@ -125,7 +125,7 @@ tl::expected<ProtocolUse, std::string> asked_for(const EncodeArguments& argument
     }
     if (arguments.protocol.empty()) {
         return tl::unexpected(
-            fmt::format("--protocol is required, or --as; allowed: {}", protocol_list()));
+            fmt::format("--protocol or --as is required; allowed: {}", protocol_list()));
     }
     const auto plain = choose_protocols(arguments.protocol, SettingScope::output, arguments.given);
     if (!plain) {
@@ -160,7 +160,7 @@ int run_encode(const EncodeArguments& arguments) {
     }
     errno = 0;
     std::ifstream file(arguments.file, std::ios::binary);
-    // A folder opens and only fails when it is read.
+    // A folder opens without an error and fails only when it is read.
     const bool nothing = !file || file.peek() == std::ifstream::traits_type::eof();
     if (nothing && errno != 0) {
         return fail(fmt::format("{}: {}", arguments.file, std::strerror(errno)), kExitFailed);
@@ -171,7 +171,7 @@ int run_encode(const EncodeArguments& arguments) {
 }  // namespace
 
 int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& use,
-                 EncodeFormat format, std::ostream& results, std::ostream& talk,
+                 EncodeFormat format, std::ostream& results, std::ostream& messages,
                  std::string_view interface) {
     const auto writer = make_frame_writer(use, format, interface, results);
     std::vector<char> buffer(kLongestJsonLine);
@@ -185,8 +185,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         JsonMistake mistake;
         if (too_long) {
             mistake.text = fmt::format(
-                "a line of more than {} characters; this is no output of "
-                "decode --format json",
+                "a line of more than {} characters; this is not output of decode --format json",
                 kLongestJsonLine);
         } else if (auto frame = parse_frame_json(*line); !frame) {
             mistake = frame.error();
@@ -197,13 +196,13 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         if (mistake.text.empty()) {
             continue;
         }
-        talk << fmt::format("{}:{}:{}: {}\n", name, number, mistake.column, mistake.text);
+        messages << fmt::format("{}:{}:{}: {}\n", name, number, mistake.column, mistake.text);
         if (++mistakes == kMostJsonMistakes || too_long) {
-            talk << "tribus: stopped, too much of the input cannot be used\n";
+            messages << "tribus: stopped, too many lines cannot be used\n";
             break;
         }
     }
-    writer->finish(talk);
+    writer->finish(messages);
     return mistakes == 0 ? kExitFine : kExitFailed;
 }
 
@@ -215,22 +214,21 @@ Command encode_command() {
          .help = "JSON lines; absent or -: standard input"},
         {.name = "--protocol",
          .value = &arguments->protocol,
-         .help = "What to write",
+         .help = "Protocol to encode",
          .type_name = choices_type(protocol_list())},
         {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
         {.name = "--format",
          .value = &arguments->format,
-         .help = "timed: hex with microseconds in front; vcd: the level on the wire; candump: "
-                 "the log of CAN protocols. Absent: binary, or candump for a CAN protocol",
+         .help = "timed: hex after microseconds; vcd: the level on the wire; candump: the log of "
+                 "CAN protocols. Default: binary, or candump for a CAN protocol",
          .choices = {"binary", "candump", "hex", "timed", "vcd"}},
         {.name = "--interface",
          .value = &arguments->interface,
-         .help = fmt::format("The interface that a log of candump names; absent: {}",
-                             kDefaultInterface)}};
+         .help = fmt::format("Interface in the candump log; default: {}", kDefaultInterface)}};
     append_setting_options(options, SettingScope::output, arguments->given);
     return {
         .name = "encode",
-        .help = "Frames, as decode --format json prints them, to bytes or CAN frames",
+        .help = "Encode frames, as decode --format json prints them, to bytes or CAN frames",
         .options = std::move(options),
         .run = [arguments] { return finish_standard_output(run_encode(*arguments)); },
     };

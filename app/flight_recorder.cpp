@@ -24,12 +24,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kKib = 1024;
 constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
-/// What is read first may have begun so long before: 256 bytes of an i.Bus line.
+/// Time of 256 bytes on an i.Bus line: the first read may hold bytes that began so long ago.
 constexpr Duration kLongestBurst = std::chrono::milliseconds(23);
-/// Of so many requests the outcome is remembered.
+/// Upper limit of the remembered outcomes of requests.
 constexpr std::size_t kRememberedOutcomes = 16;
 
-/// Where a unit has several, the first one is the service's own.
+/// If the unit has several directories, the first one is its own.
 std::string state_directory() {
     const char* given = std::getenv("STATE_DIRECTORY");
     const std::string all = given == nullptr ? "" : given;
@@ -43,52 +43,57 @@ std::string ring_file(std::size_t number) {
 }  // namespace
 
 FlightRecorder::FlightRecorder(RecorderConfig config, fs::path directory,
-                               std::optional<RingHome> home)
-    : config_(std::move(config)), directory_(std::move(directory)), home_(std::move(home)) {}
+                               std::optional<RingDirectory> ring_directory)
+    : config_(std::move(config)),
+      directory_(std::move(directory)),
+      ring_directory_(std::move(ring_directory)) {}
 
 tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
     const Configuration& configuration) {
     const RecorderConfig& config = *configuration.recorder;
     const std::string directory = config.directory.empty() ? state_directory() : config.directory;
     if (directory.empty()) {
-        return tl::unexpected(fmt::format(
-            "{}:{}:{}: [recorder] does not say where recordings go, and no service manager does "
-            "($STATE_DIRECTORY); add directory = \"/some/folder\"",
-            configuration.file, config.where.line, config.where.column));
+        return tl::unexpected(
+            fmt::format("{}:{}:{}: [recorder] has no directory for recordings, and "
+                        "$STATE_DIRECTORY is not set; add directory = \"/some/folder\"",
+                        configuration.file, config.where.line, config.where.column));
     }
-    auto home = RingHome::open(SocketHomes::of_this_process().runtime_directory);
+    auto ring_directory =
+        RingDirectory::open(SocketDirectories::of_this_process().runtime_directory);
     log_info("recorder: recordings go to {}{}", directory,
-             home ? "" : fmt::format("; a crash loses what was not written yet: {}", home.error()));
+             ring_directory ? ""
+                            : fmt::format("; a crash loses everything that is not written yet: {}",
+                                          ring_directory.error()));
     std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
-        config, directory, home ? std::optional(std::move(*home)) : std::nullopt));
+        config, directory,
+        ring_directory ? std::optional(std::move(*ring_directory)) : std::nullopt));
     remove_unfinished_recordings(directory);
     recorder->write_left(monotonic_now(), wall_time_now());
     return recorder;
 }
 
-/// What the process before had in memory when it ended, if that was not by itself.
+/// Writes what the previous process had in memory, if it crashed or was killed.
 void FlightRecorder::write_left(Instant now, Duration wall_now) {
-    const auto folder = home_ ? home_->take_left() : std::nullopt;
+    const auto folder = ring_directory_ ? ring_directory_->take_left() : std::nullopt;
     if (!folder) {
         return;
     }
     const auto age = age_of_latest(directory_, "crash", wall_now);
     auto left = age && *age < config_.pause
-                    ? tl::unexpected<std::string>("its like was recorded a moment ago")
+                    ? tl::unexpected<std::string>("a crash was recorded a moment ago")
                     : read_left_recording(*folder, now);
     if (!left) {
         log_warning(
-            "recorder: the process before this one ended by a crash, or was killed; nothing of it "
-            "is written: {}",
+            "recorder: the process before this one crashed or was killed; nothing of it is "
+            "written: {}",
             left.error());
-        home_->remove_left();
+        ring_directory_->remove_left();
         return;
     }
     plan_ = std::move(left->plan);
     const Duration wall_offset = wall_now - now.time_since_epoch();
     RecordingOrder crash = order({.kind = "crash",
-                                  .reason = "the process before this one ended by a crash, or was "
-                                            "killed",
+                                  .reason = "the process before this one crashed or was killed",
                                   .wall = wall_offset + left->latest.time_since_epoch(),
                                   .at = left->latest,
                                   .due = left->latest},
@@ -107,14 +112,14 @@ FlightRecorder::~FlightRecorder() {
         if (job_) {
             end_job();
         }
-        tend(now, wall_time_now());
+        run_jobs(now, wall_time_now());
     }
 }
 
 tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::string& device,
                                                                  fs::path& file,
                                                                  std::size_t bytes) {
-    if (!home_) {
+    if (!ring_directory_) {
         return RingMemory::anonymous(bytes);
     }
     auto memory = RingMemory::in_file(file, bytes);
@@ -123,7 +128,7 @@ tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::stri
     }
     auto anonymous = RingMemory::anonymous(bytes);
     if (anonymous) {
-        log_warning("recorder: a crash loses what passed {}: {}", device, memory.error());
+        log_warning("recorder: a crash loses the recording of {}: {}", device, memory.error());
         file.clear();
     }
     return anonymous;
@@ -131,40 +136,41 @@ tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::stri
 
 CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig& config) {
     const std::size_t bytes = static_cast<std::size_t>(config.memory_kib) * kKib;
-    for (const auto& tape : tapes_) {
-        if (tape->bytes == bytes && same_device(tape->device, port.config)) {
-            return &tape->ring;
+    for (const auto& port_ring : port_rings_) {
+        if (port_ring->bytes == bytes && same_device(port_ring->device, port.config)) {
+            return &port_ring->ring;
         }
     }
-    fs::path file = home_ ? home_->path() / ring_file(files_made_++) : fs::path();
+    fs::path file =
+        ring_directory_ ? ring_directory_->path() / ring_file(files_made_++) : fs::path();
     auto memory = memory_for(port.config.device, file, bytes);
     if (!memory) {
         const std::string lack = fmt::format("{}: {}", port.config.device, memory.error());
-        log_warning("recorder: {} KiB for a port cannot be had; not recorded: {}",
-                    config.memory_kib, lack);
+        log_warning("recorder: no {} KiB of memory for a port; not recorded: {}", config.memory_kib,
+                    lack);
         lacks_[port.config.device] = lack;
         return nullptr;
     }
     lacks_.erase(port.config.device);
     CaptureRing ring = CaptureRing::create(memory->span());
-    tapes_.push_back(
-        std::make_unique<Tape>(Tape{port.config, bytes, file, std::move(*memory), ring}));
-    return &tapes_.back()->ring;
+    port_rings_.push_back(
+        std::make_unique<PortRing>(PortRing{port.config, bytes, file, std::move(*memory), ring}));
+    return &port_rings_.back()->ring;
 }
 
-void FlightRecorder::settle(const Configuration& configuration, const std::vector<PortPlan>& ports,
-                            Instant now) {
+void FlightRecorder::record_ports(const Configuration& configuration,
+                                  const std::vector<PortPlan>& ports, Instant now) {
     begin_ = begin_.value_or(now - kLongestBurst);
     config_ = *configuration.recorder;
     std::vector<PortPlan> recorded;
     std::vector<std::string> lacks;
-    std::vector<std::unique_ptr<Tape>> before = std::exchange(tapes_, {});
+    std::vector<std::unique_ptr<PortRing>> before = std::exchange(port_rings_, {});
     for (const PortPlan& port : ports) {
-        const auto tape = std::ranges::find_if(before, [&](const auto& candidate) {
+        const auto port_ring = std::ranges::find_if(before, [&](const auto& candidate) {
             return candidate && &candidate->ring == port.wiring.capture;
         });
-        if (tape != before.end()) {
-            tapes_.push_back(std::move(*tape));
+        if (port_ring != before.end()) {
+            port_rings_.push_back(std::move(*port_ring));
             recorded.push_back(port);
         } else {
             lacks.push_back(lacks_[port.config.device]);
@@ -172,13 +178,13 @@ void FlightRecorder::settle(const Configuration& configuration, const std::vecto
     }
     plan_ = plan_recording(configuration, recorded, *begin_);
     plan_.lacks = std::move(lacks);
-    for (std::size_t i = 0; i < tapes_.size(); ++i) {
-        plan_.ports[i].ring_file = tapes_[i]->file.filename();
+    for (std::size_t i = 0; i < port_rings_.size(); ++i) {
+        plan_.ports[i].ring_file = port_rings_[i]->file.filename();
     }
-    for (auto& tape : before) {
-        retire(std::move(tape));
+    for (auto& port_ring : before) {
+        retire(std::move(port_ring));
     }
-    tell_successor();
+    write_plan();
     output_names_.clear();
     for (const OutputConfig& output : configuration.outputs) {
         output_names_.push_back(output.name);
@@ -186,30 +192,30 @@ void FlightRecorder::settle(const Configuration& configuration, const std::vecto
     failsafe_entries_.clear();
 }
 
-void FlightRecorder::retire(std::unique_ptr<Tape> tape) {
-    if (!tape) {
+void FlightRecorder::retire(std::unique_ptr<PortRing> port_ring) {
+    if (!port_ring) {
         return;
     }
     std::error_code ignored;
-    if (!tape->file.empty()) {
-        fs::remove(tape->file, ignored);
+    if (!port_ring->file.empty()) {
+        fs::remove(port_ring->file, ignored);
     }
     if (job_) {
-        retired_.push_back(std::move(tape));
+        retired_.push_back(std::move(port_ring));
     }
 }
 
-/// What the process that comes after a crash must know: which ring is of which port.
-void FlightRecorder::tell_successor() const {
-    if (!home_) {
+/// Writes the plan, which tells a process after a crash which ring belongs to which port.
+void FlightRecorder::write_plan() const {
+    if (!ring_directory_) {
         return;
     }
     RecordingPlan outliving = plan_;
     std::erase_if(outliving.ports, [](const RecordedPort& port) { return port.ring_file.empty(); });
     std::error_code ignored;
-    const fs::path fresh = home_->path() / "plan.new";
+    const fs::path fresh = ring_directory_->path() / "plan.new";
     std::ofstream(fresh, std::ios::binary) << plan_to_text(outliving);
-    fs::rename(fresh, home_->path() / kRecordingPlanFile, ignored);
+    fs::rename(fresh, ring_directory_->path() / kRecordingPlanFile, ignored);
 }
 
 RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) const {
@@ -231,18 +237,18 @@ RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) c
 
 void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Instant now,
                                     Duration wall_now) {
-    std::string who;
+    std::string names;
     for (std::size_t i = 0; i < entries.size() && failsafe_entries_.size() == entries.size(); ++i) {
         if (entries[i] > failsafe_entries_[i]) {
-            who += (who.empty() ? "" : ", ") + output_names_[i];
+            names += (names.empty() ? "" : ", ") + output_names_[i];
         }
     }
     failsafe_entries_.assign(entries.begin(), entries.end());
-    if (who.empty() || !config_.on_failsafe || failsafe_ || now < quiet_until_) {
+    if (names.empty() || !config_.on_failsafe || failsafe_ || now < quiet_until_) {
         return;
     }
     failsafe_ = Event{.kind = "failsafe",
-                      .reason = "failsafe of output " + who,
+                      .reason = "failsafe of output " + names,
                       .wall = wall_now,
                       .at = now,
                       .due = later(now, config_.after)};
@@ -252,10 +258,10 @@ void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Inst
 void FlightRecorder::look(std::span<const std::uint64_t> failsafe_entries, Instant now,
                           Duration wall_now) {
     note_failsafes(failsafe_entries, now, wall_now);
-    tend(now, wall_now);
+    run_jobs(now, wall_now);
 }
 
-void FlightRecorder::tend(Instant now, Duration wall_now) {
+void FlightRecorder::run_jobs(Instant now, Duration wall_now) {
     if (job_ && job_->done()) {
         end_job();
     }
@@ -291,12 +297,12 @@ void FlightRecorder::end_job() {
         log_info("recorder: wrote {}: {}", result->string(), order.reason);
     } else {
         log_error(
-            "recorder: nothing was written of \"{}\": {}; all else goes on, and the next event is "
-            "tried again; make room there, or name another place in [recorder] directory",
+            "recorder: cannot write the recording \"{}\": {}; everything else goes on, and so does "
+            "recording; free some space, or set another directory in [recorder]",
             order.reason, result.error());
     }
-    if (home_ && order.kind == "crash") {
-        result ? home_->remove_left() : home_->put_left_back();
+    if (ring_directory_ && order.kind == "crash") {
+        result ? ring_directory_->remove_left() : ring_directory_->put_left_back();
     }
     if (job_number_ != 0) {
         outcomes_[job_number_] = {.done = true, .result = result};
@@ -326,11 +332,10 @@ std::string FlightRecorder::answer(std::span<const std::string> words, Instant n
         const std::string& word = words.front();
         std::from_chars(word.data(), word.data() + word.size(), number);
     }
-    tend(now, wall_now);
+    run_jobs(now, wall_now);
     const auto outcome = outcomes_.find(number);
     if (words.size() > 1 || outcome == outcomes_.end()) {
-        return error_object(
-            "\"record\" takes the number of a recording that was asked for, or nothing");
+        return error_object("\"record\" takes the number of a requested recording, or nothing");
     }
     const auto& [done, result] = outcome->second;
     nlohmann::ordered_json json = {{"type", "recording"}, {"number", number}};

@@ -14,7 +14,7 @@
 
 namespace tribus {
 
-/// Decodes what comes at one input and keeps every frame. Thread-bound.
+/// Decodes what one input receives and keeps every frame. Thread-bound.
 class FrameCollector {
   public:
     explicit FrameCollector(const InputConfig& input);
@@ -29,6 +29,7 @@ class FrameCollector {
             decode(bytes.subspan(i, damaged[i] ? 0 : 1), at);
         }
     }
+    /// Decodes one CAN frame that arrived `at`.
     void receive(const CanFrame& frame, Instant at);
 
     const std::vector<StudiedFrame>& frames() const { return frames_; }

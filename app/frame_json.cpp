@@ -17,7 +17,7 @@ using LineMistake = tl::unexpected<JsonMistake>;
 
 constexpr double kLeastPulse = -4096;
 constexpr double kMostPulse = 4095.875;
-/// About 31 years; their nanoseconds fit.
+/// About 31 years; their nanoseconds fit 64 bits.
 constexpr double kMostMicroseconds = 1e15;
 
 LineMistake mistake(std::string text) {
@@ -40,22 +40,22 @@ void append_rejected_json(std::string& text, std::span<const NamedCount> rejecte
     text += '}';
 }
 
-/// The library's exceptions end here.
+/// Exceptions of the JSON library end here.
 tl::expected<Json, JsonMistake> parse_line(std::string_view line) {
     try {
         return Json::parse(line);
     } catch (const Json::parse_error& error) {
         return LineMistake(JsonMistake{error.byte > 0 ? error.byte : 1,
-                                       "not JSON; a line is one object as decode prints it"});
+                                       "not JSON; a line must be one object, as decode prints it"});
     } catch (const Json::exception&) {
-        return mistake("not JSON that can be read; a line is one object as decode prints it");
+        return mistake("JSON that cannot be read; a line must be one object, as decode prints it");
     }
 }
 
 tl::expected<void, JsonMistake> read_channels(const Json& channels, ChannelFrame& frame) {
     if (!channels.is_array() || channels.size() > kChannelCount) {
         return mistake(fmt::format(
-            "\"channels\" must be a list of at most {} pulses in microseconds, null where absent",
+            "\"channels\" must be a list of at most {} pulses in microseconds, null if absent",
             kChannelCount));
     }
     for (std::size_t channel = 0; channel < channels.size(); ++channel) {
@@ -93,7 +93,7 @@ tl::expected<std::optional<Duration>, JsonMistake> read_start(const Json& object
     }
     const double microseconds = found->is_number() ? found->get<double>() : std::nan("");
     if (!(std::abs(microseconds) <= kMostMicroseconds)) {
-        return mistake("\"t_us\" must be a number of microseconds; leave it out where unknown");
+        return mistake("\"t_us\" must be a number of microseconds; leave it out if unknown");
     }
     return Duration(std::llround(microseconds * 1000));
 }

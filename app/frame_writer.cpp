@@ -19,7 +19,7 @@
 namespace tribus {
 namespace {
 
-/// When each frame starts.
+/// Assigns each frame its start.
 class StartTimes {
   public:
     explicit StartTimes(Duration period) : period_(period) {}
@@ -28,9 +28,9 @@ class StartTimes {
         const Duration start =
             written.start.value_or(latest_ ? *latest_ + period_ : Duration::zero());
         if (latest_ && start < *latest_) {
-            return tl::unexpected(
-                fmt::format("t_us is {}, before the {} of the frame ahead; times may not go back",
-                            whole_microseconds(start), whole_microseconds(*latest_)));
+            return tl::unexpected(fmt::format(
+                "t_us is {}, less than the {} of the frame before; times must not go back",
+                whole_microseconds(start), whole_microseconds(*latest_)));
         }
         latest_ = start;
         return start;
@@ -64,7 +64,7 @@ class SerialWriter final : public FrameWriter {
         return {};
     }
 
-    void finish(std::ostream& talk) override {
+    void finish(std::ostream& messages) override {
         std::string text;
         heading(text, Duration::zero());
         if (format_ == EncodeFormat::vcd) {
@@ -72,8 +72,8 @@ class SerialWriter final : public FrameWriter {
         }
         results_ << text;
         if (waveform_.delayed() > 0) {
-            talk << fmt::format(
-                "tribus: {} moved back, because the one ahead was still on the wire\n",
+            messages << fmt::format(
+                "tribus: {} delayed, because the frame before was still on the wire\n",
                 counted(waveform_.delayed(), "frame"));
         }
     }
@@ -116,7 +116,7 @@ class SerialWriter final : public FrameWriter {
     bool heading_written_ = false;
 };
 
-/// All CAN frames of a snapshot have its time; a bus would carry them one behind the other.
+/// All CAN frames of a snapshot get the same time; a bus would carry them one after the other.
 class CanLogWriter final : public FrameWriter {
   public:
     CanLogWriter(const ProtocolUse& use, std::string_view interface, std::ostream& results)
@@ -127,7 +127,7 @@ class CanLogWriter final : public FrameWriter {
 
     tl::expected<void, std::string> write(const WrittenFrame& written) override {
         if (written.start.value_or(Duration::zero()) < Duration::zero()) {
-            return tl::unexpected(fmt::format("t_us is {}; a log of candump has no times before 0",
+            return tl::unexpected(fmt::format("t_us is {}; a candump log has no times before 0",
                                               whole_microseconds(*written.start)));
         }
         const auto start = times_.next(written);
@@ -146,7 +146,7 @@ class CanLogWriter final : public FrameWriter {
         return {};
     }
 
-    void finish(std::ostream& /*talk*/) override {}
+    void finish(std::ostream& /*messages*/) override {}
 
   private:
     std::unique_ptr<CanEncoder> encoder_;

@@ -22,18 +22,19 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kHandsOffTime = 5s;
-/// Receivers take up to two seconds to notice, and what they do then is to be seen for a while.
+/// Receivers need up to two seconds to notice; their failsafe must be seen for some time after
+/// that.
 constexpr Duration kOffTime = 8s;
 constexpr Duration kBackTime = 3s;
 constexpr int kPollMilliseconds = 20;
 
-/// The receiver and the person, watched together.
+/// Waits for the receiver and the person at the same time.
 class Watch {
   public:
     Watch(const InputConfig& input, std::unique_ptr<Link> link)
         : collector_(input), link_(std::move(link)) {}
 
-    /// False if the device or the terminal is gone.
+    /// Returns false if the device or the terminal is gone.
     bool until_enter() {
         bool entered = false;
         while (fine_ && !entered) {
@@ -51,7 +52,7 @@ class Watch {
     const FrameCollector& collector() const { return collector_; }
 
   private:
-    /// Takes what the receiver sent; says whether the person has pressed Enter.
+    /// Receives from the device; returns true if the person pressed Enter.
     bool wait(bool for_person) {
         std::array<pollfd, 2> watched{
             {{link_->descriptor(), POLLIN, 0}, {for_person ? STDIN_FILENO : -1, POLLIN, 0}}};
@@ -88,7 +89,7 @@ class Watch {
     bool fine_ = true;
 };
 
-void say(std::string_view text) {
+void print_step(std::string_view text) {
     fmt::print(stderr, "{}\n", text);
 }
 
@@ -98,7 +99,7 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
                                                              std::size_t input) {
     if (::isatty(STDIN_FILENO) == 0) {
         return tl::unexpected(std::string(
-            "a person must switch the transmitter off and on, so this wants a terminal; without "
+            "a person must switch the transmitter off and on, so this needs a terminal; without "
             "one give a recording: --recording FILE --off-at 12s --back-at 20s"));
     }
     const auto engine = build_engine(configuration);
@@ -113,22 +114,23 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
     }
     Watch watch(configuration.inputs[input], std::move(*link));
     LearnedFrames learned;
-    say("1/4  Transmitter and receiver on. Move every stick and every switch to both of its ends,\n"
+    print_step(
+        "1/4  Transmitter and receiver on. Move every stick and every switch to both of its ends,\n"
         "     twice. Then press Enter.");
     bool fine = watch.until_enter();
     if (fine && watch.collector().frames().empty()) {
         return tl::unexpected(std::string(
-            "no frame came; `tribus run` with this configuration says what it hears instead"));
+            "no frame came; `tribus run` with this configuration says what it receives instead"));
     }
-    say("2/4  Throttle low, hands off the sticks for five seconds ...");
+    print_step("2/4  Throttle low, hands off the sticks for five seconds ...");
     fine = fine && watch.for_time(kHandsOffTime);
     learned.times.off = monotonic_now();
-    say("3/4  Switch the transmitter OFF, then press Enter and wait eight seconds.");
+    print_step("3/4  Switch the transmitter OFF, then press Enter and wait eight seconds.");
     fine = fine && watch.until_enter();
-    say("     ...");
+    print_step("     ...");
     fine = fine && watch.for_time(kOffTime);
     learned.times.back = monotonic_now();
-    say("4/4  Switch the transmitter ON again. When it is connected, press Enter.");
+    print_step("4/4  Switch the transmitter ON again. When it is connected, press Enter.");
     fine = fine && watch.until_enter() && watch.for_time(kBackTime);
     if (!fine) {
         return tl::unexpected(fmt::format("{}: the device or the terminal is gone; nothing learned",

@@ -27,11 +27,11 @@
 namespace tribus {
 namespace {
 
-/// The slowest slews of real configurations have run their course by then.
+/// Longer than the slowest slew of real configurations takes.
 constexpr Duration kSettled = std::chrono::seconds(30);
 constexpr Instant kBegin{std::chrono::seconds(1)};
 
-struct NobodyLooks final : OutputObserver {
+struct NullObserver final : OutputObserver {
     void wrote(std::size_t /*output*/, Instant /*at*/, const Transmission& /*sent*/) override {}
 };
 
@@ -39,8 +39,8 @@ struct Undamaged {
     bool operator[](std::size_t /*position*/) const { return false; }
 };
 
-/// Of a sender to `input`: where an output says how many channels it has and an input does not, as
-/// many as came.
+/// Settings for an encoder that sends to `input`. If an output has the setting "channels" and an
+/// input does not, uses the number of channels that came.
 SettingValues sender_settings(const InputConfig& input, const ChannelFrame& came) {
     SettingValues settings = input.settings;
     std::size_t count = kChannelCount;
@@ -61,10 +61,10 @@ SettingValues sender_settings(const InputConfig& input, const ChannelFrame& came
     return settings;
 }
 
-/// Says one frame again and again, as the sender of an input does.
+/// Sends one frame again and again, like the transmitter of an input.
 class Sender {
   public:
-    /// Without a codec in that direction it says nothing.
+    /// If the protocol cannot encode these settings, sends nothing.
     Sender(const InputConfig& as, const LiveInput& live, std::size_t to)
         : frame_(live.frame), interval_(live.interval), to_(to) {
         const Protocol& protocol = *as.protocol;
@@ -82,7 +82,7 @@ class Sender {
     }
 
     Instant due() const { return due_; }
-    void speak(VirtualLoop& loop) {
+    void send(VirtualLoop& loop) {
         if (encoder_) {
             std::array<std::uint8_t, kLongestSerialFrame> wire{};
             const std::size_t length = encoder_->encode(frame_, wire);
@@ -113,8 +113,8 @@ struct Settled {
     std::vector<ChannelFrame> frames;
 };
 
-/// Sticks that are still for so long are so on purpose here, and whether somebody has to lower the
-/// throttle first is another question.
+/// Removes the rules for frozen sticks and for release: here sticks stand still on purpose, and
+/// nobody can move the throttle.
 Configuration without_guards(Configuration configuration) {
     for (InputConfig& input : configuration.inputs) {
         input.supervision.frozen = Duration::zero();
@@ -131,8 +131,8 @@ Settled settle(const Configuration& configuration, std::vector<Sender> senders) 
     const Configuration open = without_guards(configuration);
     const auto engine = build_engine(open);
     const auto values = build_value_engine(open, *engine);
-    NobodyLooks nobody;
-    VirtualLoop loop(*engine, nobody, kBegin, values.get());
+    NullObserver observer;
+    VirtualLoop loop(*engine, observer, kBegin, values.get());
     const Instant end = later(kBegin, kSettled);
     const auto sooner = [](const Sender& a, const Sender& b) { return a.due() < b.due(); };
     while (!senders.empty()) {
@@ -140,7 +140,7 @@ Settled settle(const Configuration& configuration, std::vector<Sender> senders) 
         if (next->due() >= end) {
             break;
         }
-        next->speak(loop);
+        next->send(loop);
     }
     loop.run_until(end);
     Settled settled;
@@ -181,8 +181,8 @@ std::string all_channels(const ChannelFrame& frame) {
     return text;
 }
 
-/// What the sender of that input says reaches this one, whatever it makes of it.
-bool hears(const InputConfig& input, const InputConfig& sender) {
+/// True if `input` receives what the sender of the other input sends.
+bool receives_from(const InputConfig& input, const InputConfig& sender) {
     return same_device(input.port, sender.port) && input.port.line == sender.port.line;
 }
 
@@ -193,7 +193,7 @@ std::string heading(const Configuration& running,
         text += fmt::format("{}{} {}", i == 0 ? " (" : ", ", running.inputs[i].name,
                             !inputs[i]              ? "not good"
                             : before.inputs_good[i] ? "good"
-                                                    : "good, but not to be repeated here");
+                                                    : "good, but cannot be reproduced here");
     }
     return text + (inputs.empty() ? ":\n" : "):\n");
 }
@@ -238,7 +238,7 @@ std::string live_difference(const Configuration& running, const Configuration& f
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         for (std::size_t to = 0; inputs[i] && to < fresh.inputs.size(); ++to) {
-            if (hears(fresh.inputs[to], running.inputs[i])) {
+            if (receives_from(fresh.inputs[to], running.inputs[i])) {
                 to_fresh.emplace_back(running.inputs[i], *inputs[i], to);
             }
         }

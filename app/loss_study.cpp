@@ -12,10 +12,10 @@
 namespace tribus {
 namespace {
 
-/// A stray frame or two around the switching prove nothing.
+/// A few stray frames around the switching prove nothing.
 constexpr double kNearlyAll = 0.95;
 constexpr double kNearlyNone = 0.02;
-/// Below the stick range on every transmitter, with the end points opened.
+/// Below the stick range of every transmitter, even with extended end points.
 constexpr int kSuggestedPulse = 900;
 constexpr Duration kLeastFrozen = std::chrono::seconds(2);
 
@@ -32,10 +32,10 @@ double share(StudiedFrames frames, Predicate predicate) {
                                 static_cast<double>(frames.size());
 }
 
-bool says_failsafe(const StudiedFrame& studied) {
+bool has_failsafe_flag(const StudiedFrame& studied) {
     return studied.frame.failsafe;
 }
-bool says_frame_lost(const StudiedFrame& studied) {
+bool has_frame_lost_flag(const StudiedFrame& studied) {
     return studied.frame.frame_lost && !studied.frame.failsafe;
 }
 
@@ -68,11 +68,12 @@ Duration whole_seconds(Duration duration) {
     return std::chrono::ceil<std::chrono::seconds>(duration);
 }
 
-/// The frames of a study by what the person was doing.
+/// The frames of a study, by what the person did.
 struct Phases {
     StudiedFrames flown;
     StudiedFrames off;
-    StudiedFrames settled;  ///< long after that: receivers take up to two seconds to notice
+    StudiedFrames
+        settled;  ///< the second half of `off`: receivers need up to two seconds to notice
     StudiedFrames back;
 };
 
@@ -95,7 +96,8 @@ class Study {
         if (phases_.flown.empty()) {
             result_.findings.emplace_back("no frame came while the transmitter was on");
             result_.advice.emplace_back(
-                "check wire, ground, protocol and binding first; `tribus run` says what it hears");
+                "check wire, ground, protocol and binding first; `tribus run` says what it "
+                "receives");
             return std::move(result_);
         }
         check_flags();
@@ -107,12 +109,12 @@ class Study {
     }
 
   private:
-    void say(std::string finding) { result_.findings.push_back(std::move(finding)); }
+    void add_finding(std::string finding) { result_.findings.push_back(std::move(finding)); }
     void line(std::string text) { result_.lines.push_back(std::move(text)); }
     void check_flags();
     void find_detector();
     void find_by_values();
-    void find_by_standing();
+    void find_by_frozen_values();
     void find_zero_guard();
     void play();
     void give_advice();
@@ -122,16 +124,16 @@ class Study {
     LossStudyResult result_;
 };
 
-/// A flag that stands while everything is fine says nothing.
+/// A flag that is set while the transmitter is on is useless.
 void Study::check_flags() {
     SupervisionSettings& supervision = result_.supervision;
-    if (share(phases_.flown, says_failsafe) > kNearlyNone && supervision.failsafe_flag) {
-        say("the receiver says failsafe while the transmitter is on");
+    if (share(phases_.flown, has_failsafe_flag) > kNearlyNone && supervision.failsafe_flag) {
+        add_finding("the receiver says failsafe while the transmitter is on");
         supervision.failsafe_flag = false;
         line("failsafe_flag = false");
     }
-    if (share(phases_.flown, says_frame_lost) > kNearlyAll && supervision.frame_lost_flag) {
-        say("the receiver marks every frame as lost, although the transmitter is on");
+    if (share(phases_.flown, has_frame_lost_flag) > kNearlyAll && supervision.frame_lost_flag) {
+        add_finding("the receiver marks every frame as lost, although the transmitter is on");
         supervision.frame_lost_flag = false;
         line("frame_lost_flag = false");
     }
@@ -144,18 +146,22 @@ void Study::find_detector() {
         supervision.timeout = 2 * gap;
         line(fmt::format("timeout = \"{}ms\"",
                          std::chrono::ceil<std::chrono::milliseconds>(2 * gap).count()));
-        say(fmt::format("frames came up to {} apart while the transmitter was on",
+        add_finding(
+            fmt::format("frames came up to {} apart while the transmitter was on",
                         format_duration(std::chrono::ceil<std::chrono::milliseconds>(gap))));
     }
     if (phases_.settled.empty()) {
-        say(phases_.off.empty() ? std::string("the receiver stops sending at once")
-                                : fmt::format("the receiver stops sending {} after the switch",
-                                              seconds_text(phases_.off.back().at - times_.off)));
-    } else if (share(phases_.settled, says_failsafe) > kNearlyAll && supervision.failsafe_flag) {
-        say("the receiver goes on sending and says failsafe");
-    } else if (share(phases_.settled, says_frame_lost) > kNearlyAll &&
+        add_finding(phases_.off.empty()
+                        ? std::string("the receiver stops sending at once")
+                        : fmt::format("the receiver stops sending {} after the switch",
+                                      seconds_text(phases_.off.back().at - times_.off)));
+    } else if (share(phases_.settled, has_failsafe_flag) > kNearlyAll &&
+               supervision.failsafe_flag) {
+        add_finding("the receiver goes on sending and says failsafe");
+    } else if (share(phases_.settled, has_frame_lost_flag) > kNearlyAll &&
                supervision.frame_lost_flag) {
-        say("the receiver goes on sending and marks every frame as lost, but never says failsafe");
+        add_finding(
+            "the receiver goes on sending and marks every frame as lost, but never says failsafe");
     } else if (!supervision.failsafe_when.empty() &&
                share(phases_.settled, [&](const StudiedFrame& studied) {
                    return std::ranges::any_of(supervision.failsafe_when, [&](const ValueRule& r) {
@@ -163,7 +169,8 @@ void Study::find_detector() {
                                          : r.matches(studied.frame);
                    });
                }) > kNearlyAll) {
-        say("the receiver goes on sending, and failsafe_when recognises its values already");
+        add_finding(
+            "the receiver goes on sending, and failsafe_when recognises its values already");
     } else {
         find_by_values();
     }
@@ -177,11 +184,11 @@ void Study::find_by_values() {
                     return all_at(studied.frame, *zero);
                 }) > kNearlyAll) {
         rule = ValueRule{.all_zero = true};
-        say("the receiver goes on sending, without a flag, all channels at zero");
-    } else if ((rule = rule_that_tells(phases_.flown, phases_.settled))) {
+        add_finding("the receiver goes on sending, without a flag, all channels at zero");
+    } else if ((rule = rule_for_loss(phases_.flown, phases_.settled))) {
         const PulseRange lost = *pulses_of(phases_.settled, rule->channel);
         const PulseRange flown = *pulses_of(phases_.flown, rule->channel);
-        say(
+        add_finding(
             fmt::format("the receiver goes on sending, without a flag; channel {} is then {} us, "
                         "and {} to {} us while the transmitter is on",
                         rule->channel + 1, lost.low.whole_microseconds(),
@@ -192,20 +199,22 @@ void Study::find_by_values() {
         line(fmt::format("failsafe_when = [{{ {} }}]", rule_text(*rule)));
         return;
     }
-    find_by_standing();
+    find_by_frozen_values();
 }
 
-/// The last resort: values that are held stand still, those of a transmitter hardly ever do.
-void Study::find_by_standing() {
+/// Last resort: held values do not change, those of a transmitter nearly always do.
+void Study::find_by_frozen_values() {
     const bool held =
         longest_still(phases_.settled) == phases_.settled.back().at - phases_.settled.front().at;
     const Duration still = longest_still(phases_.flown);
-    say(held ? "the receiver goes on sending, without a flag, values that could be flown and do "
+    add_finding(
+        held ? "the receiver goes on sending, without a flag, values that could be flown and do "
                "not change"
              : "the receiver goes on sending, without a flag, values that could be flown");
     const Duration frozen = std::max(kLeastFrozen, whole_seconds(3 * still));
     if (held && frozen <= (times_.back - times_.off) / 2) {
-        say(fmt::format("while the transmitter was on its values stood still for {} at most",
+        add_finding(
+            fmt::format("while the transmitter was on its values stood still for {} at most",
                         seconds_text(still)));
         result_.supervision.frozen = frozen;
         line(fmt::format("frozen = \"{}\"", format_duration(frozen)));
@@ -216,7 +225,7 @@ void Study::find_by_standing() {
     }
 }
 
-/// Receivers that clear their flag before their channels are back.
+/// For receivers that clear their flag before their channels are back.
 void Study::find_zero_guard() {
     const auto zero = result_.supervision.raw_zero;
     if (!zero) {
@@ -241,7 +250,7 @@ void Study::find_zero_guard() {
         return;
     }
     const Duration lasted = *last - *first;
-    say(
+    add_finding(
         fmt::format("when the transmitter is back, channels stay at zero for {} after the flag is "
                     "gone",
                     seconds_text(lasted)));
@@ -251,7 +260,7 @@ void Study::find_zero_guard() {
     }
 }
 
-/// The frames through the detectors: is the loss found, is nothing else taken for one?
+/// Plays the frames through the detectors: they must find the loss and nothing else.
 void Study::play() {
     LinkSupervisor link(result_.supervision);
     bool false_alarm = false;
@@ -286,7 +295,7 @@ void Study::play() {
         }
     }
     if (false_alarm) {
-        say("with these detectors the link would be lost now and then while all is fine");
+        add_finding("with these detectors the link would sometimes be lost while nothing is wrong");
     }
 }
 
@@ -297,13 +306,14 @@ void Study::give_advice() {
     result_.lines.clear();
     result_.advice.insert(
         result_.advice.begin(),
-        fmt::format("The loss of this receiver cannot be told from a pilot who holds still. Give "
-                    "it a failsafe on the transmitter: a throttle of about {} us, below its "
-                    "stick's range. Where the transmitter allows no such value, open the end point "
-                    "of the throttle (-120 %), store the failsafe with the stick at its low end, "
-                    "and set the end point back. If the receiver can stop sending (\"no pulses\", "
-                    "\"cut\"), choose that. Then learn again.",
-                    kSuggestedPulse));
+        fmt::format(
+            "The loss of this receiver looks the same as a pilot who holds the sticks still. Set a "
+            "failsafe on the transmitter: a throttle of about {} us, below its "
+            "stick's range. Where the transmitter allows no such value, open the end point "
+            "of the throttle (-120 %), store the failsafe with the stick at its low end, "
+            "and set the end point back. If the receiver can stop sending (\"no pulses\", "
+            "\"cut\"), choose that. Then learn again.",
+            kSuggestedPulse));
 }
 
 }  // namespace

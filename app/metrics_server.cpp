@@ -21,7 +21,7 @@ namespace {
 
 using Refused = tl::unexpected<std::string>;
 
-/// A scraper asks one thing and leaves; there are one or two of them.
+/// A scraper sends one request and leaves; there are one or two of them.
 constexpr std::size_t kMostClients = 4;
 constexpr std::size_t kLongestHead = 4096;
 constexpr Duration kClientPatience = std::chrono::seconds(5);
@@ -32,7 +32,8 @@ struct AddressDeleter {
 };
 using Address = std::unique_ptr<addrinfo, AddressDeleter>;
 
-/// An empty one would be any, and of one that is too large getaddrinfo(3) takes the lower 16 bits.
+/// getaddrinfo(3) would accept an empty port as any, and of one that is too large its lower 16
+/// bits.
 bool is_port(const std::string& text) {
     std::uint16_t port = 0;
     const auto read = std::from_chars(text.data(), text.data() + text.size(), port);
@@ -73,23 +74,24 @@ bool is_loopback(const addrinfo& address) {
 tl::expected<UniqueFd, std::string> listen_on(const std::string& text, MetricsReach reach) {
     const Address address = resolve(text);
     if (!address) {
-        return Refused(fmt::format(
-            "metrics cannot be told at \"{}\"; allowed: \"127.0.0.1:9464\", \"[::1]:9464\", or the "
-            "path of a local socket",
-            text));
+        return Refused(
+            fmt::format("metrics cannot be served at \"{}\"; allowed: \"127.0.0.1:9464\", "
+                        "\"[::1]:9464\", or the path of a local socket",
+                        text));
     }
     if (reach == MetricsReach::local && !is_loopback(*address)) {
-        return Refused(fmt::format(
-            "{} can be reached from the network, and nothing asks who it is; 127.0.0.1 and [::1] "
-            "cannot, or say --metrics-public",
-            text));
+        return Refused(
+            fmt::format("{} can be reached from the network, and nothing asks who reads; use "
+                        "127.0.0.1 or [::1], or allow it with --metrics-public",
+                        text));
     }
     UniqueFd socket(::socket(address->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     const int on = 1;
     ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (!socket.valid() || ::bind(socket.get(), address->ai_addr, address->ai_addrlen) != 0 ||
         ::listen(socket.get(), static_cast<int>(kMostClients)) != 0) {
-        return Refused(fmt::format("metrics cannot be told at {}: {}", text, std::strerror(errno)));
+        return Refused(
+            fmt::format("metrics cannot be served at {}: {}", text, std::strerror(errno)));
     }
     return socket;
 }
@@ -119,7 +121,7 @@ bool same_but_for_case(std::string_view a, std::string_view b) {
         [](unsigned char c) { return std::tolower(c); });
 }
 
-/// An address of either kind, or localhost, with a port or without.
+/// True for an IP address or localhost, with or without a port.
 bool is_own_host(std::string_view host) {
     const std::size_t bracket = host.find(']');
     const bool v6 = host.starts_with('[') && bracket != std::string_view::npos;
@@ -130,7 +132,7 @@ bool is_own_host(std::string_view host) {
                     ::inet_pton(AF_INET, name.c_str(), &address) == 1;
 }
 
-/// No browser leaves the line out.
+/// Requests without a Host line pass: every browser sends one.
 bool asks_this_machine(std::string_view head) {
     constexpr std::string_view kHost = "host:";
     while (!head.empty()) {
@@ -161,7 +163,7 @@ std::string http_response(std::string_view head, HostNames allowed,
     }
     if (allowed == HostNames::own && !asks_this_machine(head)) {
         return response("421 Misdirected Request",
-                        "ask for an address or localhost, not another name\n");
+                        "the host must be an address or localhost, not another name\n");
     }
     std::string_view path = line.substr(target + 1, version - target - 1);
     path = path.substr(0, path.find('?'));

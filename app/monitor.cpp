@@ -49,7 +49,7 @@ class Monitor {
         : link_(std::move(link)), options_(std::move(options)), wait_(std::move(wait)) {}
 
     int run() {
-        link_.tend(monotonic_now());
+        link_.reconnect(monotonic_now());
         if (!link_.connected()) {
             return complain(link_.problem(), kExitFailed);
         }
@@ -65,7 +65,7 @@ class Monitor {
 
   private:
     int follow(Duration period, bool live) {
-        // A line is told once there is something to tell.
+        // The first line comes after one period, when there is something to show.
         Instant next_show = later(monotonic_now(), live ? Duration::zero() : period);
         while (!quit_) {
             std::vector<int> watched;
@@ -96,7 +96,7 @@ class Monitor {
         return kExitFine;
     }
 
-    /// A status, where that ends it all.
+    /// Returns the exit status if the monitor must end.
     std::optional<int> take_objects() {
         const bool was_connected = link_.connected();
         for (std::string& line : link_.read()) {
@@ -120,7 +120,7 @@ class Monitor {
                            : std::nullopt;
             }
         }
-        link_.tend(monotonic_now());
+        link_.reconnect(monotonic_now());
         if (was_connected && !link_.connected() && options_.format == kJson) {
             fmt::print(stderr, "tribus: {}\n", link_.problem());
         }
@@ -178,13 +178,14 @@ class Monitor {
 int monitor_daemon(const MonitorOptions& options) {
     const auto period = parse_duration(options.period);
     if (!period) {
-        return complain("--period is no duration; allowed: such as \"200ms\"", kExitWrongUse);
+        return complain("--period must be a duration such as \"200ms\"", kExitWrongUse);
     }
     const auto socket = find_daemon(options.name, options.socket);
     if (!socket) {
         return complain(socket.error(), kExitFailed);
     }
-    // A reader that goes away (`| head`) ends it, and the terminal is set right at any end.
+    // When the reader of the output goes away (`| head`), the monitor ends normally and restores
+    // the terminal.
     std::signal(SIGPIPE, SIG_IGN);
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP, SIGWINCH});
     if (!wait) {
@@ -204,25 +205,24 @@ Command monitor_command() {
             "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll,\n"
             "p pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
             "restarts.",
-        .options =
-            {{.name = "NAME",
-              .value = &options->name,
-              .help = "Which daemon, by its configuration file's name; needed where several run"},
-             {.name = "--socket",
-              .value = &options->socket,
-              .help = "Its control socket, where that is elsewhere"},
-             {.name = "--format",
-              .value = &options->format,
-              .help = "text, or json: one object a line",
-              .shows_value = true,
-              .choices = {"text", "json"}},
-             {.name = "--period",
-              .value = &options->period,
-              .help = "How often it tells, 50ms to 60s",
-              .shows_value = true},
-             {.name = "--once",
-              .value = &options->once,
-              .help = "End after the first object or line"}},
+        .options = {{.name = "NAME",
+                     .value = &options->name,
+                     .help = "Name of the daemon's configuration file; needed if several run"},
+                    {.name = "--socket",
+                     .value = &options->socket,
+                     .help = "Its control socket, if it is not in the default place"},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "text, or json: one object a line",
+                     .shows_value = true,
+                     .choices = {"text", "json"}},
+                    {.name = "--period",
+                     .value = &options->period,
+                     .help = "Time from one status to the next, 50ms to 60s",
+                     .shows_value = true},
+                    {.name = "--once",
+                     .value = &options->once,
+                     .help = "End after the first object or line"}},
         .run = [options] { return monitor_daemon(*options); },
     };
 }

@@ -14,7 +14,7 @@ namespace tribus {
 namespace {
 
 constexpr Duration kTryPeriod = std::chrono::milliseconds(500);
-/// No daemon has as much to say in one object.
+/// Upper limit of one object; no daemon sends a larger one.
 constexpr std::size_t kLongestObject = std::size_t{4} << 20U;
 constexpr std::size_t kReadsAtOnce = 64;
 
@@ -26,7 +26,7 @@ void MonitorLink::lose(std::string why) {
     problem_ = std::move(why);
 }
 
-void MonitorLink::tend(Instant now) {
+void MonitorLink::reconnect(Instant now) {
     if (connected() || now < next_try_) {
         return;
     }
@@ -41,7 +41,7 @@ void MonitorLink::tend(Instant now) {
     const std::string request = fmt::format(
         "watch {}us\n", std::chrono::duration_cast<std::chrono::microseconds>(period_).count());
     if (::send(descriptor_.get(), request.data(), request.size(), MSG_NOSIGNAL) < 0) {
-        lose("the daemon at " + path_ + " has gone");
+        lose("the daemon at " + path_ + " is gone");
     }
 }
 
@@ -69,7 +69,7 @@ std::vector<std::string> MonitorLink::read() {
     }
     received_.erase(0, begin);
     if (gone) {
-        lose("the daemon at " + path_ + " has gone; waiting for it");
+        lose("the daemon at " + path_ + " is gone; waiting for it");
     } else if (received_.size() > kLongestObject) {
         lose("what answers at " + path_ + " is no tribus");
     }

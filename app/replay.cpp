@@ -28,12 +28,12 @@
 namespace tribus {
 namespace {
 
-/// What is later than that is not sent any more: it would stand among what came after it.
+/// Later items are not sent: they would mix with those that follow.
 constexpr Duration kMostLateness = std::chrono::milliseconds(50);
-/// So long before a deadline the wait, which knows milliseconds only, gives way to an exact one.
+/// For the last part before a deadline: `MainWait` knows only milliseconds.
 constexpr Duration kExactWait = std::chrono::milliseconds(3);
 constexpr Duration kLinger = std::chrono::milliseconds(100);
-/// From the opening to the first burst.
+/// Time from opening the port to the first burst.
 constexpr Duration kLead = std::chrono::milliseconds(20);
 
 struct ReplayOptions {
@@ -50,27 +50,27 @@ struct Figures {
     std::vector<Duration> lateness;
 };
 
-/// Where no times were kept: so much from one burst to the next.
+/// Time from one burst to the next in a recording without times.
 tl::expected<Duration, std::string> untimed_period(const ReplayOptions& options,
                                                    const Recording& recording) {
     if (recording.timed) {
         return Duration::zero();
     }
     if (recording.kind == RecordingKind::raw) {
-        return tl::unexpected(std::string(
-            "raw bytes say neither when they came nor where a frame begins; `tribus decode` and "
-            "`tribus encode --format timed` make a recording with times of them"));
+        return tl::unexpected(
+            std::string("raw bytes have neither times nor frame limits; `tribus decode` and "
+                        "`tribus encode --format timed` make a recording with times from them"));
     }
     if (!options.period.empty()) {
         const auto period = parse_duration(options.period);
         return period && *period > Duration::zero()
                    ? tl::expected<Duration, std::string>(*period)
-                   : tl::unexpected(std::string("--period wants a duration such as \"7ms\""));
+                   : tl::unexpected(std::string("--period must be a duration such as \"7ms\""));
     }
     if (options.place.protocol.empty()) {
-        return tl::unexpected(std::string(
-            "this recording has no times; --period 7ms says how far apart its lines are sent, or "
-            "--protocol whose usual period"));
+        return tl::unexpected(
+            std::string("this recording has no times; set the time from line to line with --period "
+                        "7ms, or use a protocol's period with --protocol"));
     }
     const auto use = serial_use(options.place.protocol, options.place.baud);
     return use ? tl::expected<Duration, std::string>(usual_period(*use))
@@ -93,7 +93,7 @@ std::vector<ReplayItem> items_of(const Recording& recording, Duration period, do
     return items;
 }
 
-/// From the last item of one round to the first of the next: as between most.
+/// Time from the last item of a round to the first of the next: the median gap.
 Duration usual_gap(const std::vector<ReplayItem>& items) {
     std::vector<Duration> gaps{std::chrono::milliseconds(1)};
     for (std::size_t i = 1; i < items.size(); ++i) {
@@ -103,12 +103,12 @@ Duration usual_gap(const std::vector<ReplayItem>& items) {
     return std::max<Duration>(gaps[gaps.size() / 2], std::chrono::microseconds(100));
 }
 
-/// Sends item after item at its instant, which is counted from the start and so never drifts.
+/// Sends each item at its instant, counted from the start, so that it never drifts.
 class Player {
   public:
     Player(ReplayTarget& target, MainWait& wait) : target_(target), wait_(wait) {}
 
-    /// False where it is over: by a signal, or because the target is gone.
+    /// Returns false if a signal ended it or the target is gone.
     bool play(const std::vector<ReplayItem>& items, Instant start) {
         for (const ReplayItem& item : items) {
             const Instant due = start + item.at;
@@ -173,10 +173,10 @@ void report(Figures& figures, bool can, Duration took) {
                    milliseconds(late[late.size() / 2]), milliseconds(late.back()));
     }
     if (figures.skipped > 0) {
-        fmt::print(stderr, "; {} left out: more than 50 ms late", figures.skipped);
+        fmt::print(stderr, "; {} left out, more than 50 ms late", figures.skipped);
     }
     if (figures.refused > 0) {
-        fmt::print(stderr, "; {} lost: no room, or nobody reads", figures.refused);
+        fmt::print(stderr, "; {} lost, no room or nobody reads", figures.refused);
     }
     fmt::print(stderr, "\n");
 }
@@ -205,7 +205,7 @@ int replay(const ReplayOptions& options) {
     }
     const auto items = items_of(*recording, *period, options.speed);
     if (items.empty()) {
-        return complain(options.file + ": there is nothing in it to send", kExitFailed);
+        return complain(options.file + ": contains nothing to send", kExitFailed);
     }
     if (auto checked = check_replay_place(options.place, *recording); !checked) {
         return complain(options.file + ": " + checked.error(), kExitWrongUse);
@@ -231,7 +231,7 @@ int replay(const ReplayOptions& options) {
         start += round;
     }
     const Duration took = monotonic_now() - begin;
-    // Whoever reads may still have some of it to take before the port goes.
+    // The reader may still have to read data before the port closes.
     wait->until(later(monotonic_now(), kLinger));
     report(player.figures(), can, took);
     return player.gone() ? complain(options.place.to + " is gone", kExitFailed) : kExitFine;
@@ -245,40 +245,36 @@ Command replay_command() {
         .name = "replay",
         .help = "Send a recording with its timing into a pty, a serial device or a CAN interface",
         .footer =
-            "It begins with the first burst or frame; into a pty, once somebody has opened it. At "
-            "the\n"
-            "end it says how late it was; what is more than 50 ms late is left out.",
-        .options =
-            {{.name = "FILE",
-              .value = &options->file,
-              .help = "Recording, as decode and simulate read it",
-              .required = true},
-             {.name = "--to",
-              .value = &options->place.to,
-              .help = "pty: a new pseudo-terminal, whose name is printed; or a serial device, or a "
-                      "CAN interface",
-              .required = true},
-             {.name = "--link",
-              .value = &options->place.link,
-              .help = "Path that leads to the new pseudo-terminal while it is there"},
-             {.name = "--speed",
-              .value = &options->speed,
-              .help = "2: twice as fast",
-              .shows_value = true,
-              .range = {{0.001, 1000}}},
-             {.name = "--loop",
-              .value = &options->loop,
-              .help = "From the beginning again, until Ctrl-C"},
-             {.name = "--protocol",
-              .value = &options->place.protocol,
-              .help = "What a serial line speaks: its rate, parity and stop bits",
-              .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
-             {.name = "--baud",
-              .value = &options->place.baud,
-              .help = "Another rate than the protocol's own"},
-             {.name = "--period",
-              .value = &options->period,
-              .help = "From line to line of a recording without times"}},
+            "It begins with the first burst or frame; with a pty, as soon as a program opens it. "
+            "At\nthe end it prints how late it was; anything more than 50 ms late is left out.",
+        .options = {{.name = "FILE",
+                     .value = &options->file,
+                     .help = "Recording, as decode and simulate read it",
+                     .required = true},
+                    {.name = "--to",
+                     .value = &options->place.to,
+                     .help = "pty: a new pseudo-terminal, whose name is printed; or a serial "
+                             "device or CAN interface",
+                     .required = true},
+                    {.name = "--link",
+                     .value = &options->place.link,
+                     .help = "Symbolic link to the new pseudo-terminal"},
+                    {.name = "--speed",
+                     .value = &options->speed,
+                     .help = "2: twice as fast",
+                     .shows_value = true,
+                     .range = {{0.001, 1000}}},
+                    {.name = "--loop", .value = &options->loop, .help = "Repeat until Ctrl-C"},
+                    {.name = "--protocol",
+                     .value = &options->place.protocol,
+                     .help = "Protocol of a serial line; sets rate, parity and stop bits",
+                     .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
+                    {.name = "--baud",
+                     .value = &options->place.baud,
+                     .help = "Rate, if it is not the protocol's own"},
+                    {.name = "--period",
+                     .value = &options->period,
+                     .help = "Time from line to line of a recording without times"}},
         .run = [options] { return replay(*options); },
     };
 }

@@ -30,7 +30,7 @@ namespace {
 using Refused = tl::unexpected<std::string>;
 using Opened = tl::expected<std::unique_ptr<ReplayTarget>, std::string>;
 
-/// A new pseudo-terminal, and perhaps a link with a name that stays the same.
+/// A new pseudo-terminal, with an optional symbolic link of a fixed name.
 class PtyTarget final : public ReplayTarget {
   public:
     PtyTarget(Pty pty, std::string link)
@@ -38,7 +38,7 @@ class PtyTarget final : public ReplayTarget {
     PtyTarget(const PtyTarget&) = delete;
     PtyTarget& operator=(const PtyTarget&) = delete;
     ~PtyTarget() override {
-        // Somebody may have put another thing in its place, which may have got its inode.
+        // Somebody may have replaced the link by another file, which may even have its inode.
         if (link_inode_ && inode_of(link_) == link_inode_ && leads_to(link_, pty_.path)) {
             ::unlink(link_.c_str());
         }
@@ -49,8 +49,8 @@ class PtyTarget final : public ReplayTarget {
         if (!pty) {
             return Refused(pty.error());
         }
-        // From now on the master knows whether somebody has it open. Until a reader has set it up,
-        // it neither echoes nor changes anything.
+        // From now on the master can tell whether the slave side is open. In raw mode it neither
+        // echoes nor changes anything before the reader configures it.
         const UniqueFd slave(::open(pty->path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
         termios settings{};
         if (!slave.valid() || ::tcgetattr(slave.get(), &settings) != 0) {
@@ -68,16 +68,16 @@ class PtyTarget final : public ReplayTarget {
 
     bool wait_for_reader(MainWait& wait) override {
         if (!has_reader()) {
-            fmt::print(stderr, "waiting for somebody who opens {}\n",
+            fmt::print(stderr, "waiting for a program to open {}\n",
                        link_.empty() ? pty_.path : link_);
         }
         while (!has_reader()) {
-            if (wait.until(later(monotonic_now(), kLook))) {
+            if (wait.until(later(monotonic_now(), kPollPeriod))) {
                 return false;
             }
         }
-        // Who opens a port throws away what came before.
-        return !wait.until(later(monotonic_now(), kSettle));
+        // A program that opens a port usually discards earlier input.
+        return !wait.until(later(monotonic_now(), kReaderPause));
     }
 
     ReplayOutcome send(const ReplayItem& item) override {
@@ -91,8 +91,8 @@ class PtyTarget final : public ReplayTarget {
     }
 
   private:
-    static constexpr Duration kLook = std::chrono::milliseconds(10);
-    static constexpr Duration kSettle = std::chrono::milliseconds(100);
+    static constexpr Duration kPollPeriod = std::chrono::milliseconds(10);
+    static constexpr Duration kReaderPause = std::chrono::milliseconds(100);
 
     static tl::expected<void, std::string> put_link(const std::string& link,
                                                     const std::string& path) {
@@ -100,11 +100,10 @@ class PtyTarget final : public ReplayTarget {
             return {};
         }
         if (::symlink(path.c_str(), link.c_str()) != 0) {
-            return Refused(errno == EEXIST
-                               ? fmt::format("--link {}: is there already; remove it, or choose "
-                                             "another name",
-                                             link)
-                               : fmt::format("--link {}: {}", link, std::strerror(errno)));
+            return Refused(
+                errno == EEXIST
+                    ? fmt::format("--link {}: exists; remove it, or choose another name", link)
+                    : fmt::format("--link {}: {}", link, std::strerror(errno)));
         }
         return {};
     }
@@ -152,7 +151,7 @@ class CanTarget final : public ReplayTarget {
   public:
     explicit CanTarget(std::unique_ptr<CanSocket> socket) : socket_(std::move(socket)) {}
 
-    /// Waits until the frame before has gone, which a working bus does in a moment.
+    /// Waits until the frame before is sent, which takes a working bus only a moment.
     ReplayOutcome send(const ReplayItem& item) override {
         const Instant end = later(monotonic_now(), kPatience);
         WriteStatus status = WriteStatus::busy;
@@ -224,7 +223,8 @@ tl::expected<void, std::string> check_replay_place(const ReplayPlace& place,
     const bool pty = place.to == kNewPty;
     if (can != (!pty && !is_device_path(place.to))) {
         return Refused(
-            can ? fmt::format("this is a log of CAN frames, and {} is no CAN interface", place.to)
+            can ? fmt::format("this is a log of CAN frames, and {} is not a CAN interface",
+                              place.to)
                 : fmt::format("these are bytes of a serial line; --to takes \"pty\" or "
                               "the path of a device, {} is neither",
                               place.to));

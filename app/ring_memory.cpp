@@ -25,11 +25,11 @@ using Failed = tl::unexpected<std::string>;
 
 constexpr const char* kRingFolder = "recorder";
 constexpr const char* kLeft = "recorder-left";
-/// What a process has begun to read.
+/// Data that a process has begun to read.
 constexpr const char* kTaken = "recorder-taken";
 
-/// Of any kind; a link that leads nowhere too.
-bool there_is(const fs::path& path) {
+/// True for any kind of file, also for a dangling link.
+bool has_entry(const fs::path& path) {
     std::error_code error;
     return fs::symlink_status(path, error).type() != fs::file_type::not_found;
 }
@@ -39,7 +39,7 @@ bool there_is(const fs::path& path) {
 tl::expected<RingMemory, std::string> RingMemory::map(int flags, int fd, std::size_t bytes) {
     void* begin = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, flags | MAP_POPULATE, fd, 0);
     if (begin == MAP_FAILED) {
-        return Failed(fmt::format("no memory for it: {}", std::strerror(errno)));
+        return Failed(fmt::format("cannot get memory: {}", std::strerror(errno)));
     }
     return RingMemory(static_cast<std::byte*>(begin), bytes);
 }
@@ -53,7 +53,7 @@ tl::expected<RingMemory, std::string> RingMemory::in_file(const fs::path& path, 
     if (!file.valid()) {
         return file_error(path, errno);
     }
-    // All of it now: a page that cannot be had later would end the process.
+    // Allocates all pages now: a page that is missing later would kill the process.
     if (const int error = ::posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)); error != 0) {
         ::unlink(path.c_str());
         return file_error(path, error);
@@ -71,9 +71,9 @@ tl::expected<RingMemory, std::string> RingMemory::copy_of(const fs::path& path, 
         return Failed(fmt::format("{} is not a file", path.string()));
     }
     if (told.st_size <= 0 || static_cast<std::uintmax_t>(told.st_size) > most) {
-        return Failed(fmt::format("{} has {} bytes", path.string(), told.st_size));
+        return Failed(fmt::format("{} has a wrong size, {} bytes", path.string(), told.st_size));
     }
-    // Read, not mapped: a file that shrinks would end the process.
+    // Read, not mapped: a mapped file that shrinks would kill the process.
     auto memory = anonymous(static_cast<std::size_t>(told.st_size));
     for (std::size_t at = 0; memory && at < memory->bytes_;) {
         const ssize_t count = ::read(file.get(), memory->begin_ + at, memory->bytes_ - at);
@@ -91,28 +91,28 @@ RingMemory::~RingMemory() {
     }
 }
 
-std::optional<fs::path> RingHome::take_left() const {
+std::optional<fs::path> RingDirectory::take_left() const {
     const fs::path left = path_.parent_path() / kLeft;
     const fs::path taken = path_.parent_path() / kTaken;
     std::error_code error;
-    if (!there_is(left)) {
+    if (!has_entry(left)) {
         return std::nullopt;
     }
     fs::rename(left, taken, error);
     return error ? std::nullopt : std::optional(taken);
 }
 
-void RingHome::remove_left() const {
+void RingDirectory::remove_left() const {
     std::error_code ignored;
     fs::remove_all(path_.parent_path() / kTaken, ignored);
 }
 
-void RingHome::put_left_back() const {
+void RingDirectory::put_left_back() const {
     std::error_code ignored;
     fs::rename(path_.parent_path() / kTaken, path_.parent_path() / kLeft, ignored);
 }
 
-tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_directory) {
+tl::expected<RingDirectory, std::string> RingDirectory::open(const fs::path& runtime_directory) {
     if (runtime_directory.empty()) {
         return Failed("no RUNTIME_DIRECTORY is set");
     }
@@ -121,7 +121,7 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     if (!lock.valid() || ::fstatfs(lock.get(), &filesystem) != 0) {
         return file_error(runtime_directory, errno);
     }
-    // On a disk, its driver could make the data thread wait.
+    // On a disk, the driver could delay the data thread.
     if (filesystem.f_type != TMPFS_MAGIC && filesystem.f_type != RAMFS_MAGIC) {
         return Failed(fmt::format("{} is not in memory (tmpfs)", runtime_directory.string()));
     }
@@ -132,15 +132,15 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     const fs::path left = runtime_directory / kLeft;
     std::error_code error;
     const fs::path taken = runtime_directory / kTaken;
-    if (there_is(taken)) {
+    if (has_entry(taken)) {
         log_warning(
-            "recorder: the process before this one ended while it wrote what a crash had "
-            "left; that is given up");
+            "recorder: the process before this one ended while it wrote the recording of a crash; "
+            "that recording is lost");
         fs::remove_all(taken, error);
     }
-    if (there_is(path)) {
-        // The first crash of several tells most.
-        if (there_is(left)) {
+    if (has_entry(path)) {
+        // The first of several crashes tells most.
+        if (has_entry(left)) {
             fs::remove_all(path, error);
         } else {
             fs::rename(path, left, error);
@@ -149,10 +149,10 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     if (::mkdir(path.c_str(), 0700) != 0) {
         return file_error(path, errno);
     }
-    return RingHome(path, std::move(lock));
+    return RingDirectory(path, std::move(lock));
 }
 
-RingHome::~RingHome() {
+RingDirectory::~RingDirectory() {
     if (lock_.valid()) {
         std::error_code ignored;
         fs::remove_all(path_, ignored);

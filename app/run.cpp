@@ -16,8 +16,8 @@
 
 #include "app/control_requests.h"
 #include "app/daemon.h"
+#include "app/daemon_sockets.h"
 #include "app/exit_status.h"
-#include "app/inside_view.h"
 #include "app/load_or_explain.h"
 #include "app/log.h"
 #include "app/main_wait.h"
@@ -30,17 +30,17 @@
 namespace tribus {
 namespace {
 
-/// Often enough that a replugged device is back before a failsafe has run its course; each time
-/// costs about as much as a frame.
-constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
+/// Period of `Daemon::look`: short enough to reopen a replugged device quickly; each round costs
+/// about as much as a frame.
+constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
 
-/// Until it is told to end.
-int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
-    Instant next_look = later(monotonic_now(), kTendPeriod);
+/// Returns when a signal ends the program.
+int run(Daemon& daemon, MainWait& wait, DaemonSockets& sockets) {
+    Instant next_look = later(monotonic_now(), kLookPeriod);
     while (daemon.runs()) {
-        std::vector<int> descriptors = inside.descriptors();
+        std::vector<int> descriptors = sockets.descriptors();
         descriptors.push_back(daemon.descriptor());
-        const Instant due = std::min({next_look, inside.due(), daemon.due()});
+        const Instant due = std::min({next_look, sockets.due(), daemon.due()});
         const auto signal = wait.until(due, descriptors);
         if (signal && (*signal == SIGTERM || *signal == SIGINT)) {
             daemon.end();
@@ -52,11 +52,11 @@ int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
         const Instant now = monotonic_now();
         daemon.go_on(now);
         if (daemon.runs() && now >= next_look) {
-            next_look = later(now, kTendPeriod);
+            next_look = later(now, kLookPeriod);
             daemon.look(now);
         }
         if (daemon.runs()) {
-            inside.serve(monotonic_now());
+            sockets.serve(monotonic_now());
         }
     }
     return kExitFailed;
@@ -69,9 +69,9 @@ struct RunOptions {
     bool metrics_public = false;
 };
 
-/// What the control socket tells of many pipelines is a text of a hundred KiB and more. In memory
-/// of its own, which is given back, it leaves no gaps between what stays: for those the heap would
-/// grow for hours.
+/// A status with many pipelines is 100 KiB and more. As its own mapping it is returned to the
+/// system; in the heap it would leave gaps between lasting objects, and the heap would grow for
+/// hours.
 void keep_long_texts_out_of_the_heap() {
     constexpr int kLongTextBytes = 64 * 1024;
     ::mallopt(M_MMAP_THRESHOLD, kLongTextBytes);
@@ -83,8 +83,8 @@ int run(const RunOptions& options) {
     auto configuration = load_configuration_file(options.path);
     if (!configuration) {
         explain_mistakes(configuration.error());
-        // A service is started again where that may help, and not where somebody must mend the
-        // file.
+        // On kExitFailed systemd starts the service again. On kExitWrongUse it does not, because
+        // somebody must correct the file.
         return may_be_temporary(configuration.error()) ? kExitFailed : kExitWrongUse;
     }
     if (const auto mistakes = mistaken_processor(*configuration, configured_processors());
@@ -97,24 +97,24 @@ int run(const RunOptions& options) {
         log_error("{}", wait.error());
         return kExitFailed;
     }
-    auto inside = InsideView::open(options.path, options.socket);
-    if (!inside) {
-        log_error("{}", inside.error());
+    auto sockets = DaemonSockets::open(options.path, options.socket);
+    if (!sockets) {
+        log_error("{}", sockets.error());
         return kExitFailed;
     }
     if (!options.metrics.empty()) {
         const auto reach = options.metrics_public ? MetricsReach::network : MetricsReach::local;
-        if (auto told = (*inside)->tell_metrics(options.metrics, reach); !told) {
+        if (auto told = (*sockets)->serve_metrics(options.metrics, reach); !told) {
             log_error("{}", told.error());
             return kExitFailed;
         }
     }
-    Daemon daemon(options.path, **inside, service);
-    if (ControlServer* const control = (*inside)->control()) {
+    Daemon daemon(options.path, **sockets, service);
+    if (ControlServer* const control = (*sockets)->control()) {
         add_control_requests(*control, daemon);
     }
     daemon.start(std::move(*configuration));
-    return run(daemon, *wait, **inside);
+    return run(daemon, *wait, **sockets);
 }
 
 }  // namespace
@@ -125,9 +125,9 @@ Command run_command() {
         .name = "run",
         .help = "Run a configuration, in the foreground",
         .footer =
-            "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
-            "SIGHUP: reads the configuration again and takes it between two frames; one with\n"
-            "mistakes, or whose devices cannot be opened, is refused and the old one runs on.",
+            "SIGTERM and Ctrl-C: outputs send their last frames as their failsafe demands, "
+            "then\nthe program exits. SIGHUP: reads the configuration again and takes it between "
+            "two\nframes. If it has mistakes or its devices cannot be opened, the old one goes on.",
         .options =
             {{.name = "CONFIG",
               .value = &options->path,
@@ -139,7 +139,7 @@ Command run_command() {
                       "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR"},
              {.name = "--metrics",
               .value = &options->metrics,
-              .help = "Tell Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket"},
+              .help = "Serve Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket"},
              {.name = "--metrics-public",
               .value = &options->metrics_public,
               .help = "Allow an address for --metrics that the network can reach"}},
@@ -147,7 +147,7 @@ Command run_command() {
             [options] {
                 log_to_journal_or_terminal();
                 const int status = run(*options);
-                if (Preparation::any_forsaken()) {
+                if (Preparation::any_abandoned()) {
                     std::fflush(nullptr);
                     ::_exit(status);
                 }

@@ -21,10 +21,10 @@
 namespace tribus {
 namespace {
 
-/// A service manager that hangs must not make this program hang with it.
+/// Upper limit of a wait: a service manager that hangs must not hang this program.
 constexpr timeval kLongestWait{.tv_sec = 1, .tv_usec = 0};
 
-/// Its address; nothing where the name has no place in one.
+/// Socket address of `name`; nothing if the name is neither a path nor abstract, or too long.
 std::optional<std::pair<sockaddr_un, socklen_t>> address_of(std::string_view name) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -33,7 +33,7 @@ std::optional<std::pair<sockaddr_un, socklen_t>> address_of(std::string_view nam
         return std::nullopt;
     }
     std::memcpy(address.sun_path, name.data(), name.size());
-    // A name in the kernel's own name space begins with a zero and has none at its end.
+    // An abstract name begins with a zero byte and has none at its end.
     const bool abstract = name.front() == '@';
     if (abstract) {
         address.sun_path[0] = '\0';
@@ -53,7 +53,7 @@ std::optional<std::uint64_t> number_in(const char* variable) {
     return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(number) : std::nullopt;
 }
 
-/// As sd_watchdog_enabled(3) reads it.
+/// Reads the environment as sd_watchdog_enabled(3) does.
 std::optional<Duration> watchdog_limit() {
     const auto usec = number_in("WATCHDOG_USEC");
     constexpr std::uint64_t kLongest = std::chrono::microseconds(std::chrono::hours(24)).count();
@@ -79,21 +79,21 @@ NotifySocket NotifySocket::from_environment() {
             0 ||
         ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address->first),
                   address->second) != 0) {
-        log_warning("cannot tell the service manager at {} how it goes: {}", name,
-                    address ? std::strerror(errno) : "not an address that is known here");
+        log_warning("cannot notify the service manager at {}: {}", name,
+                    address ? std::strerror(errno) : "neither a path nor an abstract name");
         return made;
     }
     made.socket_ = std::move(socket);
     return made;
 }
 
-bool NotifySocket::say(std::string_view lines) const {
+bool NotifySocket::send(std::string_view lines) const {
     return socket_.valid() && ::send(socket_.get(), lines.data(), lines.size(), MSG_NOSIGNAL) ==
                                   static_cast<ssize_t>(lines.size());
 }
 
 ServiceNotify::ServiceNotify() : socket_(NotifySocket::from_environment()) {
-    const auto limit = socket_.listens() ? watchdog_limit() : std::nullopt;
+    const auto limit = socket_.connected() ? watchdog_limit() : std::nullopt;
     if (limit) {
         watchdog_.emplace(*limit);
     }
@@ -106,19 +106,19 @@ void ServiceNotify::started(const Appliance& appliance, Instant now) {
     const Configuration& configuration = appliance.configuration();
     status_.emplace(configured_names(configuration.inputs),
                     configured_names(configuration.outputs));
-    told_.clear();
+    sent_status_.clear();
     next_status_ = now;
-    socket_.say("READY=1");
+    socket_.send("READY=1");
 }
 
 void ServiceNotify::reloading() {
     const auto usec = std::chrono::duration_cast<std::chrono::microseconds>(awake_time_now());
-    socket_.say(fmt::format("RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration anew",
-                            usec.count()));
+    socket_.send(fmt::format(
+        "RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration again", usec.count()));
 }
 
 void ServiceNotify::stopping() {
-    socket_.say("STOPPING=1\nSTATUS=outputs end as their failsafe says");
+    socket_.send("STOPPING=1\nSTATUS=outputs send their last frames as their failsafe demands");
 }
 
 void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
@@ -128,26 +128,26 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
         outputs.push_back({status.due, status.period, status.overruns});
     }
     if (watchdog_->look(now, appliance.figures_at(), outputs)) {
-        socket_.say("WATCHDOG=1");
+        socket_.send("WATCHDOG=1");
     }
     const Punctuality found = watchdog_->punctuality();
     if (found == Punctuality::on_time) {
-        said_.take_as_known(found);
+        reported_.take_as_known(found);
         return;
     }
-    const auto swallowed = said_.look(found, limit_, now);
+    const auto swallowed = reported_.look(found, limit_, now);
     if (!swallowed) {
         return;
     }
     if (found == Punctuality::data_thread_stands) {
         log_error(
-            "the data thread does not go on; unless it does soon, the service manager "
-            "starts the program anew{}",
+            "the data thread stands still; if it does not go on soon, the service manager restarts "
+            "the program{}",
             swallowed_note(*swallowed));
     } else {
         log_warning(
             "output {}: half of its frames are late or missed; the machine is too slow or "
-            "too busy. The service manager starts the program anew if that goes on{}",
+            "too busy. If this goes on, the service manager restarts the program{}",
             appliance.configuration().outputs[watchdog_->late_output()].name,
             swallowed_note(*swallowed));
     }
@@ -168,13 +168,13 @@ void ServiceNotify::tell_status(const Appliance& appliance, Instant now) {
         outputs.push_back(appliance.output_status(i).state);
     }
     std::string text = status_->text(inputs, outputs, now);
-    if (text != told_ && socket_.say("STATUS=" + text)) {
-        told_ = std::move(text);
+    if (text != sent_status_ && socket_.send("STATUS=" + text)) {
+        sent_status_ = std::move(text);
     }
 }
 
 void ServiceNotify::look(const Appliance& appliance, Instant now) {
-    if (!socket_.listens()) {
+    if (!socket_.connected()) {
         return;
     }
     if (watchdog_) {

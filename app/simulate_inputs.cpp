@@ -20,7 +20,7 @@ bool is_empty(const Recording& recording) {
     return recording.bursts.empty() && recording.can_frames.empty();
 }
 
-/// As messages call it.
+/// Name in messages.
 std::string title_of(const SimulatedSource& source) {
     const std::string name = in_quotes(source.name);
     switch (source.kind) {
@@ -34,7 +34,7 @@ std::string title_of(const SimulatedSource& source) {
     return fmt::format("[values.{}]", source.name);
 }
 
-/// The recording, if it is of the source's kind of link. An empty one is of both.
+/// The recording, if it fits the source's kind of link. An empty one fits both.
 tl::expected<Recording, std::string> load_recording(const std::string& path,
                                                     const SimulatedSource& source) {
     auto file = InputFile::open_path(path);
@@ -51,8 +51,8 @@ tl::expected<Recording, std::string> load_recording(const std::string& path,
     const bool empty = recording && is_empty(*recording);
     if (source.port->link == LinkKind::can && !log && !empty) {
         return tl::unexpected(fmt::format(
-            "{}: this is no log of CAN frames, but {} has the protocol {}; it takes lines "
-            "such as (1436509052.249713) can0 123#1122, as candump -L writes them",
+            "{}: this is not a log of CAN frames, but {} has the protocol {}; it takes lines such "
+            "as (1436509052.249713) can0 123#1122, as candump -L writes them",
             path, title_of(source), source.protocol));
     }
     if (source.port->link == LinkKind::serial && log) {
@@ -64,7 +64,7 @@ tl::expected<Recording, std::string> load_recording(const std::string& path,
     return recording;
 }
 
-/// A recording without times is played with its bursts the protocol's usual period apart.
+/// Bursts without times are played at the protocol's usual period.
 void add_bytes(Arrivals& arrivals, const Recording& recording, std::size_t index,
                const SimulatedSource& source) {
     Duration untimed{};
@@ -88,10 +88,9 @@ tl::expected<void, std::string> add_can_frames(Arrivals& arrivals, const Recordi
     const bool has_own = std::find(names.begin(), names.end(), own) != names.end();
     if (!has_own && names.size() > 1) {
         const std::vector<std::string_view> views(names.begin(), names.end());
-        return tl::unexpected(
-            fmt::format("{}: has frames of {}, but none of {}, the interface of {}; name one "
-                        "of them there",
-                        path, in_quotes_all(views), in_quotes(own), title_of(source)));
+        return tl::unexpected(fmt::format(
+            "{}: has frames of {}, but none of {}, the interface of {}; set one of them there",
+            path, in_quotes_all(views), in_quotes(own), title_of(source)));
     }
     for (const RecordedCanFrame& recorded : recording.can_frames) {
         if (!has_own || recorded.interface == own) {

@@ -10,20 +10,20 @@
 
 namespace tribus {
 
-/// Says what changes in a simulated engine, with the time: causes of inputs, states of outputs.
+/// Prints what changes in a simulated engine, with the time: causes of inputs, states of outputs.
 class SimulateLog {
   public:
     explicit SimulateLog(const Engine& engine);
-    /// Compares with the last look and prints each change to standard error.
+    /// Prints each change since the last call to standard error.
     void look(Instant now);
 
   private:
     const Engine& engine_;
     std::vector<std::string> input_names_;
     std::vector<LinkCause> causes_;
-    std::vector<bool> two_senders_said_;
+    std::vector<bool> two_senders_printed_;
     std::vector<std::string> outputs_;
-    std::vector<std::uint32_t> presets_said_;
+    std::vector<std::uint32_t> presets_printed_;
 };
 
 }  // namespace tribus

@@ -24,7 +24,7 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     }
     outputs_.resize(configuration.outputs.size());
     for (const Appliance::DeviceEvent& device : appliance.devices()) {
-        // A start says itself what it waits for.
+        // The start itself reports the devices that it waits for.
         const bool told = !device.back && !appliance.waits_for().empty();
         devices_[device.name] = {
             .present = device.back, .ever = !told, .word = ChangeReport(!told)};
@@ -59,7 +59,7 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
 
 void StateLog::look_at_input(const std::string& name, const InputStatus& status,
                              InputMemory& memory, Instant now) {
-    if (status.two_senders && !std::exchange(memory.two_senders_said, true)) {
+    if (status.two_senders && !std::exchange(memory.two_senders_logged, true)) {
         const LogFields fields({"TRIBUS_INPUT", name});
         log_warning("input {}: {}", name, kTwoSendersText);
     }
@@ -74,32 +74,31 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
            cause_text(status.state), swallowed_note(*swallowed));
 }
 
-/// Silence at the start is the commonest trouble of all, and its cause shows in the bytes.
-void StateLog::say_never_good(const std::string& name, const InputStatus& status,
-                              InputMemory& memory, Instant now) {
-    if (memory.silence_said || status.ever_good || now - memory.start < kFirstFrameWait) {
+/// No signal at the start is the most frequent problem; the received bytes show its cause.
+void StateLog::log_missing_signal(const std::string& name, const InputStatus& status,
+                                  InputMemory& memory, Instant now) {
+    if (memory.missing_signal_logged || status.ever_good || now - memory.start < kFirstFrameWait) {
         return;
     }
-    memory.silence_said = true;
+    memory.missing_signal_logged = true;
     const std::string cause = as_word(name_of(status.state.cause));
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     if (status.counts.bytes == 0 && memory.on_can) {
         log_warning(
-            "input {}: not one frame with its ids yet; check the ids, the bit rate and that the "
+            "input {}: no frame with its ids yet; check the ids, the bit rate and whether the "
             "sender is on (candump shows what is on the bus)",
             name);
     } else if (status.counts.frames == 0 && memory.on_can) {
         log_warning(
-            "input {}: {} with its ids refused; sender and receiver must agree on "
-            "format, id, fd and checksum (tribus decode tells why)",
+            "input {}: {} with its ids rejected; sender and receiver must agree on format, id, fd "
+            "and checksum (tribus decode shows why)",
             name, counted(status.rejected, "frame"));
     } else if (status.counts.bytes == 0) {
-        log_warning("input {}: not one byte yet; check wire, ground and power of the receiver",
-                    name);
+        log_warning("input {}: no byte yet; check wire, ground and power of the receiver", name);
     } else if (status.counts.frames == 0) {
         log_warning(
-            "input {}: {} but no frame yet; another protocol or rate, or a line "
-            "that needs an inverter (SBUS) or must not have one (i.Bus)",
+            "input {}: {} but no frame yet; check protocol and rate, and the inverter: SBUS needs "
+            "one, i.Bus must not have one",
             name, counted(status.counts.bytes, "byte"));
     } else {
         log_warning("input {}: frames arrive, but {}; is the transmitter on?", name,
@@ -107,7 +106,7 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
     }
 }
 
-/// By the places of a pipeline's inputs.
+/// Names of the outvoted inputs; bit i of `outvoted` stands for `places[i]`.
 std::string StateLog::outvoted_names(std::uint32_t outvoted,
                                      std::span<const std::size_t> places) const {
     std::string text;
@@ -123,7 +122,7 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                               std::span<const std::size_t> places, OutputMemory& memory,
                               Instant now) {
     const LogFields fields({"TRIBUS_OUTPUT", name},
-                           {"TRIBUS_STATE", stage_word(status.state.stage, status.sends)});
+                           {"TRIBUS_STATE", output_state_word(status.state.stage, status.sends)});
     const OutputWord word{.state = output_text(status.state, input_names_),
                           .outvoted = outvoted_names(status.state.outvoted, places)};
     const bool same_votes = word.outvoted == memory.word.reported().outvoted;
@@ -136,9 +135,9 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
         log_at(fine ? LogLevel::info : LogLevel::warning, "output {}: {}{}{}", name, word.state,
                votes, swallowed_note(*swallowed));
     }
-    if ((status.state.by_preset & ~memory.presets_said) != 0) {
+    if ((status.state.by_preset & ~memory.presets_logged) != 0) {
         log_warning("output {}: {}", name, by_preset_text(status.state.by_preset));
-        memory.presets_said |= status.state.by_preset;
+        memory.presets_logged |= status.state.by_preset;
     }
     look_at_drops(name, status, memory, now);
 }
@@ -150,7 +149,7 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
         if (memory.foreign_limit.pass(now)) {
             log_warning(
                 "output {}: another node sends frames with its ids ({} since the last line); give "
-                "one of the two other ids",
+                "one of the two different ids",
                 name, foreign);
             memory.foreign_frames = status.counts.foreign_frames;
         }
@@ -158,14 +157,14 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
     if (status.counts.busy_drops != memory.busy_drops) {
         const std::uint64_t dropped = status.counts.busy_drops - memory.busy_drops;
         if (memory.drops_limit.pass(now)) {
-            log_warning("output {}: {} dropped because the port still had the one before", name,
+            log_warning("output {}: {} dropped because the port still had the frame before", name,
                         counted(dropped, "frame"));
             memory.busy_drops = status.counts.busy_drops;
         }
     }
 }
 
-/// Before what came of it: an input that fell silent meanwhile did nothing wrong.
+/// Logged before its consequences: an input that was lost meanwhile is not at fault.
 void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
     if (absence.count == absences_) {
         return;
@@ -192,8 +191,8 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
         }
         memory.ever = memory.ever || back;
     };
-    // One that goes and comes within a look has been gone nevertheless.
-    for (const Appliance::DeviceEvent& event : appliance.tend()) {
+    // A device that was gone and is back within one round is reported as gone, too.
+    for (const Appliance::DeviceEvent& event : appliance.reopen_devices()) {
         devices_[event.name].present = event.back;
         look(event.name, devices_[event.name]);
     }
@@ -212,7 +211,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputStatus status = appliance.input_status(i);
         look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
-        say_never_good(configuration.inputs[i].name, status, inputs_[i], now);
+        log_missing_signal(configuration.inputs[i].name, status, inputs_[i], now);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         look_at_output(configuration.outputs[i].name, appliance.output_status(i),

@@ -24,7 +24,7 @@ class ChangeReport {
             seen_ = state;
             ++changes_;
         }
-        if (state == reported_ || !limit.may_pass(now)) {
+        if (state == reported_ || !limit.may_be_temporary(now)) {
             return std::nullopt;
         }
         reported_ = state;

@@ -14,7 +14,7 @@ class RateLimit {
     RateLimit(unsigned burst, Duration window) : burst_(burst), window_(window) {}
 
     /// Whether `pass` would let an event pass. Counts nothing.
-    bool may_pass(Instant now) const { return now >= window_end_ || passed_ < burst_; }
+    bool may_be_temporary(Instant now) const { return now >= window_end_ || passed_ < burst_; }
     /// Returns the number of events that were suppressed before this one, or nothing if this event
     /// is suppressed too.
     std::optional<std::uint64_t> pass(Instant now) {
@@ -22,7 +22,7 @@ class RateLimit {
             window_end_ = later(now, window_);
             passed_ = 0;
         }
-        if (!may_pass(now)) {
+        if (!may_be_temporary(now)) {
             ++suppressed_;
             return std::nullopt;
         }

@@ -31,7 +31,7 @@ using bench::BenchPart;
 using bench::BenchSettings;
 using bench::Report;
 
-/// What `tribus run` has by default.
+/// Default priority of `tribus run`.
 constexpr int kPriority = 80;
 constexpr std::size_t kMostColumns = 100;
 constexpr int kInterruptedStatus = 130;
@@ -45,7 +45,7 @@ struct BenchOptions {
     std::string format = "text";
 };
 
-/// The sentences of `tribus run`, from a thread that tries.
+/// The sentences of `tribus run`, from a thread that tries to become real-time.
 std::vector<std::string> missing_realtime() {
     std::vector<std::string> missing;
     std::thread([&missing] {
@@ -105,7 +105,8 @@ bool write_plot(const std::string& path, const Report& report) {
     std::ofstream file(path, std::ios::binary);
     file << bench::report_svg(report);
     if (!file.flush()) {
-        fmt::print(stderr, "{}: cannot be written; is its folder there, and the disk not full?\n",
+        fmt::print(stderr,
+                   "{}: cannot be written; check that its folder exists and the disk is not full\n",
                    path);
         return false;
     }
@@ -117,7 +118,7 @@ std::size_t report_columns() {
     return std::min(terminal_columns().value_or(kUsual), kMostColumns);
 }
 
-/// What is under way, on a terminal only.
+/// Shows the running measurement; on a terminal only.
 void show_progress(std::string_view text) {
     if (::isatty(STDERR_FILENO) == 1) {
         fmt::print(stderr, "\r\x1b[K{}", text);
@@ -185,7 +186,7 @@ int run_bench(const BenchOptions& options) {
 }
 
 constexpr const char* kFooter =
-    "What is measured, each time beside the same without the appliance:\n"
+    "Each measurement is shown beside the same without tribus:\n"
     "  latency   i.Bus frames of 18 channels through `tribus run` over pseudo-terminals, from\n"
     "            the write to the read of the last byte, beside a relay that only waits, reads\n"
     "            and writes, with the same priority. With --ports the frames are written on\n"
@@ -198,10 +199,10 @@ constexpr const char* kFooter =
     "  codecs    processor time for one frame of all channels\n"
     "  capacity  processor time a frame with 1 and 64 pipelines, beside the bare relay\n"
     "--require p99=200us: the latency of tribus, whole, as in the table; p50, p90 or p99.\n"
-    "With added- in front (added-p50=20us) it is what tribus adds: its percentile less that\n"
-    "of the bare relay or reader.\n"
-    "Exit status: 0 fine, 1 it could not be measured or a requirement does not hold, 2 wrong\n"
-    "use, 130 interrupted.";
+    "With added- in front (added-p50=20us) it is what tribus adds: its percentile minus that\nof "
+    "the bare relay or reader.\n"
+    "Exit status: 0 fine, 1 not measured or a requirement does not hold, 2 wrong use, "
+    "130\ninterrupted.";
 
 }  // namespace
 
@@ -209,16 +210,16 @@ Command bench_command() {
     auto options = std::make_shared<BenchOptions>();
     return {
         .name = "bench",
-        .help = "What tribus adds on this machine: latency, lateness, age, processor time",
+        .help = "Measure what tribus adds on this machine: latency, lateness, age, processor time",
         .footer = kFooter,
         .options = {{.name = "--seconds",
                      .value = &options->seconds,
-                     .help = "For all measurements together",
+                     .help = "Time of all measurements together",
                      .shows_value = true,
                      .range = {{0.5, 86400}}},
                     {.name = "--ports",
                      .value = &options->ports,
-                     .help = "IN OUT: two real serial ports, TX of OUT joined to RX of IN",
+                     .help = "IN OUT: two real serial ports, TX of OUT connected to RX of IN",
                      .type_name = "IN OUT",
                      .count = 2},
                     {.name = "--only",
@@ -228,7 +229,7 @@ Command bench_command() {
                      .delimiter = ','},
                     {.name = "--require",
                      .value = &options->require,
-                     .help = "Fail where the latency is higher, such as p99=200us (repeatable)",
+                     .help = "Fail if the latency is higher, such as p99=200us (repeatable)",
                      .type_name = "PERCENTILE=TIME"},
                     {.name = "--plot",
                      .value = &options->plot,

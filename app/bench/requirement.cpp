@@ -47,11 +47,11 @@ tl::expected<Requirement, std::string> parse_requirement(std::string_view text) 
     }
     const auto percent = percent_of(name);
     if (!percent) {
-        return refuse(fmt::format("\"{}\" is no percentile that is judged", name));
+        return refuse(fmt::format("\"{}\" is not a known percentile", name));
     }
     const auto most = parse_duration(text.substr(equals + 1));
     if (!most) {
-        return refuse(fmt::format("\"{}\" is no time", text.substr(equals + 1)));
+        return refuse(fmt::format("\"{}\" is not a time", text.substr(equals + 1)));
     }
     requirement.percent = *percent;
     requirement.most = *most;
@@ -75,7 +75,7 @@ std::string short_time(Duration duration) {
     const auto count = static_cast<double>(duration.count());
     for (const auto& [size, unit] : kUnits) {
         const double value = count / size;
-        // What rounds up to the next larger unit is written in that.
+        // A value that rounds up to the next larger unit is written in that unit.
         if (std::abs(value) >= 0.9995 || size == 1) {
             const double digits = std::floor(std::log10(std::max(std::abs(value), 1.0))) + 1;
             const int decimals = size == 1 ? 0 : std::max(0, kDigits - static_cast<int>(digits));

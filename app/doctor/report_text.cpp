@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::size_t kFewestColumns = 40;
 
-/// Writes words into lines; what is longer than a line stands alone in one.
+/// Breaks text into lines; a word longer than a line stays whole.
 class Page {
   public:
     Page(std::size_t columns, bool colour)
         : columns_(std::max(columns, kFewestColumns)), colour_(colour) {}
 
-    /// `first` stands in front of the first line; all others begin under its end.
+    /// `first` begins the first line; the others are indented by its length.
     void paragraph(std::string_view first, std::string_view text, std::string_view tint = {}) {
         const std::size_t indent = first.size();
         add(first, tint);
@@ -97,7 +97,7 @@ void print_port(const ExaminedPort& port, Page& page) {
     if (!port.lines.empty()) {
         const bool later = port.story && port.story->sound != LineSound::frames;
         page.paragraph(
-            "  ", later ? "For the configuration, once that is mended:" : "For the configuration:");
+            "  ", later ? "For the configuration, when that is fixed:" : "For the configuration:");
         for (const std::string& line : port.lines) {
             page.line(line.empty() ? line : "    " + line);
         }
@@ -140,7 +140,7 @@ std::string report_text(const Report& report, std::size_t columns, bool colour) 
     if (report.machine) {
         page.paragraph("", machine_line(*report.machine));
         if (report.ports.empty()) {
-            page.paragraph("", "No serial port with hardware behind it.");
+            page.paragraph("", "No serial port with hardware.");
         }
     }
     for (const ExaminedPort& port : report.ports) {

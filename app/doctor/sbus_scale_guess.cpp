@@ -9,9 +9,9 @@
 namespace tribus::doctor {
 namespace {
 
-/// Values that senders of a scale send for a stick in its middle and at its ends
-/// (docs/protocols/sbus.md, "Scales"). Betaflight's own ends and FrSky's are on lines that are less
-/// than half a microsecond apart.
+/// Values that senders send for a stick at its centre and ends, by scale (docs/protocols/sbus.md,
+/// "Scales"). Betaflight's own ends and FrSky's lie on scales that differ by less than half a
+/// microsecond.
 struct Landmarks {
     std::string_view name;
     std::uint16_t low;
@@ -69,11 +69,11 @@ ScaleGuess ScaleWatch::guess() const {
         rival = i != best && !same_line ? std::max(rival, votes[i].all()) : rival;
     }
     if (votes[best].all() < kFewestVotes || votes[best].all() < 2 * rival) {
-        return {.name = {},
-                .reason =
-                    "the scale cannot be known from these values: put every stick into its "
-                    "middle and to both of its ends while it listens, or take that of the "
-                    "receiver's maker"};
+        return {
+            .name = {},
+            .reason =
+                "the scale cannot be determined from these values: move every stick to its centre "
+                "and to both ends while it listens, or use that of the receiver's maker"};
     }
     const Landmarks& marks = kLandmarks[best];
     std::string reason = fmt::format("{} channels rest at {}", votes[best].centres, marks.centre);

@@ -51,9 +51,9 @@ Decoded decoded(std::string_view name) {
     const Recording recording = recording_of(name);
     const SensorTypes types;
     std::ostringstream results;
-    std::ostringstream talk;
-    SensorPrinter printer(DecodeFormat::json, recording.kind, types, results, talk);
-    EXPECT_EQ(decode_sensor_recording(recording, printer, talk), kExitFine) << talk.str();
+    std::ostringstream messages;
+    SensorPrinter printer(DecodeFormat::json, recording.kind, types, results, messages);
+    EXPECT_EQ(decode_sensor_recording(recording, printer, messages), kExitFine) << messages.str();
     Decoded result;
     std::istringstream lines(results.str());
     for (std::string line; std::getline(lines, line);) {
@@ -180,7 +180,7 @@ TEST_F(SensorCaptures, TheSensorWireIsToldFromTheServoWire) {
 }
 
 TEST_F(SensorCaptures, ServoFramesOnTheSameWireHoldNoSensorFrame) {
-    SensorFrameFinder finder([](const HeardSensorFrame&) { ADD_FAILURE(); });
+    SensorFrameFinder finder([](const ReceivedSensorFrame&) { ADD_FAILURE(); });
     for (const Burst& burst : recording_of("ibus_servo14_ia6b_2sensors.timed.txt").bursts) {
         finder.feed(burst);
     }

@@ -57,7 +57,7 @@ TEST_F(Trial, ReloadOfAFileWithMistakesFailsAndNamesThem) {
     const std::string path = write_config(main_job(kPatientInput, "", "form = 1"));
     EXPECT_EQ(reload({}), 1);
     EXPECT_EQ(said_.find(path + ":13:1: "), 0U) << said_;
-    EXPECT_NE(said_.find("tribus: refused; the configuration before runs on\n"), std::string::npos);
+    EXPECT_NE(said_.find("tribus: refused; the configuration before stays\n"), std::string::npos);
     expect_first_channel(1100);
     expect_seamless_end(program);
 }
@@ -160,8 +160,8 @@ TEST_F(Trial, IsConfirmedByItsOwnNumberOrByNone) {
     };
     EXPECT_EQ(ask("reload 1000s"), "1");
     EXPECT_EQ(ask("reload 1000s"), "2");
-    EXPECT_EQ(ask("confirm 1"), "that trial is over; the one that goes on is number 2");
-    EXPECT_EQ(ask("back 1"), "that trial is over; the one that goes on is number 2");
+    EXPECT_EQ(ask("confirm 1"), "that trial is over; the present one is number 2");
+    EXPECT_EQ(ask("back 1"), "that trial is over; the present one is number 2");
     EXPECT_EQ(ask("confirm 2"), "null");
     EXPECT_EQ(ask("confirm 2"), "no configuration is on trial");
     EXPECT_EQ(ask("reload 1000s"), "3");
@@ -245,7 +245,7 @@ TEST_F(Trial, DiffShowsWhatTheSticksWouldDo) {
     EXPECT_EQ(asked.output(),
               "pipeline main:\n"
               "  channel 1: channel 1 before, now channel 1, reverse\n"
-              "  (counts from the next frame of its outputs on)\n"
+              "  (applies from the next frame of its outputs)\n"
               "with the inputs as they are now (receiver good):\n"
               "output servos:\n"
               "  channel 1: 1100 us now, then 1900 us\n");

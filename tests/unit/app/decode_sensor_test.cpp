@@ -41,9 +41,9 @@ Outcome decoded(std::string_view content, DecodeFormat format,
     const auto recording = parse_recording(content, "wire.txt");
     EXPECT_TRUE(recording) << recording.error();
     const SensorTypes types(dialect);
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
-        SensorPrinter printer(format, recording->kind, types, results, talk);
-        return decode_sensor_recording(*recording, printer, talk);
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
+        SensorPrinter printer(format, recording->kind, types, results, messages);
+        return decode_sensor_recording(*recording, printer, messages);
     });
 }
 
@@ -61,8 +61,8 @@ TEST(DecodeSensor, TextTellsWhatWasAskedAndWhatCameOfIt) {
         "       39504       1 value         631  external_voltage -0.02 V\n"
         "9 frames in 40 bytes, 0 bytes skipped, rejected: none\n"
         "4 requests, 3 replies, 1 misses (1 asked again at once), 1 probes of free addresses\n"
-        "2 discover, 1 type, 2 value, 1 power-up frames, 0 servo frames, 0 echoes, 0 answers that "
-        "nobody asked for\n"
+        "2 discover, 1 type, 2 value, 1 power-up frames, 0 servo frames, 0 echoes, 0 answers "
+        "without a request\n"
         "address 1: external_voltage, 4 requests, 3 replies, 1 misses, answers after 631 to 631 "
         "us, median 631 us\n"
         "address 2: free, 1 probes\n");
@@ -109,7 +109,7 @@ TEST(DecodeSensor, CsvHasItsSummaryAside) {
     ASSERT_EQ(lines.size(), 7U);
     EXPECT_EQ(lines[0], "t_us,address,asked,answer,response_us,type,data,raw,number,unit");
     EXPECT_EQ(lines[6], "39504,1,value,reply,631,external_voltage,fe ff,65534,-0.02,V");
-    EXPECT_NE(outcome.talk.find("4 requests"), std::string::npos);
+    EXPECT_NE(outcome.messages.find("4 requests"), std::string::npos);
 }
 
 TEST(DecodeSensor, WithoutATypeAValueIsAsItWasSent) {
@@ -146,8 +146,8 @@ TEST(DecodeSensor, ANumberThatASensorDoesNotHaveIsNotAvailable) {
 TEST(DecodeSensor, BytesWithoutAFrameAreAFailure) {
     const Outcome outcome = decoded("01 02 03\n", DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk,
-              "tribus: no frame of ibus-sensor in 3 bytes; no other protocol finds one\n");
+    EXPECT_EQ(outcome.messages,
+              "tribus: no frame of ibus-sensor in 3 bytes; no other protocol finds any\n");
 }
 
 TEST(DecodeSensor, AnEmptyFileIsFine) {
@@ -162,7 +162,7 @@ TEST(DecodeSensor, ADamagedByteCostsItsFrame) {
          .damaged = std::vector<bool>(10)});
     recording.bursts.front().damaged[6] = true;
     unsigned frames = 0;
-    SensorFrameFinder finder([&](const HeardSensorFrame&) { ++frames; });
+    SensorFrameFinder finder([&](const ReceivedSensorFrame&) { ++frames; });
     finder.feed(recording.bursts.front());
     EXPECT_EQ(frames, 1U);
     EXPECT_EQ(finder.tally().frames.skipped_bytes, 6U);

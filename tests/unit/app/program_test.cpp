@@ -66,7 +66,7 @@ TEST(Program, ReaderThatGoesAwayIsNoFailure) {
 TEST(Program, FullDeviceIsAFailure) {
     const Ended result = run_in_shell("echo '" + kHex + "' | \"$TRIBUS\" decode > /dev/full");
     EXPECT_EQ(result.status, 1);
-    EXPECT_EQ(result.output, "tribus: standard output could not be written\n");
+    EXPECT_EQ(result.output, "tribus: cannot write to standard output\n");
 }
 
 TEST(Program, FileThatCannotBeReadEndsWithOne) {
@@ -79,11 +79,10 @@ TEST(Program, FileThatCannotBeReadEndsWithOne) {
 TEST(Program, MistakeInAFileEndsWithOneAndSaysHowItWasRead) {
     const Ended result = run_in_shell("echo '20 4x' | \"$TRIBUS\" decode");
     EXPECT_EQ(result.status, 1);
-    EXPECT_EQ(
-        result.output,
-        "tribus: standard input:1:4: \"4x\" is not a byte; a byte is two hex digits, with a space "
-        "between bytes: 20 40 dc 05 (read as hex; --input-format raw, hex, timed or saleae "
-        "reads it otherwise)\n");
+    EXPECT_EQ(result.output,
+              "tribus: standard input:1:4: \"4x\" is no byte; a byte is two hex digits, bytes "
+              "stand apart: 20 40 dc 05 (read as hex; --input-format raw, hex, timed or saleae "
+              "selects another format)\n");
 }
 
 TEST(Program, WrongUseEndsWithTwo) {

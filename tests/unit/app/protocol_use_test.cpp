@@ -58,7 +58,7 @@ TEST(ProtocolUse, RefusesSettingsOfOtherProtocolsAndOfTheOtherDirection) {
 
 TEST(ProtocolUse, NamesTheProtocolThatWasMeant) {
     EXPECT_EQ(refusal("sbsu", {}),
-              "--protocol: \"sbsu\" is no protocol that is known; did you mean \"sbus\"? Allowed: "
+              "--protocol: \"sbsu\" is not a known protocol; did you mean \"sbus\"? Allowed: "
               "\"ibus\", \"sbus\", \"can\", \"dbc\", \"sensors\", \"dronecan\"");
 }
 

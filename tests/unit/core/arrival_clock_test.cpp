@@ -36,31 +36,31 @@ TEST(ArrivalClock, the_interval_of_frames_that_jitter_is_exact_to_a_thousandth) 
     }
 }
 
-TEST(ArrivalClock, the_rhythm_goes_through_the_middle_of_arrivals_that_jitter) {
+TEST(ArrivalClock, the_line_goes_through_the_middle_of_arrivals_that_jitter) {
     ArrivalClock arrivals;
     for (int i = 0; i < 1000; ++i) {
         arrivals.arrived(at(i * 7700us + (i % 2 == 0 ? 0us : 200us)));
     }
-    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - at(999 * 7700us)).count()), 100e3, 20e3);
+    EXPECT_NEAR(static_cast<double>((arrivals.fitted() - at(999 * 7700us)).count()), 100e3, 20e3);
     EXPECT_NEAR(static_cast<double>(arrivals.lateness().count()), 100e3, 20e3);
 }
 
-TEST(ArrivalClock, the_rhythm_begins_anew_with_the_second_frame_that_misses_it_by_the_same) {
+TEST(ArrivalClock, the_line_starts_again_with_the_second_frame_with_the_same_error) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
     const Instant anew = arrivals.latest() + 3 * 7700us + 3ms;
     arrivals.arrived(anew);
-    EXPECT_NE(arrivals.rhythm(), arrivals.latest());
+    EXPECT_NE(arrivals.fitted(), arrivals.latest());
     arrivals.arrived(anew + 7700us);
-    EXPECT_EQ(arrivals.rhythm(), arrivals.latest());
+    EXPECT_EQ(arrivals.fitted(), arrivals.latest());
 }
 
-TEST(ArrivalClock, frames_that_miss_the_rhythm_each_by_another_time_do_not_begin_it_anew) {
+TEST(ArrivalClock, frames_with_different_errors_do_not_restart_the_line) {
     ArrivalClock arrivals = arrivals_each(7700us, at(0ms), 100);
     const Instant latest = arrivals.latest();
     arrivals.arrived(latest + 7700us + 2500us);
     arrivals.arrived(latest + 2 * 7700us - 1500us);
     arrivals.arrived(latest + 3 * 7700us + 1200us);
-    EXPECT_NEAR(static_cast<double>((arrivals.rhythm() - latest - 3 * 7700us).count()), 0, 200e3);
+    EXPECT_NEAR(static_cast<double>((arrivals.fitted() - latest - 3 * 7700us).count()), 0, 200e3);
 }
 
 TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
@@ -68,7 +68,7 @@ TEST(ArrivalClock, two_frames_of_one_read_are_no_interval) {
     arrivals.arrived(at(5ms));
     arrivals.arrived(at(5ms));
     EXPECT_EQ(arrivals.interval(), 0ms);
-    EXPECT_EQ(arrivals.rhythm(), at(5ms));
+    EXPECT_EQ(arrivals.fitted(), at(5ms));
     arrivals.arrived(at(12ms));
     EXPECT_EQ(arrivals.interval(), 7ms);
 }
@@ -103,7 +103,7 @@ TEST(ArrivalClock, knows_any_sender_after_forty_frames_whatever_came_before) {
 }
 
 TEST(ArrivalClock, one_odd_first_interval_is_not_taken_for_a_period_with_frames_missing) {
-    // 7 ms is five quarters of 5.6 ms: every fifth frame would be missing.
+    // 7 ms are five quarters of 5.6 ms: every fifth would be missing.
     ArrivalClock arrivals = arrivals_each(4ms, at(0ms), 2);
     const Instant regular = arrivals.latest() + 5ms;
     for (int i = 0; i < 40; ++i) {
