@@ -59,7 +59,7 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
     std::vector<std::string> errors;
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
-    // Lines first: an inverter is selected before the port behind it wakes up.
+    // Lines come first: one may select an inverter, which must be set before its port opens.
     auto lines = open_lines(missing, errors);
     for (std::size_t port = 0; port < plans_.size(); ++port) {
         links.push_back(open_or_wait(port, missing, errors));
@@ -109,7 +109,7 @@ std::vector<std::string> Appliance::make_threads(std::vector<PortWiring> wiring,
         if (auto prepared = line_exchange_->prepare(); !prepared) {
             return {prepared.error()};
         }
-        // Behind the data thread, which it must never delay.
+        // One priority below the data thread, which it must never delay.
         const bool first = runtime.realtime != Realtime::off && runtime.priority > 1;
         gpio_thread_ = std::make_unique<GpioThread>(
             *line_exchange_, line_tasks(configuration_), std::move(lines),
@@ -148,7 +148,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
         return tl::unexpected(std::move(errors));
     }
     appliance->settle_recorder();
-    // Before the data thread locks the memory, stacks and all.
+    // Must precede `prepare`, where the data thread locks all memory, including the stacks.
     if (appliance->gpio_thread_) {
         if (auto started = appliance->gpio_thread_->start(); !started) {
             return tl::unexpected(std::vector{started.error()});
@@ -203,7 +203,7 @@ std::vector<Appliance::DeviceEvent> Appliance::tend() {
 }
 
 void Appliance::tend_lines(std::vector<DeviceEvent>& events) {
-    // To find a line all chips are asked for all of theirs: about once a second will do.
+    // Finding a line queries all lines of all chips; about once a second is enough.
     constexpr int kTendsPerOpening = 5;
     tends_until_opening_ = tends_until_opening_ == 0 ? kTendsPerOpening : tends_until_opening_ - 1;
     for (std::size_t i = 0; i < missing_lines_.size(); ++i) {

@@ -26,31 +26,31 @@
 
 namespace tribus {
 
-/// A configuration at work: its engine, its open devices and its data thread. Thread-bound to the
-/// main thread.
+/// A running configuration: its engine, its open devices and its data thread. Thread-bound to the
+/// main thread, unless a function says otherwise.
 class Appliance {
   public:
-    /// What becomes of devices that cannot be opened. `tend` opens what is waited for, as if it had
-    /// vanished later.
+    /// What happens to devices that cannot be opened at the start. `reopen_devices` opens those
+    /// that the appliance waits for.
     enum class MissingDevices : std::uint8_t {
-        refuse,           ///< each is an error
-        wait_for_absent,  ///< a port of which there is nothing is waited for; others are errors
-        wait_for,         ///< each is waited for, whatever is wrong with it
+        refuse,           ///< each one is an error
+        wait_for_absent,  ///< waits for ports whose device does not exist; others are errors
+        wait_for,         ///< waits for each one, whatever its failure
     };
-    /// All that can be made of a configuration beforehand. Opens no device. Any thread.
+    /// Builds the engine of a configuration; opens no device. Any thread.
     static std::unique_ptr<Appliance> build(Configuration configuration);
-    /// Opens every device and starts. The error is one line for each thing that is wrong, and
-    /// nothing stays open then.
+    /// Opens every device and starts the data thread. The error has one line for each failure; then
+    /// no device stays open.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
         std::unique_ptr<Appliance> built, MissingDevices missing = MissingDevices::refuse);
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> start(
         Configuration configuration, MissingDevices missing = MissingDevices::refuse);
 
-    /// A fresh one, as built, in the place of the running one, between two frames. All that is new
-    /// is made and opened beside it first: where that fails, `running` runs on as if nothing had
-    /// been asked for, and the error says why, a line for each thing. Afterwards it is gone. Needs
-    /// a `carry_over` without obstacles, of the two configurations. A serial device that is to be
-    /// used with other line settings, or that is missing already, is left to `tend`.
+    /// Replaces the running appliance by `next` between two frames. `next` comes from `build`.
+    /// Everything new is made and opened first; if that fails, `running` goes on unchanged, and the
+    /// error has one line for each failure. On success `running` is null. Needs a `carry_over` of
+    /// the two configurations that has no obstacles. `reopen_devices` opens serial devices that are
+    /// missing already or get other line settings.
     static tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> succeed(
         std::unique_ptr<Appliance>& running, std::unique_ptr<Appliance> next,
         const CarryOver& carry_over);
@@ -58,33 +58,34 @@ class Appliance {
     Appliance(const Appliance&) = delete;
     Appliance& operator=(const Appliance&) = delete;
 
-    /// A change of one device, interface or GPIO line: it is gone, or it is back.
+    /// A change of one device, interface or GPIO line: it is gone or back.
     struct DeviceEvent {
         std::string name;  ///< "device /dev/ttyUSB0"
         bool back = false;
     };
-    /// How it stands with each, in the words of an event.
+    /// The present state of each, as events.
     std::vector<DeviceEvent> devices() const;
-    /// Closes devices that vanished and opens those that are back. Call a few times a second.
+    /// Closes devices that vanished and opens those that are back. Call it a few times a second.
     std::vector<DeviceEvent> tend();
 
-    /// Every output says its last frames as its failsafe wants; returns when that is done.
+    /// Each output sends its last frames as its failsafe demands; returns when that is done.
     void end();
 
     const Configuration& configuration() const { return configuration_; }
-    /// What real time could not be had, as sentences.
+    /// What is missing for real time, in sentences.
     const std::vector<std::string>& missing_realtime() const { return missing_realtime_; }
-    /// What was not there at the start and is waited for, as sentences. Of `wait_for_absent` only.
+    /// Devices that did not exist at the start and are waited for, in sentences. Only with
+    /// `wait_for_absent`.
     const std::vector<std::string>& waits_for() const { return waits_for_; }
-    /// When the data thread last wrote down its figures.
+    /// When the data thread last published its figures.
     Instant figures_at() const { return loop_->published_at(); }
     AbsenceStatus absence() const { return loop_->absence(); }
     InputStatus input_status(std::size_t input) const { return loop_->input_status(input); }
     const InputTiming& input_timing(std::size_t input) const { return loop_->input_timing(input); }
-    /// What `InputStatus::rejected_by` counts.
+    /// Name of a cause that `InputStatus::rejected_by` counts.
     std::string_view reject_cause(std::size_t input, std::size_t cause) const;
     std::size_t reject_cause_count(std::size_t input) const;
-    /// Indices of the inputs of an output, the preferred first.
+    /// Indices of the inputs of an output, in order of preference.
     std::span<const std::size_t> inputs_of(std::size_t output) const {
         return engine_->outputs()[output].inputs();
     }
@@ -92,34 +93,34 @@ class Appliance {
     const OutputTiming& output_timing(std::size_t output) const {
         return loop_->output_timing(output);
     }
-    /// Of all named values, by their places; none where nothing needs values.
+    /// Named values, by their index; none if nothing uses values.
     std::size_t value_count() const { return loop_->value_count(); }
     const NamedValue& value(std::size_t value) const { return values_->board().value(value); }
     ValueStatus value_status(std::size_t value) const { return loop_->value_status(value); }
-    /// Of a sensor bus, by its place in the configuration.
+    /// State of a sensor bus, by its index in the configuration.
     SensorBusState bus_state(std::size_t bus) const { return loop_->bus_state(bus); }
-    /// Of a node of DroneCAN, in the order of `plan_nodes`.
+    /// Report of a DroneCAN node, in the order of `plan_nodes`.
     dronecan::NodeReport node_report(std::size_t node) const { return loop_->node_report(node); }
-    /// Another node has asked for a restart, and may.
+    /// True if another node asked for a restart and is allowed to.
     bool restart_wanted() const;
-    /// Asks the machine what it tells of itself, at most once a second, and not at all where
-    /// nobody asks for values, unless somebody `watches`.
+    /// Reads temperature, load and the like of this machine, at most once a second, and only if
+    /// values are configured or `watches` says that somebody reads the result.
     void look_at_machine(Instant now, bool watches = false);
-    /// What it told; nothing where nobody asked.
+    /// Result of `look_at_machine`; empty if it never read anything.
     const MachineNumbers& machine() const { return machine_; }
-    /// None where the configuration wants none.
+    /// Null without [recorder] in the configuration.
     FlightRecorder* recorder() const { return recorder_.get(); }
-    /// Tells the recorder what happened. Call a few times a second.
+    /// Passes events to the recorder. Call it a few times a second.
     void look_at_recorder(Instant now);
     /// Devices and interfaces, each once.
     const std::vector<PortPlan>& ports() const { return plans_; }
-    /// Its device is there and open.
+    /// True if the device of this port is open.
     bool port_present(std::size_t port) const { return !missing_[port]; }
-    /// Of a GPIO line.
+    /// True if this GPIO line is open.
     bool line_present(std::size_t line) const { return !missing_lines_[line]; }
-    /// Of a port that is a CAN interface.
+    /// Only for a port that is a CAN interface.
     CanLinkStatus can_status(std::size_t port) const { return loop_->can_status(port); }
-    /// An input or output of that port has FD frames.
+    /// True if an input, output or value message of that port uses FD frames.
     bool uses_fd(const PortWiring& wiring) const;
 
   private:
@@ -146,15 +147,15 @@ class Appliance {
     Configuration configuration_;
     std::vector<PortPlan> plans_;
     std::vector<bool> missing_;
-    /// None where nothing needs them; the engine's outputs look into it.
+    /// Null if nothing uses values. The outputs of the engine refer to it.
     std::unique_ptr<ValueEngine> values_;
     std::unique_ptr<Engine> engine_;
-    /// Its rings outlive the loop.
+    /// Declared before `loop_`, which writes into its rings.
     std::unique_ptr<FlightRecorder> recorder_;
     MachineWatch machine_watch_;
     MachineNumbers machine_;
     Instant next_machine_look_{};
-    /// None where no lines are configured.
+    /// Null if no lines are configured.
     std::unique_ptr<LineExchange> line_exchange_;
     std::unique_ptr<GpioThread> gpio_thread_;
     std::vector<bool> missing_lines_;

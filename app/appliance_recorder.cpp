@@ -5,10 +5,10 @@
 #include "app/appliance.h"
 #include "pipelines/realtime/clock.h"
 
-/// The flight recorder of an appliance, which goes on from one configuration to the next.
+/// The flight recorder of an appliance; it goes on from one configuration to the next.
 namespace tribus {
 
-/// Each port gets its ring: from the recorder of the appliance before, where there is one.
+/// Gives each port its ring. Uses the recorder of the appliance `before`, if it has one.
 tl::expected<void, std::string> Appliance::make_recorder(Appliance* before) {
     if (!configuration_.recorder) {
         return {};
@@ -28,7 +28,7 @@ tl::expected<void, std::string> Appliance::make_recorder(Appliance* before) {
     return {};
 }
 
-/// Once the loop of the appliance before has given way.
+/// Call it once the loop of the appliance before has stopped.
 void Appliance::settle_recorder() {
     if (recorder_) {
         recorder_->settle(configuration_, plans_, monotonic_now());

@@ -17,7 +17,7 @@ bool has_reader(const PortWiring& wiring) {
 
 }  // namespace
 
-/// Frames of a lane that are under way stay so.
+/// The number of outputs must be equal: frames of a lane that are on their way then stay so.
 bool Appliance::same_can_use(const PortPlan& plan, const Appliance& before,
                              const PortPlan& plan_before) const {
     return plan.wiring.outputs.size() == plan_before.wiring.outputs.size() &&
@@ -40,7 +40,7 @@ PortCarry Appliance::carry_port(const PortPlan& plan, const Appliance& before) c
             .discards_unread = !can && has_reader(plan.wiring) && !has_reader(known->wiring)};
 }
 
-/// A serial device cannot be open twice, a CAN interface can.
+/// A serial device cannot be open twice; a CAN interface can.
 std::vector<std::string> Appliance::open_beside(const Appliance& before,
                                                 std::vector<PortCarry>& ports,
                                                 std::vector<std::unique_ptr<Link>>& links) {
@@ -66,7 +66,7 @@ std::vector<std::string> Appliance::open_beside(const Appliance& before,
     return errors;
 }
 
-/// Three of their periods, in which the others go on.
+/// Takes three of their periods; the other outputs go on meanwhile.
 void Appliance::retire_parts(const Leaving& leaving) {
     if (leaving.empty()) {
         return;
@@ -99,7 +99,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     if (auto prepared = next->loop_->prepare(); !prepared) {
         return tl::unexpected(std::vector{prepared.error()});
     }
-    // What cannot be locked of it was told at the start.
+    // What cannot be locked was already reported at the start.
     if (next->configuration_.runtime.realtime != Realtime::off) {
         std::ignore = lock_new_memory();
     }
@@ -116,7 +116,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
         next->recorder_ = std::move(running->recorder_);
     }
     next->settle_recorder();
-    // Closes what the new one did not take, so that it can be opened again.
+    // Closes the devices that `next` did not take; `reopen_devices` can then open them.
     running.reset();
     return next;
 }

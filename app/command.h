@@ -8,37 +8,37 @@
 #include <variant>
 #include <vector>
 
-/// What the command line of the program consists of, without the library that reads it.
+/// The command line of the program, described without the library that reads it.
 namespace tribus {
 
-/// Where the value of an option goes. A bool is a flag; a function gets each value as it was typed.
+/// Where the value of an option is stored. A bool is a flag; a function gets each value as text.
 using OptionValue =
     std::variant<bool*, std::string*, std::optional<std::string>*, std::vector<std::string>*, int*,
                  std::uint64_t*, std::optional<std::int64_t>*, double*, std::optional<double>*,
                  std::function<void(const std::string&)>>;
 
-/// One option of a command, or one of its words without dashes.
+/// One option of a command, or a positional argument.
 struct CommandOption {
-    /// `--format`, or for a word without dashes `CONFIG`.
+    /// `--format`, or `CONFIG` for a positional argument.
     std::string name;
     OptionValue value;
     std::string help;
     bool required = false;
-    /// Help shows the value that stands there before the command line is read.
+    /// Help shows the stored value as the default.
     bool shows_value = false;
     /// Allowed words; empty: any.
     std::vector<std::string> choices{};
-    /// Least and highest number that is allowed.
+    /// Smallest and largest allowed number.
     std::optional<std::pair<double, double>> range{};
-    /// What help shows in the place of the value's type.
+    /// Shown in help instead of the type of the value.
     std::string type_name{};
-    /// What help shows as the default where the value itself does not say it.
+    /// Default shown in help, if the stored value does not show it.
     std::string default_text{};
-    /// Values in one word are separated by it; 0: one value a word.
+    /// Separates several values in one argument; 0: one value an argument.
     char delimiter = 0;
-    /// How many values follow; 0: what the type of the value says.
+    /// Number of values that follow; 0: as the type of the value says.
     int count = 0;
-    /// Options of the same command that must be there too, and that must not.
+    /// Other options of this command that it requires, and that it excludes.
     std::vector<std::string> needs{};
     std::vector<std::string> excludes{};
 };
@@ -48,9 +48,9 @@ struct Command {
     std::string name;
     std::string help;
     std::string footer{};
-    /// In the order in which help shows them. What they point to lives as long as `run`.
+    /// In the order in which help shows them. Their targets live as long as `run`.
     std::vector<CommandOption> options{};
-    /// Does the work once the options are read; returns the exit status. May block.
+    /// Does the work after the options are read; returns the exit status. May block.
     std::function<int()> run{};
 };
 

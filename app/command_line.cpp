@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kColumns = 80;
 
-/// Under the text of an option, or under the beginning of any other line.
+/// Continued lines of an option are indented to its text, others like their beginning.
 std::size_t indent_of(std::string_view line, std::size_t column_width) {
     const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
     constexpr std::size_t kOfOptions = 2;
@@ -45,7 +45,7 @@ void append_broken(std::string& text, std::string line, std::size_t column_width
     text += line;
 }
 
-/// Help that keeps to 80 columns. What has no blank is not broken.
+/// Help that breaks lines at 80 columns, at blanks only.
 class HelpFormatter : public CLI::Formatter {
   public:
     std::string make_help(const CLI::App* app, std::string name,
@@ -62,7 +62,7 @@ class HelpFormatter : public CLI::Formatter {
     }
 };
 
-/// The number that an option takes; no number where it takes none.
+/// Number type of an option; for others the type of the value.
 template <class Value>
 struct NumberOf {
     using Type = Value;
@@ -118,7 +118,7 @@ void add_option(CLI::App& app, const CommandOption& option) {
     }
 }
 
-/// Once all options of the command are there.
+/// Call it when all options of the command are added.
 void join_options(CLI::App& app, const CommandOption& option) {
     CLI::Option* const added = app.get_option(option.name);
     for (const std::string& needed : option.needs) {

@@ -7,7 +7,7 @@
 
 namespace tribus {
 
-/// Says on standard error why a command ends so. Returns the exit status.
+/// Prints to standard error why a command failed. Returns the exit status.
 inline int complain(std::string_view text, int status) {
     fmt::print(stderr, "tribus: {}\n", text);
     return status;

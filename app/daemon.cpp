@@ -30,7 +30,7 @@ void log_all(const std::vector<std::string>& errors) {
 
 }  // namespace
 
-/// Tells of an appliance that has just started.
+/// Reports an appliance that has just started.
 void Daemon::watch() {
     if (!appliance_) {
         inside_.hide();
@@ -43,7 +43,7 @@ void Daemon::watch() {
     service_.started(*appliance_, now);
 }
 
-/// Tells of one that goes on from another, which had those ports.
+/// Reports an appliance that replaced another one, which had `ports_before`.
 void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over) {
     const Instant now = monotonic_now();
     auto log = std::make_unique<StateLog>(*appliance_, now);
@@ -57,7 +57,7 @@ void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver
     if (new_port) {
         log_->say_interfaces(*appliance_);
     }
-    // Devices with other line settings are opened here.
+    // Opens the devices that got other line settings.
     log_->look(*appliance_, now);
     inside_.show(*appliance_);
     service_.started(*appliance_, now);
@@ -89,8 +89,8 @@ void Daemon::start(Configuration configuration) {
     watch();
 }
 
-/// For what cannot change while frames flow. A configuration whose devices cannot be opened gives
-/// way to the old one again, whether or not one of its own devices is unplugged just now.
+/// For changes that need a stop. If devices of the new configuration cannot be opened, the old one
+/// starts again, even if one of its own devices is unplugged now.
 ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
                                        std::vector<std::string> obstacles) {
     for (const std::string& obstacle : obstacles) {
@@ -154,7 +154,7 @@ void Daemon::confirm() {
     set_trial(std::nullopt);
 }
 
-/// As another node of DroneCAN asked for.
+/// Another DroneCAN node asked for it.
 void Daemon::restart() {
     service_.reloading();
     log_info("restarting, as another DroneCAN node asked for");

@@ -17,62 +17,62 @@
 
 namespace tribus {
 
-/// What came of the wish for another configuration.
+/// Result of a request for another configuration.
 struct ReloadOutcome {
     bool taken = false;
-    /// Why not; or, where it was taken, for what the outputs stopped. A line for each thing.
+    /// If refused: why. If taken: the reasons for which outputs stopped. One line for each.
     std::vector<std::string> lines{};
-    /// What it is on trial by; nothing where it is not.
+    /// Number of the trial, if the configuration is on trial.
     std::optional<std::uint64_t> trial{};
 };
 
-/// The configuration that `tribus run` runs, the changes from one to the next, and all who are told
-/// of it: log, control socket, service manager. Thread-bound to the main thread.
+/// The configuration that `tribus run` runs, and the changes from one to the next. Informs the log,
+/// the control socket and the service manager. Thread-bound to the main thread.
 class Daemon {
   public:
-    /// `path` is read again at each reload. The others must outlive it.
+    /// Each reload reads `path` again. `inside` and `service` must outlive the daemon.
     Daemon(std::string path, InsideView& inside, ServiceNotify& service)
         : path_(std::move(path)), inside_(inside), service_(service) {}
 
-    /// Where it cannot be started the log says why, and nothing runs.
+    /// If the configuration cannot be started, the log says why, and `runs` is false.
     void start(Configuration configuration);
     bool runs() const { return appliance_ != nullptr; }
-    /// All below while it runs only.
+    /// This and all functions below: only while `runs` is true.
     const Configuration& configuration() const { return appliance_->configuration(); }
 
-    /// A few times a second: tends devices, tells what changed, ends a trial that nobody confirmed,
-    /// and restarts where another node of DroneCAN asked for that.
+    /// Call it a few times a second. Reopens devices, reports changes, ends a trial that nobody
+    /// confirmed, and restarts if another DroneCAN node asked for it.
     void look(Instant now);
 
-    /// Begins to take the file as it is now: it is read and made ready on another thread, and taken
-    /// between two frames by `go_on`. One that has mistakes, or whose devices cannot be opened,
-    /// leaves the old configuration running as if nothing had been asked for. With a `trial` it
-    /// goes back by itself after that time to the configuration that ran before the first
-    /// unconfirmed one, unless it is confirmed. Afterwards nothing may run: where what must stop
-    /// for it could not be started again. The number of the change; nothing while another one is
-    /// under way.
+    /// Begins a reload. Another thread reads the file and prepares it; `go_on` takes it between two
+    /// frames. If the file has mistakes or its devices cannot be opened, the old configuration goes
+    /// on unchanged. With a `trial`, the daemon goes back after that time to the last confirmed
+    /// configuration, unless somebody confirms the new one. If outputs must stop for the change and
+    /// then cannot be started again, `runs` is false. Returns the number of the change, or nothing
+    /// while another change is under way.
     std::optional<std::uint64_t> begin_reload(std::optional<Duration> trial = std::nullopt);
-    /// Somebody wants the file to be read who gets no answer and is no person: a trial stays one.
-    /// However often it is said, this happens at most ten times a second.
+    /// Requests a reload for SIGHUP, which gets no answer; a trial stays a trial. At most one such
+    /// reload begins each 100 ms, however often this is called.
     void note_hang_up() { hung_up_ = true; }
-    /// Which configuration is on trial: each trial has a number of its own.
+    /// Number of the trial, if a configuration is on trial. Each trial has its own number.
     std::optional<std::uint64_t> trial() const;
-    /// It stays. Only while one is on trial.
+    /// Ends the trial; its configuration stays. Only while one is on trial.
     void confirm();
-    /// Begins to go back, in any case: also to devices that are missing just now, and from a reload
-    /// that is under way. Only while a configuration is on trial. The number of the change.
+    /// Begins to go back to the configuration before the trial. This also abandons a reload that is
+    /// under way, and does not wait for missing devices. Only while a configuration is on trial.
+    /// Returns the number of the change.
     std::uint64_t begin_going_back();
-    /// What came of a change; nothing while it is under way.
+    /// Result of a change; nothing while it is under way.
     std::optional<ReloadOutcome> outcome_of(std::uint64_t change) const;
 
-    /// Goes on with what is under way, as far as it can. Call it when `descriptor` can be read, and
-    /// when it is `due`.
+    /// Continues the change that is under way, without waiting. Call it when `descriptor` is
+    /// readable and at `due`.
     void go_on(Instant now);
-    /// -1 while nothing is under way.
+    /// -1 while no change is under way.
     int descriptor() const { return change_ ? change_->preparation->descriptor() : -1; }
     Instant due() const;
 
-    /// Outputs end as their failsafe says.
+    /// Each output sends its last frames as its failsafe demands. Returns when that is done.
     void end();
 
   private:
@@ -82,13 +82,13 @@ class Daemon {
         std::uint64_t number = 0;
     };
     enum class ChangeKind : std::uint8_t { reload, hang_up, back };
-    /// On its way from one configuration to the next.
+    /// A change from one configuration to the next.
     struct Change {
         ChangeKind kind{};
         std::uint64_t number = 0;
         Instant latest_end{};
         std::optional<Duration> trial;
-        Configuration before;  ///< of one that goes back
+        Configuration before;  ///< only for ChangeKind::back
         std::unique_ptr<Preparation> preparation;
     };
 

@@ -7,15 +7,15 @@
 #include "app/log.h"
 #include "pipelines/realtime/clock.h"
 
-/// The daemon's way from one configuration to the next: what takes long is done beside it.
+/// The daemon's way from one configuration to the next. Slow work runs on another thread.
 namespace tribus {
 namespace {
 
-/// A file that cannot be read in so long is on a disk that does not answer.
+/// A file that takes longer is on a disk that does not answer.
 constexpr Duration kLongestReading = std::chrono::minutes(1);
-/// From one reload by SIGHUP to the next.
+/// Least time from one reload by SIGHUP to the next.
 constexpr Duration kHangUpPause = std::chrono::milliseconds(100);
-/// Of so many changes the outcome is remembered.
+/// Upper limit of the remembered outcomes.
 constexpr std::size_t kRememberedOutcomes = 16;
 
 }  // namespace
@@ -133,7 +133,7 @@ ReloadOutcome Daemon::finish_going_back(Change& change) {
     if (outcome.taken || !appliance_) {
         return outcome;
     }
-    // What ran before the trial is to run, whatever has been unplugged since.
+    // What ran before the trial must run, whatever has been unplugged since.
     log_warning("starting it all the same, with a stop: outputs go into failsafe");
     appliance_.reset();
     std::vector<std::string> errors;

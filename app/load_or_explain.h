@@ -9,7 +9,8 @@
 
 namespace tribus {
 
-/// Loads a configuration file; prints all its mistakes to standard error if it has any.
+/// Loads a configuration file; prints its mistakes to standard error and returns nothing if it has
+/// any.
 std::optional<Configuration> load_or_explain(const std::string& path);
 
 /// Prints mistakes to standard error, a line for each.

@@ -38,7 +38,7 @@ std::vector<tribus::Command> commands() {
 
 int main(int argc, char** argv) {
     std::ios::sync_with_stdio(false);
-    // Libraries throw when memory or a standard stream fails; nothing of ours does.
+    // Libraries throw when memory or a standard stream fails; our own code does not throw.
     try {
         return tribus::run_command_line(commands(), TRIBUS_VERSION, argc, argv);
     } catch (const std::exception& error) {

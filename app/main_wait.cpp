@@ -36,7 +36,7 @@ std::optional<int> MainWait::until(Instant deadline, std::span<const int> others
     }
     constexpr Duration kLongest = std::chrono::hours(1);
     const Duration left = std::clamp(deadline - monotonic_now(), Duration::zero(), kLongest);
-    // Rounded up: a wait that ends too early would be followed by one of nothing.
+    // Rounded up: a wait that ends too early would be followed by a wait of 0 ms.
     const auto wait = std::chrono::ceil<std::chrono::milliseconds>(left);
     ::poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
     std::array<signalfd_siginfo, 8> came{};

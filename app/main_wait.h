@@ -13,17 +13,17 @@
 
 namespace tribus {
 
-/// All that the main thread waits for: signals, an instant, and descriptors of those who want
-/// something. Thread-bound to the main thread.
+/// What the main thread waits for: signals, an instant, and descriptors. Thread-bound to the main
+/// thread.
 class MainWait {
   public:
-    /// From here on these signals come by `until` only. Call it before any other thread is made,
-    /// which inherits that. The error is a sentence.
+    /// From now on only `until` receives these signals. Call it before any thread is created,
+    /// because threads inherit it. The error is a sentence.
     static tl::expected<MainWait, std::string> for_signals(std::initializer_list<int> signals);
 
-    /// Waits until `deadline` at most, and no longer than until something can be read from one of
-    /// `others`; -1 is none. The signal that ended it, if one did; of several at once that with the
-    /// highest number: SIGTERM before SIGINT before SIGHUP, however often that one comes.
+    /// Waits until `deadline` or a signal, or until one of `others` is readable; -1 stands for
+    /// none. Returns the signal, if there was one. If several are pending, it returns the one with
+    /// the highest number: SIGTERM before SIGINT before SIGHUP.
     std::optional<int> until(Instant deadline, std::span<const int> others = {});
 
   private:

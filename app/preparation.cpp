@@ -15,7 +15,7 @@
 namespace tribus {
 namespace {
 
-/// What the deepest configuration needs, and more; all of it counts as locked memory.
+/// More than the deepest configuration needs. All of it counts as locked memory.
 constexpr std::size_t kPreparationStackBytes = std::size_t{1024} * 1024;
 
 std::atomic<int> preparations_running{0};
@@ -58,7 +58,7 @@ std::unique_ptr<Preparation> Preparation::begin(std::function<Result()> prepare)
     if (::pthread_create(&thread, &attributes, &Preparation::main, own.get()) == 0) {
         static_cast<void>(own.release());
     } else {
-        // Where there is no thread to be had, waiting is better than refusing.
+        // If no thread can be created, waiting is better than refusing.
         --preparations_running;
         work->run();
     }

@@ -13,29 +13,28 @@
 
 namespace tribus {
 
-/// A configuration on its way to an appliance that can be started, on a thread of its own: a file
-/// of 11 MB, or a disk that does not answer, keeps the main thread from nothing. Thread-bound to
-/// the main thread.
+/// Reads a configuration and builds an appliance from it on another thread, so that neither a file
+/// of 11 MB nor a disk that does not answer stops the main thread. Thread-bound to the main thread.
 class Preparation {
   public:
     using Result = tl::expected<std::unique_ptr<Appliance>, std::vector<Mistake>>;
 
-    /// Of the file as it is now.
+    /// Reads the file as it is now.
     static std::unique_ptr<Preparation> of_file(const std::string& path);
     static std::unique_ptr<Preparation> of(const Configuration& configuration);
     Preparation(const Preparation&) = delete;
     Preparation& operator=(const Preparation&) = delete;
-    /// Does not wait for its end: what is not done yet goes on for nothing.
+    /// Does not wait for its thread, which then goes on and discards its result.
     ~Preparation();
 
-    /// Readable once it is done.
+    /// Readable once `done` is true.
     int descriptor() const;
     bool done() const;
-    /// Once, when it is done.
+    /// The result. Call it once, when `done` is true.
     Result take();
 
-    /// Threads go on of which nobody waits for the result. The process must end without tearing
-    /// down what those may use.
+    /// True if a thread still runs whose result nobody takes. The process must then end without
+    /// destroying global objects, which that thread may use.
     static bool any_forsaken();
 
   private:

@@ -24,7 +24,7 @@
 namespace tribus {
 namespace {
 
-/// Opening devices and the last frames of outputs that are gone take a moment.
+/// Time to open devices and to send the last frames of outputs that are removed.
 constexpr Duration kReloadPatience = std::chrono::seconds(20);
 
 struct ReloadOptions {
@@ -35,7 +35,7 @@ struct ReloadOptions {
     bool back = false;
 };
 
-/// What the daemon did, said to the person who asked.
+/// Prints what the daemon did. `told`: receives its answer.
 int ask_and_tell(const std::string& socket, const std::string& request, const char* taken,
                  nlohmann::json* told = nullptr) {
     const auto answer = ask_daemon(socket, request, kReloadPatience);
@@ -56,7 +56,7 @@ int ask_and_tell(const std::string& socket, const std::string& request, const ch
 
 enum class Choice : std::uint8_t { keep, back, too_late };
 
-/// Enter, or the end of patience.
+/// Waits for Enter, a signal, or `end`.
 Choice ask_person(MainWait& wait, Instant end) {
     while (monotonic_now() < end) {
         if (wait.until(end, std::array{STDIN_FILENO})) {
@@ -71,7 +71,7 @@ Choice ask_person(MainWait& wait, Instant end) {
     return Choice::too_late;
 }
 
-/// `number`: ` 7`, of the daemon's trial; empty where it does not number them.
+/// `number`: " 7", the number of the daemon's trial; empty if the daemon does not number trials.
 int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial,
                 const std::string& number) {
     if (::isatty(STDIN_FILENO) == 0) {

@@ -30,11 +30,11 @@
 namespace tribus {
 namespace {
 
-/// Often enough that a replugged device is back before a failsafe has run its course; each time
-/// costs about as much as a frame.
+/// Period of `Daemon::look`: short enough to reopen a replugged device quickly; each round costs
+/// about as much as a frame.
 constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
 
-/// Until it is told to end.
+/// Returns when a signal ends the program.
 int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
     Instant next_look = later(monotonic_now(), kTendPeriod);
     while (daemon.runs()) {
@@ -69,9 +69,9 @@ struct RunOptions {
     bool metrics_public = false;
 };
 
-/// What the control socket tells of many pipelines is a text of a hundred KiB and more. In memory
-/// of its own, which is given back, it leaves no gaps between what stays: for those the heap would
-/// grow for hours.
+/// A status with many pipelines is 100 KiB and more. As its own mapping it is returned to the
+/// system; in the heap it would leave gaps between lasting objects, and the heap would grow for
+/// hours.
 void keep_long_texts_out_of_the_heap() {
     constexpr int kLongTextBytes = 64 * 1024;
     ::mallopt(M_MMAP_THRESHOLD, kLongTextBytes);
@@ -83,8 +83,8 @@ int run(const RunOptions& options) {
     auto configuration = load_configuration_file(options.path);
     if (!configuration) {
         explain_mistakes(configuration.error());
-        // A service is started again where that may help, and not where somebody must mend the
-        // file.
+        // On kExitFailed systemd starts the service again. On kExitWrongUse it does not, because
+        // somebody must correct the file.
         return may_be_temporary(configuration.error()) ? kExitFailed : kExitWrongUse;
     }
     if (const auto mistakes = mistaken_processor(*configuration, configured_processors());

@@ -21,10 +21,10 @@
 namespace tribus {
 namespace {
 
-/// A service manager that hangs must not make this program hang with it.
+/// Upper limit of a wait: a service manager that hangs must not hang this program.
 constexpr timeval kLongestWait{.tv_sec = 1, .tv_usec = 0};
 
-/// Its address; nothing where the name has no place in one.
+/// Socket address of `name`; nothing if the name is neither a path nor abstract, or too long.
 std::optional<std::pair<sockaddr_un, socklen_t>> address_of(std::string_view name) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
@@ -33,7 +33,7 @@ std::optional<std::pair<sockaddr_un, socklen_t>> address_of(std::string_view nam
         return std::nullopt;
     }
     std::memcpy(address.sun_path, name.data(), name.size());
-    // A name in the kernel's own name space begins with a zero and has none at its end.
+    // An abstract name begins with a zero byte and has none at its end.
     const bool abstract = name.front() == '@';
     if (abstract) {
         address.sun_path[0] = '\0';
@@ -53,7 +53,7 @@ std::optional<std::uint64_t> number_in(const char* variable) {
     return parsed.ec == std::errc() && parsed.ptr == end ? std::optional(number) : std::nullopt;
 }
 
-/// As sd_watchdog_enabled(3) reads it.
+/// Reads the environment as sd_watchdog_enabled(3) does.
 std::optional<Duration> watchdog_limit() {
     const auto usec = number_in("WATCHDOG_USEC");
     constexpr std::uint64_t kLongest = std::chrono::microseconds(std::chrono::hours(24)).count();

@@ -16,34 +16,35 @@
 
 namespace tribus {
 
-/// The service manager's socket, as sd_notify(3) describes it: datagrams of NAME=VALUE lines to
+/// Socket of the service manager, see sd_notify(3): sends datagrams of NAME=VALUE lines to
 /// $NOTIFY_SOCKET. Thread-bound to the main thread.
 class NotifySocket {
   public:
-    /// Without $NOTIFY_SOCKET, or where it cannot be reached, it says nothing.
+    /// Without $NOTIFY_SOCKET, or if it cannot be reached, the object sends nothing.
     static NotifySocket from_environment();
 
     bool listens() const { return socket_.valid(); }
-    /// Waits for a moment at most where the service manager is busy. True if it took the lines.
+    /// Sends the lines; waits at most 1 s if the service manager is busy. Returns true if it took
+    /// them.
     bool say(std::string_view lines) const;
 
   private:
     UniqueFd socket_;
 };
 
-/// Tells a service manager what goes on: the start, reloads, the end, a line of status, and, only
-/// while every output is on time, that its watchdog need not bite. Does nothing where no service
-/// manager asks for it. Thread-bound to the main thread.
+/// Notifies a service manager of the start, reloads and the end, with a line of status, and feeds
+/// its watchdog while every output is on time. Does nothing without a service manager. Thread-bound
+/// to the main thread.
 class ServiceNotify {
   public:
     ServiceNotify();
 
-    /// The appliance runs: a first one, or a fresh one, or the old one after a refused reload.
+    /// The appliance runs: the first one, a new one, or the old one after a refused reload.
     void started(const Appliance& appliance, Instant now);
     void reloading();
     void stopping();
 
-    /// A few times a second.
+    /// Call it a few times a second.
     void look(const Appliance& appliance, Instant now);
 
   private:
@@ -51,7 +52,7 @@ class ServiceNotify {
     void tell_status(const Appliance& appliance, Instant now);
 
     NotifySocket socket_;
-    /// None where the service manager has no watchdog.
+    /// Empty if the service manager has no watchdog.
     std::optional<Watchdog> watchdog_;
     ChangeReport<Punctuality> said_{Punctuality::on_time};
     RateLimit limit_ = log_limit();

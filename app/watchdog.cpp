@@ -3,8 +3,8 @@
 namespace tribus {
 namespace {
 
-/// The data thread publishes several times a second even where it has nothing else to do; so long
-/// without is no mere delay on a busy machine.
+/// The data thread publishes several times a second even if it has nothing else to do. A longer gap
+/// than this is no mere delay on a busy machine.
 constexpr Duration kFigureLife = std::chrono::seconds(1);
 
 }  // namespace
@@ -28,7 +28,7 @@ Punctuality Watchdog::judge(Instant now, Instant published,
     Punctuality judged = Punctuality::on_time;
     for (std::size_t i = 0; i < outputs.size() && judged == Punctuality::on_time; ++i) {
         const OutputProgress& output = outputs[i];
-        // All that is due runs before figures are published.
+        // The data thread does all that is due before it publishes.
         const bool forgotten = later(output.due, output.period) < published;
         const auto missed = comparable ? output.overruns - outputs_[i].overruns : 0;
         const bool misses_half = missed > 0 && static_cast<double>(missed) * 2.0 *

@@ -10,39 +10,39 @@
 
 namespace tribus {
 
-/// What the watchdog must know of an output, at one publication of the data thread.
+/// Progress of an output at one publication of the data thread.
 struct OutputProgress {
-    Instant due{};  ///< its next turn
+    Instant due{};  ///< when its next frame is due
     Duration period{};
     std::uint64_t overruns = 0;
 };
 
-/// Whether the outputs are on time, and if not, who is late.
+/// Whether the outputs are on time, and what is late if they are not.
 enum class Punctuality : std::uint8_t {
     on_time,
     data_thread_stands,
     output_late,
 };
 
-/// Decides whether a service manager may be told that all is well: only while the data thread goes
-/// on and every output has its turns. A turn that says nothing, because the failsafe is silence, or
-/// whose frame the port or bus does not take, is a turn: starting anew would not help there.
-/// Pure; thread-bound.
+/// Decides whether the service manager may be told that all is well: only while the data thread
+/// runs and each output makes its frames on time. An output that sends nothing, because its
+/// failsafe is silence or because the port takes nothing, still counts as on time: a restart would
+/// not help. Pure; thread-bound.
 class Watchdog {
   public:
-    /// `limit`: without a word for so long, the service manager starts the program anew.
+    /// `limit`: the service manager restarts the program after so long without notification.
     explicit Watchdog(Duration limit) : limit_(limit) {}
 
-    /// A data thread starts, with counts from zero.
+    /// Call it when a data thread starts, with counters from zero.
     void restart();
 
-    /// A few times a second: `published` is when the data thread told its figures last. True if
-    /// the service manager is to be told now.
+    /// Call it a few times a second. `published`: when the data thread last published. Returns true
+    /// if the service manager is to be notified now.
     bool look(Instant now, Instant published, std::span<const OutputProgress> outputs);
 
-    /// As of the latest look.
+    /// Result of the latest `look`.
     Punctuality punctuality() const { return punctuality_; }
-    /// Where an output is late: which.
+    /// Index of the late output, if `punctuality` is `output_late`.
     std::size_t late_output() const { return late_output_; }
 
   private:
