@@ -21,7 +21,7 @@ namespace {
 
 using Refused = tl::unexpected<std::string>;
 
-/// A scraper asks one thing and leaves; there are one or two of them.
+/// A scraper sends one request and leaves; there are one or two of them.
 constexpr std::size_t kMostClients = 4;
 constexpr std::size_t kLongestHead = 4096;
 constexpr Duration kClientPatience = std::chrono::seconds(5);
@@ -32,7 +32,8 @@ struct AddressDeleter {
 };
 using Address = std::unique_ptr<addrinfo, AddressDeleter>;
 
-/// An empty one would be any, and of one that is too large getaddrinfo(3) takes the lower 16 bits.
+/// getaddrinfo(3) would accept an empty port as any, and of one that is too large its lower 16
+/// bits.
 bool is_port(const std::string& text) {
     std::uint16_t port = 0;
     const auto read = std::from_chars(text.data(), text.data() + text.size(), port);
@@ -119,7 +120,7 @@ bool same_but_for_case(std::string_view a, std::string_view b) {
         [](unsigned char c) { return std::tolower(c); });
 }
 
-/// An address of either kind, or localhost, with a port or without.
+/// True for an IP address or localhost, with or without a port.
 bool is_own_host(std::string_view host) {
     const std::size_t bracket = host.find(']');
     const bool v6 = host.starts_with('[') && bracket != std::string_view::npos;
@@ -130,7 +131,7 @@ bool is_own_host(std::string_view host) {
                     ::inet_pton(AF_INET, name.c_str(), &address) == 1;
 }
 
-/// No browser leaves the line out.
+/// Requests without a Host line pass: every browser sends one.
 bool asks_this_machine(std::string_view head) {
     constexpr std::string_view kHost = "host:";
     while (!head.empty()) {

@@ -15,10 +15,10 @@
 
 namespace tribus {
 
-/// Who may reach the metrics.
+/// Who can reach the metrics.
 enum class MetricsReach : std::uint8_t {
     local,    ///< this machine only
-    network,  ///< everybody whom the address lets in: nothing here asks who it is
+    network,  ///< everybody who can reach the address; the server does not authenticate
 };
 
 /// GET /metrics over HTTP/1.1, for Prometheus. Thread-bound to the main thread, which waits for
@@ -40,19 +40,19 @@ class MetricsServer {
   private:
     MetricsServer() = default;
 
-    /// Where it listens on a path.
+    /// Only if `address` is a path.
     std::optional<LocalListener> listener_;
     std::optional<SocketServer> server_;
 };
 
-/// Whom a browser on this machine may think that it talks to. A page from elsewhere whose host name
-/// leads to 127.0.0.1 would read all that is told.
+/// Which host names a request may use. A page from elsewhere whose host name resolves to 127.0.0.1
+/// could otherwise read the metrics through a browser on this machine.
 enum class HostNames : std::uint8_t {
-    own,  ///< an address, or localhost
+    own,  ///< IP addresses and localhost
     any,
 };
 
-/// The whole response to a request of which the head is complete. Pure.
+/// The whole response to a request whose head is complete. Pure.
 std::string http_response(std::string_view head, HostNames allowed,
                           const std::function<std::string()>& metrics);
 

@@ -18,7 +18,7 @@ namespace {
 
 using Label = std::pair<std::string_view, std::string_view>;
 
-/// Of a label: backslash, quote and line end (text format 0.0.4, "Line format").
+/// Escapes a label: backslash, quote and line feed (text format 0.0.4, "Line format").
 std::string escaped(std::string_view text) {
     std::string out;
     for (const char byte : text) {
@@ -30,7 +30,7 @@ std::string escaped(std::string_view text) {
     return out;
 }
 
-/// One family after the other, each with its help and type once.
+/// Writes metric families one after the other, each with one help and one type line.
 class Text {
   public:
     void family(std::string_view name, std::string_view type, std::string_view help) {
@@ -73,7 +73,7 @@ double seconds(Duration duration) {
     return std::chrono::duration<double>(duration).count();
 }
 
-/// One line of the table of counters.
+/// A row of a table of counters.
 template <class Status>
 struct Counter {
     std::string_view name;

@@ -6,11 +6,10 @@
 
 namespace tribus {
 
-/// Everything that counts or can be measured, for Prometheus: text format 0.0.4. Pure.
-///
-/// Written here and not by the library prometheus-cpp: that keeps its own values behind locks, for
-/// threads that all count, and is a shared library more to load; here one thread has all figures in
-/// its hand already.
+/// All counters and measurements in the text format 0.0.4 of Prometheus. Pure.
+/// Not made with the library prometheus-cpp: it keeps its own values behind locks, for many
+/// counting threads, and is one more shared library to load. Here one thread has all figures
+/// already.
 std::string metrics_text(const StatusReport& report);
 
 }  // namespace tribus

@@ -65,7 +65,7 @@ class Monitor {
 
   private:
     int follow(Duration period, bool live) {
-        // A line is told once there is something to tell.
+        // The first line comes after one period, when there is something to show.
         Instant next_show = later(monotonic_now(), live ? Duration::zero() : period);
         while (!quit_) {
             std::vector<int> watched;
@@ -96,7 +96,7 @@ class Monitor {
         return kExitFine;
     }
 
-    /// A status, where that ends it all.
+    /// Returns the exit status if the monitor must end.
     std::optional<int> take_objects() {
         const bool was_connected = link_.connected();
         for (std::string& line : link_.read()) {
@@ -184,7 +184,8 @@ int monitor_daemon(const MonitorOptions& options) {
     if (!socket) {
         return complain(socket.error(), kExitFailed);
     }
-    // A reader that goes away (`| head`) ends it, and the terminal is set right at any end.
+    // When the reader of the output goes away (`| head`), the monitor ends normally and restores
+    // the terminal.
     std::signal(SIGPIPE, SIG_IGN);
     auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP, SIGWINCH});
     if (!wait) {

@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// The subcommand `monitor`: what a running daemon does.
+/// The subcommand `monitor`: a live view of a running daemon.
 Command monitor_command();
 
 }  // namespace tribus

@@ -7,29 +7,29 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-/// How a monitor reads what a daemon tells, which may be another version, or no daemon at all: a
-/// field that is not there, or of another kind, is nothing. Pure.
+/// Reads the fields of a status. It may come from another version, or from another program: a field
+/// that is missing or of another type counts as empty. Pure.
 namespace tribus::monitor {
 
 using Json = nlohmann::json;
 
 const Json& field(const Json& object, const char* key);
 
-/// As it was told, whatever is in it.
+/// The text as received, unescaped.
 std::string raw_text(const Json& object, const char* key);
 
-/// To be shown: control characters, which a terminal would obey, are question marks.
+/// For display: control characters, which a terminal would obey, become question marks.
 std::string shown(std::string_view text);
 std::string text(const Json& object, const char* key);
 
 std::optional<double> number(const Json& object, const char* key);
 
-/// Zero where there is none.
+/// Zero if the field is missing.
 std::uint64_t count(const Json& object, const char* key);
 
 bool flag(const Json& object, const char* key);
 
-/// Empty where there is none.
+/// Empty if the field is missing.
 const Json& list(const Json& object, const char* key);
 
 }  // namespace tribus::monitor

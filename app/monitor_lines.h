@@ -7,17 +7,17 @@
 #include "app/screen_parts.h"
 #include "core/time.h"
 
-/// How a monitor shows each thing of a status in one line. Pure.
+/// The lines of the monitor for inputs, outputs, ports, sensor buses and values. Pure.
 namespace tribus::monitor {
 
-/// A number of microseconds; 0 where there is none.
+/// A duration in microseconds; 0 if the field is missing.
 Duration us_of(const Json& object, const char* key);
 std::string_view colour_of(const std::string& state);
-/// What state an input or output is in, in words.
+/// The state of an input or output in words.
 std::string input_state(const Json& input);
 std::string output_state(const Json& output);
 
-/// `old`: the figures are none of now.
+/// `old`: the figures are out of date and shown dimmed.
 std::string input_line(const Json& input, bool selected, bool old, const ScreenStyle& style);
 std::string output_line(const Json& output, bool selected, bool old, const ScreenStyle& style);
 std::string port_line(const Json& port, const ScreenStyle& style);

@@ -14,7 +14,7 @@ namespace tribus {
 namespace {
 
 constexpr Duration kTryPeriod = std::chrono::milliseconds(500);
-/// No daemon has as much to say in one object.
+/// Upper limit of one object; no daemon sends a larger one.
 constexpr std::size_t kLongestObject = std::size_t{4} << 20U;
 constexpr std::size_t kReadsAtOnce = 64;
 

@@ -9,20 +9,20 @@
 
 namespace tribus {
 
-/// A daemon's stream of status objects, over its control socket. Comes back by itself when the
-/// daemon does. Thread-bound.
+/// Stream of status objects from a daemon, over its control socket. Reconnects by itself.
+/// Thread-bound.
 class MonitorLink {
   public:
     MonitorLink(std::string path, Duration period) : path_(std::move(path)), period_(period) {}
 
     bool connected() const { return descriptor_.valid(); }
-    /// Readable when something has come; -1 while there is no connection.
+    /// Readable when data has arrived; -1 while there is no connection.
     int descriptor() const { return descriptor_.get(); }
     /// Why there is no connection, as a sentence.
     const std::string& problem() const { return problem_; }
-    /// Tries to connect, if there is no connection and the latest try was a while ago.
+    /// Tries to connect if there is no connection and the last attempt is at least 500 ms ago.
     void tend(Instant now);
-    /// Whole lines that have come; does not wait.
+    /// The complete lines received so far; does not wait.
     std::vector<std::string> read();
 
   private:

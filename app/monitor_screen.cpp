@@ -19,10 +19,10 @@ namespace {
 using namespace screen;
 using namespace monitor;
 
-/// A daemon tells at least once in that time; figures that are older are no figures of now.
+/// A daemon sends at least once in this time; older figures are out of date.
 constexpr Duration kFresh = std::chrono::seconds(1);
 
-/// As old as the slowest part of the way here.
+/// Age of the figures: their age in the daemon and the time since they came.
 Duration figures_age(const MonitorView& view) {
     return view.age + us_of(view.status, "figures_age_us");
 }
@@ -50,7 +50,7 @@ void add_part(Lines& lines, std::string_view name, const Json& items, const Scre
     }
 }
 
-/// Broken at blanks, so that none of it is lost on a narrow screen.
+/// Breaks lines at blanks, so that a narrow screen shows all text.
 Lines wrapped(std::string_view text, std::string_view colour, const ScreenStyle& style) {
     const std::size_t columns = std::max<std::size_t>(style.columns, 1);
     Lines lines;
@@ -68,7 +68,7 @@ Lines wrapped(std::string_view text, std::string_view colour, const ScreenStyle&
     return lines;
 }
 
-/// Above all: whether what stands below can be believed.
+/// First lines of the screen: whether the figures below are current.
 Lines trust_lines(const MonitorView& view, const ScreenStyle& style) {
     const std::string then = "; this is what was " + short_duration(figures_age(view)) + " ago";
     if (view.status.is_null()) {
@@ -110,7 +110,7 @@ std::string heading(const MonitorView& view, const ScreenStyle& style) {
     return line.take();
 }
 
-/// What the bars show: an input alone, or an output beside the input that feeds it.
+/// What the bars show: an input alone, or an output beside the input that controls it.
 struct Compared {
     const Json* before = nullptr;
     const Json* after = nullptr;
@@ -220,7 +220,7 @@ Lines surroundings(const MonitorView& view, const ScreenStyle& style) {
     return lines;
 }
 
-/// The rows of the screen: what always stands, and what moves below it.
+/// The rows of the screen: a fixed head, and a body that scrolls.
 struct ScreenLayout {
     Lines head;
     Lines body;
@@ -230,7 +230,7 @@ struct ScreenLayout {
 };
 
 ScreenLayout layout_of(const MonitorView& view, const ScreenStyle& style) {
-    // The last row has the keys.
+    // The last row shows the keys.
     const std::size_t rows = std::max<std::size_t>(style.rows, 3) - 1;
     ScreenLayout layout{.head = {heading(view, style)}, .body = items(view, style)};
     const Lines trust = trust_lines(view, style);
@@ -292,7 +292,7 @@ std::string draw_monitor(const MonitorView& view, const ScreenStyle& style) {
         screen += layout.body[i];
         screen += kEraseRest;
     }
-    // No line end behind the last row: it would scroll.
+    // No line feed after the last row: it would scroll.
     return screen + keys_line(layout, top, style) + "\x1b[K\x1b[J";
 }
 

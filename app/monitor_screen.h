@@ -8,42 +8,41 @@
 #include "app/screen_parts.h"
 #include "core/time.h"
 
-/// How `tribus monitor` shows a daemon. Pure: figures in, text out.
+/// The screen of `tribus monitor`. Pure.
 namespace tribus {
 
-// nlohmann's destructor is said to throw nothing, and could.
-// NOLINTNEXTLINE(bugprone-exception-escape)
+// The destructor of nlohmann::json is declared noexcept but could throw.
 struct MonitorView {
-    /// The latest that the daemon told; null before the first.
+    /// The latest status; null before the first.
     nlohmann::json status;
-    Duration age{};  ///< since it came
+    Duration age{};  ///< since it was received
     bool connected = true;
     bool paused = false;
     /// A sentence about the connection; may be empty.
     std::string notice;
-    /// Among the inputs and outputs, counted through; nothing chosen: the first output, whose
-    /// channels stand beside those of its input.
+    /// Index among the inputs and outputs together. Empty: the first output, shown with the
+    /// channels of its input beside its own.
     std::optional<std::size_t> selected;
-    /// The first line of what scrolls.
+    /// Index of the first visible line of the scrolling part.
     std::size_t top = 0;
 };
 
-/// How many inputs and outputs can be selected.
+/// Number of inputs and outputs.
 std::size_t selectable(const nlohmann::json& status);
 
-/// The one that is selected, chosen or not.
+/// Index of the selected one, whether the user chose it or not.
 std::size_t selected_item(const MonitorView& view);
 
-/// `top` after one page up (`pages` below 0) or down.
+/// New `top` after one page up (`pages` < 0) or down.
 std::size_t top_after_pages(const MonitorView& view, const ScreenStyle& style, int pages);
-/// `top` with the selected one on the screen, its channels behind it.
+/// `top` that brings the selected line and its channels onto the screen.
 std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& style);
 
-/// The whole screen, at most `rows` lines, or three, of at most `columns` characters; the last one
-/// says which lines of how many are shown. Every line ends with "erase to end of line".
+/// The whole screen: at most `rows` lines, but at least three, of at most `columns` characters. The
+/// last line says which lines of how many are visible. Each line ends with "erase to end of line".
 std::string draw_monitor(const MonitorView& view, const ScreenStyle& style);
 
-/// One line for where there is no terminal.
+/// One line, for use without a terminal.
 std::string monitor_line(const MonitorView& view);
 
 }  // namespace tribus

@@ -24,7 +24,7 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     }
     outputs_.resize(configuration.outputs.size());
     for (const Appliance::DeviceEvent& device : appliance.devices()) {
-        // A start says itself what it waits for.
+        // The start itself reports the devices that it waits for.
         const bool told = !device.back && !appliance.waits_for().empty();
         devices_[device.name] = {
             .present = device.back, .ever = !told, .word = ChangeReport(!told)};
@@ -74,7 +74,7 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
            cause_text(status.state), swallowed_note(*swallowed));
 }
 
-/// Silence at the start is the commonest trouble of all, and its cause shows in the bytes.
+/// No signal at the start is the most frequent problem; the received bytes show its cause.
 void StateLog::say_never_good(const std::string& name, const InputStatus& status,
                               InputMemory& memory, Instant now) {
     if (memory.silence_said || status.ever_good || now - memory.start < kFirstFrameWait) {
@@ -107,7 +107,7 @@ void StateLog::say_never_good(const std::string& name, const InputStatus& status
     }
 }
 
-/// By the places of a pipeline's inputs.
+/// Names of the outvoted inputs; bit i of `outvoted` stands for `places[i]`.
 std::string StateLog::outvoted_names(std::uint32_t outvoted,
                                      std::span<const std::size_t> places) const {
     std::string text;
@@ -165,7 +165,7 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
     }
 }
 
-/// Before what came of it: an input that fell silent meanwhile did nothing wrong.
+/// Logged before its consequences: an input that was lost meanwhile is not at fault.
 void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
     if (absence.count == absences_) {
         return;
@@ -192,7 +192,7 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
         }
         memory.ever = memory.ever || back;
     };
-    // One that goes and comes within a look has been gone nevertheless.
+    // A device that was gone and is back within one round is reported as gone, too.
     for (const Appliance::DeviceEvent& event : appliance.tend()) {
         devices_[event.name].present = event.back;
         look(event.name, devices_[event.name]);

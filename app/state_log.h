@@ -20,20 +20,20 @@
 
 namespace tribus {
 
-/// Says what changed, and nothing while nothing does. Thread-bound to the main thread.
+/// Logs changes of state; logs nothing while nothing changes. Thread-bound to the main thread.
 class StateLog {
   public:
     StateLog(const Appliance& appliance, Instant start);
 
-    /// Logs how every CAN interface is set up.
+    /// Logs how each CAN interface is configured.
     void say_interfaces(const Appliance& appliance) { can_.start(appliance); }
-    /// After a reload: what `before` said of the parts that go on needs no word again, and what it
-    /// had no line left for is still to come.
+    /// After a reload: does not repeat what `before` said about the parts that go on, and still
+    /// logs the changes for which its rate limit left no line.
     void go_on_from(const StateLog& before, const Appliance& appliance,
                     const CarryOver& carry_over);
 
-    /// Compares with the last look and logs each change, at most a few lines a while for each
-    /// input, output and device.
+    /// Logs each change since the last call, at most a few lines per time for each input, output
+    /// and device. Reopens devices.
     void look(Appliance& appliance, Instant now);
 
   private:
@@ -45,7 +45,7 @@ class StateLog {
         bool two_senders_said = false;
         RateLimit limit = log_limit();
     };
-    /// By names: another configuration may count inputs otherwise.
+    /// Holds names, not indices: another configuration may number the inputs differently.
     struct OutputWord {
         std::string state;
         std::string outvoted;
@@ -53,12 +53,12 @@ class StateLog {
     };
     struct OutputMemory {
         ChangeReport<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
-        /// Those of `OutputState::by_preset` that were told.
+        /// The bits of `OutputState::by_preset` that were logged already.
         std::uint32_t presets_said = 0;
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
         RateLimit limit = log_limit();
-        /// What goes on all the time leaves the lines of changes alone.
+        /// Continuous events have their own limits and leave the lines for changes of state.
         RateLimit drops_limit = log_limit();
         RateLimit foreign_limit = log_limit();
     };

@@ -15,22 +15,23 @@
 #include "pipelines/realtime/histogram.h"
 #include "pipelines/realtime/loop.h"
 
-/// All that a running configuration knows of itself, for those who tell people.
+/// Everything that a running configuration knows about itself, for log, monitor, status and
+/// metrics.
 namespace tribus {
 
 struct InputReport {
     InputStatus status;
-    std::vector<std::string_view> reject_causes;  ///< what `status.rejected_by` counts
-    double rate_hz = 0;                           ///< frames that came in the last second
-    HistogramReading age;                         ///< how old its frames became, last minute
+    std::vector<std::string_view> reject_causes;  ///< names of the counters in `status.rejected_by`
+    double rate_hz = 0;                           ///< frames received in the last second
+    HistogramReading age;  ///< how old a frame was when the next one came, last minute
 };
 
 struct OutputReport {
     OutputStatus status;
-    std::vector<std::size_t> inputs;  ///< that may feed it, the preferred first
-    double rate_hz = 0;               ///< frames that went in the last second
-    HistogramReading lateness;        ///< of the last minute
-    HistogramReading latency;         ///< of the last minute
+    std::vector<std::size_t> inputs;  ///< inputs that may control it, in order of preference
+    double rate_hz = 0;               ///< frames sent in the last second
+    HistogramReading lateness;        ///< from due to taken, last minute
+    HistogramReading latency;         ///< from an input's frame to the output's, last minute
     std::uint64_t deadline_misses = 0;
 };
 
@@ -51,15 +52,16 @@ struct ValueReport {
     ValueStatus status;
 };
 
-/// At `now`; with figures that the data thread wrote down at `figures_at`. Its lists stand in the
-/// order of the configuration, which must outlive it.
+/// State at `now`; the data thread published the figures at `figures_at`. The lists are in the
+/// order of `configuration`, which must outlive the report.
 struct StatusReport {
     const Configuration* configuration = nullptr;
     Instant now{};
     Duration wall_time{};  ///< since 1970
     Instant started{};
     Instant figures_at{};
-    std::optional<Duration> trial_left;  ///< until the configuration goes back by itself
+    std::optional<Duration>
+        trial_left;  ///< time until the configuration on trial goes back by itself
     std::vector<std::string> missing_realtime;
     std::vector<InputReport> inputs;
     std::vector<OutputReport> outputs;
@@ -68,15 +70,16 @@ struct StatusReport {
     std::vector<SensorBusState> sensor_buses;
     std::vector<NodeStatus> nodes;
     std::vector<ValueReport> values;
-    std::vector<std::optional<double>> machine;  ///< by `kMachineFacts`; empty: nobody looked
+    std::vector<std::optional<double>>
+        machine;  ///< in the order of `kMachineFacts`; empty: not read
 };
 
-/// Frames a second, from counts that are looked at now and then. Pure.
+/// Frames per second, from a counter that is read now and then. Pure.
 class RateWindow {
   public:
-    /// `count` as it was at `at`; the data thread's own instant, so that the rate is exact.
+    /// `count` is the counter at `at`, an instant of the data thread, so that the rate is exact.
     void look(std::uint64_t count, Instant at);
-    /// Zero where nobody has counted for longer than the window: a frozen data thread has no rate.
+    /// Zero if the last `look` is older than the window: a frozen data thread has no rate.
     double rate_hz(Instant now) const;
 
   private:
@@ -94,7 +97,7 @@ class StatusKeeper {
   public:
     StatusKeeper(const Appliance& appliance, Instant started);
 
-    /// For the rates; call a few times a second.
+    /// Updates the rates. Call it a few times a second.
     void look(const Appliance& appliance);
     StatusReport report(const Appliance& appliance, Instant now, Duration wall_time) const;
 
@@ -102,7 +105,7 @@ class StatusKeeper {
     Instant started_;
     std::vector<RateWindow> inputs_;
     std::vector<RateWindow> outputs_;
-    /// Interfaces of the nodes of DroneCAN.
+    /// CAN interfaces of the DroneCAN nodes.
     std::vector<std::string> nodes_;
 };
 

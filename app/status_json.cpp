@@ -22,7 +22,7 @@ std::int64_t us(Duration duration) {
     return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
 }
 
-/// To a tenth: scheduling is told in single microseconds.
+/// Rounded down to a tenth of a microsecond.
 OrderedJson fine_us(Duration duration) {
     constexpr std::int64_t kTenth = 100;
     constexpr double kTenthsPerUs = 10;
@@ -52,7 +52,7 @@ OrderedJson distribution(const HistogramReading& reading) {
             {"max_us", fine_us(reading.worst)}};
 }
 
-/// Nothing for an instant that never was.
+/// Null for an instant that was never set.
 OrderedJson age(Instant at, Instant now) {
     return at == Instant{} ? OrderedJson() : OrderedJson(std::max<std::int64_t>(us(now - at), 0));
 }
@@ -132,7 +132,7 @@ OrderedJson obstacle_word(SendObstacle obstacle) {
                                           : OrderedJson(kWords[static_cast<std::size_t>(obstacle)]);
 }
 
-/// The place in the list of its inputs is a bit.
+/// Bit i of `outvoted` stands for the i-th input of the output.
 OrderedJson outvoted(const OutputReport& output, const Configuration& configuration) {
     OrderedJson json = OrderedJson::array();
     for (std::size_t place = 0; place < output.inputs.size(); ++place) {
@@ -163,7 +163,7 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["rate_hz"] = number_json(std::round(output.rate_hz * 10) / 10);
     json["period_us"] = us(status.period);
     json["channels"] = channels(status.latest);
-    // Whoever hears nothing of it is without control.
+    // A receiver that gets nothing has no control.
     const bool cannot_send = status.state.stage == OutputStage::cannot_send;
     json["frame_lost"] = status.latest.frame_lost || cannot_send;
     json["failsafe"] = status.latest.failsafe || cannot_send;
@@ -272,7 +272,7 @@ OrderedJson node_json(const NodeStatus& node) {
         {"conflicts", counts.conflicts}};
 }
 
-/// JSON knows neither infinity nor "not a number".
+/// JSON has neither infinity nor "not a number".
 OrderedJson finite(double number) {
     return std::isfinite(number) ? number_json(number) : OrderedJson();
 }

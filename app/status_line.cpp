@@ -12,7 +12,7 @@
 namespace tribus {
 namespace {
 
-/// `systemctl status` shows one line; the log has everything.
+/// Upper limit in bytes; `systemctl status` shows one line, the log has everything.
 constexpr std::size_t kLongestStatus = 400;
 
 std::string for_how_long(Duration time) {
@@ -52,7 +52,7 @@ int urgency(OutputStage stage) {
     return 2;
 }
 
-/// Names are the user's and may have anything in them; a line feed would end the line.
+/// Names come from the user and may contain anything; a line feed would end the line.
 std::string one_line(std::string text) {
     std::ranges::replace_if(
         text, [](char byte) { return static_cast<unsigned char>(byte) < ' '; }, ' ');

@@ -12,14 +12,14 @@
 
 namespace tribus {
 
-/// What goes on, in one line for a service manager: "servos: in failsafe; receiver: wire silent (no
-/// bytes any more)", the worst first. Pure; thread-bound.
+/// The state of all inputs and outputs in one line for a service manager: "servos: in failsafe;
+/// receiver: wire silent (no bytes any more)". The worst state comes first. Pure; thread-bound.
 class StatusLine {
   public:
     StatusLine(std::vector<std::string> inputs, std::vector<std::string> outputs);
 
-    /// In the order of the names. How long a failsafe or a loss lasts is told in steps, so that the
-    /// line does not change all the time.
+    /// Both lists are in the order of the names. Durations of a failsafe or loss are rounded down
+    /// to steps, so that the line does not change all the time.
     std::string text(std::span<const LinkState> inputs, std::span<const OutputState> outputs,
                      Instant now);
 
