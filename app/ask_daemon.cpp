@@ -22,7 +22,7 @@ namespace {
 
 using Refused = tl::unexpected<std::string>;
 
-/// A line without its end. The error is what is wrong, as a part of a sentence.
+/// Reads a line, without its end. The error continues the sentence "the daemon at ...".
 tl::expected<std::string, std::string> read_line(int descriptor, Instant end) {
     constexpr std::size_t kBytesAtOnce = 16384;
     std::array<char, kBytesAtOnce> bytes;

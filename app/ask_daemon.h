@@ -9,16 +9,16 @@
 
 #include "core/time.h"
 
-/// Commands that talk with a running daemon of this machine. Errors are for the person who asked.
+/// Requests of commands to a running daemon on this machine. Errors are written for the user.
 namespace tribus {
 
-/// Its control socket: `socket` where one is given; else that of the daemon called `name`, which
-/// may be its configuration file too; or, where the name is empty, of the only one that runs.
+/// Path of the control socket: `socket` if given; else that of the daemon `name`, which may also be
+/// its configuration file; if `name` is empty, that of the only daemon that runs.
 tl::expected<std::string, std::string> find_daemon(const std::string& name,
                                                    const std::optional<std::string>& socket);
 
-/// One request, a line of words, and its answer, for which it waits so long at most. An answer that
-/// tells of an error is one.
+/// Sends one request and returns its answer; waits for at most `patience`. An answer of type
+/// "error" becomes the error.
 tl::expected<nlohmann::json, std::string> ask_daemon(const std::string& socket,
                                                      std::string_view request, Duration patience);
 

@@ -30,8 +30,8 @@ ControlServer::LateAnswer known(std::string text) {
     return [text = std::move(text)] { return std::optional(text); };
 }
 
-/// Once that change is there and has an outcome. An earlier request of the same moment may have
-/// ended all.
+/// Outcome of the change, once it has begun and ended. The daemon may have stopped meanwhile, for
+/// an earlier request.
 std::optional<std::string> outcome_of(const Daemon& daemon, std::optional<std::uint64_t> change) {
     if (!daemon.runs()) {
         return error_object("nothing runs any more");
@@ -56,7 +56,7 @@ ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
     };
 }
 
-/// The trial that these words mean is on, or why it cannot be ended.
+/// Nothing if `words` name the present trial, else the reason why it cannot be ended.
 std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
     const auto trial = daemon.runs() ? daemon.trial() : std::nullopt;
     if (!trial) {

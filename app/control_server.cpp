@@ -14,11 +14,11 @@
 namespace tribus {
 namespace {
 
-/// Data threads tell figures ten times a second.
+/// The data thread publishes ten times a second.
 constexpr Duration kLeastPeriod = std::chrono::milliseconds(50);
 constexpr Duration kMostPeriod = std::chrono::minutes(1);
 constexpr Duration kDefaultPeriod = std::chrono::milliseconds(200);
-/// Of a request that is no good, so much is shown.
+/// Upper limit, in bytes, of how much of an invalid request is shown.
 constexpr std::size_t kShown = 40;
 
 std::vector<std::string> words_of(const std::string& line) {
@@ -72,7 +72,7 @@ void ControlServer::add_late(std::string name, LateCommand command) {
 }
 
 bool ControlServer::answer(SocketClient& client, Instant now) {
-    // One request at a time: the next one waits until this answer has left.
+    // One request at a time: the next one waits until this answer is sent.
     while (client.ready()) {
         if (client.waits()) {
             const auto late = client.take_answer();

@@ -17,33 +17,33 @@
 
 namespace tribus {
 
-/// Answers those who ask the daemon over its local socket: a line of words in, an object of JSON
-/// out, one a line. `watch [PERIOD]` repeats `status`, for as long as it is read; one who reads too
-/// slowly misses objects and never gets an old one. Thread-bound to the main thread, which waits
-/// for `descriptor` and `due` and then calls `serve`.
+/// Serves the control socket: a request is a line of words, an answer one JSON object on one line.
+/// `watch [PERIOD]` repeats `status` while the client reads; a client that reads too slowly misses
+/// objects but never gets an old one. Thread-bound to the main thread, which waits for `descriptor`
+/// and `due` and then calls `serve`.
 class ControlServer {
   public:
-    /// The words behind the request's own in, one object without a line end out.
+    /// Takes the words after the name of the request; returns one object without a line end.
     using Command = std::function<std::string(std::span<const std::string> words)>;
 
-    /// The error is a sentence.
+    /// Opens the socket at `path`. The error is a sentence.
     static tl::expected<std::unique_ptr<ControlServer>, std::string> open(const std::string& path);
     ControlServer(const ControlServer&) = delete;
     ControlServer& operator=(const ControlServer&) = delete;
 
-    /// The same for what takes a while: its answer is asked for whenever something happens, until
-    /// there is one.
+    /// For requests that take time: `serve` calls the LateAnswer again and again until it returns
+    /// the answer.
     using LateAnswer = std::function<std::optional<std::string>()>;
     using LateCommand = std::function<LateAnswer(std::span<const std::string> words)>;
 
-    /// What `name` does. `status` must be among them, for `watch`.
+    /// Adds the request `name`. `watch` needs the request `status`.
     void add(std::string name, Command command);
     void add_late(std::string name, LateCommand command);
 
     int descriptor() const { return server_->descriptor(); }
     Instant due() const { return server_->due(); }
     void serve(Instant now) { server_->serve(now); }
-    /// Somebody is connected.
+    /// True if a client is connected.
     bool watched() const { return server_->client_count() > 0; }
     const std::string& path() const { return listener_.path(); }
 
@@ -60,10 +60,10 @@ class ControlServer {
     std::map<std::string, LateCommand, std::less<>> late_commands_;
 };
 
-/// On one line. File names and the like may be of any bytes; what is no UTF-8 is replaced.
+/// Dumps on one line. Bytes that are not UTF-8, of file names for example, are replaced.
 std::string json_text(const nlohmann::ordered_json& json);
 
-/// `{"error": text}`: an answer to what cannot be done.
+/// `{"type":"error","error":text}`.
 std::string error_object(std::string_view text);
 
 }  // namespace tribus

@@ -24,7 +24,7 @@ using Refused = tl::unexpected<std::string>;
 
 constexpr std::string_view kFolder = "tribus";
 constexpr std::string_view kEnding = ".sock";
-/// In a directory of its own, as systemd gives one to a service.
+/// In the service's own directory, which systemd makes.
 constexpr std::string_view kOwnName = "control";
 constexpr mode_t kUserAndGroup = 0660;
 constexpr int kBacklog = 16;
@@ -53,7 +53,7 @@ std::uint64_t inode_of(const std::string& path) {
     return ::lstat(path.c_str(), &file) == 0 ? file.st_ino : 0;
 }
 
-/// Nothing is there, or what a daemon left that is gone.
+/// Succeeds if nothing is at `path`, or only the socket of a daemon that ended.
 tl::expected<void, std::string> must_be_free(const std::string& path) {
     struct stat file {};
     if (::lstat(path.c_str(), &file) != 0) {
@@ -82,7 +82,7 @@ tl::expected<void, std::string> must_be_free(const std::string& path) {
 SocketHomes SocketHomes::of_this_process() {
     SocketHomes homes;
     homes.runtime_directory = variable("RUNTIME_DIRECTORY");
-    // Where a unit has several, the first one is the service's own.
+    // If the unit has several directories, the first one is its own.
     homes.runtime_directory.resize(
         std::min(homes.runtime_directory.find(':'), homes.runtime_directory.size()));
     homes.user_directory = variable("XDG_RUNTIME_DIR");
@@ -102,7 +102,8 @@ std::optional<std::string> default_socket(const SocketHomes& homes, const std::s
 }
 
 tl::expected<LocalListener, std::string> LocalListener::open(const std::string& path) {
-    // Ready before it has its name, so that nobody ever finds one that is not.
+    // The socket listens before it is renamed to its path, so that clients never find one that does
+    // not.
     const std::string unnamed = fmt::format("{}.{}", path, ::getpid());
     const auto address = address_of(unnamed);
     if (!address) {
@@ -162,7 +163,7 @@ void add_answering(std::vector<FoundSocket>& found, std::string name, const std:
     }
 }
 
-/// `tribus/NAME.sock`, and of services `tribus/control`, `tribus/NAME/control` and
+/// Adds `tribus/NAME.sock`, and of services `tribus/control`, `tribus/NAME/control` and
 /// `tribus-NAME/control`.
 void add_from(std::vector<FoundSocket>& found, const fs::path& home) {
     const std::string prefix = std::string(kFolder) + "-";

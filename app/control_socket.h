@@ -10,12 +10,12 @@
 
 #include "transports/links/unique_fd.h"
 
-/// Where a running daemon is reached on this machine.
+/// The control sockets of daemons on this machine.
 namespace tribus {
 
-/// What tells where sockets belong.
+/// The directories in which sockets can be.
 struct SocketHomes {
-    std::string runtime_directory;  ///< of a service of systemd; may be empty
+    std::string runtime_directory;  ///< of the systemd service; may be empty
     std::string user_directory;     ///< XDG_RUNTIME_DIR; may be empty
     std::string system_directory = "/run";
     bool root = false;
@@ -23,17 +23,17 @@ struct SocketHomes {
     static SocketHomes of_this_process();
 };
 
-/// `control` in the service's own directory, else `tribus/NAME.sock` in that of the system or the
-/// user, where NAME is the configuration file's without its ending. Nothing where there is no such
-/// place. Pure.
+/// Path of the socket for the configuration file `config`: `control` in the service's own
+/// directory, else `tribus/NAME.sock` in the directory of the system or the user; NAME is the file
+/// name without extension. Nothing if there is no such directory. Pure.
 std::optional<std::string> default_socket(const SocketHomes& homes, const std::string& config);
 
-/// A listening local socket that only its user and group may use. Its file goes with it, unless
-/// somebody else has taken its place.
+/// A listening local socket that only its user and group may use. Its destructor removes the file,
+/// unless another socket has replaced it.
 class LocalListener {
   public:
-    /// Makes the directory too. Takes the place of a socket on which nobody answers any more. The
-    /// error is a sentence.
+    /// Creates the directory, too. Replaces a socket on which nobody answers any more. The error is
+    /// a sentence.
     static tl::expected<LocalListener, std::string> open(const std::string& path);
     LocalListener(LocalListener&& other) noexcept
         : descriptor_(std::move(other.descriptor_)),
@@ -44,7 +44,7 @@ class LocalListener {
     LocalListener& operator=(const LocalListener&) = delete;
     ~LocalListener();
 
-    /// To be moved from: who serves it closes it.
+    /// To be moved from by the server, which closes it.
     UniqueFd& descriptor() { return descriptor_; }
     const std::string& path() const { return path_; }
 
@@ -57,15 +57,15 @@ class LocalListener {
     std::uint64_t inode_ = 0;
 };
 
-/// Does not block. The error is an error number.
+/// Connects without blocking. The error is an errno value.
 tl::expected<UniqueFd, int> connect_local(const std::string& path);
 
-/// A socket on which somebody answers.
+/// A socket on which a daemon answers.
 struct FoundSocket {
-    std::string name;  ///< of the daemon, as `default_socket` gave it
+    std::string name;  ///< of the daemon, as in `default_socket`
     std::string path;
 };
-/// Of all daemons in the usual places that this user may talk to, in order of their names.
+/// The sockets of all daemons in the default places that this user may use, ordered by name.
 std::vector<FoundSocket> find_sockets(const SocketHomes& homes);
 
 }  // namespace tribus

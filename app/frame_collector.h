@@ -14,7 +14,7 @@
 
 namespace tribus {
 
-/// Decodes what comes at one input and keeps every frame. Thread-bound.
+/// Decodes what one input receives and keeps every frame. Thread-bound.
 class FrameCollector {
   public:
     explicit FrameCollector(const InputConfig& input);

@@ -40,7 +40,7 @@ void FrameFinder::feed_run(std::span<const std::uint8_t> bytes, Instant received
     }
 }
 
-/// A burst has come when its last byte has.
+/// A burst is received at the end of its last byte.
 void FrameFinder::look_for_pause(const Burst& burst) {
     if (!burst.start) {
         pauses_.forget();
@@ -70,7 +70,7 @@ void FrameFinder::feed(std::size_t index, const Burst& burst) {
             decoder_->damaged_byte();
             ++bytes_;
             run = at + 1;
-            // The byte may have ended a candidate that other frames stand in.
+            // The damaged byte may have ended a candidate that contains other frames.
             feed_run({}, received);
         }
     }

@@ -18,7 +18,7 @@
 
 namespace tribus {
 
-/// Where a frame starts in a recording.
+/// Position of the first byte of a frame in a recording.
 struct FramePlace {
     std::size_t burst = 0;
     std::size_t byte = 0;
@@ -29,16 +29,16 @@ struct FoundFrame {
     const Protocol* protocol = nullptr;
     DecodedFrame frame;
     FramePlace place;
-    /// Of its first byte; absent where the recording has no times.
+    /// Start of its first byte; empty if the recording has no times.
     std::optional<Duration> start;
-    /// Valid during the call only.
+    /// Valid only during the call.
     std::span<const FrameDetail> details;
-    /// By the detectors of an input, where the frames are read as that input reads them.
+    /// Result of the input's loss detection, if the frames are decoded with an input's settings.
     std::optional<JudgedFrame> judged{};
 };
 using FrameHandler = std::function<void(const FoundFrame&)>;
 
-/// What a decoder made of the bytes that it was given.
+/// Counters of a decoder.
 struct Tally {
     std::uint64_t bytes = 0;
     std::uint64_t frames = 0;
@@ -46,22 +46,22 @@ struct Tally {
     std::uint64_t skipped_bytes = 0;
 };
 
-/// Runs the decoder of one protocol over bursts and tells where and when each frame starts. Where
-/// the bursts have times, pauses between them count as those of a line that is read.
+/// Runs the decoder of one protocol over bursts and reports each frame with its place and start. If
+/// the bursts have times, pauses between them separate frames as on a live line.
 class FrameFinder {
   public:
     FrameFinder(const ProtocolUse& use, FrameHandler handler);
 
-    /// Bursts come in the order of the recording; `index` may leave some out. Frames may start in
+    /// Feeds a burst, in the order of the recording; `index` may skip some. A frame may start in
     /// one burst and end in a later one.
     void feed(std::size_t index, const Burst& burst);
-    /// No burst follows.
+    /// Call it after the last burst.
     void finish();
     Tally tally() const;
 
   private:
     struct BurstStart {
-        std::uint64_t position = 0;  ///< of its first byte among all bytes fed
+        std::uint64_t position = 0;  ///< of its first byte, among all bytes fed
         std::size_t burst = 0;
         std::optional<Duration> start;
     };
@@ -75,7 +75,7 @@ class FrameFinder {
     std::unique_ptr<Decoder> decoder_;
     LinePauses pauses_;
     FrameJudge judge_;
-    /// Of the bursts in which the next frame may start.
+    /// The bursts in which the next frame may start.
     std::deque<BurstStart> starts_;
     std::uint64_t bytes_ = 0;
     std::uint64_t frames_ = 0;

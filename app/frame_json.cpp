@@ -17,7 +17,7 @@ using LineMistake = tl::unexpected<JsonMistake>;
 
 constexpr double kLeastPulse = -4096;
 constexpr double kMostPulse = 4095.875;
-/// About 31 years; their nanoseconds fit.
+/// About 31 years; their nanoseconds fit 64 bits.
 constexpr double kMostMicroseconds = 1e15;
 
 LineMistake mistake(std::string text) {
@@ -40,7 +40,7 @@ void append_rejected_json(std::string& text, std::span<const NamedCount> rejecte
     text += '}';
 }
 
-/// The library's exceptions end here.
+/// Exceptions of the JSON library end here.
 tl::expected<Json, JsonMistake> parse_line(std::string_view line) {
     try {
         return Json::parse(line);

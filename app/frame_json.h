@@ -14,25 +14,25 @@
 #include "core/pulse.h"
 #include "core/time.h"
 
-/// Decoded frames as JSON lines, both ways: the form that `decode` prints and `encode` reads.
+/// Decoded frames as JSON lines, which `decode` prints and `encode` reads.
 namespace tribus {
 
-/// Exact: whole microseconds without a point, eighths as up to three decimals.
+/// Exact: whole microseconds without a decimal point, eighths with up to three decimals.
 void append_pulse(std::string& text, Pulse pulse);
 
-/// To the nearest.
+/// Rounded to the nearest.
 std::int64_t whole_microseconds(Duration duration);
 
-/// Adds one object and a line end: t_us (where known), protocol, the 18 channels with null for an
-/// absent one, frame_lost, failsafe, then the protocol's own details.
+/// Appends one object and a line end: t_us (if known), protocol, the 18 channels with null for an
+/// absent one, frame_lost, failsafe, and the protocol's own details.
 void append_frame_json(std::string& text, const FoundFrame& found);
 
-/// Adds the closing object and a line end. `input` names the kind of the recording.
+/// Appends the summary object and a line end. `input` names the kind of the recording.
 void append_summary_json(std::string& text, const Tally& tally, std::string_view input);
-/// The same for CAN: `log_start_us` is what the log calls the time that is 0 here.
+/// The same for CAN. `log_start_us` is the time in the log that is 0 in the output.
 void append_can_summary_json(std::string& text, const CanTally& tally, std::string_view input);
 
-/// What one line says about a frame.
+/// A frame as read from one line.
 struct WrittenFrame {
     std::optional<Duration> start;
     ChannelFrame channels;
@@ -43,10 +43,10 @@ struct JsonMistake {
     std::string text;
 };
 
-/// Reads one line. Nothing for a blank line, for the summary and for a transfer of DroneCAN that
-/// has no channels. Else `channels` is needed: up to 18 microseconds or nulls, those that are
-/// missing are absent; frame_lost and failsafe default to false; keys that are not known are passed
-/// over. Pulses are rounded to eighths.
+/// Parses one line. Returns nothing for a blank line, the summary, or a DroneCAN transfer without
+/// channels. Other lines need `channels`: up to 18 numbers in microseconds or nulls; missing ones
+/// are absent. frame_lost and failsafe default to false; unknown keys are skipped. Pulses are
+/// rounded to eighths of a microsecond.
 tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::string_view line);
 
 }  // namespace tribus

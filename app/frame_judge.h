@@ -10,15 +10,15 @@
 
 namespace tribus {
 
-/// What the detectors of an input make of a recorded frame.
+/// Result of an input's loss detection for a recorded frame.
 struct JudgedFrame {
     LinkState state;
-    /// Where the link was lost just before the frame came: why.
+    /// The state just before this frame, if the link was lost then.
     std::optional<LinkState> lost_before;
 };
 
-/// Runs the detectors of an input over a recording. Without settings, and where the recording has
-/// no times, it judges nothing.
+/// Runs the loss detection of an input over a recording. Without settings or without times it
+/// returns nothing.
 class FrameJudge {
   public:
     explicit FrameJudge(const std::optional<SupervisionSettings>& settings) {
@@ -27,7 +27,7 @@ class FrameJudge {
         }
     }
 
-    /// Before the frames in them.
+    /// Call it before the frames that these bytes complete.
     void bytes_came(std::optional<Duration> at) {
         if (!supervisor_ || !at) {
             return;

@@ -13,19 +13,19 @@ namespace tribus {
 
 enum class DecodeFormat : std::uint8_t { text, json, csv };
 
-/// As the command line calls it.
+/// Its name on the command line.
 std::string_view recording_kind_name(RecordingKind kind);
 
-/// Writes the frames that bytes or CAN frames hold, each as soon as it is complete.
+/// Prints frames decoded from bytes or CAN frames, each as soon as it is complete.
 class FramePrinter {
   public:
-    /// The summary of a CSV goes to `talk`, every other output to `results`.
+    /// The summary of a CSV goes to `talk`, all other output to `results`.
     FramePrinter(DecodeFormat format, RecordingKind input, std::ostream& results,
                  std::ostream& talk);
 
     void heading();
     void frame(const FoundFrame& found);
-    /// As `frame` would print it.
+    /// The text that `frame` prints.
     std::string line(const FoundFrame& found) const;
     void line(std::string_view printed);
     void summary(const Tally& tally);

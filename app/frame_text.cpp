@@ -25,7 +25,7 @@ std::string_view link_text(const ChannelFrame& frame) {
     return frame.frame_lost ? "frame-lost failsafe" : "failsafe";
 }
 
-/// `, rejected: 3 checksum, 1 damaged`
+/// Appends `, rejected: 3 checksum, 1 damaged`.
 void append_rejected_text(std::string& text, std::span<const NamedCount> rejected) {
     text += ", rejected:";
     bool any = false;

@@ -5,10 +5,10 @@
 #include "app/can_frame_finder.h"
 #include "app/frame_finder.h"
 
-/// Decoded frames for people's eyes and for spreadsheets.
+/// Decoded frames as text for people and as CSV for spreadsheets.
 namespace tribus {
 
-/// Aligned columns, pulses to the nearest microsecond.
+/// Aligned columns; pulses rounded to the nearest microsecond.
 void append_text_heading(std::string& text);
 void append_frame_text(std::string& text, const FoundFrame& found);
 /// One line: `1231 frames in 39395 bytes, 3 bytes skipped, rejected: none`.
@@ -16,8 +16,8 @@ void append_summary_text(std::string& text, const Tally& tally);
 /// One line: `210 frames in 1050 CAN frames of 8400 bytes, 12 other CAN frames, ...`.
 void append_can_summary_text(std::string& text, const CanTally& tally);
 
-/// `t_us,ch1..ch18,frame_lost,failsafe`: exact pulses, an empty cell where there is nothing, flags
-/// as 0 and 1.
+/// `t_us,ch1..ch18,frame_lost,failsafe`: exact pulses, empty cells for absent values, flags as 0
+/// and 1.
 void append_csv_heading(std::string& text);
 void append_frame_csv(std::string& text, const FoundFrame& found);
 

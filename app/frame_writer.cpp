@@ -19,7 +19,7 @@
 namespace tribus {
 namespace {
 
-/// When each frame starts.
+/// Assigns each frame its start.
 class StartTimes {
   public:
     explicit StartTimes(Duration period) : period_(period) {}
@@ -116,7 +116,7 @@ class SerialWriter final : public FrameWriter {
     bool heading_written_ = false;
 };
 
-/// All CAN frames of a snapshot have its time; a bus would carry them one behind the other.
+/// All CAN frames of a snapshot get the same time; a bus would carry them one after the other.
 class CanLogWriter final : public FrameWriter {
   public:
     CanLogWriter(const ProtocolUse& use, std::string_view interface, std::ostream& results)

@@ -11,16 +11,16 @@
 #include "app/frame_json.h"
 #include "app/protocol_use.h"
 
-/// Frames to what goes on the wire, for `encode`.
+/// Writes frames as they go on the wire, for `encode`.
 namespace tribus {
 
-/// The last one is that of CAN protocols, and of no other.
+/// `candump` is the only format of CAN protocols, and of no other.
 enum class EncodeFormat : std::uint8_t { binary, hex, timed, vcd, candump };
 
-/// The interface that a log names where nobody has said another.
+/// Interface in a candump log, if none is given.
 inline constexpr std::string_view kDefaultInterface = "can0";
 
-/// Encodes frames and writes each out at once. Thread-bound.
+/// Encodes frames and writes each one at once. Thread-bound.
 class FrameWriter {
   public:
     FrameWriter() = default;
@@ -28,14 +28,14 @@ class FrameWriter {
     FrameWriter& operator=(const FrameWriter&) = delete;
     virtual ~FrameWriter() = default;
 
-    /// A frame without a time follows the one ahead after the protocol's default period. The error
-    /// is what is wrong with the frame's time; the frame is left out then.
+    /// Writes a frame. A frame without a time follows the one before after the protocol's default
+    /// period. The error says what is wrong with the frame's time; the frame is then skipped.
     virtual tl::expected<void, std::string> write(const WrittenFrame& written) = 0;
-    /// No frame follows; says what went differently from what was asked.
+    /// Call it after the last frame. Reports frames that could not be written as requested.
     virtual void finish(std::ostream& talk) = 0;
 };
 
-/// `use` and `results` must outlive it. `format` is one that the protocol has.
+/// `use` and `results` must outlive the writer. The protocol must have the `format`.
 std::unique_ptr<FrameWriter> make_frame_writer(const ProtocolUse& use, EncodeFormat format,
                                                std::string_view interface, std::ostream& results);
 

@@ -16,36 +16,36 @@
 
 namespace tribus {
 
-/// What a running daemon shows of itself to those who ask. Thread-bound to the main thread, which
-/// waits for `descriptors` and `due`; nothing here waits.
+/// What a running daemon shows to its clients: the control socket and the metrics. Thread-bound to
+/// the main thread, which waits for `descriptors` and `due`; no function here waits.
 class InsideView {
   public:
-    /// Makes the control socket of the daemon that runs `config`: at `socket`, or, where none is
-    /// given, in the usual place. The error, a sentence, is about a given one; without a usual
-    /// place, or where it is taken, the daemon runs without, and the log says so.
+    /// Opens the control socket of the daemon that runs `config`, at `socket` or in the default
+    /// place. An error, a sentence, can only come from a given `socket`. If there is no default
+    /// place or it is in use, the daemon runs without a control socket, and the log says so.
     static tl::expected<std::unique_ptr<InsideView>, std::string> open(
         const std::string& config, const std::optional<std::string>& socket);
     InsideView(const InsideView&) = delete;
     InsideView& operator=(const InsideView&) = delete;
 
-    /// Tells metrics at `address` too, as `MetricsServer` does. The error is a sentence.
+    /// Serves metrics at `address`, see `MetricsServer`. The error is a sentence.
     tl::expected<void, std::string> tell_metrics(const std::string& address, MetricsReach reach);
 
-    /// From now on it shows this one, which must outlive it or the next call.
+    /// From now on it shows `appliance`, which must live until the next `show` or `hide`.
     void show(const Appliance& appliance);
-    /// Nothing runs any more.
+    /// Call it when no appliance runs any more.
     void hide() { keeper_.reset(); }
-    /// Until when the configuration is on trial; nothing where it is not.
+    /// End of the trial; nothing while no configuration is on trial.
     void show_trial(std::optional<Instant> end) { trial_end_ = end; }
-    /// Looks at what it shows; call a few times a second.
+    /// Updates the rates. Call it a few times a second.
     void look();
 
-    /// Readable when there is something to serve.
+    /// Readable when a client must be served.
     std::vector<int> descriptors() const;
     Instant due() const;
     void serve(Instant now);
     bool watched() const { return metrics_ || (control_ && control_->watched()); }
-    /// None where the daemon runs without.
+    /// Null if the daemon runs without a control socket.
     ControlServer* control() { return control_.get(); }
 
   private:

@@ -24,7 +24,7 @@
 namespace tribus {
 namespace {
 
-/// Levels of syslog(3).
+/// Priorities of syslog(3).
 int priority_of(spdlog::level::level_enum level) {
     constexpr int kCritical = 2;
     constexpr int kError = 3;
@@ -45,7 +45,7 @@ int priority_of(spdlog::level::level_enum level) {
     }
 }
 
-/// Text of several lines needs its length, 64 bits, little-endian, in front.
+/// A text of several lines is preceded by its length in 64 bits, little-endian.
 void append_field(std::string& entry, std::string_view name, std::string_view text) {
     constexpr unsigned kBytesOfLength = 8;
     constexpr unsigned kBitsOfByte = 8;
@@ -62,7 +62,7 @@ void append_field(std::string& entry, std::string_view name, std::string_view te
     entry += '\n';
 }
 
-/// `%*` in a pattern: the message.
+/// The flag `%*` of a pattern: the message.
 class MessageFlag final : public spdlog::custom_flag_formatter {
   public:
     void format(const spdlog::details::log_msg& message, const std::tm&,
@@ -83,7 +83,7 @@ class JournalSink final : public spdlog::sinks::base_sink<spdlog::details::null_
         sockaddr_un address{};
         address.sun_family = AF_UNIX;
         path.copy(address.sun_path, sizeof address.sun_path - 1);
-        // Where nobody listens there, sending fails too.
+        // If nobody listens there, `send` fails too, and the message goes to standard error.
         [[maybe_unused]] const int ignored =
             ::connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address);
     }

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-/// What the program says while it runs: one line each, to the terminal or the journal (`run` says
-/// where). Without the logging library's headers, of which each file would compile the same again.
+/// The log, one line an entry, to the terminal or the journal. This header hides those of the
+/// logging library, which are slow to compile.
 namespace tribus {
 
-/// Once, before anything is logged.
+/// Selects the journal or the terminal. Call it once, before the first entry.
 void log_to_journal_or_terminal();
 
 enum class LogLevel : std::uint8_t { info, warning, error };

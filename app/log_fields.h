@@ -5,14 +5,15 @@
 
 namespace tribus {
 
-/// What a log entry is about, for programs that read the journal: `TRIBUS_INPUT`, "receiver".
+/// What a log entry is about, for programs that read the journal, such as `TRIBUS_INPUT`,
+/// "receiver".
 struct LogField {
     std::string_view name{};
     std::string_view text{};
 };
 
-/// As long as it lives, all that this thread logs is about that. What it is given must outlive it.
-/// One at a time, so that each entry is about one thing.
+/// While it lives, all log entries of this thread carry these fields. The texts must outlive it. At
+/// most one object per thread at a time.
 class LogFields {
   public:
     static constexpr std::size_t kMost = 2;
@@ -22,7 +23,7 @@ class LogFields {
     LogFields& operator=(const LogFields&) = delete;
     ~LogFields();
 
-    /// Of this thread; those without a name count for nothing.
+    /// The fields of this thread; those without a name are unused.
     static const std::array<LogField, kMost>& current();
 };
 

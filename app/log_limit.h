@@ -8,16 +8,16 @@
 #include "core/counted.h"
 #include "core/rate_limit.h"
 
-/// How much the log may say of one thing that keeps changing.
+/// Limits for log lines about one thing that keeps changing.
 namespace tribus {
 
-/// A few lines a while for each input, output, device and interface.
+/// At most 6 lines in 30 s for each input, output, device and interface.
 inline RateLimit log_limit() {
     constexpr unsigned kLinesPerWindow = 6;
     return {kLinesPerWindow, std::chrono::seconds(30)};
 }
 
-/// For the end of the first line after a pause.
+/// Appended to the first line after suppressed ones.
 inline std::string swallowed_note(std::uint64_t swallowed) {
     return swallowed == 0
                ? ""

@@ -17,13 +17,14 @@ namespace fs = std::filesystem;
 constexpr double kPercent = 100;
 constexpr double kMilli = 1e-3;
 constexpr double kMicro = 1e-6;
-/// The kernel gives some thermal zones a number far from all sense while their driver starts.
+/// While their driver starts, some thermal zones report absurd temperatures; these are the limits
+/// in degrees Celsius.
 constexpr double kColdest = -100;
 constexpr double kHottest = 250;
-/// Of /proc/stat and /proc/meminfo the first lines are needed only.
+/// Only the first lines of /proc/stat and /proc/meminfo are needed.
 constexpr std::size_t kLongestFile = 8192;
 
-/// The beginning of a file; nothing where it cannot be read.
+/// The beginning of a file; nothing if it cannot be read.
 std::optional<std::string> content_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     if (!file) {
@@ -35,7 +36,7 @@ std::optional<std::string> content_of(const fs::path& path) {
     return file.bad() ? std::nullopt : std::optional(std::move(text));
 }
 
-/// The first word of a file; empty where there is none.
+/// The first word of a file; empty if there is none.
 std::string word_of(const fs::path& path) {
     std::istringstream words(content_of(path).value_or(""));
     std::string word;
@@ -52,13 +53,13 @@ std::optional<Number> parsed(std::string_view word) {
                                                                : std::nullopt;
 }
 
-/// A whole number of steps; nothing for anything else.
+/// The integer in a file, multiplied by `step`; nothing if the file holds no integer.
 std::optional<double> scaled(const fs::path& path, double step) {
     const auto number = parsed<std::int64_t>(word_of(path));
     return number ? std::optional(static_cast<double>(*number) * step) : std::nullopt;
 }
 
-/// The folders in a folder whose names begin so, in order.
+/// Folders in `folder` whose names begin with `beginning`, sorted.
 std::vector<fs::path> folders_in(const fs::path& folder, std::string_view beginning) {
     std::vector<fs::path> found;
     std::error_code error;
@@ -71,7 +72,7 @@ std::vector<fs::path> folders_in(const fs::path& folder, std::string_view beginn
     return found;
 }
 
-/// The number behind a name such as "MemTotal:" at the start of a line.
+/// The number after a name such as "MemTotal:" at the start of a line.
 std::optional<double> number_behind(std::string_view text, std::string_view name) {
     std::istringstream lines{std::string(text)};
     for (std::string line; std::getline(lines, line);) {
@@ -121,8 +122,8 @@ std::optional<double> MachineWatch::temperature() const {
     return hottest;
 }
 
-// user nice system idle iowait irq softirq steal; guest times behind them are in user already
-// (Linux, Documentation/filesystems/proc.rst).
+// user nice system idle iowait irq softirq steal; user includes the guest times that follow (Linux,
+// Documentation/filesystems/proc.rst).
 std::optional<MachineWatch::ProcessorTime> MachineWatch::processor_time() const {
     constexpr std::size_t kTimes = 8;
     constexpr std::size_t kIdle = 3;
@@ -148,7 +149,7 @@ std::optional<MachineWatch::ProcessorTime> MachineWatch::processor_time() const 
 std::optional<double> MachineWatch::load() {
     const auto now = processor_time();
     const auto before = std::exchange(before_, now);
-    // The time that processors waited may go back.
+    // The iowait time may decrease.
     if (!now || !before || now->all <= before->all || now->idle < before->idle) {
         return std::nullopt;
     }
@@ -170,7 +171,7 @@ std::optional<double> MachineWatch::memory() const {
 std::optional<double> MachineWatch::supply() const {
     std::optional<double> highest;
     for (const fs::path& folder : supplies_) {
-        // A battery has no "online"; a charger that is pulled out says 0.
+        // A battery has no "online"; an unplugged charger has 0.
         if (word_of(folder / "online") != "0") {
             highest = greatest(highest, scaled(folder / "voltage_now", kMicro));
         }

@@ -10,28 +10,28 @@
 
 #include "pipelines/machine_facts.h"
 
-/// What the board tells of itself, in the files of the Linux kernel.
+/// Measurements of this machine, from files of the Linux kernel.
 namespace tribus {
 
-/// In the order of the facts; what a board does not tell is nothing.
+/// In the order of `kMachineFacts`; empty if the board does not provide the value.
 using MachineValues = std::array<std::optional<double>, kMachineFactCount>;
 
-/// What /etc/machine-id says; empty where there is none.
+/// Content of /etc/machine-id; empty if there is none.
 std::string machine_id(const std::filesystem::path& root = "/");
 
-/// Looks at the machine: opens and reads a few small files, so not for the data thread, and no more
-/// often than once a second or so. What a board does not tell, or tells in no number, is nothing.
+/// Reads the measurements of this machine from a few small files. Too slow for the data thread;
+/// call it at most about once a second. Values that are missing or not numbers are empty.
 /// Thread-bound.
 class MachineWatch {
   public:
-    /// Finds out which files there are. `root` is "/" but for tests.
+    /// Finds the files. `root` is "/" except in tests.
     explicit MachineWatch(std::filesystem::path root = "/");
 
-    /// `load` has no number at the first look.
+    /// Reads all values. The first call returns no `load`.
     MachineValues look();
 
   private:
-    /// Time of all processors since the start, in ticks.
+    /// Time of all processors since boot, in ticks.
     struct ProcessorTime {
         std::uint64_t all = 0;
         std::uint64_t idle = 0;

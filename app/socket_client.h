@@ -13,12 +13,12 @@
 
 namespace tribus {
 
-/// One who has connected to a socket of this program. Nothing here ever waits for it: what it does
-/// not read stays its own loss. At most one answer is under way at any time, and a further request
-/// is not even read before that has left. Thread-bound.
+/// A client of a socket of this program. No function waits for it; what the client does not read is
+/// its own loss. At most one answer is being sent at a time, and no further request is read before
+/// that is done. Thread-bound.
 class SocketClient {
   public:
-    /// `most_received` is the longest request in bytes, `user` whose it is.
+    /// `most_received`: upper limit of a request in bytes. `user`: user id of the client.
     SocketClient(UniqueFd descriptor, std::size_t most_received, Instant now,
                  std::uint32_t user = 0);
 
@@ -26,49 +26,50 @@ class SocketClient {
     std::uint32_t user() const { return user_; }
     /// When it connected.
     Instant begin() const { return begin_; }
-    /// Reads what is there. False: it is gone, or its connection is broken.
+    /// Reads what has arrived. Returns false if the connection is closed or broken.
     bool receive(Instant now);
     /// Bytes of requests that were not taken yet.
     std::string_view received() const { return received_; }
-    /// There is no room for more of this request.
+    /// True if there is no room for more of this request.
     bool request_too_long() const { return received_.size() >= most_received_; }
-    /// A whole line off the front, without its end.
+    /// Removes the first complete line and returns it without its end.
     std::optional<std::string> take_line();
-    /// It will send no more.
+    /// True if the client will send no more.
     bool ended() const { return ended_; }
 
-    /// Only while `ready`. False: it is gone.
+    /// Sends an answer; call it only while `ready`. Returns false if the client is gone.
     bool send(std::string text, Instant now);
-    /// Sends on what is under way. False: it is gone.
+    /// Sends more of the present answer. Returns false if the client is gone.
     bool flush(Instant now);
-    /// The answer before has been taken by the kernel.
+    /// True if the kernel has taken the whole answer.
     bool ready() const { return sent_ == under_way_.size(); }
-    /// All answers before have been read by the other side as well. Local sockets only.
+    /// True if the client has also read all answers. Local sockets only.
     bool has_read_all() const;
     void close_when_sent() { closing_ = true; }
-    /// It gets its answer later: once `answer` gives one. Until then it is asked nothing else.
+    /// The answer comes later, as soon as `answer` returns one. No further request is handled
+    /// before.
     void wait_for(std::function<std::optional<std::string>()> answer) {
         answer_ = std::move(answer);
     }
     bool waits() const { return answer_ != nullptr; }
-    /// The answer that it waits for, once it is there.
+    /// The late answer, if it is there.
     std::optional<std::string> take_answer();
 
-    /// It has had its last answer, or can have none.
+    /// True if the client gets no further answer.
     bool done() const { return closing_ && ready(); }
 
-    /// From `first` on it gets an answer each `period`, unasked.
+    /// From `first` on, the client gets an answer each `period` without a request.
     void repeat(Duration period, Instant first) {
         period_ = period;
         next_ = first;
     }
     bool repeats() const { return period_ > Duration::zero(); }
-    /// When that is due; `kNever` where it gets none.
+    /// When the next such answer is due; `kNever` without `repeat`.
     Instant due() const { return repeats() ? next_ : kNever; }
-    /// On the grid of its period, in the future.
+    /// Moves `due` to the next future instant on the grid of the period.
     void step(Instant now);
 
-    /// Since when nothing of it, and nothing to it, has passed.
+    /// When data last passed in either direction.
     Instant quiet_since() const { return quiet_since_; }
     void passed(Instant now) { quiet_since_ = now; }
 

@@ -13,10 +13,11 @@
 namespace tribus {
 namespace {
 
-/// For when this process has no descriptor left: trying on would take a whole processor.
+/// Used when this process has no file descriptor left: trying again at once would take a whole
+/// processor.
 constexpr Duration kAcceptPause = std::chrono::seconds(1);
 
-/// On a local socket; 0 beyond.
+/// User id of the other side of a local socket; 0 for other sockets.
 std::uint32_t user_of(int descriptor) {
     ucred peer{};
     socklen_t size = sizeof peer;
@@ -70,7 +71,7 @@ void SocketServer::refuse(UniqueFd client) const {
 }
 
 void SocketServer::accept_all(Instant now) {
-    // As many at a time as there may be: a storm of connections must not keep the main thread.
+    // The limit keeps a storm of connections from blocking the main thread.
     for (std::size_t i = 0; i < limits_.clients; ++i) {
         UniqueFd client(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK));
         if (!client.valid()) {
@@ -92,7 +93,7 @@ void SocketServer::accept_all(Instant now) {
     }
 }
 
-/// Who watches is quiet only where another user has fewer places.
+/// A client that watches gives way only to a user who has fewer places.
 bool SocketServer::make_room_for(std::uint32_t user) {
     std::map<std::uint32_t, std::size_t> places;
     for (const SocketClient& client : clients_) {
@@ -125,7 +126,7 @@ Instant SocketServer::patience_end(const SocketClient& client) const {
                     later(client.begin(), limits_.whole));
 }
 
-/// A client that has not read the answer before gets none, and later the newest one.
+/// A client that has not read the previous answer gets none now, and the newest one later.
 bool SocketServer::repeat(SocketClient& client, Instant now) {
     if (now < client.due()) {
         return true;
@@ -142,7 +143,7 @@ bool SocketServer::serve_client(SocketClient& client, Instant now) {
         !(client.receive(now) && answers_.request(client, now))) {
         return false;
     }
-    // Of one that is gone altogether epoll would tell without end.
+    // epoll would report a client that hung up again and again.
     if ((client.ended() && hung_up(client.descriptor())) || !repeat(client, now)) {
         return false;
     }

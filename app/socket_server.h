@@ -15,47 +15,47 @@
 
 namespace tribus {
 
-/// How much those who connect may cost. Each has its reason in the figures of a small board: 16
-/// clients that hold all they may are less than half a megabyte.
+/// Limits for the cost of clients, chosen for small boards: 16 clients with all that they may hold
+/// take less than half a megabyte.
 struct SocketLimits {
     std::size_t clients = 16;
-    /// The longest request, in bytes.
+    /// Upper limit of a request, in bytes.
     std::size_t request = 256;
-    /// One that reads nothing of what it is sent for so long is dropped.
+    /// A client that reads nothing of an answer for so long is dropped.
     Duration unread = std::chrono::seconds(10);
-    /// One that asks nothing for so long, and is to get nothing, is dropped.
+    /// A client that requests nothing for so long, and does not watch, is dropped.
     Duration idle = std::chrono::seconds(60);
-    /// One that is connected for so long is dropped.
+    /// A client that is connected for so long is dropped.
     Duration whole = Duration::max();
-    /// What one that is too many is told; may be empty.
+    /// Sent to clients for whom there is no place; may be empty.
     std::string refusal{};
 };
 
-/// Serves a listening socket without ever waiting: for one who connects, at most a request and an
-/// answer are kept. Where all places are taken, one who waits for nothing gives way to one who
-/// comes: of the user with the most places that one who has been quiet the longest. Thread-bound to
-/// the main thread, which waits on `descriptor` until `due`, and calls `serve` then.
+/// Serves a listening socket without waiting. Keeps at most one request and one answer of each
+/// client. If all places are taken, a client that waits for nothing gives way to a new one: of the
+/// user with the most places, the one that was quiet longest. Thread-bound to the main thread,
+/// which waits on `descriptor` until `due` and then calls `serve`.
 class SocketServer {
   public:
-    /// What to say to a client. False: drop it.
+    /// Answers a client. Returns false if the client must be dropped.
     using Speech = std::function<bool(SocketClient&, Instant now)>;
     struct Answers {
-        /// It is ready for an answer and may have a request, as `received` shows.
+        /// Called when the client is ready for an answer; `received` may hold a request.
         Speech request;
-        /// Its `due` has come.
+        /// Called when the client's `due` has come.
         Speech repeat;
     };
 
-    /// `listener` listens already and does not block.
+    /// `listener` must listen already and be non-blocking.
     static tl::expected<SocketServer, std::string> make(UniqueFd listener, SocketLimits limits,
                                                         Answers answers);
 
-    /// Readable when there is something to serve.
+    /// Readable when a client must be served.
     int descriptor() const { return epoll_.get(); }
     Instant due() const;
     void serve(Instant now);
     std::size_t client_count() const { return clients_.size(); }
-    /// Clients that were dropped because they did not read, or asked nothing.
+    /// Clients that were dropped because they did not read or requested nothing.
     std::size_t dropped() const { return dropped_; }
 
   private:
@@ -77,7 +77,7 @@ class SocketServer {
     SocketLimits limits_;
     Answers answers_;
     std::list<SocketClient> clients_;
-    /// No connection is accepted before then.
+    /// No connection is accepted before this instant.
     Instant accept_again_{};
     bool accepting_ = true;
     std::size_t dropped_ = 0;
