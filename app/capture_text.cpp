@@ -8,7 +8,7 @@
 namespace tribus {
 namespace {
 
-/// Far more than is read or written at once.
+/// Far more than one read or write holds.
 constexpr std::size_t kMostBurstBytes = 4096;
 
 }  // namespace
@@ -32,7 +32,7 @@ void CaptureText::take(std::span<const CapturePiece> pieces) {
     }
 }
 
-/// False where the piece, or what it ends, is damaged.
+/// Returns false if the piece, or the burst that it ends, is damaged.
 bool CaptureText::take(const CapturePiece& piece) {
     if (!can_be_recorded(piece, format_.can) || piece.at() > format_.end) {
         return false;
@@ -41,7 +41,7 @@ bool CaptureText::take(const CapturePiece& piece) {
         end_burst();
         begin_burst(piece);
     } else if (!burst_.begun) {
-        // Its beginning has been overwritten.
+        // The beginning of this burst was overwritten.
         return true;
     } else if (!go_on_with(piece)) {
         return false;
@@ -92,7 +92,7 @@ void CaptureText::end_burst() {
     }
 }
 
-/// What was read at once had all arrived by then; the recording has the start of its first byte.
+/// Bytes that were read at once had all arrived by then; the text has the start of the first byte.
 void CaptureText::end_bytes(Text& text) {
     const Duration length = format_.byte_time * static_cast<Duration::rep>(burst_.bytes.size());
     Duration start = burst_.first.at() - format_.zero;
@@ -102,7 +102,7 @@ void CaptureText::end_bytes(Text& text) {
     if (start < Duration::zero()) {
         return;
     }
-    // A pty is faster than its line would be.
+    // A pty is faster than a real line.
     start = std::max(start, text.latest_end);
     text.latest_end = burst_.first.direction() == Direction::read ? start + length : start;
     append_timed_line(text.text, start, burst_.bytes, burst_.damaged);

@@ -10,45 +10,45 @@
 #include "core/time.h"
 #include "pipelines/realtime/capture_ring.h"
 
-/// What passed a port, in the forms that `decode` and `simulate` read.
+/// Captured pieces as text that `decode` and `simulate` read.
 namespace tribus {
 
 struct CaptureFormat {
     bool can = false;
     std::string interface;  ///< CAN only
     Duration byte_time{};   ///< of the line; serial only
-    Instant zero{};         ///< of the recording; what came before is left out
-    Duration zero_wall{};   ///< the same since 1970
-    Instant end = kNever;   ///< what claims to be later is damaged
+    Instant zero{};         ///< begin of the recording; earlier pieces are left out
+    Duration zero_wall{};   ///< the same instant, since 1970
+    Instant end = kNever;   ///< later pieces are damaged
 };
 
-/// Turns pieces into text: timed lines of bytes, or a log as of candump. What was read and what was
+/// Turns pieces into text: timed lines of bytes, or a candump log. What was read and what was
 /// written are two texts with the same zero. Pure.
 class CaptureText {
   public:
     explicit CaptureText(CaptureFormat format);
 
-    /// In their order. Pieces that nobody can have recorded so are left out and counted.
+    /// Takes pieces in their order. Leaves out and counts those that cannot have been recorded.
     void take(std::span<const CapturePiece> pieces);
-    /// No more of them come.
+    /// Call it after the last piece.
     void finish() { end_burst(); }
 
-    /// To be taken from, whenever it is large.
+    /// The caller may take the text out at any time.
     std::string& read() { return texts_[0].text; }
     std::string& written() { return texts_[1].text; }
-    /// Reads or writes, or frames, so far.
+    /// Number of reads or writes, or of CAN frames, so far.
     std::uint64_t read_count() const { return texts_[0].count; }
     std::uint64_t written_count() const { return texts_[1].count; }
-    /// Pieces that were left out.
+    /// Number of pieces that were left out.
     std::uint64_t damaged_count() const { return damaged_count_; }
 
   private:
     struct Text {
         std::string text;
         std::uint64_t count = 0;
-        Duration latest_end{};  ///< from the zero; times must not go back
+        Duration latest_end{};  ///< since the zero; times must not go back
     };
-    /// One read, write or frame, as far as its pieces have come.
+    /// One read, write or CAN frame, with the pieces so far.
     struct Burst {
         bool begun = false;
         CapturePiece first{};

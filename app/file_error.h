@@ -9,7 +9,7 @@
 
 namespace tribus {
 
-/// `/var/lib/tribus: No space left on device`, as the result of what failed so. Pure.
+/// An error such as `/var/lib/tribus: No space left on device`. Pure.
 inline tl::unexpected<std::string> file_error(const std::filesystem::path& path, int error) {
     return tl::unexpected(fmt::format("{}: {}", path.string(), std::strerror(error)));
 }

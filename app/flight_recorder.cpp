@@ -24,12 +24,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kKib = 1024;
 constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
-/// What is read first may have begun so long before: 256 bytes of an i.Bus line.
+/// Time of 256 bytes on an i.Bus line: the first read may hold bytes that began so long ago.
 constexpr Duration kLongestBurst = std::chrono::milliseconds(23);
-/// Of so many requests the outcome is remembered.
+/// Upper limit of the remembered outcomes of requests.
 constexpr std::size_t kRememberedOutcomes = 16;
 
-/// Where a unit has several, the first one is the service's own.
+/// If the unit has several directories, the first one is its own.
 std::string state_directory() {
     const char* given = std::getenv("STATE_DIRECTORY");
     const std::string all = given == nullptr ? "" : given;
@@ -66,7 +66,7 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
     return recorder;
 }
 
-/// What the process before had in memory when it ended, if that was not by itself.
+/// Writes what the previous process had in memory, if it crashed or was killed.
 void FlightRecorder::write_left(Instant now, Duration wall_now) {
     const auto folder = home_ ? home_->take_left() : std::nullopt;
     if (!folder) {
@@ -199,7 +199,7 @@ void FlightRecorder::retire(std::unique_ptr<Tape> tape) {
     }
 }
 
-/// What the process that comes after a crash must know: which ring is of which port.
+/// Writes the plan, which tells a process after a crash which ring belongs to which port.
 void FlightRecorder::tell_successor() const {
     if (!home_) {
         return;

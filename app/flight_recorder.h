@@ -22,33 +22,32 @@
 
 namespace tribus {
 
-/// Keeps what passes the ports in memory, and writes the latest of it to a folder when an output
-/// goes into failsafe, when somebody asks, or, after a crash, what the process before left. What
-/// the disk does concerns neither the data thread nor the main thread. Thread-bound to the main
-/// thread.
+/// Keeps what passes the ports in memory. Writes the latest of it to a folder when an output goes
+/// into failsafe, on request, and after a crash of the previous process. Another thread writes, so
+/// a slow disk delays neither the data thread nor the main thread. Thread-bound to the main thread.
 class FlightRecorder {
   public:
-    /// For a configuration with [recorder]. The error is `file:line:column: text`.
+    /// `configuration` must have [recorder]. The error is `file:line:column: text`.
     static tl::expected<std::unique_ptr<FlightRecorder>, std::string> make(
         const Configuration& configuration);
     FlightRecorder(const FlightRecorder&) = delete;
     FlightRecorder& operator=(const FlightRecorder&) = delete;
-    /// Writes what an event has asked for. After the data thread has ended.
+    /// Writes the recordings that are still pending. The data thread must have ended.
     ~FlightRecorder();
 
-    /// The ring of that device: the one that it has, or a fresh one. Null where there is no memory
-    /// for it, which the log says. It is there until the next `settle` that does not name it.
+    /// The ring of this device: the present one or a new one. Null if there is no memory for it;
+    /// the log says so. It stays valid until a `settle` without it.
     CaptureRing* ring_for(const PortPlan& port, const RecorderConfig& config);
-    /// From now on it records these ports; rings of others are given back. The data thread must
-    /// not use those any more.
+    /// From now on the recorder records these ports and frees the rings of others, which the data
+    /// thread must no longer use.
     void settle(const Configuration& configuration, const std::vector<PortPlan>& ports,
                 Instant now);
 
-    /// A few times a second: with how often each output went into failsafe since it was made.
+    /// Call it a few times a second. `failsafe_entries`: how often each output went into failsafe.
     void look(std::span<const std::uint64_t> failsafe_entries, Instant now, Duration wall_now);
 
-    /// Answers `record`, which begins a recording and tells its number, and `record NUMBER`, which
-    /// tells what came of it; an object of JSON.
+    /// Answers the requests `record`, which begins a recording, and `record NUMBER`, which returns
+    /// its state. The answer is a JSON object.
     std::string answer(std::span<const std::string> words, Instant now, Duration wall_now);
 
   private:
@@ -65,9 +64,9 @@ class FlightRecorder {
         Duration wall{};
         Instant at{};
         Instant due{};
-        std::uint64_t number = 0;  ///< 0: nobody asked for it
+        std::uint64_t number = 0;  ///< 0: not requested by a client
     };
-    /// Of a recording that somebody asked for.
+    /// Outcome of a requested recording.
     struct Outcome {
         bool done = false;
         RecordingJob::Result result{};
@@ -91,9 +90,9 @@ class FlightRecorder {
     std::filesystem::path directory_;
     std::optional<RingHome> home_;
     std::vector<std::unique_ptr<Tape>> tapes_;
-    /// Nothing is written to them any more, but a job may still read them.
+    /// No longer written to, but a job may still read them.
     std::vector<std::unique_ptr<Tape>> retired_;
-    /// Since when this process records.
+    /// When this process began to record.
     std::optional<Instant> begin_;
     std::size_t files_made_ = 0;
     /// By device: why it is not recorded.

@@ -13,12 +13,12 @@ namespace {
 
 using Failed = tl::unexpected<std::string>;
 
-/// A configuration and the files that it names have less.
+/// Larger than any configuration with the files that it names.
 constexpr std::size_t kMostPlanBytes = std::size_t{64} * 1024 * 1024;
-/// As `memory` in [recorder] allows.
+/// Upper limit of `memory` in [recorder].
 constexpr std::size_t kMostRingBytes = std::size_t{64} * 1024 * 1024;
 
-/// Of the newest piece that can be true; nothing where there is none.
+/// Instant of the newest plausible piece; nothing if there is none.
 std::optional<Instant> latest_in(const CaptureRing& ring, bool can, Instant now) {
     std::array<CapturePiece, 64> pieces;
     const std::uint64_t begin = ring.begin();

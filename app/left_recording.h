@@ -13,20 +13,20 @@
 
 namespace tribus {
 
-/// What a process had in memory when it ended otherwise than by itself.
+/// What a crashed process had in memory.
 struct LeftRecording {
     RecordingPlan plan;
     std::vector<RingMemory> memories;
-    /// One for each port of the plan. Their pieces may be anything.
+    /// One for each port of the plan. Their pieces may be damaged.
     std::vector<CaptureRing> rings;
-    Instant latest{};  ///< when the newest of all was recorded
+    Instant latest{};  ///< instant of the newest piece
 };
 
-/// The plan's file in such a folder.
+/// File of the plan in that folder.
 inline constexpr const char* kRecordingPlanFile = "plan.json";
 
-/// Reads it. Nothing in the folder is believed: not what kinds of files there are, not their sizes,
-/// and not what they hold. The error is a sentence.
+/// Reads the data of a crashed process. Trusts nothing in the folder: neither the kinds of files
+/// nor their sizes or contents. The error is a sentence.
 tl::expected<LeftRecording, std::string> read_left_recording(const std::filesystem::path& folder,
                                                              Instant now);
 

@@ -15,7 +15,7 @@ void ObjectText::open_member(std::string_view key) {
     text_ += "\":";
 }
 
-/// File names and those of devices may be of any bytes.
+/// Bytes that are not UTF-8, of file names for example, are replaced.
 void ObjectText::append(const nlohmann::ordered_json& value) {
     text_ += value.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

@@ -9,19 +9,19 @@
 
 namespace tribus {
 
-/// An object of JSON that is written member by member and entry by entry. The whole as a tree would
-/// take a multiple of its text, of a heap that longer-lived things share, which would keep it from
-/// shrinking again.
+/// Writes a JSON object member by member. A tree of the whole would take several times the memory
+/// of the text, in the heap that long-lived objects share, and would keep it from shrinking.
 class ObjectText {
   public:
-    /// Beyond the threshold of the heap (app/run.cpp), so that not even the text grows in it.
+    /// Larger than the threshold of the heap (app/run.cpp), so that not even the text is in the
+    /// heap.
     ObjectText() {
         text_.reserve(kLongText);
         text_ += '{';
     }
 
     void add(std::string_view key, const nlohmann::ordered_json& value);
-    /// One entry for each of `count`.
+    /// Adds a list of `count` entries.
     template <class Entry>
     void add_list(std::string_view key, std::size_t count, Entry entry) {
         open_member(key);

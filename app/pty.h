@@ -8,8 +8,8 @@
 
 namespace tribus {
 
-/// A pseudo-terminal: the program at its near end opens `path`, the far end is `master`, which
-/// does not block. The error is a sentence.
+/// A pseudo-terminal: another program opens `path`; `master` is this program's end and does not
+/// block. The error is a sentence.
 struct Pty {
     UniqueFd master;
     std::string path;

@@ -24,7 +24,7 @@ namespace tribus {
 namespace {
 
 constexpr Duration kAnswerPatience = std::chrono::seconds(5);
-/// A slow card takes a while for some hundred megabytes.
+/// A slow card needs time for some hundred megabytes.
 constexpr Duration kDiskPatience = std::chrono::minutes(5);
 constexpr timespec kAskPause{.tv_sec = 0, .tv_nsec = 20'000'000};
 constexpr std::uintmax_t kBytesPerMib = std::uintmax_t{1024} * 1024;
@@ -40,7 +40,7 @@ struct RecordOptions {
     bool force = false;
 };
 
-/// Asks until the folder is whole, or cannot be.
+/// Asks until the folder is complete, or cannot be written.
 int ask_for_recording(const RecordOptions& options) {
     const auto socket = find_daemon(options.target, options.socket);
     if (!socket) {

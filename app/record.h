@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// `tribus record`: a recording of the flight recorder of a running daemon, or of a port by itself.
+/// `tribus record`: records with the flight recorder of a running daemon, or directly from a port.
 Command record_command();
 
 }  // namespace tribus

@@ -30,7 +30,7 @@ namespace tribus {
 namespace {
 
 constexpr std::size_t kPieces = 512;
-/// Most that one wake takes, so that signals are seen on a flooded port.
+/// Upper limit of reads in one round, so that signals are seen on a flooded port.
 constexpr int kPortReadsAtOnce = 16;
 
 tl::expected<UniqueFd, std::string> make_file(const PortRecording& recording) {
@@ -45,7 +45,7 @@ tl::expected<UniqueFd, std::string> make_file(const PortRecording& recording) {
                         : fmt::format("{}: {}", recording.file, std::strerror(error)));
 }
 
-/// `use` is of a serial line, or nothing.
+/// `use` is empty for a CAN interface.
 tl::expected<std::unique_ptr<Link>, std::string> open_link(const std::string& port,
                                                            const std::optional<ProtocolUse>& use) {
     if (!use) {
@@ -65,7 +65,7 @@ tl::expected<std::unique_ptr<Link>, std::string> open_link(const std::string& po
     return std::unique_ptr<Link>(std::move(*line));
 }
 
-/// One port and one file.
+/// Records one port into one file.
 class Recorder {
   public:
     Recorder(std::unique_ptr<Link> link, UniqueFd file, CaptureFormat format)
@@ -76,7 +76,7 @@ class Recorder {
           text_(std::move(format)) {}
 
     int descriptor() const { return link_->descriptor(); }
-    /// What is there. False: the device is gone.
+    /// Reads what has arrived. Returns false if the device is gone.
     bool take() {
         ReadStatus status = ReadStatus::received;
         for (int i = 0; i < kPortReadsAtOnce && status == ReadStatus::received; ++i) {
@@ -85,7 +85,7 @@ class Recorder {
         }
         return status != ReadStatus::lost;
     }
-    /// All that was taken is in the file; false where it cannot be written.
+    /// Writes everything to the file; returns false if it cannot be written.
     bool flush() {
         text_.finish();
         std::string& text = text_.read();

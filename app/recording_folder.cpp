@@ -33,10 +33,10 @@ using Done = tl::expected<void, std::string>;
 constexpr std::string_view kUnfinishedEnding = ".unfinished";
 constexpr std::size_t kPiecesAtOnce = 256;
 constexpr std::size_t kBytesAtOnce = std::size_t{64} * 1024;
-/// Of a length that `recording_time` gives.
+/// Length of a `recording_time`.
 constexpr std::size_t kTimeLength = std::string_view("2026-11-22T12-00-05Z").size();
 
-/// A file that is written once, from its begin to its end.
+/// A new file, written once from begin to end.
 class NewFile {
   public:
     static tl::expected<NewFile, std::string> make(const fs::path& path) {
@@ -58,7 +58,7 @@ class NewFile {
         }
         return {};
     }
-    /// It survives a loss of power from here on.
+    /// Afterwards the file survives a loss of power.
     Done finish() {
         if (::fsync(fd_.get()) != 0) {
             return file_error(path_, errno);
@@ -82,7 +82,7 @@ Done write_file(const fs::path& path, std::string_view content) {
     return file->finish();
 }
 
-/// The two files of a port; one that has no name is not made.
+/// The two files of a port; a file without a name is not made.
 class PortFiles {
   public:
     static tl::expected<PortFiles, std::string> make(const RecordedPort& port,
@@ -101,7 +101,7 @@ class PortFiles {
         }
         return files;
     }
-    /// What the text has, once that is worth a system call.
+    /// Writes the collected text when it is worth a system call, or `all` of it.
     Done take(CaptureText& text, bool all) {
         for (const auto& [file, part] :
              {std::pair(&read_, &text.read()), std::pair(&written_, &text.written())}) {
@@ -136,11 +136,11 @@ struct PortCounts {
     std::uint64_t read = 0;
     std::uint64_t written = 0;
     std::uint64_t damaged = 0;
-    /// Where more came since the zero than there was memory for: when what is left begins.
+    /// Begin of the remaining data, if older data since the zero was overwritten.
     std::optional<Duration> begin;
 };
 
-/// Piece by piece: what the ring holds may be more than the memory that is left.
+/// Writes piece by piece: a ring may hold more than the free memory.
 tl::expected<PortCounts, std::string> write_port(const RecordedPort& port,
                                                  const RecordingOrder& order,
                                                  const fs::path& folder) {
@@ -252,18 +252,18 @@ bool is_unfinished(const std::string& name) {
     return is_recording(name) && name.ends_with(kUnfinishedEnding);
 }
 
-/// Of several of one second: 1 for the first, which has no number in its name.
+/// Number of a recording among those of the same second; 1 for the first, whose name has no number.
 int number_of(const std::string& name) {
     const std::size_t dash = name.rfind('-');
     int number = 1;
-    // Whoever made a folder with a name like ours may have chosen any number.
+    // A folder that somebody else named like ours may have any number.
     constexpr std::size_t kMostDigits = 9;
     const std::size_t digits = std::min(name.size() - dash - 1, kMostDigits);
     std::from_chars(name.data() + dash + 1, name.data() + dash + 1 + digits, number);
     return number;
 }
 
-/// The oldest first.
+/// Ordered from the oldest to the newest.
 std::vector<fs::path> recordings_in(const fs::path& directory) {
     std::vector<fs::path> found;
     std::error_code error;
@@ -291,7 +291,7 @@ std::uintmax_t size_of(const fs::path& folder) {
     return size;
 }
 
-/// The oldest go, but never the one that was just written.
+/// Never removes the recording that was just written.
 void remove_oldest(const RecordingOrder& order, const fs::path& newest) {
     std::vector<fs::path> found = recordings_in(order.directory);
     std::size_t count = found.size();
@@ -311,7 +311,8 @@ void remove_oldest(const RecordingOrder& order, const fs::path& newest) {
     }
 }
 
-/// A number that was free before, but is not the highest, would make it look older than it is.
+/// Uses the highest number plus one: a free lower number would make the recording look older than
+/// it is.
 fs::path name_in(const fs::path& directory, const RecordingOrder& order) {
     const std::string name = recording_time(order.event_wall) + "-" + order.kind;
     int number = 0;
@@ -380,7 +381,7 @@ std::optional<Duration> age_of_latest(const fs::path& directory, const std::stri
     std::optional<Duration> age;
     for (const fs::path& folder : recordings_in(directory)) {
         struct stat told {};
-        // One from the future says that the clock has gone back since.
+        // A time in the future means that the clock was set back since.
         if (folder.filename().string().find("Z-" + kind) == kTimeLength - 1 &&
             ::stat(folder.c_str(), &told) == 0 &&
             std::chrono::seconds(told.st_mtim.tv_sec) < wall_now) {

@@ -15,23 +15,23 @@
 
 namespace tribus {
 
-/// One recording on its way to the disk, on a thread of its own: a slow disk makes nobody wait.
-/// Thread-bound to the main thread.
+/// Writes one recording on a thread of its own, so that nobody waits for a slow disk. Thread-bound
+/// to the main thread.
 class RecordingJob {
   public:
     using Result = tl::expected<std::filesystem::path, std::string>;
 
-    /// The rings of the order must outlive it, or are in `kept`.
+    /// The rings of the order must outlive the job, or lie in `kept`.
     static std::unique_ptr<RecordingJob> start(RecordingOrder order,
                                                std::vector<RingMemory> kept = {},
                                                std::vector<CaptureRing> rings = {});
     RecordingJob(const RecordingJob&) = delete;
     RecordingJob& operator=(const RecordingJob&) = delete;
-    /// Waits for its end.
+    /// Waits for the end of the job.
     ~RecordingJob();
 
     bool done() const { return done_.load(std::memory_order_acquire); }
-    /// Once it is done.
+    /// Call it when `done` is true.
     const Result& result() const { return result_; }
     const RecordingOrder& order() const { return order_; }
 

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// 146 years of a machine that runs.
+/// 146 years of uptime.
 constexpr std::uint64_t kMostNanoseconds = std::uint64_t{1} << 62U;
 
 bool is_plain(char c) {
@@ -73,7 +73,7 @@ std::string replay_command(const Configuration& configuration,
     return command;
 }
 
-/// What a file is called, as far as its name is short and plain.
+/// File name of `path`, shortened, without unusual characters.
 std::string tame_name(const std::string& path) {
     constexpr std::size_t kLongest = 100;
     std::string name = std::filesystem::path(path).filename().string();
@@ -83,7 +83,7 @@ std::string tame_name(const std::string& path) {
     return name;
 }
 
-/// Files that the configuration names, as neighbours of the recorded one.
+/// Files that the configuration names; the recording holds copies of them beside the configuration.
 class NamedFiles {
   public:
     void take(SettingFile& file) {
@@ -132,7 +132,7 @@ std::vector<SideFile> configuration_files(Configuration configuration) {
     return files;
 }
 
-/// -1 where it is none, or cannot be.
+/// -1 if it is not a number or out of range.
 Duration nanoseconds_in(const Json& json) {
     return json.is_number_unsigned() && json.get<std::uint64_t>() <= kMostNanoseconds
                ? Duration(json.get<std::int64_t>())
@@ -147,7 +147,7 @@ bool is_line(const std::string& text) {
 /// Names of files in one folder.
 class Names {
   public:
-    /// False where it leads elsewhere, or is taken.
+    /// False if the name leaves the folder or is taken.
     bool take(const std::string& name) {
         return !name.empty() && name.size() <= kLongest && name != "." && name != ".." &&
                is_line(name) && name.find('/') == std::string::npos && taken_.insert(name).second;
@@ -211,7 +211,7 @@ std::string plan_to_text(const RecordingPlan& plan) {
 }
 
 std::optional<RecordingPlan> plan_from_text(std::string_view text) {
-    // The library throws where a key is missing or of another kind.
+    // The library throws if a key is missing or has the wrong type.
     try {
         const Json json = Json::parse(text);
         RecordingPlan plan;

@@ -10,7 +10,7 @@
 #include "config/schema.h"
 #include "core/time.h"
 
-/// What a recording of a configuration consists of, beside what passed its ports.
+/// The contents of a recording, except what passed the ports.
 namespace tribus {
 
 struct RecordingPlan {
@@ -18,20 +18,20 @@ struct RecordingPlan {
     std::vector<RecordedPort> ports;
     std::vector<SideFile> files;
     std::string replay;
-    /// `/dev/ttyAMA3: why`, of each port that is not recorded.
+    /// For each port that is not recorded: `/dev/ttyAMA3: why`.
     std::vector<std::string> lacks;
-    /// Since when it has been recorded.
+    /// When the recording began.
     Instant begin{};
 };
 
-/// Of these ports, which need not be all. Pure.
+/// The plan for `ports`, which need not be all ports of the configuration. Pure.
 RecordingPlan plan_recording(const Configuration& configuration, const std::vector<PortPlan>& ports,
                              Instant begin);
 
-/// For the process that comes after one that crashed; without the rings themselves. Pure.
+/// Text for the process after a crash; without the rings. Pure.
 std::string plan_to_text(const RecordingPlan& plan);
-/// Nothing where the text is no plan, or one that `plan_recording` does not make: every name in it
-/// is of a file in the same folder, and no two are the same.
+/// Nothing if the text is not a plan, or not one that `plan_recording` makes: every file name must
+/// stay in the folder and be unique. Pure.
 std::optional<RecordingPlan> plan_from_text(std::string_view text);
 
 }  // namespace tribus

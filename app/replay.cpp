@@ -28,12 +28,12 @@
 namespace tribus {
 namespace {
 
-/// What is later than that is not sent any more: it would stand among what came after it.
+/// Later items are not sent: they would mix with those that follow.
 constexpr Duration kMostLateness = std::chrono::milliseconds(50);
-/// So long before a deadline the wait, which knows milliseconds only, gives way to an exact one.
+/// For the last part before a deadline: `MainWait` knows only milliseconds.
 constexpr Duration kExactWait = std::chrono::milliseconds(3);
 constexpr Duration kLinger = std::chrono::milliseconds(100);
-/// From the opening to the first burst.
+/// Time from opening the port to the first burst.
 constexpr Duration kLead = std::chrono::milliseconds(20);
 
 struct ReplayOptions {
@@ -50,7 +50,7 @@ struct Figures {
     std::vector<Duration> lateness;
 };
 
-/// Where no times were kept: so much from one burst to the next.
+/// Time from one burst to the next in a recording without times.
 tl::expected<Duration, std::string> untimed_period(const ReplayOptions& options,
                                                    const Recording& recording) {
     if (recording.timed) {
@@ -93,7 +93,7 @@ std::vector<ReplayItem> items_of(const Recording& recording, Duration period, do
     return items;
 }
 
-/// From the last item of one round to the first of the next: as between most.
+/// Time from the last item of a round to the first of the next: the median gap.
 Duration usual_gap(const std::vector<ReplayItem>& items) {
     std::vector<Duration> gaps{std::chrono::milliseconds(1)};
     for (std::size_t i = 1; i < items.size(); ++i) {
@@ -103,12 +103,12 @@ Duration usual_gap(const std::vector<ReplayItem>& items) {
     return std::max<Duration>(gaps[gaps.size() / 2], std::chrono::microseconds(100));
 }
 
-/// Sends item after item at its instant, which is counted from the start and so never drifts.
+/// Sends each item at its instant, counted from the start, so that it never drifts.
 class Player {
   public:
     Player(ReplayTarget& target, MainWait& wait) : target_(target), wait_(wait) {}
 
-    /// False where it is over: by a signal, or because the target is gone.
+    /// Returns false if a signal ended it or the target is gone.
     bool play(const std::vector<ReplayItem>& items, Instant start) {
         for (const ReplayItem& item : items) {
             const Instant due = start + item.at;
@@ -231,7 +231,7 @@ int replay(const ReplayOptions& options) {
         start += round;
     }
     const Duration took = monotonic_now() - begin;
-    // Whoever reads may still have some of it to take before the port goes.
+    // The reader may still have to read data before the port closes.
     wait->until(later(monotonic_now(), kLinger));
     report(player.figures(), can, took);
     return player.gone() ? complain(options.place.to + " is gone", kExitFailed) : kExitFine;

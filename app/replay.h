@@ -4,8 +4,8 @@
 
 namespace tribus {
 
-/// `tribus replay`: a recording into a pseudo-terminal, a serial device or a CAN interface, with
-/// its timing.
+/// `tribus replay`: sends a recording with its timing to a pseudo-terminal, a serial device or a
+/// CAN interface.
 Command replay_command();
 
 }  // namespace tribus

@@ -30,7 +30,7 @@ namespace {
 using Refused = tl::unexpected<std::string>;
 using Opened = tl::expected<std::unique_ptr<ReplayTarget>, std::string>;
 
-/// A new pseudo-terminal, and perhaps a link with a name that stays the same.
+/// A new pseudo-terminal, with an optional symbolic link of a fixed name.
 class PtyTarget final : public ReplayTarget {
   public:
     PtyTarget(Pty pty, std::string link)
@@ -38,7 +38,7 @@ class PtyTarget final : public ReplayTarget {
     PtyTarget(const PtyTarget&) = delete;
     PtyTarget& operator=(const PtyTarget&) = delete;
     ~PtyTarget() override {
-        // Somebody may have put another thing in its place, which may have got its inode.
+        // Somebody may have replaced the link by another file, which may even have its inode.
         if (link_inode_ && inode_of(link_) == link_inode_ && leads_to(link_, pty_.path)) {
             ::unlink(link_.c_str());
         }
@@ -49,8 +49,8 @@ class PtyTarget final : public ReplayTarget {
         if (!pty) {
             return Refused(pty.error());
         }
-        // From now on the master knows whether somebody has it open. Until a reader has set it up,
-        // it neither echoes nor changes anything.
+        // From now on the master can tell whether the slave side is open. In raw mode it neither
+        // echoes nor changes anything before the reader configures it.
         const UniqueFd slave(::open(pty->path.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
         termios settings{};
         if (!slave.valid() || ::tcgetattr(slave.get(), &settings) != 0) {
@@ -76,7 +76,7 @@ class PtyTarget final : public ReplayTarget {
                 return false;
             }
         }
-        // Who opens a port throws away what came before.
+        // A program that opens a port usually discards earlier input.
         return !wait.until(later(monotonic_now(), kSettle));
     }
 
@@ -152,7 +152,7 @@ class CanTarget final : public ReplayTarget {
   public:
     explicit CanTarget(std::unique_ptr<CanSocket> socket) : socket_(std::move(socket)) {}
 
-    /// Waits until the frame before has gone, which a working bus does in a moment.
+    /// Waits until the frame before is sent, which takes a working bus only a moment.
     ReplayOutcome send(const ReplayItem& item) override {
         const Instant end = later(monotonic_now(), kPatience);
         WriteStatus status = WriteStatus::busy;

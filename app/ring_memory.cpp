@@ -25,10 +25,10 @@ using Failed = tl::unexpected<std::string>;
 
 constexpr const char* kRingFolder = "recorder";
 constexpr const char* kLeft = "recorder-left";
-/// What a process has begun to read.
+/// Data that a process has begun to read.
 constexpr const char* kTaken = "recorder-taken";
 
-/// Of any kind; a link that leads nowhere too.
+/// True for any kind of file, also for a dangling link.
 bool there_is(const fs::path& path) {
     std::error_code error;
     return fs::symlink_status(path, error).type() != fs::file_type::not_found;
@@ -53,7 +53,7 @@ tl::expected<RingMemory, std::string> RingMemory::in_file(const fs::path& path, 
     if (!file.valid()) {
         return file_error(path, errno);
     }
-    // All of it now: a page that cannot be had later would end the process.
+    // Allocates all pages now: a page that is missing later would kill the process.
     if (const int error = ::posix_fallocate(file.get(), 0, static_cast<off_t>(bytes)); error != 0) {
         ::unlink(path.c_str());
         return file_error(path, error);
@@ -73,7 +73,7 @@ tl::expected<RingMemory, std::string> RingMemory::copy_of(const fs::path& path, 
     if (told.st_size <= 0 || static_cast<std::uintmax_t>(told.st_size) > most) {
         return Failed(fmt::format("{} has {} bytes", path.string(), told.st_size));
     }
-    // Read, not mapped: a file that shrinks would end the process.
+    // Read, not mapped: a mapped file that shrinks would kill the process.
     auto memory = anonymous(static_cast<std::size_t>(told.st_size));
     for (std::size_t at = 0; memory && at < memory->bytes_;) {
         const ssize_t count = ::read(file.get(), memory->begin_ + at, memory->bytes_ - at);
@@ -121,7 +121,7 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     if (!lock.valid() || ::fstatfs(lock.get(), &filesystem) != 0) {
         return file_error(runtime_directory, errno);
     }
-    // On a disk, its driver could make the data thread wait.
+    // On a disk, the driver could delay the data thread.
     if (filesystem.f_type != TMPFS_MAGIC && filesystem.f_type != RAMFS_MAGIC) {
         return Failed(fmt::format("{} is not in memory (tmpfs)", runtime_directory.string()));
     }
@@ -139,7 +139,7 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
         fs::remove_all(taken, error);
     }
     if (there_is(path)) {
-        // The first crash of several tells most.
+        // Of several crashes, the first one tells most.
         if (there_is(left)) {
             fs::remove_all(path, error);
         } else {

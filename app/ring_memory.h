@@ -11,19 +11,19 @@
 
 #include "transports/links/unique_fd.h"
 
-/// Where the rings of the flight recorder live.
+/// Memory for the rings of the flight recorder.
 namespace tribus {
 
-/// Pages that are there already: the data thread never waits for one. Move-only.
+/// Memory whose pages are all present, so that the data thread never waits for one. Move-only.
 class RingMemory {
   public:
-    /// Of this process alone.
+    /// Memory of this process alone. The error is a sentence.
     static tl::expected<RingMemory, std::string> anonymous(std::size_t bytes);
-    /// A fresh file, which stays when the process ends otherwise than by itself.
+    /// Memory in a new file, which survives a crash of the process. The error is a sentence.
     static tl::expected<RingMemory, std::string> in_file(const std::filesystem::path& path,
                                                          std::size_t bytes);
-    /// What is in a file; changes do not reach it. Anything else than a file of 1 to `most` bytes
-    /// is refused, and never waited for.
+    /// A copy of a file's content. Refuses, without waiting, anything but a regular file of 1 to
+    /// `most` bytes. The error is a sentence.
     static tl::expected<RingMemory, std::string> copy_of(const std::filesystem::path& path,
                                                          std::size_t most);
 
@@ -48,23 +48,23 @@ class RingMemory {
     std::size_t bytes_ = 0;
 };
 
-/// A folder of the service's runtime directory that this process alone uses: memory in its files
-/// outlives a crash, for the process that comes next.
+/// A folder in the service's runtime directory that only this process uses. Memory in its files
+/// survives a crash; the next process reads it.
 class RingHome {
   public:
-    /// The error is a sentence: without a home memory is anonymous, and a crash loses it.
+    /// The error is a sentence; the recorder then uses anonymous memory, which a crash loses.
     static tl::expected<RingHome, std::string> open(const std::filesystem::path& runtime_directory);
     RingHome(RingHome&&) noexcept = default;
     RingHome& operator=(RingHome&&) noexcept = delete;
     ~RingHome();
 
     const std::filesystem::path& path() const { return path_; }
-    /// What the process before left, under a name at which nobody looks again: should reading it
-    /// end this process, the next one starts all the same. Nothing where it left nothing.
+    /// The data of a crashed process, renamed first: if reading it crashes this process, the next
+    /// one starts without it. Nothing if no data was left.
     std::optional<std::filesystem::path> take_left() const;
-    /// It has been written, or cannot be.
+    /// Call it when the data was written or cannot be.
     void remove_left() const;
-    /// It could not be written just now: the next process takes it.
+    /// Call it when the data could not be written now: the next process tries again.
     void put_left_back() const;
 
   private:

@@ -10,24 +10,24 @@
 
 #include "transports/links/unique_fd.h"
 
-/// Files and standard streams of the subcommands that turn one into another.
+/// Files and standard streams of the subcommands that convert between formats.
 namespace tribus {
 
-/// A file, or standard input for "-" and for no name. Reading waits for what comes. Errors are
-/// `name: reason`. Thread-bound.
+/// A file, or standard input for "-" or an empty name. Reading blocks. Errors are `name: reason`.
+/// Thread-bound.
 class InputFile {
   public:
     static tl::expected<InputFile, std::string> open(std::string_view name);
-    /// Never standard input, whatever the name.
+    /// Opens a file even if its name is "-".
     static tl::expected<InputFile, std::string> open_path(std::string_view path);
 
-    /// As messages call it.
+    /// Name in messages.
     const std::string& name() const { return name_; }
-    /// All of it is there already: no pipe, terminal or device.
+    /// True for a regular file; false for a pipe, terminal or device.
     bool is_whole() const;
-    /// What is there, at least one byte; nothing at the end.
+    /// The bytes that are there, at least one; empty at the end.
     tl::expected<std::string, std::string> read_some();
-    /// All up to the end.
+    /// Everything up to the end.
     tl::expected<std::string, std::string> read_all();
 
   private:
@@ -38,11 +38,11 @@ class InputFile {
     std::string name_;
 };
 
-/// Of the terminal that standard output is; nothing where it is none.
+/// Width of the terminal on standard output; nothing if it is no terminal.
 std::optional<std::size_t> terminal_columns();
 
-/// Writes out what std::cout holds. Returns `status`, or a failure, with a message, where it could
-/// not be written; a reader that has gone away (`| head`) is none.
+/// Flushes std::cout. Returns `status`, or prints a message and returns kExitFailed if the output
+/// could not be written. A reader that went away (`| head`) is not an error.
 int finish_standard_output(int status);
 
 }  // namespace tribus

@@ -7,13 +7,13 @@
 
 #include "app/screen_parts.h"
 
-/// The terminal that standard output is, for live views.
+/// The terminal on standard output, for live views.
 namespace tribus {
 
-/// By its size now, the locale, and NO_COLOR.
+/// From its present size, the locale, and NO_COLOR.
 ScreenStyle screen_style();
 
-/// The terminal's other screen, without a cursor, for as long as it lives.
+/// The terminal's alternate screen without a cursor, while it lives.
 class AlternateScreen {
   public:
     AlternateScreen() { show("\x1b[?1049h\x1b[?25l"); }
@@ -23,8 +23,8 @@ class AlternateScreen {
     static void show(std::string_view text);
 };
 
-/// Standard input gives single keys, unseen, for as long as it lives; nothing changes where it is
-/// no terminal.
+/// Standard input delivers single keys without echo while it lives. Does nothing if standard input
+/// is no terminal.
 class KeyMode {
   public:
     KeyMode();
