@@ -12,14 +12,15 @@
 
 namespace tribus {
 
-/// What a decoder made of the CAN frames that it was given.
+/// Counters of a CAN decoder.
 struct CanTally {
     std::uint64_t bytes = 0;  ///< of data
     std::uint64_t can_frames = 0;
-    std::uint64_t other_can_frames = 0;  ///< those of them whose ids the protocol does not read
-    std::uint64_t frames = 0;            ///< snapshots of the channels
+    std::uint64_t other_can_frames =
+        0;                     ///< of these, frames with ids that the protocol does not use
+    std::uint64_t frames = 0;  ///< channel snapshots
     std::vector<NamedCount> rejected;
-    /// Of the log itself, see Recording.
+    /// From the log itself, see Recording.
     std::uint64_t error_frames = 0;
     Duration log_start{};
 };

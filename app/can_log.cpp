@@ -17,9 +17,9 @@
 namespace tribus {
 namespace {
 
-/// After so many lines that cannot be used the input is something else.
+/// With so many unusable lines, the input is something else.
 constexpr unsigned kMostMistakes = 20;
-/// The longest line of a log, 64 bytes of FD, takes below 200 characters.
+/// The longest line of a log, 64 bytes of CAN FD, takes less than 200 characters.
 constexpr std::size_t kLongestLine = 4096;
 
 std::string several_interfaces(std::string_view file_name, std::span<const std::string> names) {
@@ -35,14 +35,14 @@ std::string no_such_interface(std::string_view file_name, std::string_view asked
                        suggestion(asked, views));
 }
 
-/// Cuts text that comes in pieces into lines.
+/// Splits text that arrives in pieces into lines.
 class LineCutter {
   public:
     void add(std::string_view text) {
         text_.erase(0, std::exchange(at_, 0));
         text_ += text;
     }
-    /// Nothing where the next line has not come to its end.
+    /// Nothing if the next line is not complete yet.
     std::optional<std::string_view> next() {
         const std::size_t end = text_.find('\n', at_);
         if (end == std::string::npos) {
@@ -51,7 +51,7 @@ class LineCutter {
         const std::size_t begin = std::exchange(at_, end + 1);
         return std::string_view(text_).substr(begin, end - begin);
     }
-    /// What stands behind the last end of a line.
+    /// The text after the last line end.
     std::string_view rest() const { return std::string_view(text_).substr(at_); }
 
   private:
@@ -59,14 +59,14 @@ class LineCutter {
     std::size_t at_ = 0;
 };
 
-/// Reads line by line.
+/// Parses a log line by line.
 class LogReader {
   public:
     LogReader(const CanLogSource& source, const std::function<void(const RecordedCanFrame&)>& take,
               std::ostream& talk)
         : source_(source), reader_(source.name), take_(take), talk_(talk) {}
 
-    /// Returns whether to go on.
+    /// Returns false when reading must stop.
     bool take(std::string_view line) {
         const auto read = reader_.next(line);
         if (!read) {

@@ -12,7 +12,7 @@
 namespace tribus {
 namespace {
 
-/// The kernel's own restart, where it is set up, comes well before.
+/// Longer than the kernel's own restart takes, if it is configured.
 constexpr Duration kBusOffPatience = std::chrono::seconds(1);
 
 std::string state_text(CanBusState state, const std::string& name) {
@@ -72,7 +72,7 @@ void CanReport::go_on_from(const CanReport& before, const Appliance& appliance) 
         }
         const std::size_t port = std::exchange(memory, known->second).port;
         memory.port = port;
-        // An interface that is opened anew counts anew.
+        // An interface that was reopened counts from zero.
         memory.receive_overflows =
             std::min(memory.receive_overflows, appliance.can_status(port).counts.receive_overflows);
     }
@@ -104,7 +104,7 @@ void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& 
     memory.receive_overflows = status.counts.receive_overflows;
 }
 
-/// Where restart-ms is 0 the controller stays off for ever, unless somebody restarts it.
+/// With restart-ms 0 the controller stays off until somebody restarts it.
 void CanReport::end_bus_off(const std::string& name, Memory& memory, Instant now) {
     if (!memory.bus_off_since || now - *memory.bus_off_since < kBusOffPatience) {
         return;

@@ -14,16 +14,16 @@
 
 namespace tribus {
 
-/// What the log says of the CAN interfaces: how each is set up at the start, with what to change,
-/// and afterwards its changes of state. Ends a bus-off where the kernel does not. Thread-bound to
-/// the main thread.
+/// Logs about the CAN interfaces: at the start their configuration, with advice, and later each
+/// change of state. Restarts an interface after bus-off if the kernel does not. Thread-bound to the
+/// main thread.
 class CanReport {
   public:
     explicit CanReport(const Appliance& appliance);
 
-    /// Logs what the kernel tells of every interface.
+    /// Logs the configuration of each interface.
     void start(const Appliance& appliance);
-    /// After a reload: all that `before` knew of the interfaces that are still used.
+    /// After a reload: takes over what `before` knows about the interfaces that are still used.
     void go_on_from(const CanReport& before, const Appliance& appliance);
     void look(const Appliance& appliance, Instant now);
 

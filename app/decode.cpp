@@ -23,17 +23,18 @@ Burst raw_burst(std::string_view bytes) {
     return {.start = std::nullopt, .bytes = {bytes.begin(), bytes.end()}, .damaged = {}};
 }
 
-/// How a recording is shared out among several protocols.
+/// Which protocol decodes which burst of a recording.
 struct Allotment {
     std::size_t best = 0;
     std::uint64_t frames_of_best = 0;
-    /// Of each burst that is a frame by itself and none in the stream of the best: its protocol.
+    /// For each burst that is a frame of another protocol and not touched by a frame of the best:
+    /// the index of that protocol.
     std::vector<std::optional<std::size_t>> alone;
 };
 
 struct Coverage {
     std::uint64_t frames = 0;
-    std::vector<bool> touched;  ///< of each burst: a frame has a byte in it
+    std::vector<bool> touched;  ///< for each burst: a frame contains a byte of it
 };
 
 Coverage coverage_of(const Recording& recording, const ProtocolUse& use) {
@@ -153,7 +154,7 @@ int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses
     return kExitFailed;
 }
 
-/// `recording` holds the bytes in which no frame was found.
+/// `recording` holds the bytes in which the protocol found no frame.
 void explain_no_frame(const Recording& recording, const ProtocolUse& use, const Tally& tally,
                       std::ostream& talk) {
     if (tally.frames == 0 && tally.bytes > 0) {
@@ -193,7 +194,7 @@ int decode_stream(const std::function<std::string()>& read, const ProtocolUse& u
                   FramePrinter& printer, std::ostream& results, std::ostream& talk) {
     printer.heading();
     FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
-    /// For want of a frame; more than enough to tell what would find one.
+    /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
     constexpr std::size_t kMostKept = std::size_t{64} * 1024;
     std::string kept;
     while (results.good()) {

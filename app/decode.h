@@ -10,20 +10,21 @@
 #include "app/protocol_use.h"
 #include "transports/links/recording.h"
 
-/// The subcommand `decode`: recorded bytes or CAN frames to frames of channels.
+/// The subcommand `decode`: decodes recorded bytes or CAN frames to channel frames.
 namespace tribus {
 
-/// Decodes a whole recording and prints heading, frames and summary; returns the exit status.
+/// Decodes a whole recording and prints heading, frames and summary. Returns the exit status. Skips
+/// CAN protocols.
 ///
-/// With several protocols: the one that finds the most frames reads the recording; a burst that
-/// none of its frames touches, and that is exactly one frame of another protocol, is that frame.
-/// Thus files that list frames of several protocols, one a line, are read whole. CAN protocols are
-/// passed over. Where there are bytes but no frame of the one protocol, `talk` names those that
-/// find frames there.
+/// If there are several protocols, the one that finds the most frames decodes the recording. A
+/// burst that none of its frames touches and that is exactly one frame of another protocol is
+/// decoded as that frame; so a file that lists frames of several protocols, one a line, is decoded
+/// completely. If there are bytes but no frame of the only protocol, `talk` names protocols that
+/// find frames.
 int decode_recording(const Recording& recording, std::span<const ProtocolUse> uses,
                      FramePrinter& printer, std::ostream& talk);
 
-/// Decodes raw bytes as they come; `read` returns the next ones, none at the end.
+/// Decodes raw bytes as they arrive. `read` returns the next bytes, none at the end.
 int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
                   FramePrinter& printer, std::ostream& results, std::ostream& talk);
 

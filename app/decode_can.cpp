@@ -63,7 +63,7 @@ int decode_can_recording(const Recording& recording, std::span<const ProtocolUse
         }
         return kExitFine;
     }
-    // What one of them would have rejected says nothing.
+    // The counters of one protocol's rejected frames would mean nothing here.
     tally.rejected.clear();
     tally.other_can_frames = tally.can_frames;
     printer.can_summary(tally);

@@ -9,19 +9,19 @@
 #include "app/protocol_use.h"
 #include "transports/links/recording.h"
 
-/// `decode` of CAN protocols, over logs of candump.
+/// `decode` for CAN protocols, from candump logs.
 namespace tribus {
 
-/// The most snapshots of channels that one of the protocols finds.
+/// The largest number of channel snapshots that one of the protocols finds.
 std::uint64_t most_snapshots(std::span<const ProtocolUse> uses, const Recording& recording);
 
-/// Decodes a whole log and prints heading, frames and summary; returns the exit status. Of several
-/// protocols the one that finds the most snapshots reads it.
+/// Decodes a whole log and prints heading, frames and summary. Returns the exit status. Of several
+/// protocols, the one that finds the most snapshots decodes the log.
 int decode_can_recording(const Recording& recording, std::span<const ProtocolUse> uses,
                          FramePrinter& printer, std::ostream& talk);
 
-/// Decodes a log as its lines come. Lines that cannot be used are reported and left out; returns
-/// the exit status, 1 if there was any, or where a second interface shows up unasked.
+/// Decodes a log while its lines arrive. Reports and skips lines that cannot be used. Returns the
+/// exit status: 1 if there was such a line, or a second interface that was not asked for.
 int decode_can_stream(const CanLogSource& source, const ProtocolUse& use, FramePrinter& printer,
                       std::ostream& results, std::ostream& talk);
 

@@ -30,7 +30,7 @@
 namespace tribus {
 namespace {
 
-/// Two frames of any serial protocol: enough to tell raw bytes from text while more is to come.
+/// Two frames of any serial protocol: enough to tell raw bytes from text before the input ends.
 constexpr std::size_t kEnoughToTell = 64;
 
 const std::map<std::string, DecodeFormat> kFormats{
@@ -62,11 +62,11 @@ struct DecodeArguments {
                    ? SensorDialect::flysky
                    : SensorDialect(named - kSensorDialectNames.begin());
     }
-    /// With settings, or as an input of a configuration, DroneCAN is read for its channels.
+    /// With settings, or as an input of a configuration, only the channels of DroneCAN are decoded.
     bool explains_dronecan() const {
         return protocol == kDroneCanName && as.empty() && given.empty();
     }
-    /// Nothing speaks against it that a recording is one of the sensor bus.
+    /// True if the recording may also be one of the sensor bus.
     bool any_protocol() const { return protocol == "auto" && as.empty() && given.empty(); }
 };
 
@@ -82,7 +82,7 @@ bool starts_as_candump(std::string_view beginning) {
     return first != std::string_view::npos && beginning[first] == '(';
 }
 
-/// What the first characters already show.
+/// The format, if the first characters already show it.
 std::optional<RecordingKind> early_kind(std::string_view beginning) {
     if (looks_raw(beginning)) {
         return RecordingKind::raw;
@@ -95,7 +95,7 @@ bool only_can(std::span<const ProtocolUse> uses) {
         uses, [](const ProtocolUse& use) { return use.protocol->link == LinkKind::can; });
 }
 
-/// Those protocols that such a recording can be of; the error says what is.
+/// The protocols that the kind of recording allows. The error says what is wrong.
 tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const ProtocolUse> uses,
                                                               RecordingKind kind,
                                                               std::string_view file_name,
@@ -121,7 +121,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const Pr
                           file_name, asked));
 }
 
-/// What reads `file` in turn, from the `beginning` on that was read of it before.
+/// Reads `file` piece by piece, starting with the `beginning` that was already read.
 std::function<std::string()> reader_of(InputFile& file, std::string& beginning,
                                        std::string& failed) {
     return [&] {
@@ -188,7 +188,7 @@ int decode_parsed(Recording recording, const std::string& name, std::span<const 
     return taken ? decode_can_parsed(*taken, uses, arguments) : fail(taken.error(), kExitFailed);
 }
 
-/// `uses` are of CAN only or of serial lines only, unless the kind is still open.
+/// `uses` are all CAN or all serial, unless the kind is not known yet.
 int decode_whole(std::string_view content, const std::string& name, std::vector<ProtocolUse> uses,
                  std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
     if (!kind) {
@@ -196,7 +196,7 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
         if (!told) {
             return fail(fmt::format("{} ({})", told.error(), kKindHint), kExitFailed);
         }
-        // Whatever text a CAN protocol is given, the reader of the log says best what is wrong.
+        // For CAN protocols any text is parsed as a log, whose parser reports best what is wrong.
         kind = only_can(uses) && *told != RecordingKind::raw ? RecordingKind::candump : *told;
         auto suited = suited_to(uses, *kind, name, arguments.interface);
         if (!suited) {
@@ -216,7 +216,7 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
     return decode_parsed(std::move(*recording), name, uses, arguments);
 }
 
-/// Reads enough of the file to tell its kind, if that is possible before its end.
+/// Reads as much of the file as is needed to recognise its format.
 tl::expected<std::string, std::string> read_beginning(InputFile& file) {
     std::string beginning;
     while (beginning.size() < kEnoughToTell && !starts_as_candump(beginning)) {
@@ -229,7 +229,7 @@ tl::expected<std::string, std::string> read_beginning(InputFile& file) {
     return beginning;
 }
 
-/// The protocols that come into question.
+/// The protocols that the options allow.
 tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArguments& arguments) {
     if (arguments.protocol != "auto" && find_protocol(arguments.protocol) == nullptr) {
         return tl::unexpected(
@@ -247,7 +247,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArgume
     });
 }
 
-/// What does not go together with the sensor bus; empty if nothing.
+/// Why the options do not fit the sensor bus; empty if they do.
 std::string mistake_with_sensors(const DecodeArguments& arguments) {
     if (!arguments.as.empty()) {
         return kAsAlone;
@@ -335,7 +335,7 @@ int run_decode(const DecodeArguments& arguments) {
         return fail(uses.error(), kExitWrongUse);
     }
     const bool log = kind == RecordingKind::candump;
-    // A log that is there as a whole is judged as a whole, before anything is printed.
+    // A complete log is judged as a whole before anything is printed.
     const bool flows = kind == RecordingKind::raw || (log && !file->is_whole());
     if (flows && log && arguments.protocol == "auto") {
         uses = without_dronecan(*uses);

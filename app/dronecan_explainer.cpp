@@ -14,15 +14,15 @@ using dronecan::KnownPayload;
 using dronecan::TransferHead;
 using dronecan::TransferKind;
 
-/// Of a type that is not known: longer than any that is in use.
+/// For unknown types; longer than any type in use.
 constexpr std::size_t kMostUnknownBytes = 1024;
-/// 127 nodes with 30 types each, some 4 MB.
+/// 127 nodes with 30 types each; about 4 MB.
 constexpr std::size_t kMostSessions = 4096;
 constexpr std::size_t kMostStreams = 4096;
 constexpr std::size_t kMostCalls = 4096;
-/// A transfer whose next frame does not come for so long is over (specification 4.1).
+/// A transfer ends if its next frame does not come within this time (specification 4.1).
 constexpr Duration kTransferTimeout = std::chrono::seconds(2);
-/// A client gives up (specification 4.1).
+/// A client waits no longer for a response (specification 4.1).
 constexpr Duration kServiceTimeout = std::chrono::seconds(1);
 constexpr std::size_t kCrcBytes = 2;
 
@@ -164,7 +164,7 @@ void DroneCanExplainer::collect(Session& session, const TransferHead& head,
     if (!has(recorded.frame, dronecan::kTailEnd)) {
         return;
     }
-    // The receiver does not know the signature of a type that is not known.
+    // The receiver does not know the signature of an unknown type.
     const bool crc_wrong = result == FrameResult::bad_crc && session.type != nullptr;
     if (result == FrameResult::too_long) {
         end_current(session, TransferFault::too_long);
@@ -175,7 +175,7 @@ void DroneCanExplainer::collect(Session& session, const TransferHead& head,
     }
 }
 
-/// Of copies only those that are whole transfers are worth a word.
+/// Of copies, reports only those that are complete transfers.
 void DroneCanExplainer::collect_stray(Session& session, const TransferHead& head,
                                       const RecordedCanFrame& recorded, TransferFault fault) {
     Part& stray = session.stray;

@@ -15,47 +15,48 @@
 #include "transports/codecs/dronecan/transfer.h"
 #include "transports/links/recording.h"
 
-/// What the frames of a DroneCAN bus say: transfers, and why some of them are none.
+/// Transfers in the frames of a DroneCAN bus, and why some of them are broken.
 namespace tribus {
 
 /// What is wrong with a transfer.
 enum class TransferFault : std::uint8_t {
     none,
     bad_crc,         ///< damaged, or the sender's type has another signature
-    frames_missing,  ///< one within it, as the toggle shows
+    frames_missing,  ///< a frame within it, as the toggle bit shows
     start_missing,   ///< its first frame
-    broke_off,       ///< its end never came
-    cut,             ///< the recording ends in it
-    too_long,        ///< more than its type can have
-    layout,          ///< no payload that its type can have
-    repeated,        ///< the one before once more, which no receiver takes twice
-    crowded_out,     ///< more senders and types at one time than there is room for
+    broke_off,       ///< its last frame never came
+    cut,             ///< the recording ends before it does
+    too_long,        ///< longer than its type allows
+    layout,          ///< payload does not fit its type
+    repeated,        ///< the transfer before once more; receivers ignore it
+    crowded_out,     ///< not decoded: too many senders and types at the same time
 };
 inline constexpr std::size_t kTransferFaultCount = 10;
-/// As JSON has them.
+/// Names in JSON.
 inline constexpr std::array<std::string_view, kTransferFaultCount> kTransferFaultNames{
     "none", "bad_crc",  "frames_missing", "start_missing", "broke_off",
     "cut",  "too_long", "layout",         "repeated",      "crowded_out"};
 
-/// A transfer, or what came of one.
+/// A complete or broken transfer.
 struct ExplainedTransfer {
-    Duration first_at{};  ///< when the first one of its frames that came was there,
-    Duration last_at{};   ///< and the last one
+    Duration first_at{};  ///< arrival of its first frame that came,
+    Duration last_at{};   ///< and of its last one
     dronecan::TransferHead head;
     bool fd = false;
     std::size_t frames = 0;
-    const dronecan::KnownPayload* type = nullptr;  ///< null: a type that is not known here
+    const dronecan::KnownPayload* type = nullptr;  ///< null for unknown types
     TransferFault fault = TransferFault::none;
-    /// Several frames of a type that is not known: their CRC cannot be checked.
+    /// The transfer has several frames and an unknown type, so its CRC cannot be checked.
     bool crc_unchecked = false;
-    std::vector<std::uint8_t> payload;  ///< without the CRC; of a broken one what came
-    /// Of a response whose request was seen: the time between their last frames.
+    std::vector<std::uint8_t>
+        payload;  ///< without the CRC; of a broken transfer, the part that came
+    /// For a response whose request was seen: time between their last frames.
     std::optional<Duration> answered_after;
 };
 
 using TransferCounts = std::array<std::uint64_t, kTransferFaultCount>;
 
-/// Of one type from one node.
+/// The transfers of one type from one node.
 struct TransferStream {
     dronecan::NodeId source = dronecan::kNobody;
     dronecan::TransferKind kind = dronecan::TransferKind::message;
@@ -67,38 +68,39 @@ struct TransferStream {
 struct TransferTally {
     std::uint64_t bytes = 0;  ///< of data
     std::uint64_t can_frames = 0;
-    std::uint64_t other_can_frames = 0;  ///< that cannot be of DroneCAN
-    std::uint64_t repeated_frames = 0;   ///< copies, which are no part of any transfer
+    std::uint64_t other_can_frames = 0;  ///< that cannot be DroneCAN
+    std::uint64_t repeated_frames = 0;   ///< copies; not part of any transfer
     TransferCounts counts{};             ///< by fault
-    std::uint64_t of_known_type = 0;     ///< whole transfers
+    std::uint64_t of_known_type = 0;     ///< complete ones
     std::uint64_t requests = 0;
     std::uint64_t responses = 0;
     std::uint64_t answered = 0;  ///< requests whose response came
     std::map<TransferStream, TransferCounts> streams;
-    /// Of the log itself, see Recording.
+    /// From the log itself, see Recording.
     std::uint64_t error_frames = 0;
     Duration log_start{};
 };
 
-/// Puts the transfers of all nodes together, of types that are known and others, by the rules of
-/// dronecan::TransferReceiver. Memory is bounded, however long a bus is listened to. Thread-bound.
+/// Assembles the transfers of all nodes, of known and unknown types, by the rules of
+/// dronecan::TransferReceiver. Memory is bounded for any length of a log. Thread-bound.
 class DroneCanExplainer {
   public:
     using Handler = std::function<void(const ExplainedTransfer&)>;
-    /// `handler` gets each transfer when its last frame has come, broken ones when that shows.
+    /// `handler` gets each transfer when its last frame has come, and broken ones when the fault is
+    /// known.
     explicit DroneCanExplainer(Handler handler) : handler_(std::move(handler)) {}
 
     void feed(const RecordedCanFrame& recorded);
-    /// Whatever has not come to its end.
+    /// Reports the transfers that are still incomplete.
     void finish();
     const TransferTally& tally() const { return tally_; }
 
   private:
-    /// What has come of a transfer.
+    /// The frames of a transfer so far.
     struct Part {
         bool open = false;
         bool has_start = false;
-        bool single = false;     ///< the one frame of its transfer
+        bool single = false;     ///< the transfer has only one frame
         bool disturbed = false;  ///< a frame came that could not follow
         dronecan::TransferHead head;
         bool fd = false;
@@ -110,14 +112,14 @@ class DroneCanExplainer {
         void begin(const dronecan::TransferHead& begun, const RecordedCanFrame& recorded);
         void add(const RecordedCanFrame& recorded);
     };
-    /// One sender's transfers of one type to one destination.
+    /// Transfers of one type from one sender to one destination.
     struct Session {
         explicit Session(const dronecan::TransferHead& head);
 
         const dronecan::KnownPayload* type;
         dronecan::TransferReceiver receiver;
         Part current;
-        Part stray;  ///< of frames that the receiver did not take
+        Part stray;  ///< of frames that the receiver rejected
         TransferFault stray_fault = TransferFault::none;
         Duration last_at{};
     };
@@ -143,7 +145,7 @@ class DroneCanExplainer {
 
     Handler handler_;
     std::map<Key, Session> sessions_;
-    std::map<Call, Duration> calls_;  ///< that wait for their response
+    std::map<Call, Duration> calls_;  ///< waiting for their response
     Duration latest_{};
     TransferTally tally_;
 };

@@ -21,7 +21,7 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-/// The number in the fewest digits that a float on the wire is told by.
+/// The shortest decimal number that stands for the same float.
 OrderedJson as_json(double value) {
     return std::isnan(value) ? OrderedJson()
                              : OrderedJson(std::stod(fmt::format("{}", float(value))));
@@ -43,7 +43,7 @@ std::size_t leading_number(std::string_view digits) {
     return number;
 }
 
-/// Where the value of a path has its place: `commands[2].actuator_id`.
+/// The place of a path in the tree, such as `commands[2].actuator_id`.
 OrderedJson& place_of(std::string_view path, OrderedJson& root) {
     OrderedJson* at = &root;
     while (!path.empty()) {
@@ -71,7 +71,7 @@ std::string without_numbers(std::string_view path) {
     return names;
 }
 
-/// Text of the values of a tree, with their units.
+/// Text of a tree of values with their units.
 class TextOf {
   public:
     explicit TextOf(const OrderedJson& units) : units_(units) {}

@@ -9,11 +9,11 @@
 
 namespace tribus {
 
-/// Writes what was said on a DroneCAN bus: a line for each transfer, then a summary.
+/// Prints the transfers of a DroneCAN bus, one a line, then a summary.
 class TransferPrinter {
   public:
-    /// The summary of a CSV goes to `talk`, every other output to `results`. `columns`: of the
-    /// terminal that text is for, if it is for one. `results` and `talk` must outlive it.
+    /// The summary of a CSV goes to `talk`, all other output to `results`; both must outlive the
+    /// printer. `columns`: width of the terminal, if text goes to one.
     TransferPrinter(DecodeFormat format, std::optional<std::size_t> columns, std::ostream& results,
                     std::ostream& talk);
 

@@ -29,9 +29,9 @@ constexpr std::array<std::string_view, kTransferFaultCount> kFaultTexts{
     "repeated: sent again with the transfer id of the one before",
     "not followed: more senders and types at one time than there is room for"};
 
-/// Continuation lines stand under the type.
+/// Continuation lines are indented to the type.
 constexpr std::size_t kIndent = 31;
-/// Narrower terminals get continuation lines that start further left.
+/// Narrower terminals get a smaller indentation.
 constexpr std::size_t kLeastText = 40;
 constexpr std::size_t kNarrowIndent = 4;
 
@@ -81,7 +81,7 @@ std::string said(const ExplainedTransfer& transfer) {
     return (fields.empty() ? "" : "  " + fields) + (says_failsafe(transfer) ? "  failsafe" : "");
 }
 
-/// Breaks between words; a word that is longer than a line stays whole.
+/// Breaks a line between words; a word longer than a line is not broken.
 std::string broken_into(std::string_view line, std::size_t columns) {
     const bool roomy = columns >= kIndent + kLeastText;
     const std::string indent(roomy ? kIndent : kNarrowIndent, ' ');
@@ -105,7 +105,7 @@ std::string broken_into(std::string_view line, std::size_t columns) {
     return text.append(line);
 }
 
-/// `, rejected: 3 bad_crc, 1 broke_off`; nothing if none was.
+/// ` 3 bad_crc, 1 broke_off`; empty if no transfer was rejected.
 std::string rejected_text(const TransferCounts& counts) {
     std::string text;
     for (std::size_t fault = 1; fault < counts.size(); ++fault) {

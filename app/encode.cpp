@@ -23,9 +23,9 @@
 namespace tribus {
 namespace {
 
-/// A frame with 18 fractions and its details takes below 500 characters.
+/// A frame with 18 fractional pulses and its details takes less than 500 characters.
 constexpr std::size_t kLongestJsonLine = std::size_t{64} * 1024;
-/// After so many lines that cannot be used the input is something else.
+/// With so many unusable lines, the input is something else.
 constexpr unsigned kMostJsonMistakes = 20;
 
 const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::binary},
@@ -34,14 +34,14 @@ const std::map<std::string, EncodeFormat> kFormats{{"binary", EncodeFormat::bina
                                                    {"vcd", EncodeFormat::vcd},
                                                    {"candump", EncodeFormat::candump}};
 
-/// Names of interfaces have at most 15 characters in Linux.
+/// Linux limits interface names to 15 characters.
 constexpr std::size_t kLongestInterface = 15;
 
-/// What decode has read is written back whole, where the protocol has room for it; the
-/// configuration's default of 14 is for readers that know no more.
+/// Writes all channels that decode printed, if the protocol has room for them. The configuration's
+/// default of 14 suits receivers that know no more.
 const GivenSettings kEncodeDefaults{{"channels", "18"}};
 
-/// The next line, cut at the longest that is allowed; `too_long` says so.
+/// The next line, cut at the longest allowed length; then `too_long` is true.
 std::optional<std::string_view> next_line(std::istream& lines, std::vector<char>& buffer,
                                           bool& too_long) {
     lines.getline(buffer.data(), static_cast<std::streamsize>(buffer.size()));
@@ -68,7 +68,7 @@ int fail(std::string_view message, int status) {
     return status;
 }
 
-/// Adds the defaults of this command where the protocol has such a setting.
+/// Adds the defaults of this command for settings that the protocol has.
 GivenSettings with_defaults(const Protocol& protocol, GivenSettings given) {
     for (const Setting& setting : protocol.settings) {
         const auto own = kEncodeDefaults.find(setting.key);
@@ -79,7 +79,7 @@ GivenSettings with_defaults(const Protocol& protocol, GivenSettings given) {
     return given;
 }
 
-/// The format as given, or the usual one of the protocol; the error says what is allowed.
+/// The given format, or the protocol's usual one. The error says what is allowed.
 tl::expected<EncodeFormat, std::string> choose_format(const Protocol& protocol,
                                                       const EncodeArguments& arguments) {
     const bool can = protocol.link == LinkKind::can;
@@ -115,7 +115,7 @@ tl::expected<std::string, std::string> choose_interface(const Protocol& protocol
     return given;
 }
 
-/// The one protocol to write.
+/// The one protocol to encode.
 tl::expected<ProtocolUse, std::string> asked_for(const EncodeArguments& arguments) {
     if (!arguments.as.empty()) {
         if (!arguments.protocol.empty() || !arguments.given.empty()) {
@@ -160,7 +160,7 @@ int run_encode(const EncodeArguments& arguments) {
     }
     errno = 0;
     std::ifstream file(arguments.file, std::ios::binary);
-    // A folder opens and only fails when it is read.
+    // A folder opens without an error and fails only when it is read.
     const bool nothing = !file || file.peek() == std::ifstream::traits_type::eof();
     if (nothing && errno != 0) {
         return fail(fmt::format("{}: {}", arguments.file, std::strerror(errno)), kExitFailed);

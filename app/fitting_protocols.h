@@ -7,8 +7,8 @@
 
 namespace tribus {
 
-/// What to say where `asked` finds no frame in a recording that has some bytes or CAN frames: the
-/// protocols, with their default settings, that do find frames there.
+/// Text for a recording in which `asked` finds no frame: names the protocols that find frames there
+/// with their default settings.
 std::string no_frame_text(const Recording& recording, std::string_view asked);
 
 }  // namespace tribus

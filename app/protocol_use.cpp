@@ -22,12 +22,12 @@
 namespace tribus {
 namespace {
 
-/// Keys that speak of the device, which recorded bytes do not have.
+/// Keys of the device, which recorded bytes do not have.
 constexpr std::array<std::string_view, 1> kDeviceKeys{"inverted"};
 
 using Refused = tl::unexpected<std::string>;
 
-/// The text as the configuration would hold it, where words stand in quotation marks.
+/// Value of a text as in the configuration, but words need no quotation marks.
 Value as_value(const Setting& setting, std::string_view text) {
     const bool bare = setting.type == SettingType::boolean ||
                       setting.type == SettingType::integer || setting.type == SettingType::number ||
@@ -68,7 +68,8 @@ std::vector<std::string_view> known_protocols() {
     return names;
 }
 
-/// The message of a value, which starts with its key in quotation marks or does not name it.
+/// Turns a message about a key, which begins with the quoted key or does not name it, into one
+/// about an option.
 std::string as_option_message(const Setting& setting, const Mistakes& mistakes) {
     const std::string option = fmt::format("--{}", setting.key);
     const std::string key = in_quotes(setting.key);
@@ -79,7 +80,7 @@ std::string as_option_message(const Setting& setting, const Mistakes& mistakes) 
     return text.starts_with(key) ? option + text.substr(key.size()) : option + ": " + text;
 }
 
-/// What the protocol finds wrong with values that are each sound: the first of it.
+/// The first mistake that the protocol finds between values that are each valid; else empty.
 std::string mistake_between(const Protocol& protocol, SettingScope direction,
                             const SettingValues& settings) {
     if (protocol.check == nullptr) {
@@ -103,7 +104,7 @@ std::string choices_of(const Setting& setting) {
     return fmt::format("{}", fmt::join(setting.choices, ","));
 }
 
-/// Adds those of another protocol.
+/// Adds the choices of another protocol; no choices if one of them allows anything.
 void add_choices(std::string& choices, const std::string& more) {
     if (choices.empty() || more.empty()) {
         choices.clear();
@@ -250,7 +251,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string
             refused = std::move(use.error());
         }
     }
-    // What was said of a protocol that is left out must not go unheard.
+    // A setting that only a refused protocol has must not be ignored.
     const bool all_heard = std::ranges::all_of(given, [&](const auto& entry) {
         return std::ranges::any_of(uses, [&](const ProtocolUse& use) {
             return find_setting(*use.protocol, direction, entry.first) != nullptr;

@@ -17,59 +17,60 @@
 #include "pipelines/settings.h"
 #include "transports/codecs/protocol.h"
 
-/// A protocol as the command line asks for it: settings of the protocol tables as options.
+/// Protocols on the command line: the settings of the protocol tables become options.
 namespace tribus {
 
-/// One protocol with its settings checked and its defaults filled in.
+/// A protocol with checked settings and defaults filled in.
 struct ProtocolUse {
     const Protocol* protocol = nullptr;
     SettingValues settings;
     LineSettings line;
-    /// The detectors of the input of a configuration; none of other uses.
+    /// Loss detection of the configured input; empty without a configuration.
     std::optional<SupervisionSettings> supervision{};
 };
 
-/// Those on one kind of link.
+/// The uses whose protocol runs on that kind of link.
 std::vector<ProtocolUse> of_link(std::span<const ProtocolUse> uses, LinkKind link);
 
-/// Time from one frame to the next where nothing else says it: the protocol's own, which its
-/// settings may tell.
+/// Usual time from one frame to the next: the protocol's default, which its settings may change.
 Duration usual_period(const ProtocolUse& use);
 
-/// Values as they stand on the command line, by key.
+/// Values from the command line, by key.
 using GivenSettings = std::map<std::string, std::string, std::less<>>;
 
-/// A value as it stands on the command line: as in the configuration, words without quotation
-/// marks. The error says what is allowed.
+/// Parses a value from the command line: as in the configuration, but without quotation marks. The
+/// error says what is allowed.
 tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
                                                           std::string_view text);
 
-/// `ibus, sbus`
+/// Names of all protocols: `ibus, sbus`.
 std::string protocol_list();
-/// Those of one kind of link.
+/// Names of the protocols on one kind of link.
 std::string protocol_list(LinkKind link);
 
-/// The keys of all protocols in that direction that mean something to recorded bytes.
+/// An option for a setting key of one or more protocols that applies to recorded bytes.
 struct SettingOption {
     std::string key;
     std::string help;
-    /// Words that are allowed, `a,b`; empty where a protocol wants something else.
+    /// Allowed words, `a,b`; empty if a protocol allows anything else.
     std::string choices;
 };
 std::vector<SettingOption> setting_options(SettingScope direction);
 
-/// Adds them as options of a command; their values go to `given`, which lives as long as these.
+/// Appends the settings as options of a command. Their values go to `given`, which must outlive
+/// them.
 void append_setting_options(std::vector<CommandOption>& options, SettingScope direction,
                             GivenSettings& given);
 
-/// Every key in `given` must be one of the protocol's in that direction, those that it requires
-/// must be there, and together they must make sense to it.
+/// Checks the settings: `given` may hold only keys of the protocol in that direction, required keys
+/// must be there, and the values must fit together. The error says what is allowed.
 tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
                                                     SettingScope direction,
                                                     const GivenSettings& given);
 
-/// The protocol of that name; for "auto" all that allow the values of those of `given` that they
-/// have, and require no others: at least one for each of `given`. The error says what is allowed.
+/// The protocol `name`, or for "auto" all protocols that accept those of the `given` settings that
+/// they have and require no others. Each given setting must be used. The error says what is
+/// allowed.
 tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string_view name,
                                                                      SettingScope direction,
                                                                      const GivenSettings& given);
