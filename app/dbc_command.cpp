@@ -19,7 +19,7 @@
 namespace tribus {
 namespace {
 
-/// Of the format that needs the fewest ids in a row; each checks its own.
+/// For the format that needs the fewest consecutive ids; each format checks its own limit.
 constexpr std::int64_t kMostBaseId = kMostExtendedId - can_channels::kFdIndex;
 
 struct DbcOptions {

@@ -2,7 +2,7 @@
 
 #include "app/command.h"
 
-/// The subcommand `dbc`: the native CAN format as a DBC file, for other tools on the bus.
+/// The subcommand `dbc`: prints the native CAN formats as DBC files, for other tools on the bus.
 namespace tribus {
 
 Command dbc_command();

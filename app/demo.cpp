@@ -31,10 +31,10 @@ namespace {
 constexpr Duration kScreenPeriod = std::chrono::milliseconds(50);
 constexpr Duration kLinePeriod = std::chrono::seconds(1);
 constexpr Duration kRateWindow = std::chrono::seconds(1);
-/// Longer than a frame needs from the receiver to the servos, on a loaded machine too.
+/// Longer than a frame takes from the receiver to the servos, even on a loaded machine.
 constexpr Duration kSettle = std::chrono::milliseconds(200);
 
-/// The nine lines of the README, with the servos' period at its least.
+/// The configuration of the README, with the shortest period of the servos.
 std::string demo_configuration(std::string_view receiver, std::string_view servos) {
     return fmt::format(R"([input.receiver]
 protocol = "ibus"
@@ -52,7 +52,7 @@ to   = "servos"
                        receiver, servos);
 }
 
-/// Frames a second over the last window, from counts taken now and then.
+/// Frames per second in the last window, from a counter that is read now and then.
 class RateMeter {
   public:
     explicit RateMeter(Instant start) : window_start_(start) {}
@@ -89,10 +89,10 @@ std::string drop_sentence(const DropRecord& drop) {
                        after(drop.control_after));
 }
 
-/// Frames that went into a pty and did not come out of it decoded. A frame that a newer one
-/// overtook is not lost: RC data is a state, and the newest counts.
+/// Frames that went into a pty but did not come out decoded. A frame that a newer one replaced is
+/// not lost: RC data is a state, and the newest frame counts.
 std::uint64_t lost_frames(const PeerReport& report, std::uint64_t decoded, std::uint64_t written) {
-    // The servos' decoder holds its first frame back until a second one proves it.
+    // The servos' decoder may keep back its first frame until a second one confirms it.
     const auto missing = [](std::uint64_t sent, std::uint64_t got) {
         return sent > got ? sent - got : 0;
     };
@@ -187,7 +187,7 @@ class Demo {
         }
     }
 
-    /// Lets what is under way arrive, ends the appliance, and says what came of it all.
+    /// Waits for frames on their way, ends the appliance, and prints the summary.
     int finish() {
         bench_.peers->hush();
         pause(kSettle);
@@ -232,7 +232,8 @@ class Demo {
 };
 
 int demo(std::optional<double> seconds) {
-    // Blocked before any thread exists, so that all inherit it and this one can wait for them.
+    // Blocked before any thread is created, so that all inherit it and this thread can wait for
+    // them.
     sigset_t ending;
     ::sigemptyset(&ending);
     ::sigaddset(&ending, SIGINT);

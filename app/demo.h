@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// The subcommand `demo`: the main job with nothing attached, over real ttys.
+/// The subcommand `demo`: i.Bus to SBUS without hardware, over real ttys.
 Command demo_command();
 
 }  // namespace tribus

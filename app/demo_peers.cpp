@@ -13,9 +13,9 @@
 namespace tribus {
 namespace {
 
-/// As an FS-iA6B sends (docs/protocols/ibus.md, "Period and gaps").
+/// As an FS-iA6B (docs/protocols/ibus.md, "Period and gaps").
 constexpr Duration kReceiverPeriod = std::chrono::microseconds(7700);
-/// The link is up for so long, then down, again and again.
+/// The radio link is up for kUp, then down for kDown, again and again.
 constexpr Duration kUp = std::chrono::seconds(6);
 constexpr Duration kDown = std::chrono::milliseconds(1500);
 

@@ -16,14 +16,14 @@
 
 namespace tribus {
 
-/// What one dropped link did to the servos, as they saw it.
+/// Reactions of the servos to one radio loss.
 struct DropRecord {
     std::optional<Duration> frame_lost_after;  ///< since the receiver's last frame
-    std::optional<Duration> failsafe_after;    ///< likewise
-    std::optional<Duration> control_after;     ///< since the receiver's first frame again
+    std::optional<Duration> failsafe_after;    ///< since the receiver's last frame
+    std::optional<Duration> control_after;     ///< since the receiver's first frame after the loss
 };
 
-/// Everything that the peers know, at one moment.
+/// Everything that the peers know at one moment.
 struct PeerReport {
     ChannelFrame sent;      ///< by the receiver
     ChannelFrame received;  ///< by the servos
@@ -31,16 +31,16 @@ struct PeerReport {
     std::uint64_t frames_sent = 0;
     std::uint64_t frames_received = 0;
     std::uint64_t frames_fresh =
-        0;  ///< received ones that carried a receiver frame for the first time
-    std::vector<Duration> latencies;  ///< of those, from the receiver's write to the servos' read
+        0;  ///< of the received ones: those that carried a new receiver frame
+    std::vector<Duration> latencies;  ///< of these, from the receiver's write to the servos' read
     std::vector<DropRecord> drops;
 };
 
-/// The sticks of the simulated transmitter at a time: all 18 channels move.
+/// Stick positions of the simulated transmitter at a time: all 18 channels move.
 ChannelFrame demo_sticks(Duration since_start);
 
-/// A simulated 18-channel i.Bus receiver and an SBUS servo bank, on the far ends of two ptys. Runs
-/// a thread of its own; `report` is thread-safe.
+/// A simulated 18-channel i.Bus receiver and SBUS servos, at the far ends of two ptys. Runs its own
+/// thread; `report` is thread-safe.
 class DemoPeers {
   public:
     DemoPeers(UniqueFd receiver, UniqueFd servos);
@@ -49,7 +49,7 @@ class DemoPeers {
     ~DemoPeers() { stop(); }
 
     PeerReport report();
-    /// No more frames from the receiver; the servos go on listening.
+    /// The receiver sends no more frames; the servos go on reading.
     void hush();
     void stop();
 

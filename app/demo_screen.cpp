@@ -25,7 +25,7 @@ std::optional<double> us_of(std::optional<Pulse> pulse) {
     return pulse ? std::optional(pulse->microseconds()) : std::nullopt;
 }
 
-/// Of each bar where there are two.
+/// Width of each bar if there are two.
 std::size_t bar_width(const ScreenStyle& style) {
     return (style.columns - kLabelWidth - 2 * kNumberWidth - kGap - 1) / 2;
 }
@@ -115,7 +115,7 @@ std::string short_duration(Duration duration) {
 std::string draw_demo(const DemoFigures& figures, const ScreenStyle& style) {
     std::vector<std::string> lines = heading(figures, style);
     const std::vector<std::string> last = closing(figures, style);
-    // One row stays free: a line end in the last one would scroll.
+    // One row stays free: a line feed in the last one would scroll.
     const std::size_t rows = std::max<std::size_t>(style.rows, 2) - 1;
     if (rows > lines.size() + kChannelCount + last.size()) {
         lines.push_back(column_titles(style));

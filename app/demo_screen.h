@@ -8,7 +8,7 @@
 #include "core/channel_frame.h"
 #include "core/time.h"
 
-/// How the demo shows itself. Pure: figures in, text out.
+/// The screen of the demo. Pure.
 namespace tribus {
 
 struct DemoFigures {
@@ -25,20 +25,20 @@ struct DemoFigures {
     std::uint64_t lost = 0;
     Duration latency_p50{};
     Duration latency_p99{};
-    std::string latest_drop;  ///< a sentence, empty before the first
+    std::string latest_drop;  ///< a sentence; empty before the first
 };
 
-/// The whole screen, at most `rows` lines of at most `columns` characters; what does not fit is
-/// left out, the least important first. Every line ends with "erase to end of line".
+/// The whole screen, at most `rows` lines of at most `columns` characters. Leaves out the least
+/// important lines if there is no room. Each line ends with "erase to end of line".
 std::string draw_demo(const DemoFigures& figures, const ScreenStyle& style);
 
-/// One line for where there is no terminal.
+/// One line, for use without a terminal.
 std::string demo_line(const DemoFigures& figures);
 
 /// "good", "frame lost" or "failsafe".
 std::string state_word(const ChannelFrame& frame);
 
-/// "41 us", "98 ms": three figures at most.
+/// "41 us", "98 ms": at most three digits.
 std::string short_duration(Duration duration);
 
 }  // namespace tribus

@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// The subcommand `graph`: a configuration as a picture.
+/// The subcommand `graph`: prints a configuration as a picture.
 Command graph_command();
 
 }  // namespace tribus

@@ -15,7 +15,7 @@
 namespace tribus {
 namespace {
 
-/// More rules than that make a box higher than a page.
+/// More rules would make a box higher than a page.
 constexpr std::size_t kMostRules = 18;
 
 std::size_t number_of(std::size_t channel) {
@@ -91,7 +91,7 @@ std::string_view role_text(LineRole role) {
     return kTexts[static_cast<std::size_t>(role)];
 }
 
-/// Draws one configuration.
+/// Builds the graph of one configuration.
 class Drawing {
   public:
     explicit Drawing(const Configuration& configuration) : configuration_(configuration) {}
@@ -257,7 +257,8 @@ class Drawing {
         });
     }
 
-    /// "battery.Voltage" is of the values "battery", "input.main.age" of that input.
+    /// The box of a named value: "battery.Voltage" belongs to the values "battery",
+    /// "input.main.age" to that input.
     std::optional<std::size_t> source_of(const std::string& value) {
         const std::string first = value.substr(0, value.find('.'));
         if (first == "input" || first == "output") {

@@ -10,7 +10,7 @@
 /// A configuration as boxes and arrows. Pure.
 namespace tribus {
 
-/// Where a box stands, from left to right.
+/// Column of a box, from left to right.
 enum class GraphColumn : std::uint8_t { sources, pipelines, outputs, lamps };
 inline constexpr std::size_t kGraphColumns = 4;
 
@@ -20,12 +20,12 @@ struct GraphBox {
     std::vector<std::string> lines;
 };
 
-/// From one box to another, by their places.
+/// An arrow between two boxes, given by their indices.
 struct GraphArrow {
     std::size_t from = 0;
     std::size_t to = 0;
     std::string label;
-    /// Of numbers and switches instead of channels.
+    /// Carries numbers or switches instead of channels.
     bool dashed = false;
 };
 
@@ -34,7 +34,7 @@ struct Graph {
     std::vector<GraphArrow> arrows;
 };
 
-/// In the order of the configuration, so that the same one gives the same graph.
+/// In the order of the configuration, so that equal configurations give equal graphs.
 Graph graph_of(const Configuration& configuration);
 
 }  // namespace tribus

@@ -17,7 +17,7 @@ bool is_control(char byte) {
     return value < ' ' || value == kDelete;
 }
 
-/// Each character of `text` as `replace` has it; control characters as '?'.
+/// `text` with each character replaced as `replace` says; control characters become '?'.
 template <class Replace>
 std::string escaped(std::string_view text, Replace replace) {
     std::string out;
@@ -81,7 +81,7 @@ std::string_view box_colour(const GraphBox& box) {
     return kColours[static_cast<std::size_t>(box.column)];
 }
 
-constexpr int kCharacterWidth = 8;  // of 13 px, whatever monospace font there is
+constexpr int kCharacterWidth = 8;  // at 13 px, for any monospace font
 constexpr int kLineHeight = 18;
 constexpr int kPadding = 10;
 constexpr int kGapBetweenBoxes = 22;
@@ -148,7 +148,7 @@ Layout lay_out(const Graph& graph) {
     return layout;
 }
 
-/// One whose target stands to the left, or in the same column, goes around.
+/// An arrow whose target is to the left or in the same column goes around.
 void draw_arrow(std::string& svg, const GraphArrow& arrow, const Layout& layout) {
     const Place& from = layout.places[arrow.from];
     const Place& to = layout.places[arrow.to];

@@ -4,10 +4,10 @@
 
 #include "app/graph_model.h"
 
-/// Boxes and arrows as pictures of a known form. Pure; the same graph gives the same text.
+/// Boxes and arrows in picture formats. Pure; equal graphs give equal text.
 namespace tribus {
 
-/// Complete: needs no other file and no font of its own.
+/// Self-contained: needs no other file or font.
 std::string graph_svg(const Graph& graph);
 /// For `dot` of Graphviz.
 std::string graph_dot(const Graph& graph);

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-/// What a live view in a terminal is made of. Pure.
+/// Parts of a live view in a terminal. Pure.
 namespace tribus {
 
 struct ScreenStyle {
@@ -25,15 +25,15 @@ inline constexpr std::string_view kRed = "\x1b[31m";
 inline constexpr std::string_view kDim = "\x1b[2m";
 inline constexpr std::string_view kBold = "\x1b[1m";
 inline constexpr std::string_view kReverse = "\x1b[7m";
-/// The end of every line: erases what stood behind.
+/// The end of each line: erases the rest of the old line.
 inline constexpr std::string_view kEraseRest = "\x1b[K\r\n";
 
-/// How many bytes at the beginning of `text` are one character that a terminal obeys instead of
-/// showing it: below blank, delete, or U+0080 to U+009F; 0 if it begins with another one.
+/// Length in bytes of the control character at the beginning of `text`, which a terminal would
+/// obey: below blank, delete, or U+0080 to U+009F. 0 if there is none.
 std::size_t control_length(std::string_view text);
 
-/// One line of text of which the visible width is known, so that it can be cut without cutting
-/// into a colour. Control characters become '?': names may come from anywhere.
+/// One line of text that knows its visible width, so that it can be cut without breaking a colour
+/// sequence. Control characters become '?', because names may come from anywhere.
 class Line {
   public:
     explicit Line(const ScreenStyle& style) : style_(style) {}
@@ -48,13 +48,15 @@ class Line {
     std::size_t width_ = 0;
 };
 
-/// A scale from 900 to 2100 us, filled from its centre to the value; `width` at least 3.
+/// A bar with a scale of 900 to 2100 us, filled from its centre to the value. `width` is at least
+/// 3.
 std::string bar(std::optional<double> pulse_us, std::size_t width, bool unicode);
 
-/// Its ends and centre in us, to stand above or below it; blank where there is no room.
+/// Ends and centre of the scale in us, to be printed above or below a bar; blank if there is no
+/// room.
 std::string bar_scale(std::size_t width);
 
-/// "1500 ", or a dash.
+/// "1500 ", or a dash without a value.
 std::string pulse_number(std::optional<double> pulse_us);
 inline constexpr std::size_t kPulseNumberWidth = 5;
 

@@ -11,11 +11,11 @@
 namespace tribus {
 namespace {
 
-/// Receivers and sensors that are on have spoken by then; a receiver's own start takes 0.6 s.
+/// Receivers and sensors that are on have sent by then; a receiver needs 0.6 s to start.
 constexpr Duration kFirstWait = std::chrono::seconds(3);
-/// A single one costs a slot, which the receiver repeats.
+/// A single collision or late reply costs one slot, which the receiver repeats.
 constexpr std::uint64_t kWorthSaying = 10;
-/// A receiver that is on asks every 7.7 ms.
+/// A receiver that is on sends a request each 7.7 ms.
 constexpr Duration kAskedNoMore = std::chrono::seconds(1);
 
 template <class... Arguments>

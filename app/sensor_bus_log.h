@@ -18,30 +18,31 @@
 
 namespace tribus {
 
-/// Says what changed on the sensor buses, and nothing while nothing does. Thread-bound to the main
-/// thread.
+/// Logs what changed on the sensor buses; logs nothing while nothing changes. Thread-bound to the
+/// main thread.
 class SensorBusLog {
   public:
     SensorBusLog(const Appliance& appliance, Instant start);
 
-    /// After a reload: all that `before` knew of the buses that go on.
+    /// After a reload: takes over what `before` knows about the buses that go on.
     void go_on_from(const SensorBusLog& before, std::span<const CarriedFrom> from);
     void look(const Appliance& appliance, Instant now);
 
   private:
-    /// Of one address; a sensor that comes and goes takes no lines from the others.
+    /// One address. Each has its own limit, so that an unstable sensor uses up no lines of others.
     struct FoundMemory {
         ChangeReport<std::optional<FoundSensor>> sensor{std::nullopt};
         RateLimit limit = log_limit();
     };
     struct Memory {
         std::string name;
-        std::size_t sensors = 0;  ///< role sensor
+        std::size_t sensors = 0;  ///< role sensor: how many
         SensorTypes types;
         Instant start;
         RateLimit limit = log_limit();
         bool silence_said = false;
-        ChangeReport<bool> asked{false};  ///< role sensor: by a receiver, lately
+        ChangeReport<bool> asked{
+            false};  ///< role sensor: a receiver sent a request in the last second
         std::array<FoundMemory, kMostSensors> found{};
         std::uint64_t collisions = 0;
         std::uint64_t late = 0;

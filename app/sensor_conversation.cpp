@@ -10,7 +10,7 @@ bool same_request(const SensorFrame& one, const SensorFrame& other) {
            one.address == other.address;
 }
 
-/// Whether the second follows too fast to be of another slot.
+/// True if `other` follows too quickly to be in another slot.
 bool follows_at_once(const HeardSensorFrame& one, const HeardSensorFrame& other) {
     return one.end && other.start && *other.start - *one.end <= kLongestSensorPause;
 }
@@ -40,7 +40,7 @@ void SensorConversation::hear_request(const HeardSensorFrame& heard) {
     const bool timed = pending_.back().end && heard.start;
     const bool discover = heard.frame.command == SensorCommand::discover;
     if (!timed && discover && pending_.size() > 1) {
-        // Of three alike the first had no answer.
+        // Of three equal frames, the first had no reply.
         leave_unanswered(pending_.front(), 0, &heard);
         pending_.erase(pending_.begin());
     } else if (timed ? !follows_at_once(pending_.back(), heard) : !discover) {
@@ -68,7 +68,8 @@ void SensorConversation::finish() {
     settle(nullptr);
 }
 
-/// Ends what is pending, without an answer that has data; `next` is what follows, if anything does.
+/// Ends the pending request without a reply that has data. `next` is the following frame, if there
+/// is one.
 void SensorConversation::settle(const HeardSensorFrame* next) {
     if (pending_.empty()) {
         return;
@@ -81,7 +82,7 @@ void SensorConversation::settle(const HeardSensorFrame* next) {
     pending_.clear();
 }
 
-/// What was heard twice or more: see the rule at the class.
+/// Decides a request that came twice or more, by the rule at the class.
 void SensorConversation::settle_discover(const HeardSensorFrame* next) {
     const HeardSensorFrame& first = pending_.front();
     const HeardSensorFrame& last = pending_.back();

@@ -9,10 +9,10 @@
 #include "core/time.h"
 #include "transports/codecs/ibus_sensor.h"
 
-/// What was said on an i.Bus sensor bus: frames to questions and answers.
+/// Pairs the frames of an i.Bus sensor bus into requests and replies.
 namespace tribus {
 
-/// A frame with the instants of its first and behind its last byte, where the recording has times.
+/// A frame with the start of its first and the end of its last byte, if the recording has times.
 struct HeardSensorFrame {
     SensorFrame frame;
     std::optional<Duration> start{};
@@ -21,44 +21,43 @@ struct HeardSensorFrame {
 
 enum class SensorOutcome : std::uint8_t {
     answered,
-    missed,    ///< a type or a value was asked for, and nobody answered
-    free,      ///< discover, and nobody answered: nobody has that address
-    cut,       ///< the recording ends before an answer could have come
-    unasked,   ///< an answer, but nobody had asked for it
-    power_up,  ///< the receiver's power-up frame, which nobody answers
+    missed,    ///< no reply to a request for a type or a value
+    free,      ///< no reply to discover: the address is free
+    cut,       ///< the recording ends before a reply could have come
+    unasked,   ///< a reply without a request
+    power_up,  ///< the receiver's power-up frame, which has no reply
 };
 
-/// What a sensor said of itself.
+/// What a sensor reported as its type.
 struct SaidType {
     std::uint8_t id = 0;
     std::uint8_t size = 0;
 };
 
-/// A request and what came of it.
+/// A request with its result.
 struct SensorExchange {
     SensorOutcome outcome = SensorOutcome::answered;
-    /// The request; of an unasked answer, that.
+    /// The request; for an unasked reply, the reply.
     HeardSensorFrame asked;
     std::optional<HeardSensorFrame> answer{};
-    /// From the end of the request, or of its last echo, to the start of the answer.
+    /// From the end of the request, or of its last echo, to the start of the reply.
     std::optional<Duration> response_time{};
-    /// How often the recorder heard the request again, as one does that sends it itself.
+    /// How often the recorder received the request again as its echo.
     unsigned echoes = 0;
     /// The receiver's next request is the same.
     bool asked_again = false;
-    /// What the sensor at this address had said of itself before, or says with this.
+    /// The type that the sensor at this address has reported so far, this exchange included.
     std::optional<SaidType> type{};
 };
 
-/// Counts of exchanges. Requests are all that somebody has an address for: `probes`, which found
-/// nobody, are beside them.
+/// Counts of exchanges. `requests` excludes the `probes` of free addresses.
 struct SensorCounts {
     std::uint64_t requests = 0;
     std::uint64_t replies = 0;
     std::uint64_t probes = 0;
     std::uint64_t misses = 0;
     std::uint64_t misses_asked_again = 0;
-    std::uint64_t discover = 0;  ///< requests of each command, probes too
+    std::uint64_t discover = 0;  ///< requests of each command, with probes
     std::uint64_t type = 0;
     std::uint64_t value = 0;
     std::uint64_t power_up = 0;
@@ -75,24 +74,24 @@ struct SensorAddressCounts {
     std::vector<Duration> response_times{};
 };
 
-/// Pairs requests with their answers. An exchange is told as soon as it is decided: an answered one
-/// with its answer, the others with the next frame.
+/// Pairs requests with their replies. Reports an exchange as soon as it is decided: an answered one
+/// with its reply, others with the next frame.
 ///
-/// The same request again is an echo if it comes within kLongestSensorPause, and a repetition
-/// otherwise, and wherever there are no times: a receiver leaves 7.7 ms between two. An answer to
-/// discover is the same bytes as the request, so it is told from an echo by what the receiver does
-/// next: it asks a sensor that answered for its type. If the recording ends there, it is an answer,
-/// unless other requests had echoes; without times it is none. Thread-bound.
+/// If the same request comes again within kLongestSensorPause it is an echo. If it comes later, or
+/// if there are no times, it is a repetition: a receiver leaves 7.7 ms between two requests. A
+/// reply to discover has the same bytes as the request. The next request tells it from an echo: the
+/// receiver asks a sensor that replied for its type. If the recording ends there, it counts as a
+/// reply, unless other requests had echoes; without times it does not. Thread-bound.
 class SensorConversation {
   public:
     explicit SensorConversation(std::function<void(const SensorExchange&)> handler);
 
     void hear(const HeardSensorFrame& heard);
-    /// No frame follows.
+    /// Call it after the last frame.
     void finish();
 
     const SensorCounts& counts() const { return counts_; }
-    /// By address; 0 stays empty.
+    /// By address; index 0 is unused.
     const std::array<SensorAddressCounts, kMostSensors + 1>& addresses() const {
         return addresses_;
     }
@@ -111,7 +110,7 @@ class SensorConversation {
     void count(const SensorExchange& exchange);
 
     std::function<void(const SensorExchange&)> handler_;
-    /// A request that is not settled, and the same bytes again that may be echo or answer.
+    /// An undecided request, followed by copies of it that are echoes or replies.
     std::vector<HeardSensorFrame> pending_;
     SensorCounts counts_;
     std::array<SensorAddressCounts, kMostSensors + 1> addresses_;

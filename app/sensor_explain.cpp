@@ -41,7 +41,7 @@ std::string_view outcome_text(SensorOutcome outcome) {
     return "";
 }
 
-/// As many as the scale has; four where it is no decimal fraction.
+/// The decimals of the scale; four if it is no decimal fraction.
 int decimals_of(double scale) {
     constexpr int kMost = 7;
     constexpr int kEnough = 4;

@@ -7,7 +7,7 @@
 namespace tribus {
 namespace {
 
-/// As the sensor bus: 115200 8N1.
+/// The line of the sensor bus: 115200 8N1.
 constexpr LineSettings kLine{};
 constexpr unsigned kSpacingBits = kLine.bits_per_byte() + 1;
 

@@ -15,21 +15,21 @@
 
 namespace tribus {
 
-/// What the bytes of a sensor bus held.
+/// Counters of a sensor bus parser.
 struct SensorTally {
     Tally frames;
     std::uint64_t servo_frames = 0;
 };
 
-/// Runs the parser of the sensor bus over bursts and tells when each frame starts and ends. Within
-/// a burst the bytes stand as genuine receivers and sensors send them, with one more bit of silence
+/// Runs the sensor bus parser over bursts and reports when each frame starts and ends. Within a
+/// burst, bytes have the distance that genuine receivers and sensors use, one bit of silence
 /// between two (docs/protocols/ibus.md, "Line"): a request ends 43 bits after its start.
 class SensorFrameFinder {
   public:
     using Handler = std::function<void(const HeardSensorFrame&)>;
     explicit SensorFrameFinder(Handler handler);
 
-    /// Bursts come in the order of the recording.
+    /// Feeds a burst, in the order of the recording.
     void feed(const Burst& burst);
     SensorTally tally() const;
 
@@ -49,7 +49,7 @@ class SensorFrameFinder {
     std::uint64_t frames_ = 0;
 };
 
-/// Whether at least half of the bytes belong to frames of the sensor bus.
+/// True if at least half of the bytes belong to frames of the sensor bus.
 bool is_sensor_bus(const Recording& recording);
 
 }  // namespace tribus

@@ -11,13 +11,12 @@
 
 namespace tribus {
 
-/// Writes what was said on a sensor bus: a line for each request with its answer, then a summary.
-/// Values are in the units of their types; where no sensor has said its type, they are as they were
-/// sent.
+/// Prints the exchanges of a sensor bus, one a line, then a summary. Values have the units of their
+/// types; if the type is not known yet, they are printed raw.
 class SensorPrinter {
   public:
-    /// The summary of a CSV goes to `talk`, every other output to `results`. `types`, `results` and
-    /// `talk` must outlive it.
+    /// The summary of a CSV goes to `talk`, all other output to `results`. `types`, `results` and
+    /// `talk` must outlive the printer.
     SensorPrinter(DecodeFormat format, RecordingKind input, const SensorTypes& types,
                   std::ostream& results, std::ostream& talk);
 

@@ -24,7 +24,7 @@ std::string data_text(const SensorFrame& frame) {
     return fmt::format("{:02x}", fmt::join(frame.payload(), " "));
 }
 
-/// ` -0.01 V`, with the names of fields where there are several.
+/// ` -0.01 V`; with field names if there are several fields.
 std::string fields_text(const std::vector<WrittenField>& fields) {
     std::string text;
     for (const WrittenField& field : fields) {

@@ -11,31 +11,31 @@
 #include "core/time.h"
 #include "transports/codecs/ibus_sensor_types.h"
 
-/// Exchanges of a sensor bus as lines.
+/// Exchanges of a sensor bus as lines of text, CSV or JSON.
 namespace tribus {
 
-/// One number of a value, as it is written.
+/// One number of a value, as printed.
 struct WrittenField {
     std::string name;
     std::string unit;
-    std::optional<std::string> number;  ///< with the decimals of its scale; none: not available
+    std::optional<std::string> number;  ///< with the decimals of its scale; empty: not available
 };
 
-/// What an exchange says, in words and numbers that every format writes.
+/// An exchange in the words and numbers that all formats print.
 struct ExplainedExchange {
     std::string_view asked;   ///< "discover", "type", "value", "power_up"
     std::string_view answer;  ///< "reply", "miss", "free", "cut", "unasked", "none"
-    std::string type;         ///< name, or "0x42" where the table has none; empty: never said
-    const SensorFrame* data = nullptr;   ///< the frame that has data, if one has
+    std::string type;         ///< name, or "0x42" if the table has none; empty: not known yet
+    const SensorFrame* data = nullptr;   ///< the frame with data; null if none has
     std::optional<std::uint64_t> raw{};  ///< of a value of at most 8 bytes
-    std::vector<WrittenField> fields{};  ///< of a value whose type is known
+    std::vector<WrittenField> fields{};  ///< of a value of a known type
 };
 ExplainedExchange explain(const SensorExchange& exchange, const SensorTypes& types);
 
-/// `external_voltage`, or `0x42`.
+/// `external_voltage`; `0x42` for an unknown type.
 std::string name_of_type(const SaidType& said, const SensorTypes& types);
 
-/// The shortest, middle and longest time; the times need no order.
+/// The shortest, median and longest time. The input need not be sorted.
 struct ResponseTimes {
     Duration least{};
     Duration median{};

@@ -39,7 +39,7 @@ struct SimulateOptions {
     std::string tail = "2s";
 };
 
-/// What can be written to a file: the outputs of a configuration, then its sensor buses.
+/// Something whose output can be written to a file: outputs come first, then sensor buses.
 struct SimulatedSink {
     std::string name;
     const PortConfig* port = nullptr;
@@ -55,8 +55,8 @@ std::vector<SimulatedSink> simulated_sinks(const Configuration& configuration) {
     return sinks;
 }
 
-/// Keeps what each output wrote and each sensor bus said, CAN frames as a log of candump, bytes in
-/// the asked format; and says what changes.
+/// Keeps what outputs and sensor buses send: CAN frames as candump log, bytes in the requested
+/// format. Prints changes of state.
 class SinkRecorder final : public OutputObserver {
   public:
     SinkRecorder(const Engine& engine, const std::vector<SimulatedSink>& sinks,
@@ -106,7 +106,7 @@ class SinkRecorder final : public OutputObserver {
     SimulateLog log_;
 };
 
-/// `NAME=FILE` for each name at most once; the error says what is allowed.
+/// Parses `NAME=FILE`, each name at most once. The error says what is allowed.
 template <class Configs>
 tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
     const std::vector<std::string>& pairs, const Configs& configs, std::string_view option) {

@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// The subcommand `simulate`: a configuration over recorded inputs, in virtual time.
+/// The subcommand `simulate`: runs a configuration over recorded inputs, in virtual time.
 Command simulate_command();
 
 }  // namespace tribus

@@ -20,7 +20,7 @@ bool is_empty(const Recording& recording) {
     return recording.bursts.empty() && recording.can_frames.empty();
 }
 
-/// As messages call it.
+/// Name in messages.
 std::string title_of(const SimulatedSource& source) {
     const std::string name = in_quotes(source.name);
     switch (source.kind) {
@@ -34,7 +34,7 @@ std::string title_of(const SimulatedSource& source) {
     return fmt::format("[values.{}]", source.name);
 }
 
-/// The recording, if it is of the source's kind of link. An empty one is of both.
+/// The recording, if it fits the source's kind of link. An empty one fits both.
 tl::expected<Recording, std::string> load_recording(const std::string& path,
                                                     const SimulatedSource& source) {
     auto file = InputFile::open_path(path);
@@ -64,7 +64,7 @@ tl::expected<Recording, std::string> load_recording(const std::string& path,
     return recording;
 }
 
-/// A recording without times is played with its bursts the protocol's usual period apart.
+/// Bursts without times are played at the protocol's usual period.
 void add_bytes(Arrivals& arrivals, const Recording& recording, std::size_t index,
                const SimulatedSource& source) {
     Duration untimed{};

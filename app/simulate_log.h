@@ -10,11 +10,11 @@
 
 namespace tribus {
 
-/// Says what changes in a simulated engine, with the time: causes of inputs, states of outputs.
+/// Prints what changes in a simulated engine, with the time: causes of inputs, states of outputs.
 class SimulateLog {
   public:
     explicit SimulateLog(const Engine& engine);
-    /// Compares with the last look and prints each change to standard error.
+    /// Prints each change since the last call to standard error.
     void look(Instant now);
 
   private:
