@@ -9,18 +9,18 @@
 
 namespace tribus {
 
-/// Protocol and settings of an input or output of a configuration: `FILE:NAME`. An input may serve
-/// to encode and an output to decode if its settings mean something in that direction. The error
-/// says what is wrong and what is allowed; mistakes of the file are printed before.
+/// Protocol and settings of an input or output of a configuration, `FILE:NAME`. An input can be
+/// used to encode and an output to decode, if its settings are valid in that direction. The error
+/// says what is wrong and what is allowed; mistakes in the file are printed before.
 tl::expected<ProtocolUse, std::string> configured_use(const std::string& file_and_name,
                                                       SettingScope direction);
 
-/// What `--as` means, for the help.
+/// Help text of `--as`.
 inline constexpr const char* kAsHelp =
     "FILE:NAME: protocol and settings of that input or output of a configuration, instead of "
     "--protocol and the rest";
 
-/// The mistake of somebody who gives both.
+/// Message for options that exclude `--as`.
 inline constexpr const char* kAsAlone =
     "--as names the protocol and its settings; leave out the others";
 

@@ -26,7 +26,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 using Lines = std::vector<std::string>;
 
-/// As it stands in the file, without the quotes around texts.
+/// Text of a value as in the file, without quotation marks.
 std::string plain(const OrderedJson& json) {
     if (json.is_string()) {
         return json.get<std::string>();
@@ -41,7 +41,7 @@ std::string plain(const OrderedJson& json) {
     return json.dump();
 }
 
-/// How one channel is made.
+/// Describes the rule of one channel.
 std::string channel_words(const OrderedJson& rule) {
     if (rule.is_number()) {
         return "channel " + rule.dump();
@@ -74,7 +74,7 @@ void compare_channels(const OrderedJson& before, const OrderedJson& after, std::
     }
 }
 
-/// Settings that differ, one line each; tables inside by their own keys.
+/// One line for each changed setting; nested tables are compared key by key.
 void compare(const OrderedJson& before, const OrderedJson& after, const std::string& path,
              Lines& lines) {
     const auto compare_key = [&](const std::string& key) {
@@ -147,7 +147,7 @@ class Difference {
         }
     }
 
-    /// Its table may be left out.
+    /// The table [recorder] is optional.
     void recorder() {
         const bool before = before_.contains("recorder");
         const bool after = after_.contains("recorder");
@@ -179,7 +179,7 @@ class Difference {
         }
     }
 
-    /// The part before from which a fresh one of that name goes on.
+    /// Name of the old part from which the new part `name` goes on.
     std::optional<std::string> came_from(const std::string& kind, const std::string& name) const {
         const auto look = [&](const auto& parts, const auto& parts_before,
                               const auto& carries) -> std::optional<std::string> {
@@ -244,7 +244,7 @@ int compare_files(const DiffOptions& options) {
     return kExitFine;
 }
 
-/// One of several is the one that is called as the file.
+/// If several daemons run, takes the one with the name of the file.
 tl::expected<std::string, std::string> daemon_of(const DiffOptions& options) {
     if (options.socket || !options.daemon.empty()) {
         return find_daemon(options.daemon, options.socket);

@@ -7,9 +7,8 @@
 
 namespace tribus {
 
-/// What changes where `fresh` takes the place of `running`, in words and line by line: what is set
-/// otherwise, channel by channel, and what that means for whoever uses it. Empty where nothing
-/// changes. Pure.
+/// Differences between two configurations, one line each: changed settings, changed channels, and
+/// what a reload does with them. Empty if nothing changes. Pure.
 std::string configuration_difference(const Configuration& running, const Configuration& fresh);
 
 /// The subcommand `diff`.

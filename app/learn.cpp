@@ -49,7 +49,7 @@ tl::expected<std::size_t, std::string> input_named(const Configuration& configur
     return static_cast<std::size_t>(found - names.begin());
 }
 
-/// When the person did what, as the options say.
+/// When the transmitter was switched, from the options.
 tl::expected<LossStudyTimes, std::string> times_of(const LearnOptions& options) {
     const auto time = [](std::string_view option,
                          const std::string& text) -> tl::expected<Instant, std::string> {
@@ -162,7 +162,7 @@ Command learn_command() {
             "again, and prints the lines that recognise this receiver's loss, or what to set on "
             "the\n"
             "transmitter. Take the propellers off first. Exit status: 0 recognised, 1 not.",
-        // Newer versions of CLI11 take no colon in a name.
+        // Newer versions of CLI11 do not allow a colon in a name.
         .options = {{.name = "INPUT",
                      .value = &options->file_and_name,
                      .help =

@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// The subcommand `learn`: which detectors recognise the loss of a receiver's link.
+/// The subcommand `learn`: finds the detectors that recognise a receiver's loss.
 Command learn_command();
 
 }  // namespace tribus

@@ -22,18 +22,19 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr Duration kHandsOffTime = 5s;
-/// Receivers take up to two seconds to notice, and what they do then is to be seen for a while.
+/// Receivers need up to two seconds to notice; their failsafe must be seen for some time after
+/// that.
 constexpr Duration kOffTime = 8s;
 constexpr Duration kBackTime = 3s;
 constexpr int kPollMilliseconds = 20;
 
-/// The receiver and the person, watched together.
+/// Waits for the receiver and the person at the same time.
 class Watch {
   public:
     Watch(const InputConfig& input, std::unique_ptr<Link> link)
         : collector_(input), link_(std::move(link)) {}
 
-    /// False if the device or the terminal is gone.
+    /// Returns false if the device or the terminal is gone.
     bool until_enter() {
         bool entered = false;
         while (fine_ && !entered) {
@@ -51,7 +52,7 @@ class Watch {
     const FrameCollector& collector() const { return collector_; }
 
   private:
-    /// Takes what the receiver sent; says whether the person has pressed Enter.
+    /// Receives from the device; returns true if the person pressed Enter.
     bool wait(bool for_person) {
         std::array<pollfd, 2> watched{
             {{link_->descriptor(), POLLIN, 0}, {for_person ? STDIN_FILENO : -1, POLLIN, 0}}};

@@ -11,14 +11,14 @@
 
 namespace tribus {
 
-/// What a person and a receiver did together.
+/// Frames of a receiver, and when a person switched the transmitter.
 struct LearnedFrames {
     std::vector<StudiedFrame> frames;
     LossStudyTimes times;
 };
 
-/// Opens the device of one input and leads a person through switching the transmitter off and on,
-/// on standard error and standard input, which must be a terminal. The error is a sentence.
+/// Opens the device of one input and guides a person through switching the transmitter off and on.
+/// Uses standard error and standard input, which must be a terminal. The error is a sentence.
 tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration& configuration,
                                                              std::size_t input);
 

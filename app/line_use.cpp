@@ -9,7 +9,7 @@
 namespace tribus {
 namespace {
 
-/// It is no protocol of channels; its line is that of i.Bus.
+/// Not a channel protocol; its line is that of i.Bus.
 constexpr std::string_view kSensorProtocol = "ibus-sensor";
 
 }  // namespace

@@ -27,7 +27,7 @@
 namespace tribus {
 namespace {
 
-/// The slowest slews of real configurations have run their course by then.
+/// Longer than the slowest slew of real configurations takes.
 constexpr Duration kSettled = std::chrono::seconds(30);
 constexpr Instant kBegin{std::chrono::seconds(1)};
 
@@ -39,8 +39,8 @@ struct Undamaged {
     bool operator[](std::size_t /*position*/) const { return false; }
 };
 
-/// Of a sender to `input`: where an output says how many channels it has and an input does not, as
-/// many as came.
+/// Settings for an encoder that sends to `input`. If an output has the setting "channels" and an
+/// input does not, uses the number of channels that came.
 SettingValues sender_settings(const InputConfig& input, const ChannelFrame& came) {
     SettingValues settings = input.settings;
     std::size_t count = kChannelCount;
@@ -61,10 +61,10 @@ SettingValues sender_settings(const InputConfig& input, const ChannelFrame& came
     return settings;
 }
 
-/// Says one frame again and again, as the sender of an input does.
+/// Sends one frame again and again, like the transmitter of an input.
 class Sender {
   public:
-    /// Without a codec in that direction it says nothing.
+    /// If the protocol cannot encode these settings, sends nothing.
     Sender(const InputConfig& as, const LiveInput& live, std::size_t to)
         : frame_(live.frame), interval_(live.interval), to_(to) {
         const Protocol& protocol = *as.protocol;
@@ -113,8 +113,8 @@ struct Settled {
     std::vector<ChannelFrame> frames;
 };
 
-/// Sticks that are still for so long are so on purpose here, and whether somebody has to lower the
-/// throttle first is another question.
+/// Removes the rules for frozen sticks and for release: here sticks stand still on purpose, and
+/// nobody can move the throttle.
 Configuration without_guards(Configuration configuration) {
     for (InputConfig& input : configuration.inputs) {
         input.supervision.frozen = Duration::zero();
@@ -181,7 +181,7 @@ std::string all_channels(const ChannelFrame& frame) {
     return text;
 }
 
-/// What the sender of that input says reaches this one, whatever it makes of it.
+/// True if `input` receives what the sender of the other input sends.
 bool hears(const InputConfig& input, const InputConfig& sender) {
     return same_device(input.port, sender.port) && input.port.line == sender.port.line;
 }

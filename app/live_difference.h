@@ -12,21 +12,21 @@
 
 namespace tribus {
 
-/// What an input of a running daemon receives just now.
+/// What an input of a running daemon receives at present.
 struct LiveInput {
     ChannelFrame frame;
     Duration interval{};
 };
 
-/// Of each input of `running` whose link is good, as the daemon's `status` has it; nothing for the
-/// others, nor where the object is no status. Pure.
+/// For each input of `running` with a good link, its state from the daemon's `status`; nothing for
+/// the others, or if the object is no status. Pure.
 std::vector<std::optional<LiveInput>> live_inputs(const Configuration& running,
                                                   const nlohmann::json& status);
 
-/// What the outputs would say otherwise if `fresh` took the place of `running` while the inputs go
-/// on with those frames: both engines hear them, under virtual time, until they are settled. A line
-/// for each channel and each state that differs. What decides at a loss or a start only (re-arm
-/// rules, frozen sticks) is left aside. Pure.
+/// How the outputs would change if `fresh` replaced `running` while the inputs keep these frames.
+/// Runs both engines in virtual time until they settle. One line for each channel and each state
+/// that differs. Ignores what matters only at a loss or a start (release_when, frozen sticks).
+/// Pure.
 std::string live_difference(const Configuration& running, const Configuration& fresh,
                             const std::vector<std::optional<LiveInput>>& inputs);
 

@@ -11,25 +11,25 @@
 namespace tribus {
 namespace {
 
-/// A value must lie so far beyond what is flown.
+/// Least distance of a lost value from the range of flown values.
 constexpr std::int32_t kLeastMarginEighths = 12 * Pulse::kEighthsPerMicrosecond;
-/// The same on either side of a value between two positions of a switch.
+/// Least distance of a value between two switch positions from either of them.
 constexpr std::int32_t kLeastGapEighths = 60 * Pulse::kEighthsPerMicrosecond;
-/// A channel with so much travel was moved by a person.
+/// A channel with this much travel was moved by a person.
 constexpr std::int32_t kMovedEighths = 200 * Pulse::kEighthsPerMicrosecond;
 constexpr Pulse kLeast = Pulse::from_eighths(INT16_MIN);
 constexpr Pulse kGreatest = Pulse::from_eighths(INT16_MAX);
 
-/// In whole microseconds: people write them.
+/// In whole microseconds, as people write them.
 Pulse halfway(Pulse a, Pulse b) {
     return Pulse::from_microseconds((a.whole_microseconds() + b.whole_microseconds()) / 2);
 }
 
-/// A rule that is true of a lost link, and how far it is from any value that is flown.
+/// A rule that matches a lost link, and its distance from all flown values.
 struct Candidate {
     ValueRule rule;
     std::int32_t margin_eighths = 0;
-    /// The channel was moved, so that its range is known.
+    /// The channel was moved, so its range is known.
     bool moved = false;
 
     bool better_than(const Candidate& other) const {

@@ -12,10 +12,10 @@
 namespace tribus {
 namespace {
 
-/// A stray frame or two around the switching prove nothing.
+/// A few stray frames around the switching prove nothing.
 constexpr double kNearlyAll = 0.95;
 constexpr double kNearlyNone = 0.02;
-/// Below the stick range on every transmitter, with the end points opened.
+/// Below the stick range of every transmitter, even with extended end points.
 constexpr int kSuggestedPulse = 900;
 constexpr Duration kLeastFrozen = std::chrono::seconds(2);
 
@@ -68,11 +68,12 @@ Duration whole_seconds(Duration duration) {
     return std::chrono::ceil<std::chrono::seconds>(duration);
 }
 
-/// The frames of a study by what the person was doing.
+/// The frames of a study, by what the person did.
 struct Phases {
     StudiedFrames flown;
     StudiedFrames off;
-    StudiedFrames settled;  ///< long after that: receivers take up to two seconds to notice
+    StudiedFrames
+        settled;  ///< the second half of `off`: receivers need up to two seconds to notice
     StudiedFrames back;
 };
 
@@ -122,7 +123,7 @@ class Study {
     LossStudyResult result_;
 };
 
-/// A flag that stands while everything is fine says nothing.
+/// A flag that is set while the transmitter is on is useless.
 void Study::check_flags() {
     SupervisionSettings& supervision = result_.supervision;
     if (share(phases_.flown, says_failsafe) > kNearlyNone && supervision.failsafe_flag) {
@@ -195,7 +196,7 @@ void Study::find_by_values() {
     find_by_standing();
 }
 
-/// The last resort: values that are held stand still, those of a transmitter hardly ever do.
+/// Last resort: held values do not change, those of a transmitter nearly always do.
 void Study::find_by_standing() {
     const bool held =
         longest_still(phases_.settled) == phases_.settled.back().at - phases_.settled.front().at;
@@ -216,7 +217,7 @@ void Study::find_by_standing() {
     }
 }
 
-/// Receivers that clear their flag before their channels are back.
+/// For receivers that clear their flag before their channels are back.
 void Study::find_zero_guard() {
     const auto zero = result_.supervision.raw_zero;
     if (!zero) {
@@ -251,7 +252,7 @@ void Study::find_zero_guard() {
     }
 }
 
-/// The frames through the detectors: is the loss found, is nothing else taken for one?
+/// Plays the frames through the detectors: they must find the loss and nothing else.
 void Study::play() {
     LinkSupervisor link(result_.supervision);
     bool false_alarm = false;

@@ -9,34 +9,36 @@
 #include "core/time.h"
 #include "pipelines/settings.h"
 
-/// How a receiver behaves when its transmitter is switched off, and which detectors tell. Pure.
+/// Studies how a receiver behaves when its transmitter is switched off, and which detectors
+/// recognise it. Pure.
 namespace tribus {
 
-/// When the person did what.
+/// When the transmitter was switched.
 struct LossStudyTimes {
-    Instant off{};   ///< the transmitter was switched off
-    Instant back{};  ///< and on again
+    Instant off{};   ///< switched off
+    Instant back{};  ///< switched on again
 };
 
 struct LossStudyResult {
     /// What the receiver did, in sentences.
     std::vector<std::string> findings;
-    /// The detectors tell its loss, and no good frame was taken for one.
+    /// True if the detectors recognise the loss and give no false alarm.
     bool recognised = false;
-    /// With which detectors.
+    /// Settings of these detectors.
     SupervisionSettings supervision;
-    /// The lines to put into [input.NAME]; none where the defaults do.
+    /// Lines to add to [input.NAME]; none if the defaults suffice.
     std::vector<std::string> lines;
-    /// What the person should know or do.
+    /// What the user should know or do.
     std::vector<std::string> advice;
-    /// From the switch to the loss, and back: as the detectors see it in these frames.
+    /// From switching off to the loss, and from switching on to the return, as the detectors see
+    /// them in these frames.
     std::optional<Duration> time_to_loss;
     std::optional<Duration> time_to_return;
 };
 
-/// Tries the detectors from the safest on: silence, the sender's flags, values, standing still; and
-/// plays the frames through those that were found. `input` tells protocol and settings; what it
-/// supervises already stays, and is used where it tells the loss.
+/// Tries the detectors in order of safety: silence, flags, values, frozen values. Then plays the
+/// frames through those that it chose. Keeps the supervision that `input` already has and uses it
+/// if it recognises the loss.
 LossStudyResult study_loss(const InputConfig& input, StudiedFrames frames,
                            const LossStudyTimes& times);
 

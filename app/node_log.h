@@ -14,13 +14,13 @@
 
 namespace tribus {
 
-/// Says what changed with this program's nodes of DroneCAN, and nothing while nothing does.
-/// Thread-bound to the main thread.
+/// Logs changes of this program's DroneCAN nodes; logs nothing while nothing changes. Thread-bound
+/// to the main thread.
 class NodeLog {
   public:
     explicit NodeLog(const Appliance& appliance);
 
-    /// After a reload: all that `before` knew of the nodes that go on.
+    /// After a reload: takes over what `before` knows about the nodes that go on.
     void go_on_from(const NodeLog& before, std::span<const CarriedFrom> from);
     void look(const Appliance& appliance, Instant now);
 
@@ -33,7 +33,7 @@ class NodeLog {
     };
     struct Memory {
         std::string interface;
-        dronecan::NodeId wanted = dronecan::kNobody;  ///< that the configuration gives
+        dronecan::NodeId wanted = dronecan::kNobody;  ///< as configured
         ChangeReport<Word> word;
         RateLimit limit = log_limit();
     };

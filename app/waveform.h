@@ -10,30 +10,31 @@
 
 namespace tribus {
 
-/// Draws bytes as the level on a serial wire, as a Value Change Dump (IEEE 1364) with one signal
-/// `wire`, for logic analysers' programs.
+/// Draws bytes as the level on a serial wire: a Value Change Dump (IEEE 1364) with one signal
+/// `wire`, for logic analyser software.
 ///
-/// Start bit, eight data bits with the least significant first, parity, stop bits, at true bit
-/// times: every edge is rounded by itself, so nothing adds up. Idle is high, low where the wire is
-/// inverted. Pure.
+/// Start bit, eight data bits with the least significant first, parity, stop bits, at exact bit
+/// times: each edge is rounded separately, so errors do not accumulate. Idle is high, or low on an
+/// inverted wire. Pure.
 class Waveform {
   public:
-    /// One unit of the dump's time. Finer than 1/500 of the shortest bit, coarse enough for
-    /// programs that work sample by sample.
+    /// Time unit of the dump: less than 1/500 of the shortest bit, but coarse enough for programs
+    /// that work sample by sample.
     static constexpr Duration kTimescale = std::chrono::nanoseconds(10);
 
     explicit Waveform(const LineSettings& line) : line_(line) {}
 
-    /// Adds the head of the dump, idle from the time 0 on. A reader needs to see the wire idle
-    /// before it sees a start bit: where the first frame starts before one byte's time is over, all
-    /// is moved to start there. `first_start` is when the first frame starts.
+    /// Appends the header, with an idle wire from time 0. A reader must see one byte's time of idle
+    /// wire before the first start bit; if `first_start`, the start of the first frame, is earlier,
+    /// everything is moved back to that.
     void begin(std::string& dump, Duration first_start);
 
-    /// Adds one frame, its bytes without a pause. A frame that starts before the one ahead has left
-    /// the wire follows it at once; `delayed()` counts them if that is later by a byte or more.
+    /// Appends one frame without pauses between its bytes. A frame that starts while the previous
+    /// one is still on the wire follows it at once; `delayed()` counts those that are late by one
+    /// byte or more.
     void frame(std::string& dump, Duration start, std::span<const std::uint8_t> bytes);
 
-    /// Adds one byte's time of idle wire.
+    /// Appends one byte's time of idle wire.
     void end(std::string& dump) const;
 
     std::uint64_t delayed() const { return delayed_; }
