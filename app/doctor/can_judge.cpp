@@ -11,7 +11,7 @@ namespace {
 
 // linux/if_arp.h: ARPHRD_CAN.
 constexpr std::int64_t kCanHardware = 280;
-/// Both counters' first step on the way to bus-off.
+/// First threshold of both error counters on the way to bus-off.
 constexpr std::uint16_t kManyErrors = 96;
 
 class CanFindings {
@@ -22,7 +22,7 @@ class CanFindings {
         all_.push_back({severity, id, name_, std::move(what), std::move(why), std::move(fix),
                         std::move(commands)});
     }
-    /// The controller takes settings while it is down only.
+    /// A controller accepts settings only while it is down.
     std::vector<std::string> set_controller(std::string_view setting) const {
         return {fmt::format("sudo ip link set {} down", name_),
                 fmt::format("sudo ip link set {} up type can {}", name_, setting)};

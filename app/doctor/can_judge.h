@@ -9,11 +9,11 @@
 
 namespace tribus::doctor {
 
-/// The names of all network interfaces that are CAN.
+/// The names of all CAN interfaces.
 std::vector<std::string> can_interfaces(const KernelFiles& files);
 
-/// What of the interface makes RC over it worse. Whether it is down or off is a problem for who
-/// asks for it, and else advice. Pure.
+/// Findings about what limits RC on this interface. If it is down or in bus-off, that is a problem
+/// if the user `asked_for` it, else advice. Pure.
 std::vector<Finding> judge_can(const CanInterface& interface, bool asked_for);
 
 }  // namespace tribus::doctor

@@ -61,7 +61,7 @@ void take_can(Report& report, const std::string& name, bool asked_for) {
     }
 }
 
-/// What a port did counts for more than what is known of its kind.
+/// The result of a trial overrides what is known about the kind of port.
 void take_trials(const std::vector<Trial>& trials, ExaminedPort& port) {
     for (PortAbility& ability : port.opinion.abilities) {
         const LineSettings& line = ability.protocol == "SBUS"        ? kSbusLine
@@ -92,7 +92,7 @@ void try_and_listen(const KernelFiles& files, Duration time, ExaminedPort& port)
             fmt::print(stderr, "{}: {}\n", device, words);
         }
     });
-    // Only open has the adapter taken the short timer, or not.
+    // Only an open adapter has accepted or refused the short timer.
     port.facts.latency_timer = look_at_serial_port(files, device).latency_timer;
     port.facts.was_opened = visit.failure.empty();
     port.opinion = judge_port(port.facts, true);

@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// The subcommand `doctor`: what this machine's ports can do, what they hear, and what to mend.
+/// The subcommand `doctor`: checks ports and machine, and says what to fix.
 Command doctor_command();
 
 }  // namespace tribus

@@ -9,28 +9,28 @@
 
 namespace tribus::doctor {
 
-/// The files in which the kernel tells of itself: /sys, /proc, /dev. What is not there, or may not
-/// be read, is empty. May block for as long as the kernel takes.
+/// Files with facts about the machine: /sys, /proc, /dev. A file that does not exist or may not be
+/// read is empty. May block as long as the kernel does.
 class KernelFiles {
   public:
-    /// `root` is "/" but for tests.
+    /// `root` is "/" except in tests.
     explicit KernelFiles(std::filesystem::path root) : root_(std::move(root)) {}
 
-    /// Paths are given without a slash in front.
+    /// Paths have no leading slash.
     std::filesystem::path at(std::string_view path) const { return root_ / path; }
     bool has(std::string_view path) const;
-    /// The beginning of a file, up to some pages.
+    /// The beginning of a file, at most 16 KiB.
     std::string text(std::string_view path) const;
-    /// Without the spaces and line ends around it; zeros, which end strings of device trees, count
-    /// as spaces.
+    /// The content without blanks and line ends around it; zero bytes, which end strings in device
+    /// trees, count as blanks.
     std::string line(std::string_view path) const;
-    /// In decimal, or behind 0x in hexadecimal.
+    /// A decimal number, or a hexadecimal one after 0x.
     std::optional<std::int64_t> number(std::string_view path) const;
-    /// The number behind a name that starts a line, as "Max realtime priority".
+    /// The word after `name` at the start of a line, such as "Max realtime priority".
     static std::optional<std::string> word_behind(std::string_view text, std::string_view name);
-    /// In order.
+    /// Sorted.
     std::vector<std::string> names_in(std::string_view folder) const;
-    /// Where a link in the end leads, or nothing.
+    /// The final target of a link; nothing if there is none.
     std::optional<std::filesystem::path> target(std::string_view path) const;
 
   private:

@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::string_view kWiring =
     "circuits stand in /usr/share/doc/tribus/boards/wiring.md (docs/boards/ in the sources)";
-/// An input that says nothing else is lost after so long.
+/// Default timeout of an input.
 constexpr Duration kUsualTimeout = std::chrono::milliseconds(100);
-/// Of the bytes: one in a hundred belongs to no frame.
+/// Threshold: one byte in a hundred belongs to no frame.
 constexpr std::uint64_t kBadShare = 100;
 
 std::string name_of(std::string_view protocol) {

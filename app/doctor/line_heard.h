@@ -9,19 +9,19 @@
 
 namespace tribus::doctor {
 
-/// What a port heard while it had these settings.
+/// What a port received with these settings.
 struct Heard {
     LineSettings line;
     Duration listened{};
-    /// One for each read, with the time since the listening began at which its bytes were there.
-    /// The value of a damaged byte is the one that the port told.
+    /// One burst for each read; its start is the time since listening began at which its bytes were
+    /// there. Damaged bytes have the value that the port delivered.
     std::vector<Burst> bursts;
 };
 
-/// Of i.Bus; every port has it.
+/// Rate of i.Bus; every port has it.
 inline constexpr std::uint32_t kUsualBaud = 115'200;
 
-/// As `tribus run` sets ports for i.Bus and the sensor bus, SBUS, and fast SBUS.
+/// Settings of `tribus run` for i.Bus and the sensor bus, for SBUS, and for fast SBUS.
 inline constexpr LineSettings kIbusLine{.baud = kUsualBaud};
 inline constexpr LineSettings kSbusLine{.baud = 100'000, .parity = Parity::even, .stop_bits = 2};
 inline constexpr LineSettings kFastSbusLine{

@@ -12,14 +12,14 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Between reads, where an adapter hands over what it has each millisecond.
+/// Gap between reads from which a line counts as silent; adapters deliver once a millisecond.
 constexpr Duration kSilence = milliseconds(2);
-/// Of frames that any receiver is known to send (docs/protocols/ibus.md, "Period and gaps", and
-/// docs/protocols/sbus.md, "Periods"), with USB's unevenness.
+/// Range of the frame periods of known receivers (docs/protocols/ibus.md, "Period and gaps", and
+/// docs/protocols/sbus.md, "Periods"), with the jitter of USB.
 constexpr Duration kShortestPeriod = milliseconds(3);
 constexpr Duration kLongestPeriod = milliseconds(110);
 constexpr Duration kUneven = milliseconds(2);
-/// Few enough for the slowest sender, too many for chance.
+/// Few enough for the slowest sender, too many for a coincidence.
 constexpr std::size_t kFewestFrames = 4;
 
 struct HeardByte {
@@ -41,8 +41,8 @@ std::vector<HeardByte> bytes_of(const Heard& heard) {
     return bytes;
 }
 
-/// Whether what comes before a silence is cut off by a low line: there no stop bit is seen. Where
-/// no silence is seen either, it may be.
+/// True if the bytes before silences are cut off by a low line: they have no stop bit. Also true if
+/// there are no silences.
 bool may_idle_low(const std::vector<HeardByte>& bytes) {
     std::size_t silences = 0;
     std::size_t cut_off = 0;
@@ -55,8 +55,8 @@ bool may_idle_low(const std::vector<HeardByte>& bytes) {
     return 5 * cut_off >= 4 * silences;
 }
 
-/// The bytes with which frames may begin where the line idles low. Some adapters tell no errors;
-/// there only the silence tells.
+/// The bytes with which frames begin if the line idles low. Some adapters report no errors; then
+/// only silences separate frames.
 std::vector<HeardByte> first_bytes(const std::vector<HeardByte>& bytes, bool errors_told) {
     std::vector<HeardByte> found;
     for (std::size_t i = 1; i < bytes.size(); ++i) {
@@ -69,7 +69,7 @@ std::vector<HeardByte> first_bytes(const std::vector<HeardByte>& bytes, bool err
     return found;
 }
 
-/// The period of what came at these times, where it came regularly.
+/// The period of these times; nothing if they are not regular.
 std::optional<Duration> regular_period(const std::vector<Duration>& times) {
     if (times.size() < kFewestFrames) {
         return std::nullopt;
@@ -97,7 +97,7 @@ std::optional<Duration> regular_period(const std::vector<Duration>& times) {
 
 enum class Stop : std::uint8_t { missing, there, either };
 
-/// Frames whose first byte looks so, turned over.
+/// Looks for frames whose first byte, received inverted, is one of `headers`.
 std::optional<Inversion> by_headers(const Heard& heard, std::span<const std::uint8_t> headers,
                                     Stop stop) {
     const std::vector<HeardByte> bytes = bytes_of(heard);

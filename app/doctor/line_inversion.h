@@ -7,25 +7,25 @@
 
 namespace tribus::doctor {
 
-/// What speaks for a wire that is inverted against what the port expects.
+/// Evidence that the wire is inverted against what the port expects.
 struct Inversion {
-    std::optional<Duration> period;  ///< of the frames
+    std::optional<Duration> period;  ///< period of the frames
 };
 
-/// Judges what was heard without frames, with the settings of the protocol itself. Nothing where it
-/// sounds like anything else. Pure.
+/// Looks for inverted frames in what a port with the settings of that protocol received. Nothing if
+/// it looks like anything else. Pure.
 ///
-/// A port sees the idle of an inverted line as a break and takes the first falling edge after it
-/// for a start bit, whatever kind of port it is. So the first byte behind the silence is known to
-/// the bit: SBUS's header 0F becomes F8 with a framing error; i.Bus's 20 40 becomes F3, or FB where
-/// its bytes stand without a pause; 04, with which requests of the sensor bus begin, 9F. What
-/// follows depends on how the port gets into step again.
+/// Any kind of port sees the idle level of an inverted line as a break, and takes the first falling
+/// edge after it for a start bit. So the first byte after a silence is known: the SBUS header 0F
+/// becomes F8 with a framing error; 20 40 of i.Bus becomes F3, or FB without a pause between its
+/// bytes; 04, the first byte of a sensor bus request, becomes 9F. The bytes after it depend on how
+/// the port synchronises again.
 std::optional<Inversion> inverted_sbus(const Heard& heard);
 std::optional<Inversion> inverted_ibus(const Heard& heard);
 std::optional<Inversion> inverted_sensor_bus(const Heard& heard);
 
-/// Of what comes between pauses, whatever it is; nothing where it is not regular. An adapter that
-/// tells no more than breaks leaves only this. Pure.
+/// The period of whatever comes between pauses; nothing if it is not regular. It is all that is
+/// known if an adapter reports only breaks. Pure.
 std::optional<Duration> period_of_breaks(const Heard& heard);
 
 }  // namespace tribus::doctor

@@ -17,10 +17,10 @@ namespace tribus::doctor {
 namespace {
 
 constexpr std::string_view kSensorBus = "ibus-sensor";
-/// Of no protocol's content by chance, and heard within the shortest look.
+/// Too many for a coincidence, but few enough for the shortest listening time.
 constexpr std::uint64_t kFewestFramesToJudge = 3;
 
-/// The time from one to the next, where most of them are as far apart as the middle one.
+/// The usual time from one to the next: the mean of those close to the median.
 std::optional<Duration> usual_step(const std::vector<Duration>& times) {
     std::vector<Duration> steps;
     for (std::size_t i = 1; i < times.size(); ++i) {
@@ -45,7 +45,7 @@ std::optional<Duration> usual_step(const std::vector<Duration>& times) {
 struct ByteCount {
     std::uint64_t bytes = 0;
     std::uint64_t damaged = 0;
-    std::uint64_t breaks = 0;  ///< damaged zeros, which breaks look like
+    std::uint64_t breaks = 0;  ///< damaged zeros; breaks look like these
 };
 
 ByteCount count_bytes(const Heard& heard) {
@@ -70,7 +70,7 @@ LineStory story_of(const Heard& heard) {
     return story;
 }
 
-/// As the port told them, but without its doubts.
+/// The same bytes without damage marks.
 Heard undamaged(Heard heard) {
     for (Burst& burst : heard.bursts) {
         burst.damaged.assign(burst.bytes.size(), false);
@@ -110,7 +110,7 @@ class FrameWatch {
             story_.sbus2 = story_.sbus2 || (detail.name == "footer" && detail.values[0] != 0);
         }
     }
-    /// Nothing where it were too few frames, or most of the bytes are of none.
+    /// Nothing if there are too few frames, or if most bytes belong to none.
     std::optional<LineStory> finish(const Heard& heard, const Tally& tally,
                                     std::string_view protocol) const {
         if (tally.frames < kFewestFramesToJudge || 2 * bytes_ < tally.bytes) {
@@ -164,7 +164,7 @@ Reading read_frames(const Heard& heard, const Protocol& protocol) {
     return reading;
 }
 
-/// Adds what of the sensor bus there is, alone or beside i.Bus.
+/// Adds the frames of the sensor bus, alone or beside i.Bus.
 std::optional<LineStory> with_sensor_bus(const Heard& heard, std::optional<LineStory> ibus) {
     std::uint64_t requests = 0;
     std::uint64_t replies = 0;
@@ -207,7 +207,7 @@ Reading read_any(const Heard& heard) {
     return reading;
 }
 
-/// The one whose frames hold most of what came; the first of equals.
+/// The reading with the smallest share of bytes outside frames; the first of equal ones.
 std::optional<LineStory> best_of(std::span<const Heard> heard, bool believe_damage) {
     std::optional<LineStory> best;
     for (const Heard& one : heard) {

@@ -20,14 +20,14 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Three frames of the slowest sender that is known, each 80 ms.
+/// Three frames of the slowest known sender, 80 ms each.
 constexpr Duration kLook = milliseconds(250);
 constexpr int kPollMilliseconds = 20;
-/// More than any line brings in a minute; a pty has no rate.
+/// More than any line delivers in a minute; a pty has no rate.
 constexpr std::size_t kMostBytes = std::size_t{1} << 21;
 
 constexpr std::array<LineSettings, 3> kLines{kIbusLine, kSbusLine, kFastSbusLine};
-/// Of senders that leave out what SBUS has.
+/// For senders that omit the parity bit of SBUS.
 constexpr LineSettings kSbusWithoutParity{.baud = 100'000};
 
 Burst burst_of(const Reception& reception, Duration at) {
@@ -40,7 +40,7 @@ Burst burst_of(const Reception& reception, Duration at) {
     return burst;
 }
 
-/// The error is a sentence without the device.
+/// Listens with these settings. The error is a sentence without the device.
 tl::expected<Heard, std::string> listen(const std::string& device, const LineSettings& line,
                                         Duration time) {
     auto port = SerialPort::open(device, line);
@@ -72,7 +72,7 @@ bool has_frames(const Heard& heard) {
     return judge_line(std::span(&heard, 1)).sound == LineSound::frames;
 }
 
-/// A port that is refused for its settings says what it was asked for (uart_rate.cpp).
+/// True if a port was refused for its settings; the error text comes from uart_rate.cpp.
 bool is_refusal_of_settings(std::string_view error) {
     return error.starts_with("asked for");
 }

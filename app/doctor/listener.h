@@ -12,22 +12,22 @@
 
 namespace tribus::doctor {
 
-/// What a port made of the settings of a protocol.
+/// Whether a port accepts the settings of a protocol.
 struct Trial {
     LineSettings line;
-    std::string refusal;  ///< a sentence; empty: it takes them
+    std::string refusal;  ///< a sentence; empty if the port accepts them
 };
 
-/// What came of opening a port.
+/// Result of opening and listening to a port.
 struct Visit {
     std::vector<Trial> trials;
     std::optional<LineStory> story;
-    std::string failure;  ///< why it could not be opened, or was lost; empty if neither
+    std::string failure;  ///< why the port could not be opened or was lost; else empty
 };
 
 /// Opens the port as `tribus run` does, with the settings of each protocol in turn, and listens for
-/// `time` in all: briefly with each, then with that in which frames were heard, or else with each
-/// once more. Never writes. `says` is told what happens, for a person who waits.
+/// `time` in total: first briefly with each, then with the settings that gave frames, or else again
+/// with each. Never writes. Passes progress messages to `says`.
 Visit visit_port(const std::string& device, Duration time,
                  const std::function<void(std::string_view)>& says);
 

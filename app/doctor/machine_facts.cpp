@@ -41,8 +41,8 @@ bool has_capability(const std::string& status, unsigned number) {
     return (std::strtoull(word.c_str(), nullptr, 16) >> number & 1U) != 0;
 }
 
-/// Version 1 of control groups names each controller's folder of a process, as
-/// "4:cpu,cpuacct:/user.slice"; the one above counts where that is not mounted here.
+/// cgroups version 1: /proc/self/cgroup has the folder of each controller, as
+/// "4:cpu,cpuacct:/user.slice".
 std::optional<std::int64_t> group_share(const KernelFiles& files) {
     std::istringstream lines(files.text("proc/self/cgroup"));
     for (std::string line; std::getline(lines, line);) {
@@ -94,7 +94,7 @@ MachineFacts look_at_machine(const KernelFiles& files) {
     facts.realtime_share_us = files.number("proc/sys/kernel/sched_rt_runtime_us");
     facts.group_share_us = group_share(files);
     look_at_frequency(files, facts);
-    // Its number is hexadecimal, with 0x in front of it or not, as the kernel is.
+    // The number is hexadecimal, with or without 0x, depending on the kernel.
     if (std::string word = files.line("sys/devices/platform/soc/soc:firmware/get_throttled");
         !word.empty()) {
         facts.throttled = std::strtoll(word.c_str(), nullptr, 16);

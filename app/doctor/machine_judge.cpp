@@ -11,11 +11,11 @@ namespace tribus::doctor {
 namespace {
 
 constexpr std::string_view kMachine = "machine";
-/// Where a Raspberry Pi begins to slow down.
+/// Temperature in degC at which a Raspberry Pi begins to slow down.
 constexpr double kHotDegrees = 80;
-/// What `tribus run` asks for if nothing else is configured.
+/// Default priority of `tribus run`.
 constexpr std::int64_t kUsualPriority = 80;
-/// A running configuration locks less.
+/// More bytes than a running configuration locks.
 constexpr std::int64_t kEnoughLocked = std::int64_t{32} << 20;
 
 class Findings {
@@ -69,7 +69,7 @@ void judge_power(const MachineFacts& facts, Findings& findings) {
 }
 
 void judge_frequency(const MachineFacts& facts, Findings& findings) {
-    // Those two drivers call so what is an ordinary, load-driven governor.
+    // These two drivers use the name for an ordinary, load-driven governor.
     const bool load_driven = facts.frequency_driver.starts_with("intel_pstate") ||
                              facts.frequency_driver.starts_with("amd-pstate");
     const bool slowest =
@@ -83,8 +83,7 @@ void judge_frequency(const MachineFacts& facts, Findings& findings) {
     }
 }
 
-/// Debian's own, where the kernel is one of Debian's: a Raspberry Pi with its maker's system has
-/// another one.
+/// Debian's package, if the kernel is Debian's; Raspberry Pi OS has its own kernel.
 std::string realtime_package(const MachineFacts& facts) {
     constexpr std::array<std::pair<std::string_view, std::string_view>, 3> kArchitectures{
         {{"x86_64", "amd64"}, {"aarch64", "arm64"}, {"armv7l", "armmp"}}};

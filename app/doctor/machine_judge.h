@@ -7,7 +7,7 @@
 
 namespace tribus::doctor {
 
-/// What of the machine makes RC on it worse. Pure.
+/// Findings about what limits RC on this machine. Pure.
 std::vector<Finding> judge_machine(const MachineFacts& facts);
 
 }  // namespace tribus::doctor

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kSixteenth = 16;
 
-/// By bcdDevice, as ftdi_sio tells its chips apart.
+/// From bcdDevice, by which ftdi_sio distinguishes its chips.
 std::string ftdi_chip(const UsbFacts& usb) {
     struct Chip {
         std::uint32_t release;
@@ -35,8 +35,8 @@ std::string ftdi_chip(const UsbFacts& usb) {
     return "USB adapter, FTDI";
 }
 
-/// The kernel asks the chip for its part number and tells nobody; the makers' product names do. Of
-/// a CP2105 only the first port sets rates freely.
+/// The kernel does not publish the part number of the chip; product names of the makers contain it.
+/// Only the first port of a CP2105 sets any rate.
 PortKind silicon_labs(const UsbFacts& usb) {
     const std::string& name = usb.product_name;
     const auto named = [&](std::string_view part) { return name.find(part) != std::string::npos; };

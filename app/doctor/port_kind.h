@@ -8,20 +8,21 @@
 
 namespace tribus::doctor {
 
-/// What a kind of hardware makes of line settings.
+/// What a kind of port can do with line settings.
 struct PortKind {
     std::string name;
     bool parity = true;
-    /// Its driver, or the device behind it, settles what rates there are, and does not say.
+    /// The driver or device decides which rates exist and does not report them.
     bool rates_unknown = false;
-    std::string rates_note{};      ///< why, or what to know of its rates
-    bool quantises_rates = false;  ///< to the table of Silicon Labs' AN205, which has no 100000
+    std::string rates_note{};  ///< a reason, or a remark on its rates
+    bool quantises_rates =
+        false;  ///< rounds to the table of Silicon Labs' AN205, which has no 100000
     bool usb = false;
 };
 
 PortKind kind_of(const SerialFacts& facts);
 
-/// Why the hardware cannot serve with these settings; nothing if it can, as far as is known.
+/// Why the hardware cannot use these settings; nothing if it can, as far as known.
 std::optional<std::string> hardware_refusal(const PortKind& kind, const SerialFacts& facts,
                                             const LineSettings& line);
 

@@ -26,7 +26,7 @@ Has has_open(const KernelFiles& files, const std::string& process, const std::st
     return error == std::errc::permission_denied ? Has::hidden : Has::no;
 }
 
-/// getty and agetty have the port's name among their arguments.
+/// getty and agetty have the name of the port among their arguments.
 bool waits_for(const std::string& command_line, const std::string& name) {
     std::istringstream words(command_line);
     std::string word;
@@ -42,7 +42,8 @@ bool waits_for(const std::string& command_line, const std::string& name) {
     return false;
 }
 
-/// As "0::/system.slice/tribus@servos.service"; systemd writes - of a name as \x2d in slices only.
+/// The last part of "0::/system.slice/tribus@servos.service", if it is a service. systemd escapes -
+/// as \x2d only in slices.
 std::string unit_of(const std::string& groups) {
     std::istringstream lines(groups);
     for (std::string line; std::getline(lines, line);) {

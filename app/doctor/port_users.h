@@ -5,8 +5,8 @@
 
 namespace tribus::doctor {
 
-/// Fills in who has the port open, from /proc: those of other users only as root. A login that
-/// waits for the port is seen by everyone, for it says so in its arguments.
+/// Fills in which processes have the port open, from /proc; those of other users are visible only
+/// to root. A login on the port is visible to everybody, through its arguments.
 void look_at_users(const KernelFiles& files, SerialFacts& facts);
 
 }  // namespace tribus::doctor

@@ -16,24 +16,24 @@ namespace tribus::doctor {
 struct ExaminedPort {
     SerialFacts facts{};
     PortOpinion opinion{};
-    bool tried = false;  ///< what it can do is what it did
+    bool tried = false;  ///< the abilities were tried, not derived from the kind of port
     std::optional<LineStory> story{};
-    std::vector<std::string> lines{};  ///< of a configuration
+    std::vector<std::string> lines{};  ///< for a configuration
 };
 
 struct Report {
-    /// Absent where only devices were asked for.
+    /// Empty if only devices were asked for.
     std::optional<MachineFacts> machine;
     std::vector<ExaminedPort> ports;
     std::vector<CanInterface> can;
-    /// The gravest first.
+    /// Ordered by severity, problems first.
     std::vector<Finding> findings;
 };
 
-/// For a person, in lines of at most `columns`, but for commands and lines to be copied.
+/// For people, in lines of at most `columns`, except commands and lines to copy.
 std::string report_text(const Report& report, std::size_t columns, bool colour);
 
-/// One object; its fields stand in docs/doctor.md.
+/// One JSON object; docs/doctor.md describes its fields.
 std::string report_json(const Report& report);
 
 }  // namespace tribus::doctor

@@ -125,7 +125,7 @@ std::string report_json(const Report& report) {
     for (const Finding& finding : report.findings) {
         json["findings"].push_back(finding_json(finding));
     }
-    // File names may be of any bytes.
+    // Bytes that are not UTF-8, of file names for example, are replaced.
     return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 

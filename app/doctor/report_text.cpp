@@ -13,13 +13,13 @@ namespace {
 
 constexpr std::size_t kFewestColumns = 40;
 
-/// Writes words into lines; what is longer than a line stands alone in one.
+/// Breaks text into lines; a word longer than a line stays whole.
 class Page {
   public:
     Page(std::size_t columns, bool colour)
         : columns_(std::max(columns, kFewestColumns)), colour_(colour) {}
 
-    /// `first` stands in front of the first line; all others begin under its end.
+    /// `first` begins the first line; the others are indented by its length.
     void paragraph(std::string_view first, std::string_view text, std::string_view tint = {}) {
         const std::size_t indent = first.size();
         add(first, tint);

@@ -9,9 +9,9 @@
 namespace tribus::doctor {
 namespace {
 
-/// Values that senders of a scale send for a stick in its middle and at its ends
-/// (docs/protocols/sbus.md, "Scales"). Betaflight's own ends and FrSky's are on lines that are less
-/// than half a microsecond apart.
+/// Values that senders send for a stick at its centre and ends, by scale (docs/protocols/sbus.md,
+/// "Scales"). Betaflight's own ends and FrSky's lie on scales that differ by less than half a
+/// microsecond.
 struct Landmarks {
     std::string_view name;
     std::uint16_t low;

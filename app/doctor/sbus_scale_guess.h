@@ -10,14 +10,14 @@
 
 namespace tribus::doctor {
 
-/// Which scale the raw values of a sender speak for, and how much. There is no proof: two scales
-/// differ by a few steps of the same stick.
+/// The scale that the raw values suggest. It is never certain: two scales differ only by a few
+/// steps for the same stick.
 struct ScaleGuess {
-    std::string_view name;  ///< empty: it cannot be known from what was heard
-    std::string reason;     ///< for a person, also where it cannot be known
+    std::string_view name;  ///< empty: cannot be determined
+    std::string reason;     ///< for people; set in both cases
 };
 
-/// Collects where the channels of a sender rest and end.
+/// Collects the centres and ends of a sender's channels.
 class ScaleWatch {
   public:
     void take(std::span<const std::uint16_t> raw);

@@ -22,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Above a port there are at most a serial-base port and controller, a USB interface and a device.
+/// Above a port there are at most a serial-base port and controller, a USB interface and a USB
+/// device.
 constexpr int kMostLevels = 6;
 
 std::string name_of_link(const fs::path& link) {
@@ -34,13 +35,13 @@ std::uint32_t hexadecimal(const std::string& text) {
     return static_cast<std::uint32_t>(std::strtoul(text.c_str(), nullptr, 16));
 }
 
-/// Without `root`, as KernelFiles wants it.
+/// The path relative to `root`, as KernelFiles expects it.
 std::string below_root(const KernelFiles& files, const fs::path& path) {
     std::error_code error;
     return fs::relative(path, fs::canonical(files.at("."), error), error).string();
 }
 
-/// Goes up from the port's device to the hardware.
+/// Walks up from the port's device to the hardware.
 void look_at_hardware(const KernelFiles& files, SerialFacts& facts) {
     auto at = files.target("sys/class/tty/" + facts.name + "/device");
     for (int level = 0; at && level < kMostLevels; ++level, *at = at->parent_path()) {
@@ -72,7 +73,8 @@ void look_at_hardware(const KernelFiles& files, SerialFacts& facts) {
     }
 }
 
-/// The kernel's words are `console=ttyS0,115200n8`; Raspberry Pi's firmware replaces serial0.
+/// The kernel's command line has `console=ttyS0,115200n8`; a Raspberry Pi's firmware replaces
+/// serial0.
 bool is_kernel_console(const KernelFiles& files, const std::string& name) {
     if (files.line("sys/class/tty/" + name + "/console") == "Y") {
         return true;
@@ -105,7 +107,7 @@ void look_at_node(const KernelFiles& files, SerialFacts& facts) {
     }
 }
 
-/// The link that leads to the node: by its maker and number, or by its place where two adapters
+/// The link under /dev/serial to the node: by maker and serial number, or by path if two adapters
 /// have the same number.
 std::string stable_name(const KernelFiles& files, const std::string& node) {
     const auto target = files.target(node.substr(1));

@@ -20,7 +20,7 @@ class PortFindings {
     PortFindings(const SerialFacts& facts, bool asked_for)
         : facts_(facts), hindrance_(asked_for ? Severity::problem : Severity::advice) {}
 
-    /// What keeps the port from working.
+    /// A finding that keeps the port from working.
     void hindrance(std::string_view id, std::string what, std::string why, std::string fix,
                    std::vector<std::string> commands = {}) {
         add(hindrance_, id, std::move(what), std::move(why), std::move(fix), std::move(commands));
