@@ -20,9 +20,9 @@
 namespace tribus::bench {
 namespace {
 
-/// As measured at a FlySky X6B; not a whole number of milliseconds, so every phase comes by.
+/// As measured at a FlySky X6B. Not a whole number of milliseconds, so all phases occur.
 constexpr Duration kReceiverPeriod = std::chrono::microseconds(7715);
-/// Longer than an output's schedule needs to find its phase.
+/// More than an output's schedule needs to find its phase.
 constexpr std::size_t kWarmUpFrames = 100;
 
 struct Schedules {
@@ -50,14 +50,14 @@ std::string configuration(const Pty& in, const std::vector<Pty>& outs,
            "[pipeline.main.failsafe]\nrecover = \"0ms\"\n";
 }
 
-/// Finds the frames that came out of one output.
+/// Receives and recognises the frames of one output.
 class Listener {
   public:
     Listener(int descriptor, std::size_t most) : descriptor_(descriptor) { ages_.reserve(most); }
 
     int descriptor() const { return descriptor_; }
 
-    /// Frames are recognised by channel 1, which tells a number's last three digits.
+    /// Frames are recognised by channels 1 and 2, which encode the number.
     void listen(const std::vector<Instant>& sent_at) {
         std::array<std::uint8_t, 256> buffer{};
         const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());

@@ -31,7 +31,7 @@ using bench::BenchPart;
 using bench::BenchSettings;
 using bench::Report;
 
-/// What `tribus run` has by default.
+/// Default priority of `tribus run`.
 constexpr int kPriority = 80;
 constexpr std::size_t kMostColumns = 100;
 constexpr int kInterruptedStatus = 130;
@@ -45,7 +45,7 @@ struct BenchOptions {
     std::string format = "text";
 };
 
-/// The sentences of `tribus run`, from a thread that tries.
+/// The sentences of `tribus run`, from a thread that tries to become real-time.
 std::vector<std::string> missing_realtime() {
     std::vector<std::string> missing;
     std::thread([&missing] {
@@ -117,7 +117,7 @@ std::size_t report_columns() {
     return std::min(terminal_columns().value_or(kUsual), kMostColumns);
 }
 
-/// What is under way, on a terminal only.
+/// Shows the running measurement; on a terminal only.
 void show_progress(std::string_view text) {
     if (::isatty(STDERR_FILENO) == 1) {
         fmt::print(stderr, "\r\x1b[K{}", text);

@@ -4,8 +4,8 @@
 
 namespace tribus {
 
-/// The subcommand `bench`: what the appliance adds on this machine, beside the least that any
-/// program would.
+/// The subcommand `bench`: measures what tribus adds on this machine, beside the minimum of any
+/// program.
 Command bench_command();
 
 }  // namespace tribus

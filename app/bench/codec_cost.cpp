@@ -26,10 +26,10 @@ namespace {
 constexpr std::size_t kFramesPerRun = 1000;
 constexpr int kLeastRuns = 3;
 
-/// What a compiler cannot prove to be unused.
+/// Keeps the compiler from removing unused results.
 volatile std::size_t sink = 0;
 
-/// What the protocols that need a description of their bus get: 16 channels of 16 bits.
+/// Settings for protocols that need a description of the bus: 16 channels of 16 bits.
 SettingValues dbc_settings() {
     std::string text = "VERSION \"\"\nBU_: A\n";
     SettingTree::Table messages;
@@ -56,7 +56,7 @@ std::optional<SettingValues> settings_for(const Protocol& protocol, SettingScope
     return protocol.name == "dbc" ? std::optional(dbc_settings()) : std::nullopt;
 }
 
-/// The best of several runs of `work` over `kFramesPerRun` frames.
+/// Time per frame of the best of several runs of `work` over `kFramesPerRun` frames.
 template <class Work>
 double best_nanoseconds(Duration length, Work work) {
     double best = std::numeric_limits<double>::max();
@@ -70,7 +70,7 @@ double best_nanoseconds(Duration length, Work work) {
     return best;
 }
 
-/// The instants of a healthy sender, so that no supervision finds fault.
+/// Instants of a regular sender, so that no supervision reports a loss.
 Instant frame_time(std::size_t number) {
     return Instant{} + std::chrono::seconds(1) +
            static_cast<std::int64_t>(number) * std::chrono::milliseconds(10);

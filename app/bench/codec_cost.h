@@ -7,15 +7,15 @@
 
 namespace tribus::bench {
 
-/// Processor time of one protocol's codec for a whole snapshot of the channels.
+/// Processor time of a codec for one snapshot of all channels.
 struct CodecCost {
     std::string protocol;
     double encode_ns = 0;
     double decode_ns = 0;
 };
 
-/// Every protocol of the registry, with its default settings (DBC: 16 channels in four messages),
-/// the best of several runs that take `length` in all.
+/// Measures each protocol of the registry with default settings (DBC: 16 channels in four
+/// messages). Takes `length` in total and reports the best of several runs.
 std::vector<CodecCost> measure_codecs(Duration length);
 
 }  // namespace tribus::bench

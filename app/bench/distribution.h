@@ -8,7 +8,7 @@
 
 namespace tribus::bench {
 
-/// Measured times, smallest first. Pure.
+/// Measured times, sorted. Pure.
 class Distribution {
   public:
     Distribution() = default;
@@ -17,22 +17,22 @@ class Distribution {
     bool empty() const { return sorted_.empty(); }
     std::size_t size() const { return sorted_.size(); }
     std::span<const Duration> sorted() const { return sorted_; }
-    /// The smallest sample that is at least as large as `percent` of all (nearest rank); 100 is the
-    /// largest. Zero where there is none.
+    /// The smallest sample that is at least as large as `percent` of all (nearest rank); 100 gives
+    /// the largest. Zero without samples.
     Duration percentile(double percent) const;
 
   private:
     std::vector<Duration> sorted_;
 };
 
-/// `a` over `b`; zero where `b` is zero.
+/// `a` divided by `b`; zero if `b` is zero.
 double ratio_of(Duration a, Duration b);
 
-/// Of an anchor that was measured twice beside a candidate: what the machine's own noise allows on
-/// top of a bound, A2/A1 and never less than 1.
+/// Factor by which noise of the machine may exceed a bound, from an anchor that was measured twice:
+/// A2/A1, at least 1.
 double noise_allowance(Duration anchor_1, Duration anchor_2);
 
-/// The middle one; the mean of the two middle ones of an even number; zero of none.
+/// The median: for an even number, the mean of the two middle values; zero without values.
 double median_of(std::vector<double> values);
 
 }  // namespace tribus::bench

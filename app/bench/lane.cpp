@@ -14,7 +14,8 @@
 namespace tribus::bench {
 namespace {
 
-/// The line discipline would echo and wait for line ends until the subject has set it up.
+/// Without this, the line discipline would echo and wait for line ends until the subject sets the
+/// terminal up.
 bool make_raw(const std::string& path) {
     const UniqueFd near(::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
     termios settings{};
@@ -34,7 +35,7 @@ WireFrame encoded(const Encoder& encoder, std::uint32_t number) {
 }  // namespace
 
 ChannelFrame numbered_channels(std::uint32_t number) {
-    // Two channels tell the number, in a range that every output carries.
+    // Two channels encode the number, in a range that every output carries.
     constexpr std::uint32_t kSteps = 1000;
     constexpr int kLeast = 1000;
     ChannelFrame frame;

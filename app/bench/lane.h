@@ -14,9 +14,9 @@
 
 namespace tribus::bench {
 
-/// What comes out at the far end for the i.Bus frame that went in.
+/// What must come out at the far end for each i.Bus frame that goes in.
 enum class Carries : std::uint8_t {
-    same,  ///< that frame, byte by byte
+    same,  ///< the same frame, byte by byte
     sbus,  ///< the same channels as SBUS
 };
 
@@ -28,45 +28,46 @@ struct WireFrame {
     bool operator==(const WireFrame&) const = default;
 };
 
-/// Channels that tell a number, and in each channel something of it.
+/// Channels that encode a number; each channel depends on it.
 ChannelFrame numbered_channels(std::uint32_t number);
-/// An i.Bus frame of 18 channels that does, so that a frame made of two is none.
+/// An i.Bus frame of 18 channels with that number; parts of two such frames are never a valid one.
 WireFrame numbered_ibus_frame(std::uint32_t number);
-/// The same as it comes out.
+/// The frame that must come out for that number.
 WireFrame numbered_frame(std::uint32_t number, Carries carries);
 
-/// What a lane has seen. Only ever incremented.
+/// Counters of a lane. Only ever incremented.
 struct LaneCounts {
     std::uint64_t sent = 0;
     std::uint64_t arrived = 0;
-    std::uint64_t repeated = 0;  ///< the frame before, once more
-    std::uint64_t torn = 0;      ///< bytes that are neither
+    std::uint64_t repeated = 0;  ///< the frame before once more
+    std::uint64_t torn = 0;      ///< reads with bytes of no expected frame
 };
 
-/// One way through a subject: two ptys, whose far ends it holds. Allocates nothing after `open`.
+/// One path through a subject: two ptys; the lane holds their far ends. Allocates nothing after
+/// `open`.
 class Lane {
   public:
     static tl::expected<Lane, std::string> open(Carries carries);
 
     const std::string& in_path() const { return in_.path; }
     const std::string& out_path() const { return out_.path; }
-    /// Becomes readable when something has come out.
+    /// Readable when something has come out.
     int out_descriptor() const { return out_.master.get(); }
 
-    /// Sends the next frame. False where the line takes none.
+    /// Sends the next frame. Returns false if the line does not take it.
     bool send();
-    /// Sends bytes that are no frame, but now and then begin like one; made from `seed`.
+    /// Sends bytes that are no frame, although some begin like one; made from `seed`.
     void send_garbage(std::size_t count, std::uint32_t seed);
-    /// Reads what has come out. True when the frame that was sent last has now arrived whole.
+    /// Reads what has come out. Returns true if this completed the frame that was sent last.
     bool receive();
-    /// Just before the bytes of the frame that was sent last were written.
+    /// Just before the last frame was written.
     Instant sent_at() const { return sent_at_; }
     bool outstanding() const { return outstanding_; }
-    /// The frame that was sent last is not waited for any longer.
+    /// Stops waiting for the last frame.
     void give_up() { outstanding_ = false; }
-    /// Throws away what has come out.
+    /// Discards what has come out.
     void drain();
-    /// Forgets the counts so far.
+    /// Resets the counters.
     void start_counting();
 
     const LaneCounts& counts() const { return counts_; }

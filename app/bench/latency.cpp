@@ -16,7 +16,7 @@ namespace {
 /// A frame that takes longer is lost; far longer than any stall of a machine.
 constexpr Duration kLostAfter = std::chrono::milliseconds(500);
 
-/// The first frames come after a pause, and are no picture of what follows.
+/// The first frames come after a pause and are not typical.
 constexpr std::uint64_t kFirstLatencyFrames = 20;
 
 Duration used_by(const Subject& subject) {
@@ -35,8 +35,8 @@ LatencyResult result_of(const Subject& subject, std::vector<Duration> samples, D
     return result;
 }
 
-/// The tester of many lanes at once. Each lane has its own place in the period, so that one which
-/// stalls does not move the frames of the others.
+/// Tests many lanes at the same time. Each lane has its own place in the period, so that a stalled
+/// lane does not shift the frames of others.
 class Driver {
   public:
     Driver(std::vector<Lane*> lanes, const DriveSettings& settings)
@@ -64,7 +64,7 @@ class Driver {
         for (std::uint64_t turn = 0; turn < turns && !interrupted(); ++turn) {
             receive_until(next);
             const Instant now = monotonic_now();
-            // Frames closer to each other than a period would wait for it in the subject.
+            // Frames closer together than a period would have to wait in the subject.
             next = (now - next > settings_.period / 8 ? now : next) + step;
             for (std::size_t i = 0; i < at_once; ++i) {
                 if (lanes_[lane]->outstanding() && now - lanes_[lane]->sent_at() > kLostAfter) {

@@ -10,7 +10,7 @@
 
 namespace tribus::bench {
 
-/// What one subject did to the frames that it was given.
+/// Latency and losses of one subject.
 struct LatencyResult {
     Distribution latency;  ///< from before the write of a frame to after the read of its last byte
     std::uint64_t lost = 0;
@@ -18,23 +18,23 @@ struct LatencyResult {
     Duration processor_time_per_frame{};
 };
 
-/// Time from one frame to the next, as a receiver's.
+/// Time between two frames, as from a receiver.
 inline constexpr Duration kFramePeriod = std::chrono::milliseconds(7);
 
-/// Gives each of the subjects a frame in each period, one after the other, so that all of them see
-/// the same machine, and none another one's frame. For `length`, or until interrupted. The calling
-/// thread should have `TesterPriority`. One result for each subject.
+/// Gives each subject one frame in each period, one after the other, so that all see the same
+/// machine and none is disturbed by another's frame. Ends after `length` or when interrupted. The
+/// calling thread should hold a `TesterPriority`. Returns one result for each subject.
 std::vector<LatencyResult> measure_latency(std::span<Subject* const> subjects, Duration length);
 
-/// How the lanes of one subject are used at the same time.
+/// How all lanes of one subject are driven.
 struct DriveSettings {
     Duration period = kFramePeriod;  ///< of each lane
-    std::uint64_t rounds = 0;        ///< frames a lane
-    bool at_one_instant = false;     ///< all lanes at once, else spread evenly over the period
+    std::uint64_t rounds = 0;        ///< frames for each lane
+    bool at_one_instant = false;  ///< send on all lanes at once, instead of evenly over the period
 };
 
-/// Sends through all lanes of a subject at once, and judges what comes out. A lane whose last frame
-/// is still under way misses its turn.
+/// Sends through all lanes of a subject and checks what comes out. A lane whose last frame is still
+/// on its way skips its turn.
 LatencyResult drive(Subject& subject, const DriveSettings& settings);
 
 }  // namespace tribus::bench

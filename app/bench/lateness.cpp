@@ -22,7 +22,7 @@
 namespace tribus::bench {
 namespace {
 
-/// The devices are never opened: the output gets a link of ours, the input none.
+/// The devices are never opened: the output gets a StampingLink, the input none.
 constexpr const char* kConfiguration = R"([input.receiver]
 protocol = "ibus"
 device = "/dev/receiver"
@@ -45,7 +45,7 @@ SchedulingSettings scheduling_of(const LatenessSettings& settings) {
     return scheduling;
 }
 
-/// The first samples are of a thread that is not warm yet.
+/// The first samples come from a thread that is not warmed up.
 constexpr std::size_t kWarmUp = 4;
 
 /// A deadline is a whole number of periods before the next one.

@@ -30,7 +30,7 @@ ApplianceSettings appliance_settings(const BenchSettings& settings) {
     return appliance;
 }
 
-/// p50, p90 and p99 of both, judged by what the anchor does beside itself.
+/// Adds p50, p90 and p99, judged with the noise between the two measurements of the anchor.
 void add_percentiles(Report& report, std::string_view group, const Distribution& figure,
                      const Distribution& anchor, const Distribution& anchor_again,
                      const std::string& peer) {
@@ -178,7 +178,8 @@ tl::expected<Duration, std::string> time_per_frame(tl::expected<Subject, std::st
     return drive(*subject, {.rounds = std::max<std::uint64_t>(rounds, 1)}).processor_time_per_frame;
 }
 
-/// How many fill one core, if the cost of further ones stays what it was between 1 and `many`.
+/// The number of pipelines that fill one core, if each further one costs what it did between 1 and
+/// `many`.
 double pipelines_per_core(Duration one, Duration each_of_many, std::size_t many) {
     const auto n = static_cast<double>(many);
     const double whole = static_cast<double>(each_of_many.count()) * n;

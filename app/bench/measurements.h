@@ -16,12 +16,12 @@
 /// is a sentence.
 namespace tribus::bench {
 
-/// How all of them are done.
+/// Settings of all measurements.
 struct BenchSettings {
     Duration length = std::chrono::seconds(20);  ///< of all together
-    std::optional<int> priority;                 ///< real time where it is permitted
+    std::optional<int> priority;                 ///< real-time priority, if permitted
     std::vector<Requirement> requirements;
-    /// Two real ports joined by a wire, for the latency.
+    /// Two real ports connected by a wire, for the latency.
     struct Ports {
         std::string in;
         std::string out;
@@ -37,7 +37,7 @@ Measured add_age(Report& report, const BenchSettings& settings, Duration length)
 Measured add_codecs(Report& report, const BenchSettings& settings, Duration length);
 Measured add_capacity(Report& report, const BenchSettings& settings, Duration length);
 
-/// One of them, with its share of the whole time.
+/// One measurement, with its share of the total time.
 struct BenchPart {
     std::string_view name;
     double share = 0;

@@ -17,23 +17,23 @@ namespace {
 constexpr double kWidth = 760;
 constexpr double kPanelHeight = 300;
 constexpr double kLeft = 80;
-constexpr double kRight = 180;  // the legend stands there
+constexpr double kRight = 180;  // room for the legend
 constexpr double kTop = 40;
 constexpr double kBottom = 45;
-/// The rarest share that is drawn: one frame in ten thousand.
+/// The rarest share that is drawn: 10^-4, one frame in ten thousand.
 constexpr double kRarest = 4;
 constexpr std::array<const char*, 6> kColours{"#0072b2", "#d55e00", "#009e73",
                                               "#cc79a7", "#56b4e9", "#e69f00"};
 
-/// Where one group of curves stands.
+/// The place of one group of curves.
 struct Panel {
     std::string name;
     std::vector<const Curve*> curves{};
     double top = 0;
-    double least = 0;  ///< powers of ten of a nanosecond
+    double least = 0;  ///< exponents of ten, in nanoseconds
     double most = 1;
 
-    /// 0 % at the left; each step of the same length is ten times rarer.
+    /// 0 % is at the left; equal steps to the right are each ten times rarer.
     double x(double percent) const {
         const double rarity = -std::log10(std::max(1 - percent / 100, std::pow(10, -kRarest)));
         return kLeft + rarity / kRarest * (kWidth - kLeft - kRight);

@@ -32,13 +32,13 @@ namespace {
 
 using Stamp = StampingLink::Stamp;
 
-/// A frame is known again by its first channels, which stand in its first eight bytes.
+/// Frames are recognised by their first channels, which are in their first eight bytes.
 std::uint64_t beginning_of(std::uint32_t number) {
     const WireFrame frame = numbered_ibus_frame(number);
     return StampingLink::beginning_of({frame.bytes.data(), frame.length});
 }
 
-/// Writes frames until all are sent; when each was begun.
+/// Writes all frames; returns the instant at which each was begun.
 std::vector<Instant> send_frames(ByteLink& out, std::size_t frames) {
     std::vector<Instant> sent_at;
     sent_at.reserve(frames);
@@ -51,7 +51,7 @@ std::vector<Instant> send_frames(ByteLink& out, std::size_t frames) {
         sent_at.push_back(monotonic_now());
         out.write({frame.bytes.data(), frame.length});
     }
-    // What is under way still arrives.
+    // Waits for frames that are still on their way.
     sleep_until(monotonic_now() + 4 * kFramePeriod);
     return sent_at;
 }
@@ -71,7 +71,7 @@ Distribution matched(const std::vector<Instant>& sent_at, const std::vector<Stam
     return Distribution(std::move(times));
 }
 
-/// Waits, reads, and stamps each frame that is complete.
+/// Waits, reads, and stamps each complete frame.
 void read_bare(ByteLink& in, std::optional<int> priority, std::vector<Stamp>& stamps,
                const std::atomic<bool>& end) {
     SchedulingSettings scheduling;

@@ -10,16 +10,16 @@
 
 namespace tribus::bench {
 
-/// From the write of an i.Bus frame at one real port to its values at hand behind another, which a
-/// wire joins to it: the time on the wire is in all of them.
+/// Time from writing an i.Bus frame at one real port to having its values behind another port,
+/// connected by a wire. All figures include the time on the wire.
 struct PortsResult {
-    Distribution engine;  ///< to the write of the translated frame, by the product's data thread
-    Distribution bare;    ///< to the read of the last byte, by a thread that only waits and reads
+    Distribution engine;  ///< until the data thread of tribus writes the translated frame
+    Distribution bare;    ///< until a thread that only waits and reads has the last byte
     Distribution bare_again;
 };
 
-/// Writes on `out`, reads on `in`: the bare reader, the product, the bare reader again, each for a
-/// third of `length`. The error is a sentence.
+/// Writes on `out` and reads on `in`: first the bare reader, then tribus, then the bare reader
+/// again, each for a third of `length`. The error is a sentence.
 tl::expected<PortsResult, std::string> measure_ports(const std::string& in, const std::string& out,
                                                      std::optional<int> priority, Duration length);
 

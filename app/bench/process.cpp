@@ -24,13 +24,13 @@ namespace {
 constexpr int kCannotStart = 127;
 constexpr int kBySignal = 128;
 
-/// In the new process: it shares no fate with the terminal, only with its parent.
+/// Sets up the new process: it ends with its parent, and signals of the terminal do not reach it.
 void settle(pid_t parent, int errors) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) {
         ::_exit(kCannotStart);
     }
-    // Not a session of its own: the scheduler would give each one an equal share of the processor
+    // Not in its own session: the scheduler would give each session an equal share of the processor
     // (sched_autogroup), which programs started from one shell do not have.
     ::setpgid(0, 0);
     sigset_t none;
@@ -53,7 +53,7 @@ std::string content_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// The number behind `name` in a file of lines such as "VmRSS:   1234 kB".
+/// The number after `name` in a file with lines such as "VmRSS:   1234 kB".
 std::size_t kilobytes(const std::string& status, std::string_view name) {
     const std::size_t at = status.find(name);
     if (at == std::string::npos) {
@@ -146,7 +146,7 @@ bool Process::runs() {
 
 int Process::end() {
     constexpr int kPolls = 2000;
-    // Asked more than once: one that has just been forked still takes signals for its parent.
+    // Repeated, because a process that was just forked still has its parent's signal handlers.
     constexpr int kPollsPerRequest = 100;
     constexpr timespec kMillisecond{.tv_sec = 0, .tv_nsec = 1'000'000};
     for (int i = 0; i < kPolls && runs(); ++i) {
@@ -177,7 +177,7 @@ std::optional<ProcessUsage> usage_of(pid_t process) {
     constexpr std::size_t kKilobyte = 1024;
     const std::filesystem::path folder = "/proc/" + std::to_string(process);
     const std::string stat = content_of(folder / "stat");
-    // The name, in brackets, may hold anything.
+    // The name in brackets may contain anything.
     const std::size_t name_end = stat.rfind(')');
     if (name_end == std::string::npos) {
         return std::nullopt;

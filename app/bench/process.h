@@ -16,14 +16,15 @@
 
 namespace tribus::bench {
 
-/// A process that a measurement needs. It ends with its object, and with the thread that started
-/// it, however that ends. Thread-bound.
+/// A process used by a measurement. It ends with its object, and with the thread that started it.
+/// Thread-bound.
 class Process {
   public:
-    /// A copy of this process that does nothing but `body`, which allocates nothing.
+    /// A copy of this process that only runs `body`, which must not allocate.
     static tl::expected<Process, std::string> fork(const std::function<int()>& body);
-    /// A program, the first of `words`, found as a shell would. Of the descriptors that close on
-    /// exec it gets `passed` all the same. `environment` adds NAME=VALUE.
+    /// Runs a program; `words` is its command line, and its first word is looked up in $PATH. The
+    /// program inherits the descriptors `passed` although they close on exec. `environment` adds
+    /// NAME=VALUE. The error is a sentence.
     static tl::expected<Process, std::string> execute(
         const std::vector<std::string>& words, const std::vector<int>& passed = {},
         const std::vector<std::string>& environment = {});
@@ -36,10 +37,10 @@ class Process {
 
     pid_t id() const { return id_; }
     bool runs();
-    /// Asks it to end, and ends it where it does not within two seconds. Returns its exit status,
-    /// or 128 and the signal that ended it.
+    /// Terminates the process, after two seconds by SIGKILL. Returns its exit status, or 128 plus
+    /// the signal that ended it.
     int end();
-    /// What it said to standard error so far.
+    /// Its standard error so far.
     std::string errors() const;
 
   private:
@@ -50,16 +51,16 @@ class Process {
     std::optional<int> ended_;
 };
 
-/// What a process has used since it started, and has now.
+/// Resources of a process: some since its start, some at present.
 struct ProcessUsage {
-    Duration processor_time{};  ///< of all its threads that live
+    Duration processor_time{};  ///< of all its living threads
     std::uint64_t minor_faults = 0;
     std::uint64_t major_faults = 0;
     std::size_t resident_bytes = 0;
     std::size_t locked_bytes = 0;
 };
 
-/// Nothing where there is no such process.
+/// Nothing if there is no such process.
 std::optional<ProcessUsage> usage_of(pid_t process);
 
 }  // namespace tribus::bench

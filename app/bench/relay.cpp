@@ -33,7 +33,7 @@ int open_raw(const std::string& device) {
     return ::tcsetattr(descriptor, TCSANOW, &settings) == 0 ? descriptor : -1;
 }
 
-/// False where the other side is gone.
+/// Returns false if the other side is gone.
 bool carry(const Ends& ends) {
     std::array<std::uint8_t, 256> buffer;
     const ssize_t count = ::read(ends.in, buffer.data(), buffer.size());

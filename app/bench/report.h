@@ -10,7 +10,7 @@
 
 namespace tribus::bench {
 
-/// One figure, and what it is held against.
+/// One figure and the one that it is compared with.
 struct Measurement {
     std::string group;  ///< "latency", "lateness", "age", "codecs" or "capacity"
     std::string what;
@@ -31,24 +31,24 @@ struct Curve {
     Distribution times;
 };
 
-/// All that `tribus bench` found out.
+/// Result of `tribus bench`.
 struct Report {
-    std::vector<std::string> missing;  ///< what was not permitted, as sentences
+    std::vector<std::string> missing;  ///< what was not permitted, in sentences
     std::vector<Measurement> measurements;
     std::vector<Curve> curves;
-    std::vector<std::string> broken;  ///< requirements that do not hold, as sentences
+    std::vector<std::string> broken;  ///< requirements that do not hold, in sentences
 
     void add(std::string_view group, std::string what, Duration figure,
              std::optional<Duration> anchor, std::string reading);
 };
 
-/// For a person, at that width.
+/// For people, at most `columns` wide.
 std::string report_text(const Report& report, std::size_t columns);
 /// One JSON object; times in nanoseconds.
 std::string report_json(const Report& report);
 
-/// The distributions as a drawing: one panel a group, percentiles to the right, time upwards, both
-/// so that the rare and late ones are seen.
+/// The distributions as a drawing: one panel a group, percentiles to the right, time upwards; both
+/// scales are logarithmic, to show rare and late frames.
 std::string report_svg(const Report& report);
 
 }  // namespace tribus::bench

@@ -75,7 +75,7 @@ std::string short_time(Duration duration) {
     const auto count = static_cast<double>(duration.count());
     for (const auto& [size, unit] : kUnits) {
         const double value = count / size;
-        // What rounds up to the next larger unit is written in that.
+        // A value that rounds up to the next larger unit is written in that unit.
         if (std::abs(value) >= 0.9995 || size == 1) {
             const double digits = std::floor(std::log10(std::max(std::abs(value), 1.0))) + 1;
             const int decimals = size == 1 ? 0 : std::max(0, kDigits - static_cast<int>(digits));

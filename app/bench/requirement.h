@@ -10,21 +10,23 @@
 
 namespace tribus::bench {
 
-/// What `--require` asks of the latency.
+/// A requirement of `--require` on the latency.
 struct Requirement {
-    std::string text;  ///< as it was written
+    std::string text;  ///< as given
     double percent = 0;
-    bool added = false;  ///< over the bare relay's, instead of the whole
+    bool added = false;  ///< compare the difference to the bare relay, not the whole latency
     Duration most{};
 };
 
-/// "p99=200us", "added-p50=20us": p50, p90 or p99, and a duration. The error says what is allowed.
+/// Parses "p99=200us" or "added-p50=20us": p50, p90 or p99, and a duration. The error says what is
+/// allowed.
 tl::expected<Requirement, std::string> parse_requirement(std::string_view text);
 
-/// A sentence where the measured percentiles, the daemon's and the bare relay's, break it.
+/// A sentence if the measured percentiles of tribus (`whole`) and the bare relay break the
+/// requirement.
 std::optional<std::string> broken(const Requirement& requirement, Duration whole, Duration bare);
 
-/// "850ns", "42us", "3.51ms", "1.2s": three digits of it.
+/// "850ns", "42us", "3.51ms", "1.2s": at most three digits.
 std::string short_time(Duration duration);
 
 }  // namespace tribus::bench

@@ -11,16 +11,16 @@
 
 namespace tribus::bench {
 
-/// A link that takes every frame and notes when it came and how it began, nothing else. Allocates
-/// only when made. Thread-bound; its notes may be read when the thread that wrote has ended.
+/// A link that accepts every frame and records its time and first bytes. Allocates only in its
+/// constructor. Thread-bound; the stamps may be read when the writing thread has ended.
 class StampingLink final : public ByteLink {
   public:
     struct Stamp {
         Instant at{};
-        std::uint64_t beginning = 0;  ///< the first eight bytes
+        std::uint64_t beginning = 0;  ///< first eight bytes of the frame
         Instant due_next{};           ///< the output's next deadline
     };
-    /// Of an output's frames. What goes beyond `most` is not noted.
+    /// Records frames of `output`, at most `most`.
     StampingLink(const Output& output, std::vector<Stamp>& stamps, std::size_t most)
         : output_(output), stamps_(stamps), most_(most) {
         stamps_.reserve(most);

@@ -17,7 +17,7 @@
 namespace tribus::bench {
 namespace {
 
-/// Longer than any program needs to start, on a loaded machine too.
+/// Longer than any program needs to start, even on a loaded machine.
 constexpr Duration kPatience = std::chrono::seconds(10);
 
 tl::expected<std::vector<Lane>, std::string> open_lanes(std::size_t count, Carries carries) {
@@ -48,7 +48,7 @@ std::string output_text(const std::string& name, const std::string& device,
         settings.period / std::chrono::microseconds(1));
 }
 
-/// All 18 channels through a rule, as a user's own map has.
+/// All 18 channels go through a rule, as in a user's map.
 std::string pipeline_text(std::size_t lane, const std::string& outputs) {
     std::string text = fmt::format(
         "[pipeline.p{0}]\nfrom = \"in{0}\"\nto = [{1}]\n[pipeline.p{0}.channels]\n", lane, outputs);
@@ -71,7 +71,7 @@ std::string runtime_text(const ApplianceSettings& settings) {
 
 tl::expected<Process, std::string> run_configuration(const std::string& text,
                                                      const ApplianceSettings& settings) {
-    // In memory, so that nothing is left behind whatever happens.
+    // In memory, so that no file is left behind.
     const UniqueFd file(::memfd_create("configuration", MFD_CLOEXEC));
     if (::write(file.get(), text.data(), text.size()) != static_cast<ssize_t>(text.size())) {
         return tl::unexpected(std::string("no memory for a configuration"));
@@ -189,7 +189,7 @@ tl::expected<void, std::string> Subject::wait_until_it_carries(Duration interval
         next += interval;
         sleep_until(next);
     }
-    // What is under way still arrives.
+    // Waits for frames that are still on their way.
     sleep_until(monotonic_now() + std::chrono::milliseconds(20));
     for (Lane& lane : lanes_) {
         lane.drain();

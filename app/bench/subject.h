@@ -16,31 +16,32 @@
 
 namespace tribus::bench {
 
-/// How `tribus run` is set up to carry i.Bus frames of 18 channels.
+/// How `tribus run` is configured to carry i.Bus frames of 18 channels.
 struct ApplianceSettings {
     std::string program = "/proc/self/exe";
     Carries carries = Carries::same;
     /// Least time between two frames of an output. Long enough that `follow` waits for the next
-    /// frame instead of repeating the last, short enough that a late one seldom holds up the next.
+    /// frame instead of repeating the last one; short enough that a late frame seldom delays the
+    /// next.
     Duration period = std::chrono::milliseconds(5);
-    std::optional<int> priority;  ///< real time, or without
+    std::optional<int> priority;  ///< real-time priority; empty: none
     std::optional<int> cpu;
-    std::size_t outputs_per_input = 1;  ///< all but the first are drained only
+    std::size_t outputs_per_input = 1;  ///< outputs after the first are only drained
     std::vector<std::string> environment;
-    /// Words before the program: another one that runs and watches it.
+    /// Words before the program: another program that runs and watches it.
     std::vector<std::string> in_front{};
 };
 
-/// Its table [runtime].
+/// The table [runtime] of the configuration.
 std::string runtime_text(const ApplianceSettings& settings);
 
-/// `tribus run` with this text as its configuration.
+/// Starts `tribus run` with this configuration text. The error is a sentence.
 tl::expected<Process, std::string> run_configuration(const std::string& text,
                                                      const ApplianceSettings& settings);
-/// Until `tribus run` has said that it has started. The error is what it said instead.
+/// Waits until `tribus run` reports its start. The error is its output otherwise.
 tl::expected<void, std::string> wait_until_started(Process& process);
 
-/// The configuration that says so, for the devices of these lanes.
+/// The configuration text for the devices of these lanes.
 std::string configuration_text(const std::vector<Lane>& lanes, const ApplianceSettings& settings,
                                const std::vector<Pty>& further_outputs);
 
@@ -50,10 +51,10 @@ class Subject {
     /// The bare relay.
     static tl::expected<Subject, std::string> relay(std::size_t lanes,
                                                     const RelaySettings& settings);
-    /// The product.
+    /// `tribus run`.
     static tl::expected<Subject, std::string> appliance(std::size_t lanes,
                                                         const ApplianceSettings& settings);
-    /// Any other program for one lane; {in} and {out} in a word stand for its devices.
+    /// Any other program, with one lane; {in} and {out} in a word stand for its devices.
     static tl::expected<Subject, std::string> command(const std::vector<std::string>& words);
 
     std::vector<Lane>& lanes() { return lanes_; }
@@ -61,15 +62,15 @@ class Subject {
     Process& process() { return process_; }
     std::optional<ProcessUsage> usage() const { return usage_of(process_.id()); }
 
-    /// Sends until a frame has come out of every lane, each `interval`. The error says why none
-    /// does.
+    /// Sends on each lane, each `interval`, until a frame has come out of every lane. The error
+    /// says why that fails.
     tl::expected<void, std::string> wait_until_it_carries(
         Duration interval = std::chrono::milliseconds(5));
 
-    /// Throws away what came out of the outputs beyond the first.
+    /// Discards what came out of the outputs after the first.
     void drain_further_outputs();
 
-    /// Frames that came out, those that were sent and did not, and those that came out broken.
+    /// Frames that came out, that did not come out, and that came out broken.
     std::uint64_t arrived() const;
     std::uint64_t lost() const;
     std::uint64_t torn() const;

@@ -15,7 +15,7 @@ constexpr std::size_t kFigureWidth = 9;
 constexpr std::size_t kRatioWidth = 6;
 constexpr std::size_t kColumns = 5;
 
-/// Breaks at spaces; a word that is longer than `width` is cut.
+/// Breaks at blanks; a word longer than `width` is cut.
 std::vector<std::string> wrap(std::string_view text, std::size_t width) {
     std::vector<std::string> lines{""};
     while (!text.empty()) {
@@ -66,7 +66,7 @@ void append_row(std::string& table, const std::array<std::string, kColumns>& tex
 
 std::string draw_table(std::span<const Row> rows, std::size_t columns) {
     columns = std::max(columns, kLeastTableColumns);
-    // What is left of the line goes to the two columns of words, and five spaces between them.
+    // The rest of the line is shared by the two text columns; five blanks separate columns.
     const std::size_t words = columns - 2 * kFigureWidth - kRatioWidth - kColumns;
     const std::size_t what = words * 45 / 100;
     const std::array<std::size_t, kColumns> widths{what, kFigureWidth, kFigureWidth, kRatioWidth,

@@ -6,23 +6,24 @@
 
 namespace tribus::bench {
 
-/// One line of the result: what was measured, beside the same without the appliance.
+/// One row of the result: a measurement, beside the same without tribus.
 struct Row {
     std::string what;
     std::string figure{};
-    std::string anchor{};           ///< empty where there is nothing to compare with
-    std::optional<double> ratio{};  ///< figure over anchor
-    std::string reading{};          ///< in a few words
+    std::string anchor{};           ///< empty if there is nothing to compare with
+    std::optional<double> ratio{};  ///< figure divided by anchor
+    std::string reading{};          ///< the meaning in a few words
 };
 
-/// The least that `draw_table` keeps to.
+/// Smallest width that `draw_table` uses.
 inline constexpr std::size_t kLeastTableColumns = 60;
 
-/// A table no wider than `columns`, at least `kLeastTableColumns`: words that do not fit go on in
-/// the next line of their column. A row with nothing but `what` is a heading. Pure.
+/// A table at most `columns` wide, but at least `kLeastTableColumns`. Words that do not fit
+/// continue on the next line of their column. A row with only `what` is a heading. Pure.
 std::string draw_table(std::span<const Row> rows, std::size_t columns);
 
-/// What a ratio means: `noise` is that of the anchor to itself. `peer` names the anchor.
+/// The meaning of a ratio in words. `noise` is the ratio of the anchor to itself; `peer` names the
+/// anchor.
 std::string reading_of(double ratio, double noise, const std::string& peer);
 
 }  // namespace tribus::bench

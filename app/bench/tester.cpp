@@ -15,7 +15,7 @@
 namespace tribus::bench {
 namespace {
 
-/// Above the data thread and everything that a person is likely to have set.
+/// Above the data thread and everything that users probably configured.
 constexpr int kTesterPriority = 90;
 
 volatile std::sig_atomic_t interruption = 0;

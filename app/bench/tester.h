@@ -10,8 +10,8 @@
 
 namespace tribus::bench {
 
-/// Keeps the processors awake for as long as it lives, where that is permitted: a sleeping one
-/// takes several times as long to answer, and that is none of what is measured.
+/// Keeps the processors awake while it lives, if permitted: a sleeping processor answers several
+/// times slower, which is not what is measured.
 class AwakeProcessors {
   public:
     AwakeProcessors();
@@ -21,8 +21,8 @@ class AwakeProcessors {
     UniqueFd request_;
 };
 
-/// The calling thread as a tester, for as long as it lives: SCHED_FIFO above all that it measures,
-/// on CPU 0 where there are more, its memory locked. What is not permitted is left out. Processes
+/// Makes the calling thread a tester while it lives: SCHED_FIFO above everything that it measures,
+/// on CPU 0 if there are several, with locked memory. Skips what is not permitted. Processes
 /// started meanwhile do not inherit the priority.
 class TesterPriority {
   public:
@@ -38,15 +38,15 @@ class TesterPriority {
     bool locked_ = false;
 };
 
-/// The calling thread may have SCHED_FIFO at `priority` and locked memory.
+/// True if the calling thread may use SCHED_FIFO at `priority` and lock memory.
 bool realtime_permitted(int priority);
 
 int processor_count();
 
-/// Sleeps until `instant`, on the clock of `monotonic_now`; less where a signal comes.
+/// Sleeps until `instant`, on the clock of `monotonic_now`; a signal ends it early.
 void sleep_until(Instant instant);
 
-/// From here on Ctrl-C and SIGTERM only set what `interrupted` says.
+/// From now on Ctrl-C and SIGTERM only make `interrupted` true.
 void watch_for_interruption();
 bool interrupted();
 
