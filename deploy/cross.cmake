@@ -8,7 +8,7 @@ if(TRIBUS_DEBIAN_ARCHITECTURE STREQUAL "arm64")
 elseif(TRIBUS_DEBIAN_ARCHITECTURE STREQUAL "armhf")
     set(CMAKE_SYSTEM_PROCESSOR armv7l)
     set(CMAKE_LIBRARY_ARCHITECTURE arm-linux-gnueabihf)
-    # It notes what differs from GCC 6, which compiled nothing that this is linked with.
+    # Hides notes on an ABI change in GCC 7: nothing that is linked is older.
     set(CMAKE_CXX_FLAGS_INIT -Wno-psabi)
 else()
     message(FATAL_ERROR "TRIBUS_DEBIAN_ARCHITECTURE is neither arm64 nor armhf")

@@ -1,25 +1,25 @@
-# Shared by the two commands of the README; sourced, not run.
-# Says what it does, asks nothing, and does only what is still missing.
+# Functions for the two commands of the README; sourced, not run.
+# They print what they do, ask nothing, and do only what is still missing.
 
 set -eu
 
-# Packages of Debian 12 that the program is built from.
+# Packages of Debian 12 that building the program needs.
 build_libraries="libcli11-dev libexpected-dev libfmt-dev libgpiod-dev libspdlog-dev
     libtomlplusplus-dev nlohmann-json3-dev"
 build_packages="ca-certificates cmake g++ ninja-build pkg-config $build_libraries"
-# What makes a Debian package of it (deploy/package.sh).
+# Packages that deploy/package.sh needs.
 package_packages="dpkg-dev file gzip lintian"
-# And those that its tests need.
+# Packages that the tests need.
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
 test_packages="$test_libraries python3 python3-canmatrix python3-jsonschema sigrok-cli tshark"
-# What counts instructions (tests/bench), on this processor and on an emulated one.
+# Packages that count instructions (tests/bench), on this processor and on an emulated one.
 bench_packages="g++-aarch64-linux-gnu qemu-user valgrind"
-# The laboratory (tests/lab): an emulator, and what its guests run from the host's files.
+# Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
-# Its full tier builds kernel modules and the package, its service tier a Debian that gets that.
+# Its full tier builds kernel modules and the package; its service tier installs that on a Debian.
 lab_full_packages="bc gcc-12 libelf1 make $package_packages"
 lab_service_packages="genext2fs mmdebstrap $package_packages"
-# Its guests with the processors of boards (tests/lab/prepare_board.sh).
+# Packages for its guests with the processors of boards (tests/lab/prepare_board.sh).
 board_packages="cpio kmod mmdebstrap qemu-system-arm"
 
 as_root() {
@@ -30,7 +30,7 @@ as_root() {
     fi
 }
 
-# install_packages NAME...: those that are not there yet.
+# install_packages NAME...: installs those that are missing.
 install_packages() {
     missing=""
     for package in "$@"; do
@@ -45,7 +45,7 @@ install_packages() {
         apt-get -q install --yes --no-install-recommends $missing >&2
 }
 
-# How many compilers may run at once: one a processor, and 1.3 GiB of memory for each.
+# Number of compilers that may run at once: one for each processor and for each 1.3 GiB of memory.
 compilers() {
     processors=$(nproc)
     fit=$(awk '/^MemAvailable:/ { print int($2 / 1300000) }' /proc/meminfo)
@@ -53,7 +53,7 @@ compilers() {
     [ "$fit" -lt "$processors" ] && echo "$fit" || echo "$processors"
 }
 
-# build ON|OFF TARGET...: with or without the tests.
+# build ON|OFF TARGET...: builds with or without the tests.
 build() {
     tests=$1
     shift

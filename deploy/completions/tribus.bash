@@ -1,4 +1,4 @@
-# bash completion for tribus. It asks `tribus --help`, so it knows what the program knows.
+# bash completion for tribus. It reads `tribus --help`, so it always fits the program.
 
 _tribus()
 {
@@ -10,7 +10,7 @@ _tribus()
     fi
     help=$("$program" "${words[@]}" --help 2>/dev/null) || return 0
     if ((COMP_CWORD > 1)) && [[ $current != -* ]]; then
-        # An option's choices stand in its line: --format TEXT:{toml,json}
+        # The choices of an option are in its line: --format TEXT:{toml,json}
         local choices
         choices=$(sed -n "s/^ *\(-[a-zA-Z],\)\{0,1\}$previous [^{]*{\([^}]*\)}.*/\2/p" <<<"$help")
         if [[ $previous == --* && -n $choices ]]; then

@@ -1,4 +1,4 @@
-# fish completion for tribus. It asks `tribus --help`, so it knows what the program knows.
+# fish completion for tribus. It reads `tribus --help`, so it always fits the program.
 
 function __tribus_commands
     tribus --help | string match -rg '^  ([a-z][a-z0-9-]*  +.*)$' | string replace -r '  +' \t
@@ -9,7 +9,7 @@ function __tribus_options
     tribus $words[2] --help 2>/dev/null | string match -rg '^ +(?:-[a-zA-Z],)?(--[a-z0-9_-]+)'
 end
 
-# An option's choices stand in its line: --format TEXT:{toml,json}
+# The choices of an option are in its line: --format TEXT:{toml,json}
 function __tribus_choices
     set -l words (commandline -opc)
     tribus $words[2] --help 2>/dev/null |
