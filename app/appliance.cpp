@@ -182,7 +182,7 @@ std::vector<Appliance::DeviceEvent> Appliance::devices() const {
     return all;
 }
 
-std::vector<Appliance::DeviceEvent> Appliance::tend() {
+std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
     std::vector<DeviceEvent> events;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
         const std::string name = device_name(plans_[port].config);
@@ -198,14 +198,14 @@ std::vector<Appliance::DeviceEvent> Appliance::tend() {
             }
         }
     }
-    tend_lines(events);
+    reopen_lines(events);
     return events;
 }
 
-void Appliance::tend_lines(std::vector<DeviceEvent>& events) {
+void Appliance::reopen_lines(std::vector<DeviceEvent>& events) {
     // Finding a line queries all lines of all chips; about once a second is enough.
-    constexpr int kTendsPerOpening = 5;
-    tends_until_opening_ = tends_until_opening_ == 0 ? kTendsPerOpening : tends_until_opening_ - 1;
+    constexpr int kCallsPerOpening = 5;
+    calls_until_opening_ = calls_until_opening_ == 0 ? kCallsPerOpening : calls_until_opening_ - 1;
     for (std::size_t i = 0; i < missing_lines_.size(); ++i) {
         const LineConfig& config = configuration_.lines[i];
         const std::string name = device_name(config);
@@ -213,7 +213,7 @@ void Appliance::tend_lines(std::vector<DeviceEvent>& events) {
             missing_lines_[i] = true;
             events.push_back({name, false});
         }
-        if (missing_lines_[i] && tends_until_opening_ == 0) {
+        if (missing_lines_[i] && calls_until_opening_ == 0) {
             if (auto line = open_line(configuration_, config)) {
                 gpio_thread_->give(i, std::move(*line));
                 missing_lines_[i] = false;

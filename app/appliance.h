@@ -66,7 +66,7 @@ class Appliance {
     /// The present state of each, as events.
     std::vector<DeviceEvent> devices() const;
     /// Closes devices that vanished and opens those that are back. Call it a few times a second.
-    std::vector<DeviceEvent> tend();
+    std::vector<DeviceEvent> reopen_devices();
 
     /// Each output sends its last frames as its failsafe demands; returns when that is done.
     void end();
@@ -135,7 +135,7 @@ class Appliance {
                                           std::vector<std::unique_ptr<HeldLine>> lines);
     tl::expected<void, std::string> make_recorder(Appliance* before);
     void settle_recorder();
-    void tend_lines(std::vector<DeviceEvent>& events);
+    void reopen_lines(std::vector<DeviceEvent>& events);
     LoopSettings loop_settings(LineExchange* lines);
     PortCarry carry_port(const PortPlan& plan, const Appliance& before) const;
     bool same_can_use(const PortPlan& plan, const Appliance& before,
@@ -159,7 +159,7 @@ class Appliance {
     std::unique_ptr<LineExchange> line_exchange_;
     std::unique_ptr<GpioThread> gpio_thread_;
     std::vector<bool> missing_lines_;
-    int tends_until_opening_ = 0;
+    int calls_until_opening_ = 0;
     std::unique_ptr<Loop> loop_;
     std::unique_ptr<DataThread> thread_;
     std::vector<std::string> missing_realtime_;

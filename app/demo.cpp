@@ -176,7 +176,7 @@ class Demo {
             if (::sigtimedwait(&ending_signals, nullptr, &wait) > 0) {
                 return;
             }
-            bench_.appliance->tend();
+            bench_.appliance->reopen_devices();
             const DemoFigures now = figures(bench_.peers->report(), monotonic_now());
             if (terminal) {
                 AlternateScreen::show(draw_demo(now, screen_style()));

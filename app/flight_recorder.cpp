@@ -107,7 +107,7 @@ FlightRecorder::~FlightRecorder() {
         if (job_) {
             end_job();
         }
-        tend(now, wall_time_now());
+        run_jobs(now, wall_time_now());
     }
 }
 
@@ -252,10 +252,10 @@ void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Inst
 void FlightRecorder::look(std::span<const std::uint64_t> failsafe_entries, Instant now,
                           Duration wall_now) {
     note_failsafes(failsafe_entries, now, wall_now);
-    tend(now, wall_now);
+    run_jobs(now, wall_now);
 }
 
-void FlightRecorder::tend(Instant now, Duration wall_now) {
+void FlightRecorder::run_jobs(Instant now, Duration wall_now) {
     if (job_ && job_->done()) {
         end_job();
     }
@@ -326,7 +326,7 @@ std::string FlightRecorder::answer(std::span<const std::string> words, Instant n
         const std::string& word = words.front();
         std::from_chars(word.data(), word.data() + word.size(), number);
     }
-    tend(now, wall_now);
+    run_jobs(now, wall_now);
     const auto outcome = outcomes_.find(number);
     if (words.size() > 1 || outcome == outcomes_.end()) {
         return error_object(

@@ -84,7 +84,7 @@ class FlightRecorder {
     void end_job();
     void retire(std::unique_ptr<Tape> tape);
     void tell_successor() const;
-    void tend(Instant now, Duration wall_now);
+    void run_jobs(Instant now, Duration wall_now);
 
     RecorderConfig config_;
     std::filesystem::path directory_;

@@ -49,7 +49,7 @@ class Monitor {
         : link_(std::move(link)), options_(std::move(options)), wait_(std::move(wait)) {}
 
     int run() {
-        link_.tend(monotonic_now());
+        link_.reconnect(monotonic_now());
         if (!link_.connected()) {
             return complain(link_.problem(), kExitFailed);
         }
@@ -120,7 +120,7 @@ class Monitor {
                            : std::nullopt;
             }
         }
-        link_.tend(monotonic_now());
+        link_.reconnect(monotonic_now());
         if (was_connected && !link_.connected() && options_.format == kJson) {
             fmt::print(stderr, "tribus: {}\n", link_.problem());
         }

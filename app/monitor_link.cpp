@@ -26,7 +26,7 @@ void MonitorLink::lose(std::string why) {
     problem_ = std::move(why);
 }
 
-void MonitorLink::tend(Instant now) {
+void MonitorLink::reconnect(Instant now) {
     if (connected() || now < next_try_) {
         return;
     }

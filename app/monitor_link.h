@@ -21,7 +21,7 @@ class MonitorLink {
     /// Why there is no connection, as a sentence.
     const std::string& problem() const { return problem_; }
     /// Tries to connect if there is no connection and the last attempt is at least 500 ms ago.
-    void tend(Instant now);
+    void reconnect(Instant now);
     /// The complete lines received so far; does not wait.
     std::vector<std::string> read();
 

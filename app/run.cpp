@@ -32,11 +32,11 @@ namespace {
 
 /// Period of `Daemon::look`: short enough to reopen a replugged device quickly; each round costs
 /// about as much as a frame.
-constexpr Duration kTendPeriod = std::chrono::milliseconds(200);
+constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
 
 /// Returns when a signal ends the program.
 int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
-    Instant next_look = later(monotonic_now(), kTendPeriod);
+    Instant next_look = later(monotonic_now(), kLookPeriod);
     while (daemon.runs()) {
         std::vector<int> descriptors = inside.descriptors();
         descriptors.push_back(daemon.descriptor());
@@ -52,7 +52,7 @@ int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
         const Instant now = monotonic_now();
         daemon.go_on(now);
         if (daemon.runs() && now >= next_look) {
-            next_look = later(now, kTendPeriod);
+            next_look = later(now, kLookPeriod);
             daemon.look(now);
         }
         if (daemon.runs()) {

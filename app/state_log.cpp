@@ -193,7 +193,7 @@ void StateLog::look_at_devices(Appliance& appliance, Instant now) {
         memory.ever = memory.ever || back;
     };
     // A device that was gone and is back within one round is reported as gone, too.
-    for (const Appliance::DeviceEvent& event : appliance.tend()) {
+    for (const Appliance::DeviceEvent& event : appliance.reopen_devices()) {
         devices_[event.name].present = event.back;
         look(event.name, devices_[event.name]);
     }
