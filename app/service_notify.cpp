@@ -87,13 +87,13 @@ NotifySocket NotifySocket::from_environment() {
     return made;
 }
 
-bool NotifySocket::say(std::string_view lines) const {
+bool NotifySocket::send(std::string_view lines) const {
     return socket_.valid() && ::send(socket_.get(), lines.data(), lines.size(), MSG_NOSIGNAL) ==
                                   static_cast<ssize_t>(lines.size());
 }
 
 ServiceNotify::ServiceNotify() : socket_(NotifySocket::from_environment()) {
-    const auto limit = socket_.listens() ? watchdog_limit() : std::nullopt;
+    const auto limit = socket_.connected() ? watchdog_limit() : std::nullopt;
     if (limit) {
         watchdog_.emplace(*limit);
     }
@@ -106,19 +106,19 @@ void ServiceNotify::started(const Appliance& appliance, Instant now) {
     const Configuration& configuration = appliance.configuration();
     status_.emplace(configured_names(configuration.inputs),
                     configured_names(configuration.outputs));
-    told_.clear();
+    sent_status_.clear();
     next_status_ = now;
-    socket_.say("READY=1");
+    socket_.send("READY=1");
 }
 
 void ServiceNotify::reloading() {
     const auto usec = std::chrono::duration_cast<std::chrono::microseconds>(awake_time_now());
-    socket_.say(fmt::format("RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration anew",
-                            usec.count()));
+    socket_.send(fmt::format(
+        "RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration anew", usec.count()));
 }
 
 void ServiceNotify::stopping() {
-    socket_.say("STOPPING=1\nSTATUS=outputs end as their failsafe says");
+    socket_.send("STOPPING=1\nSTATUS=outputs end as their failsafe says");
 }
 
 void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
@@ -128,14 +128,14 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
         outputs.push_back({status.due, status.period, status.overruns});
     }
     if (watchdog_->look(now, appliance.figures_at(), outputs)) {
-        socket_.say("WATCHDOG=1");
+        socket_.send("WATCHDOG=1");
     }
     const Punctuality found = watchdog_->punctuality();
     if (found == Punctuality::on_time) {
-        said_.take_as_known(found);
+        reported_.take_as_known(found);
         return;
     }
-    const auto swallowed = said_.look(found, limit_, now);
+    const auto swallowed = reported_.look(found, limit_, now);
     if (!swallowed) {
         return;
     }
@@ -168,13 +168,13 @@ void ServiceNotify::tell_status(const Appliance& appliance, Instant now) {
         outputs.push_back(appliance.output_status(i).state);
     }
     std::string text = status_->text(inputs, outputs, now);
-    if (text != told_ && socket_.say("STATUS=" + text)) {
-        told_ = std::move(text);
+    if (text != sent_status_ && socket_.send("STATUS=" + text)) {
+        sent_status_ = std::move(text);
     }
 }
 
 void ServiceNotify::look(const Appliance& appliance, Instant now) {
-    if (!socket_.listens()) {
+    if (!socket_.connected()) {
         return;
     }
     if (watchdog_) {

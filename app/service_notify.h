@@ -23,10 +23,10 @@ class NotifySocket {
     /// Without $NOTIFY_SOCKET, or if it cannot be reached, the object sends nothing.
     static NotifySocket from_environment();
 
-    bool listens() const { return socket_.valid(); }
+    bool connected() const { return socket_.valid(); }
     /// Sends the lines; waits at most 1 s if the service manager is busy. Returns true if it took
     /// them.
-    bool say(std::string_view lines) const;
+    bool send(std::string_view lines) const;
 
   private:
     UniqueFd socket_;
@@ -54,10 +54,10 @@ class ServiceNotify {
     NotifySocket socket_;
     /// Empty if the service manager has no watchdog.
     std::optional<Watchdog> watchdog_;
-    ChangeReport<Punctuality> said_{Punctuality::on_time};
+    ChangeReport<Punctuality> reported_{Punctuality::on_time};
     RateLimit limit_ = log_limit();
     std::optional<StatusLine> status_;
-    std::string told_;
+    std::string sent_status_;
     Instant next_status_{};
 };
 

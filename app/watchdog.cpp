@@ -29,12 +29,12 @@ Punctuality Watchdog::judge(Instant now, Instant published,
     for (std::size_t i = 0; i < outputs.size() && judged == Punctuality::on_time; ++i) {
         const OutputProgress& output = outputs[i];
         // The data thread does all that is due before it publishes.
-        const bool forgotten = later(output.due, output.period) < published;
+        const bool skipped = later(output.due, output.period) < published;
         const auto missed = comparable ? output.overruns - outputs_[i].overruns : 0;
         const bool misses_half = missed > 0 && static_cast<double>(missed) * 2.0 *
                                                        static_cast<double>(output.period.count()) >
                                                    static_cast<double>(window.count());
-        if (forgotten || misses_half) {
+        if (skipped || misses_half) {
             judged = Punctuality::output_late;
             late_output_ = i;
         }
@@ -46,11 +46,11 @@ Punctuality Watchdog::judge(Instant now, Instant published,
 
 bool Watchdog::look(Instant now, Instant published, std::span<const OutputProgress> outputs) {
     punctuality_ = judge(now, published, outputs);
-    if (punctuality_ != Punctuality::on_time || now < next_word_) {
+    if (punctuality_ != Punctuality::on_time || now < next_notification_) {
         return false;
     }
     // sd_watchdog_enabled(3) recommends half of the time.
-    next_word_ = now + limit_ / 2;
+    next_notification_ = now + limit_ / 2;
     return true;
 }
 

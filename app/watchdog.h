@@ -49,7 +49,7 @@ class Watchdog {
     Punctuality judge(Instant now, Instant published, std::span<const OutputProgress> outputs);
 
     Duration limit_;
-    Instant next_word_{};
+    Instant next_notification_{};
     std::optional<Instant> published_;
     std::vector<OutputProgress> outputs_;
     Punctuality punctuality_ = Punctuality::on_time;
