@@ -98,7 +98,7 @@ Preparation::Result Preparation::take() {
     return std::move(work_->result);
 }
 
-bool Preparation::any_forsaken() {
+bool Preparation::any_abandoned() {
     return preparations_running > 0;
 }
 

@@ -35,7 +35,7 @@ class Preparation {
 
     /// True if a thread still runs whose result nobody takes. The process must then end without
     /// destroying global objects, which that thread may use.
-    static bool any_forsaken();
+    static bool any_abandoned();
 
   private:
     struct Work;

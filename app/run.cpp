@@ -147,7 +147,7 @@ Command run_command() {
             [options] {
                 log_to_journal_or_terminal();
                 const int status = run(*options);
-                if (Preparation::any_forsaken()) {
+                if (Preparation::any_abandoned()) {
                     std::fflush(nullptr);
                     ::_exit(status);
                 }
