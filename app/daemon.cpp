@@ -33,13 +33,13 @@ void log_all(const std::vector<std::string>& errors) {
 /// Reports an appliance that has just started.
 void Daemon::watch() {
     if (!appliance_) {
-        inside_.hide();
+        sockets_.hide();
         return;
     }
     const Instant now = monotonic_now();
     log_ = std::make_unique<StateLog>(*appliance_, now);
     log_->say_interfaces(*appliance_);
-    inside_.show(*appliance_);
+    sockets_.show(*appliance_);
     service_.started(*appliance_, now);
 }
 
@@ -59,7 +59,7 @@ void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver
     }
     // Opens the devices that got other line settings.
     log_->look(*appliance_, now);
-    inside_.show(*appliance_);
+    sockets_.show(*appliance_);
     service_.started(*appliance_, now);
 }
 
@@ -146,7 +146,7 @@ std::optional<std::uint64_t> Daemon::trial() const {
 
 void Daemon::set_trial(std::optional<Trial> trial) {
     trial_ = std::move(trial);
-    inside_.show_trial(trial_end());
+    sockets_.show_trial(trial_end());
 }
 
 void Daemon::confirm() {
@@ -178,8 +178,8 @@ void Daemon::look(Instant now) {
         return;
     }
     log_->look(*appliance_, now);
-    appliance_->look_at_machine(now, inside_.watched());
-    inside_.look();
+    appliance_->look_at_machine(now, sockets_.watched());
+    sockets_.look();
     service_.look(*appliance_, now);
     appliance_->look_at_recorder(now);
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "app/appliance.h"
-#include "app/inside_view.h"
+#include "app/daemon_sockets.h"
 #include "app/preparation.h"
 #include "app/service_notify.h"
 #include "app/state_log.h"
@@ -30,9 +30,9 @@ struct ReloadOutcome {
 /// the control socket and the service manager. Thread-bound to the main thread.
 class Daemon {
   public:
-    /// Each reload reads `path` again. `inside` and `service` must outlive the daemon.
-    Daemon(std::string path, InsideView& inside, ServiceNotify& service)
-        : path_(std::move(path)), inside_(inside), service_(service) {}
+    /// Each reload reads `path` again. `sockets` and `service` must outlive the daemon.
+    Daemon(std::string path, DaemonSockets& sockets, ServiceNotify& service)
+        : path_(std::move(path)), sockets_(sockets), service_(service) {}
 
     /// If the configuration cannot be started, the log says why, and `runs` is false.
     void start(Configuration configuration);
@@ -111,7 +111,7 @@ class Daemon {
     void watch_on(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over);
 
     std::string path_;
-    InsideView& inside_;
+    DaemonSockets& sockets_;
     ServiceNotify& service_;
     std::unique_ptr<Appliance> appliance_;
     std::unique_ptr<StateLog> log_;

@@ -16,8 +16,8 @@
 
 #include "app/control_requests.h"
 #include "app/daemon.h"
+#include "app/daemon_sockets.h"
 #include "app/exit_status.h"
-#include "app/inside_view.h"
 #include "app/load_or_explain.h"
 #include "app/log.h"
 #include "app/main_wait.h"
@@ -35,12 +35,12 @@ namespace {
 constexpr Duration kLookPeriod = std::chrono::milliseconds(200);
 
 /// Returns when a signal ends the program.
-int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
+int run(Daemon& daemon, MainWait& wait, DaemonSockets& sockets) {
     Instant next_look = later(monotonic_now(), kLookPeriod);
     while (daemon.runs()) {
-        std::vector<int> descriptors = inside.descriptors();
+        std::vector<int> descriptors = sockets.descriptors();
         descriptors.push_back(daemon.descriptor());
-        const Instant due = std::min({next_look, inside.due(), daemon.due()});
+        const Instant due = std::min({next_look, sockets.due(), daemon.due()});
         const auto signal = wait.until(due, descriptors);
         if (signal && (*signal == SIGTERM || *signal == SIGINT)) {
             daemon.end();
@@ -56,7 +56,7 @@ int run(Daemon& daemon, MainWait& wait, InsideView& inside) {
             daemon.look(now);
         }
         if (daemon.runs()) {
-            inside.serve(monotonic_now());
+            sockets.serve(monotonic_now());
         }
     }
     return kExitFailed;
@@ -97,24 +97,24 @@ int run(const RunOptions& options) {
         log_error("{}", wait.error());
         return kExitFailed;
     }
-    auto inside = InsideView::open(options.path, options.socket);
-    if (!inside) {
-        log_error("{}", inside.error());
+    auto sockets = DaemonSockets::open(options.path, options.socket);
+    if (!sockets) {
+        log_error("{}", sockets.error());
         return kExitFailed;
     }
     if (!options.metrics.empty()) {
         const auto reach = options.metrics_public ? MetricsReach::network : MetricsReach::local;
-        if (auto told = (*inside)->tell_metrics(options.metrics, reach); !told) {
+        if (auto told = (*sockets)->serve_metrics(options.metrics, reach); !told) {
             log_error("{}", told.error());
             return kExitFailed;
         }
     }
-    Daemon daemon(options.path, **inside, service);
-    if (ControlServer* const control = (*inside)->control()) {
+    Daemon daemon(options.path, **sockets, service);
+    if (ControlServer* const control = (*sockets)->control()) {
         add_control_requests(*control, daemon);
     }
     daemon.start(std::move(*configuration));
-    return run(daemon, *wait, **inside);
+    return run(daemon, *wait, **sockets);
 }
 
 }  // namespace

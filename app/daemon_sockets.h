@@ -18,18 +18,18 @@ namespace tribus {
 
 /// What a running daemon shows to its clients: the control socket and the metrics. Thread-bound to
 /// the main thread, which waits for `descriptors` and `due`; no function here waits.
-class InsideView {
+class DaemonSockets {
   public:
     /// Opens the control socket of the daemon that runs `config`, at `socket` or in the default
     /// place. An error, a sentence, can only come from a given `socket`. If there is no default
     /// place or it is in use, the daemon runs without a control socket, and the log says so.
-    static tl::expected<std::unique_ptr<InsideView>, std::string> open(
+    static tl::expected<std::unique_ptr<DaemonSockets>, std::string> open(
         const std::string& config, const std::optional<std::string>& socket);
-    InsideView(const InsideView&) = delete;
-    InsideView& operator=(const InsideView&) = delete;
+    DaemonSockets(const DaemonSockets&) = delete;
+    DaemonSockets& operator=(const DaemonSockets&) = delete;
 
     /// Serves metrics at `address`, see `MetricsServer`. The error is a sentence.
-    tl::expected<void, std::string> tell_metrics(const std::string& address, MetricsReach reach);
+    tl::expected<void, std::string> serve_metrics(const std::string& address, MetricsReach reach);
 
     /// From now on it shows `appliance`, which must live until the next `show` or `hide`.
     void show(const Appliance& appliance);
@@ -49,7 +49,7 @@ class InsideView {
     ControlServer* control() { return control_.get(); }
 
   private:
-    explicit InsideView(Instant started) : started_(started) {}
+    explicit DaemonSockets(Instant started) : started_(started) {}
     std::string status() const;
     StatusReport report() const;
     std::string record(std::span<const std::string> words) const;

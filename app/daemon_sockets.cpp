@@ -1,4 +1,4 @@
-#include "app/inside_view.h"
+#include "app/daemon_sockets.h"
 
 #include <algorithm>
 
@@ -10,15 +10,15 @@
 
 namespace tribus {
 
-tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
+tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
     const std::string& config, const std::optional<std::string>& socket) {
-    std::unique_ptr<InsideView> view(new InsideView(monotonic_now()));
+    std::unique_ptr<DaemonSockets> sockets(new DaemonSockets(monotonic_now()));
     const auto path = socket ? socket : default_socket(SocketHomes::of_this_process(), config);
     if (!path) {
         log_info(
             "no control socket: neither RUNTIME_DIRECTORY nor XDG_RUNTIME_DIR is set; "
             "--socket gives it a place");
-        return view;
+        return sockets;
     }
     auto control = ControlServer::open(*path);
     if (!control && socket) {
@@ -26,24 +26,25 @@ tl::expected<std::unique_ptr<InsideView>, std::string> InsideView::open(
     }
     if (!control) {
         log_info("no control socket: {}", control.error());
-        return view;
+        return sockets;
     }
-    view->control_ = std::move(*control);
-    view->control_->add("status", [self = view.get()](auto) { return self->status(); });
-    view->control_->add("record", [self = view.get()](auto words) { return self->record(words); });
-    return view;
+    sockets->control_ = std::move(*control);
+    sockets->control_->add("status", [self = sockets.get()](auto) { return self->status(); });
+    sockets->control_->add("record",
+                           [self = sockets.get()](auto words) { return self->record(words); });
+    return sockets;
 }
 
-void InsideView::show(const Appliance& appliance) {
+void DaemonSockets::show(const Appliance& appliance) {
     appliance_ = &appliance;
     keeper_.emplace(appliance, started_);
 }
 
-void InsideView::look() {
+void DaemonSockets::look() {
     keeper_->look(*appliance_);
 }
 
-std::vector<int> InsideView::descriptors() const {
+std::vector<int> DaemonSockets::descriptors() const {
     std::vector<int> descriptors;
     if (control_) {
         descriptors.push_back(control_->descriptor());
@@ -54,11 +55,11 @@ std::vector<int> InsideView::descriptors() const {
     return descriptors;
 }
 
-Instant InsideView::due() const {
+Instant DaemonSockets::due() const {
     return std::min(control_ ? control_->due() : kNever, metrics_ ? metrics_->due() : kNever);
 }
 
-void InsideView::serve(Instant now) {
+void DaemonSockets::serve(Instant now) {
     if (control_ && keeper_) {
         control_->serve(now);
     }
@@ -67,8 +68,8 @@ void InsideView::serve(Instant now) {
     }
 }
 
-tl::expected<void, std::string> InsideView::tell_metrics(const std::string& address,
-                                                         MetricsReach reach) {
+tl::expected<void, std::string> DaemonSockets::serve_metrics(const std::string& address,
+                                                             MetricsReach reach) {
     auto metrics = MetricsServer::open(address, reach, [this] { return metrics_text(report()); });
     if (!metrics) {
         return tl::unexpected(metrics.error());
@@ -79,7 +80,7 @@ tl::expected<void, std::string> InsideView::tell_metrics(const std::string& addr
     return {};
 }
 
-StatusReport InsideView::report() const {
+StatusReport DaemonSockets::report() const {
     const Instant now = monotonic_now();
     StatusReport report = keeper_->report(*appliance_, now, wall_time_now());
     if (trial_end_) {
@@ -88,11 +89,11 @@ StatusReport InsideView::report() const {
     return report;
 }
 
-std::string InsideView::status() const {
+std::string DaemonSockets::status() const {
     return keeper_ ? status_json(report()) : error_object("nothing runs any more");
 }
 
-std::string InsideView::record(std::span<const std::string> words) const {
+std::string DaemonSockets::record(std::span<const std::string> words) const {
     if (!keeper_) {
         return error_object("nothing runs any more");
     }
