@@ -56,7 +56,7 @@ tl::expected<std::string, std::string> find_daemon(const std::string& name,
     }
     const std::filesystem::path file(name);
     const std::string wanted = file.extension() == ".toml" ? file.stem().string() : name;
-    const std::vector<FoundSocket> found = find_sockets(SocketHomes::of_this_process());
+    const std::vector<FoundSocket> found = find_sockets(SocketDirectories::of_this_process());
     std::string names;
     std::vector<std::string> matches;
     for (const FoundSocket& daemon : found) {

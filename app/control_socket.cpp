@@ -79,26 +79,28 @@ tl::expected<void, std::string> must_be_free(const std::string& path) {
 
 }  // namespace
 
-SocketHomes SocketHomes::of_this_process() {
-    SocketHomes homes;
-    homes.runtime_directory = variable("RUNTIME_DIRECTORY");
+SocketDirectories SocketDirectories::of_this_process() {
+    SocketDirectories directories;
+    directories.runtime_directory = variable("RUNTIME_DIRECTORY");
     // If the unit has several directories, the first one is its own.
-    homes.runtime_directory.resize(
-        std::min(homes.runtime_directory.find(':'), homes.runtime_directory.size()));
-    homes.user_directory = variable("XDG_RUNTIME_DIR");
-    homes.root = ::geteuid() == 0;
-    return homes;
+    directories.runtime_directory.resize(
+        std::min(directories.runtime_directory.find(':'), directories.runtime_directory.size()));
+    directories.user_directory = variable("XDG_RUNTIME_DIR");
+    directories.root = ::geteuid() == 0;
+    return directories;
 }
 
-std::optional<std::string> default_socket(const SocketHomes& homes, const std::string& config) {
-    if (!homes.runtime_directory.empty()) {
-        return fmt::format("{}/{}", homes.runtime_directory, kOwnName);
+std::optional<std::string> default_socket(const SocketDirectories& directories,
+                                          const std::string& config) {
+    if (!directories.runtime_directory.empty()) {
+        return fmt::format("{}/{}", directories.runtime_directory, kOwnName);
     }
-    const std::string& home = homes.root ? homes.system_directory : homes.user_directory;
-    if (home.empty()) {
+    const std::string& directory =
+        directories.root ? directories.system_directory : directories.user_directory;
+    if (directory.empty()) {
         return std::nullopt;
     }
-    return fmt::format("{}/{}/{}{}", home, kFolder, fs::path(config).stem().string(), kEnding);
+    return fmt::format("{}/{}/{}{}", directory, kFolder, fs::path(config).stem().string(), kEnding);
 }
 
 tl::expected<LocalListener, std::string> LocalListener::open(const std::string& path) {
@@ -165,10 +167,10 @@ void add_answering(std::vector<FoundSocket>& found, std::string name, const std:
 
 /// Adds `tribus/NAME.sock`, and of services `tribus/control`, `tribus/NAME/control` and
 /// `tribus-NAME/control`.
-void add_from(std::vector<FoundSocket>& found, const fs::path& home) {
+void add_from(std::vector<FoundSocket>& found, const fs::path& directory) {
     const std::string prefix = std::string(kFolder) + "-";
     std::error_code error;
-    for (fs::directory_iterator at(home / kFolder, error), end; !error && at != end;
+    for (fs::directory_iterator at(directory / kFolder, error), end; !error && at != end;
          at.increment(error)) {
         const std::string name = at->path().filename().string();
         if (name.ends_with(kEnding)) {
@@ -177,8 +179,9 @@ void add_from(std::vector<FoundSocket>& found, const fs::path& home) {
             add_answering(found, name, (at->path() / kOwnName).string());
         }
     }
-    add_answering(found, std::string(kFolder), (home / kFolder / kOwnName).string());
-    for (fs::directory_iterator at(home, error), end; !error && at != end; at.increment(error)) {
+    add_answering(found, std::string(kFolder), (directory / kFolder / kOwnName).string());
+    for (fs::directory_iterator at(directory, error), end; !error && at != end;
+         at.increment(error)) {
         const std::string name = at->path().filename().string();
         if (name.starts_with(prefix)) {
             add_answering(found, name.substr(prefix.size()), (at->path() / kOwnName).string());
@@ -188,15 +191,15 @@ void add_from(std::vector<FoundSocket>& found, const fs::path& home) {
 
 }  // namespace
 
-std::vector<FoundSocket> find_sockets(const SocketHomes& homes) {
+std::vector<FoundSocket> find_sockets(const SocketDirectories& directories) {
     std::vector<FoundSocket> found;
-    if (!homes.runtime_directory.empty()) {
-        add_answering(found, fs::path(homes.runtime_directory).filename().string(),
-                      fmt::format("{}/{}", homes.runtime_directory, kOwnName));
+    if (!directories.runtime_directory.empty()) {
+        add_answering(found, fs::path(directories.runtime_directory).filename().string(),
+                      fmt::format("{}/{}", directories.runtime_directory, kOwnName));
     }
-    add_from(found, homes.system_directory);
-    if (!homes.user_directory.empty()) {
-        add_from(found, homes.user_directory);
+    add_from(found, directories.system_directory);
+    if (!directories.user_directory.empty()) {
+        add_from(found, directories.user_directory);
     }
     std::ranges::sort(found, {}, &FoundSocket::name);
     return found;

@@ -14,19 +14,20 @@
 namespace tribus {
 
 /// The directories in which sockets can be.
-struct SocketHomes {
+struct SocketDirectories {
     std::string runtime_directory;  ///< of the systemd service; may be empty
     std::string user_directory;     ///< XDG_RUNTIME_DIR; may be empty
     std::string system_directory = "/run";
     bool root = false;
 
-    static SocketHomes of_this_process();
+    static SocketDirectories of_this_process();
 };
 
 /// Path of the socket for the configuration file `config`: `control` in the service's own
 /// directory, else `tribus/NAME.sock` in the directory of the system or the user; NAME is the file
 /// name without extension. Nothing if there is no such directory. Pure.
-std::optional<std::string> default_socket(const SocketHomes& homes, const std::string& config);
+std::optional<std::string> default_socket(const SocketDirectories& directories,
+                                          const std::string& config);
 
 /// A listening local socket that only its user and group may use. Its destructor removes the file,
 /// unless another socket has replaced it.
@@ -66,6 +67,6 @@ struct FoundSocket {
     std::string path;
 };
 /// The sockets of all daemons in the default places that this user may use, ordered by name.
-std::vector<FoundSocket> find_sockets(const SocketHomes& homes);
+std::vector<FoundSocket> find_sockets(const SocketDirectories& directories);
 
 }  // namespace tribus

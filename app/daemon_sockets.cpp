@@ -13,7 +13,8 @@ namespace tribus {
 tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
     const std::string& config, const std::optional<std::string>& socket) {
     std::unique_ptr<DaemonSockets> sockets(new DaemonSockets(monotonic_now()));
-    const auto path = socket ? socket : default_socket(SocketHomes::of_this_process(), config);
+    const auto path =
+        socket ? socket : default_socket(SocketDirectories::of_this_process(), config);
     if (!path) {
         log_info(
             "no control socket: neither RUNTIME_DIRECTORY nor XDG_RUNTIME_DIR is set; "

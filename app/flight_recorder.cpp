@@ -43,8 +43,10 @@ std::string ring_file(std::size_t number) {
 }  // namespace
 
 FlightRecorder::FlightRecorder(RecorderConfig config, fs::path directory,
-                               std::optional<RingHome> home)
-    : config_(std::move(config)), directory_(std::move(directory)), home_(std::move(home)) {}
+                               std::optional<RingDirectory> ring_directory)
+    : config_(std::move(config)),
+      directory_(std::move(directory)),
+      ring_directory_(std::move(ring_directory)) {}
 
 tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
     const Configuration& configuration) {
@@ -56,11 +58,15 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
             "($STATE_DIRECTORY); add directory = \"/some/folder\"",
             configuration.file, config.where.line, config.where.column));
     }
-    auto home = RingHome::open(SocketHomes::of_this_process().runtime_directory);
+    auto ring_directory =
+        RingDirectory::open(SocketDirectories::of_this_process().runtime_directory);
     log_info("recorder: recordings go to {}{}", directory,
-             home ? "" : fmt::format("; a crash loses what was not written yet: {}", home.error()));
+             ring_directory ? ""
+                            : fmt::format("; a crash loses what was not written yet: {}",
+                                          ring_directory.error()));
     std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
-        config, directory, home ? std::optional(std::move(*home)) : std::nullopt));
+        config, directory,
+        ring_directory ? std::optional(std::move(*ring_directory)) : std::nullopt));
     remove_unfinished_recordings(directory);
     recorder->write_left(monotonic_now(), wall_time_now());
     return recorder;
@@ -68,7 +74,7 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
 
 /// Writes what the previous process had in memory, if it crashed or was killed.
 void FlightRecorder::write_left(Instant now, Duration wall_now) {
-    const auto folder = home_ ? home_->take_left() : std::nullopt;
+    const auto folder = ring_directory_ ? ring_directory_->take_left() : std::nullopt;
     if (!folder) {
         return;
     }
@@ -81,7 +87,7 @@ void FlightRecorder::write_left(Instant now, Duration wall_now) {
             "recorder: the process before this one ended by a crash, or was killed; nothing of it "
             "is written: {}",
             left.error());
-        home_->remove_left();
+        ring_directory_->remove_left();
         return;
     }
     plan_ = std::move(left->plan);
@@ -114,7 +120,7 @@ FlightRecorder::~FlightRecorder() {
 tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::string& device,
                                                                  fs::path& file,
                                                                  std::size_t bytes) {
-    if (!home_) {
+    if (!ring_directory_) {
         return RingMemory::anonymous(bytes);
     }
     auto memory = RingMemory::in_file(file, bytes);
@@ -136,7 +142,8 @@ CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig
             return &tape->ring;
         }
     }
-    fs::path file = home_ ? home_->path() / ring_file(files_made_++) : fs::path();
+    fs::path file =
+        ring_directory_ ? ring_directory_->path() / ring_file(files_made_++) : fs::path();
     auto memory = memory_for(port.config.device, file, bytes);
     if (!memory) {
         const std::string lack = fmt::format("{}: {}", port.config.device, memory.error());
@@ -201,15 +208,15 @@ void FlightRecorder::retire(std::unique_ptr<Tape> tape) {
 
 /// Writes the plan, which tells a process after a crash which ring belongs to which port.
 void FlightRecorder::tell_successor() const {
-    if (!home_) {
+    if (!ring_directory_) {
         return;
     }
     RecordingPlan outliving = plan_;
     std::erase_if(outliving.ports, [](const RecordedPort& port) { return port.ring_file.empty(); });
     std::error_code ignored;
-    const fs::path fresh = home_->path() / "plan.new";
+    const fs::path fresh = ring_directory_->path() / "plan.new";
     std::ofstream(fresh, std::ios::binary) << plan_to_text(outliving);
-    fs::rename(fresh, home_->path() / kRecordingPlanFile, ignored);
+    fs::rename(fresh, ring_directory_->path() / kRecordingPlanFile, ignored);
 }
 
 RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) const {
@@ -295,8 +302,8 @@ void FlightRecorder::end_job() {
             "tried again; make room there, or name another place in [recorder] directory",
             order.reason, result.error());
     }
-    if (home_ && order.kind == "crash") {
-        result ? home_->remove_left() : home_->put_left_back();
+    if (ring_directory_ && order.kind == "crash") {
+        result ? ring_directory_->remove_left() : ring_directory_->put_left_back();
     }
     if (job_number_ != 0) {
         outcomes_[job_number_] = {.done = true, .result = result};

@@ -73,7 +73,7 @@ class FlightRecorder {
     };
 
     FlightRecorder(RecorderConfig config, std::filesystem::path directory,
-                   std::optional<RingHome> home);
+                   std::optional<RingDirectory> ring_directory);
     tl::expected<RingMemory, std::string> memory_for(const std::string& device,
                                                      std::filesystem::path& file,
                                                      std::size_t bytes);
@@ -88,7 +88,7 @@ class FlightRecorder {
 
     RecorderConfig config_;
     std::filesystem::path directory_;
-    std::optional<RingHome> home_;
+    std::optional<RingDirectory> ring_directory_;
     std::vector<std::unique_ptr<Tape>> tapes_;
     /// No longer written to, but a job may still read them.
     std::vector<std::unique_ptr<Tape>> retired_;

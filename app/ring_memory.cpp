@@ -91,7 +91,7 @@ RingMemory::~RingMemory() {
     }
 }
 
-std::optional<fs::path> RingHome::take_left() const {
+std::optional<fs::path> RingDirectory::take_left() const {
     const fs::path left = path_.parent_path() / kLeft;
     const fs::path taken = path_.parent_path() / kTaken;
     std::error_code error;
@@ -102,17 +102,17 @@ std::optional<fs::path> RingHome::take_left() const {
     return error ? std::nullopt : std::optional(taken);
 }
 
-void RingHome::remove_left() const {
+void RingDirectory::remove_left() const {
     std::error_code ignored;
     fs::remove_all(path_.parent_path() / kTaken, ignored);
 }
 
-void RingHome::put_left_back() const {
+void RingDirectory::put_left_back() const {
     std::error_code ignored;
     fs::rename(path_.parent_path() / kTaken, path_.parent_path() / kLeft, ignored);
 }
 
-tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_directory) {
+tl::expected<RingDirectory, std::string> RingDirectory::open(const fs::path& runtime_directory) {
     if (runtime_directory.empty()) {
         return Failed("no RUNTIME_DIRECTORY is set");
     }
@@ -149,10 +149,10 @@ tl::expected<RingHome, std::string> RingHome::open(const fs::path& runtime_direc
     if (::mkdir(path.c_str(), 0700) != 0) {
         return file_error(path, errno);
     }
-    return RingHome(path, std::move(lock));
+    return RingDirectory(path, std::move(lock));
 }
 
-RingHome::~RingHome() {
+RingDirectory::~RingDirectory() {
     if (lock_.valid()) {
         std::error_code ignored;
         fs::remove_all(path_, ignored);

@@ -50,13 +50,14 @@ class RingMemory {
 
 /// A folder in the service's runtime directory that only this process uses. Memory in its files
 /// survives a crash; the next process reads it.
-class RingHome {
+class RingDirectory {
   public:
     /// The error is a sentence; the recorder then uses anonymous memory, which a crash loses.
-    static tl::expected<RingHome, std::string> open(const std::filesystem::path& runtime_directory);
-    RingHome(RingHome&&) noexcept = default;
-    RingHome& operator=(RingHome&&) noexcept = delete;
-    ~RingHome();
+    static tl::expected<RingDirectory, std::string> open(
+        const std::filesystem::path& runtime_directory);
+    RingDirectory(RingDirectory&&) noexcept = default;
+    RingDirectory& operator=(RingDirectory&&) noexcept = delete;
+    ~RingDirectory();
 
     const std::filesystem::path& path() const { return path_; }
     /// The data of a crashed process, renamed first: if reading it crashes this process, the next
@@ -68,7 +69,7 @@ class RingHome {
     void put_left_back() const;
 
   private:
-    RingHome(std::filesystem::path path, UniqueFd lock)
+    RingDirectory(std::filesystem::path path, UniqueFd lock)
         : path_(std::move(path)), lock_(std::move(lock)) {}
 
     std::filesystem::path path_;

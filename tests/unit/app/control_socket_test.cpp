@@ -13,7 +13,7 @@
 namespace tribus::control_socket_test {
 namespace {
 
-SocketHomes homes(const std::string& runtime, const std::string& user, bool root) {
+SocketDirectories directories(const std::string& runtime, const std::string& user, bool root) {
     return {.runtime_directory = runtime,
             .user_directory = user,
             .system_directory = "/run",
@@ -21,18 +21,19 @@ SocketHomes homes(const std::string& runtime, const std::string& user, bool root
 }
 
 TEST(DefaultSocket, StandsInTheDirectoryOfTheService) {
-    EXPECT_EQ(default_socket(homes("/run/tribus/car", "/run/user/0", true), "/etc/car.toml"),
+    EXPECT_EQ(default_socket(directories("/run/tribus/car", "/run/user/0", true), "/etc/car.toml"),
               "/run/tribus/car/control");
 }
 
 TEST(DefaultSocket, HasTheNameOfTheConfiguration) {
-    EXPECT_EQ(default_socket(homes("", "", true), "/etc/tribus/car.toml"), "/run/tribus/car.sock");
-    EXPECT_EQ(default_socket(homes("", "/run/user/1000", false), "car.toml"),
+    EXPECT_EQ(default_socket(directories("", "", true), "/etc/tribus/car.toml"),
+              "/run/tribus/car.sock");
+    EXPECT_EQ(default_socket(directories("", "/run/user/1000", false), "car.toml"),
               "/run/user/1000/tribus/car.sock");
 }
 
 TEST(DefaultSocket, IsNoneWhereThereIsNoPlace) {
-    EXPECT_EQ(default_socket(homes("", "", false), "car.toml"), std::nullopt);
+    EXPECT_EQ(default_socket(directories("", "", false), "car.toml"), std::nullopt);
 }
 
 class Listener : public testing::Test {
