@@ -147,7 +147,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::st
     if (!errors.empty()) {
         return tl::unexpected(std::move(errors));
     }
-    appliance->settle_recorder();
+    appliance->update_recorder();
     // Must precede `prepare`, where the data thread locks all memory, including the stacks.
     if (appliance->gpio_thread_) {
         if (auto started = appliance->gpio_thread_->start(); !started) {

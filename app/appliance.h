@@ -134,7 +134,7 @@ class Appliance {
                                           std::vector<std::unique_ptr<Link>> links,
                                           std::vector<std::unique_ptr<HeldLine>> lines);
     tl::expected<void, std::string> make_recorder(Appliance* before);
-    void settle_recorder();
+    void update_recorder();
     void reopen_lines(std::vector<DeviceEvent>& events);
     LoopSettings loop_settings(LineExchange* lines);
     PortCarry carry_port(const PortPlan& plan, const Appliance& before) const;

@@ -29,9 +29,9 @@ tl::expected<void, std::string> Appliance::make_recorder(Appliance* before) {
 }
 
 /// Call it once the loop of the appliance before has stopped.
-void Appliance::settle_recorder() {
+void Appliance::update_recorder() {
     if (recorder_) {
-        recorder_->settle(configuration_, plans_, monotonic_now());
+        recorder_->record_ports(configuration_, plans_, monotonic_now());
     }
 }
 

@@ -115,7 +115,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     if (next->configuration_.recorder && !next->recorder_) {
         next->recorder_ = std::move(running->recorder_);
     }
-    next->settle_recorder();
+    next->update_recorder();
     // Closes the devices that `next` did not take; `reopen_devices` can then open them.
     running.reset();
     return next;

@@ -137,9 +137,9 @@ tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::stri
 
 CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig& config) {
     const std::size_t bytes = static_cast<std::size_t>(config.memory_kib) * kKib;
-    for (const auto& tape : tapes_) {
-        if (tape->bytes == bytes && same_device(tape->device, port.config)) {
-            return &tape->ring;
+    for (const auto& port_ring : port_rings_) {
+        if (port_ring->bytes == bytes && same_device(port_ring->device, port.config)) {
+            return &port_ring->ring;
         }
     }
     fs::path file =
@@ -154,24 +154,24 @@ CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig
     }
     lacks_.erase(port.config.device);
     CaptureRing ring = CaptureRing::create(memory->span());
-    tapes_.push_back(
-        std::make_unique<Tape>(Tape{port.config, bytes, file, std::move(*memory), ring}));
-    return &tapes_.back()->ring;
+    port_rings_.push_back(
+        std::make_unique<PortRing>(PortRing{port.config, bytes, file, std::move(*memory), ring}));
+    return &port_rings_.back()->ring;
 }
 
-void FlightRecorder::settle(const Configuration& configuration, const std::vector<PortPlan>& ports,
-                            Instant now) {
+void FlightRecorder::record_ports(const Configuration& configuration,
+                                  const std::vector<PortPlan>& ports, Instant now) {
     begin_ = begin_.value_or(now - kLongestBurst);
     config_ = *configuration.recorder;
     std::vector<PortPlan> recorded;
     std::vector<std::string> lacks;
-    std::vector<std::unique_ptr<Tape>> before = std::exchange(tapes_, {});
+    std::vector<std::unique_ptr<PortRing>> before = std::exchange(port_rings_, {});
     for (const PortPlan& port : ports) {
-        const auto tape = std::ranges::find_if(before, [&](const auto& candidate) {
+        const auto port_ring = std::ranges::find_if(before, [&](const auto& candidate) {
             return candidate && &candidate->ring == port.wiring.capture;
         });
-        if (tape != before.end()) {
-            tapes_.push_back(std::move(*tape));
+        if (port_ring != before.end()) {
+            port_rings_.push_back(std::move(*port_ring));
             recorded.push_back(port);
         } else {
             lacks.push_back(lacks_[port.config.device]);
@@ -179,13 +179,13 @@ void FlightRecorder::settle(const Configuration& configuration, const std::vecto
     }
     plan_ = plan_recording(configuration, recorded, *begin_);
     plan_.lacks = std::move(lacks);
-    for (std::size_t i = 0; i < tapes_.size(); ++i) {
-        plan_.ports[i].ring_file = tapes_[i]->file.filename();
+    for (std::size_t i = 0; i < port_rings_.size(); ++i) {
+        plan_.ports[i].ring_file = port_rings_[i]->file.filename();
     }
-    for (auto& tape : before) {
-        retire(std::move(tape));
+    for (auto& port_ring : before) {
+        retire(std::move(port_ring));
     }
-    tell_successor();
+    write_plan();
     output_names_.clear();
     for (const OutputConfig& output : configuration.outputs) {
         output_names_.push_back(output.name);
@@ -193,21 +193,21 @@ void FlightRecorder::settle(const Configuration& configuration, const std::vecto
     failsafe_entries_.clear();
 }
 
-void FlightRecorder::retire(std::unique_ptr<Tape> tape) {
-    if (!tape) {
+void FlightRecorder::retire(std::unique_ptr<PortRing> port_ring) {
+    if (!port_ring) {
         return;
     }
     std::error_code ignored;
-    if (!tape->file.empty()) {
-        fs::remove(tape->file, ignored);
+    if (!port_ring->file.empty()) {
+        fs::remove(port_ring->file, ignored);
     }
     if (job_) {
-        retired_.push_back(std::move(tape));
+        retired_.push_back(std::move(port_ring));
     }
 }
 
 /// Writes the plan, which tells a process after a crash which ring belongs to which port.
-void FlightRecorder::tell_successor() const {
+void FlightRecorder::write_plan() const {
     if (!ring_directory_) {
         return;
     }
@@ -238,18 +238,18 @@ RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) c
 
 void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Instant now,
                                     Duration wall_now) {
-    std::string who;
+    std::string names;
     for (std::size_t i = 0; i < entries.size() && failsafe_entries_.size() == entries.size(); ++i) {
         if (entries[i] > failsafe_entries_[i]) {
-            who += (who.empty() ? "" : ", ") + output_names_[i];
+            names += (names.empty() ? "" : ", ") + output_names_[i];
         }
     }
     failsafe_entries_.assign(entries.begin(), entries.end());
-    if (who.empty() || !config_.on_failsafe || failsafe_ || now < quiet_until_) {
+    if (names.empty() || !config_.on_failsafe || failsafe_ || now < quiet_until_) {
         return;
     }
     failsafe_ = Event{.kind = "failsafe",
-                      .reason = "failsafe of output " + who,
+                      .reason = "failsafe of output " + names,
                       .wall = wall_now,
                       .at = now,
                       .due = later(now, config_.after)};

@@ -36,12 +36,12 @@ class FlightRecorder {
     ~FlightRecorder();
 
     /// The ring of this device: the present one or a new one. Null if there is no memory for it;
-    /// the log says so. It stays valid until a `settle` without it.
+    /// the log says so. It stays valid until a `record_ports` without it.
     CaptureRing* ring_for(const PortPlan& port, const RecorderConfig& config);
     /// From now on the recorder records these ports and frees the rings of others, which the data
     /// thread must no longer use.
-    void settle(const Configuration& configuration, const std::vector<PortPlan>& ports,
-                Instant now);
+    void record_ports(const Configuration& configuration, const std::vector<PortPlan>& ports,
+                      Instant now);
 
     /// Call it a few times a second. `failsafe_entries`: how often each output went into failsafe.
     void look(std::span<const std::uint64_t> failsafe_entries, Instant now, Duration wall_now);
@@ -51,7 +51,7 @@ class FlightRecorder {
     std::string answer(std::span<const std::string> words, Instant now, Duration wall_now);
 
   private:
-    struct Tape {
+    struct PortRing {
         PortConfig device;
         std::size_t bytes = 0;
         std::filesystem::path file;
@@ -82,16 +82,16 @@ class FlightRecorder {
     void note_failsafes(std::span<const std::uint64_t> entries, Instant now, Duration wall_now);
     void begin(const Event& event, Instant now, Duration wall_now);
     void end_job();
-    void retire(std::unique_ptr<Tape> tape);
-    void tell_successor() const;
+    void retire(std::unique_ptr<PortRing> port_ring);
+    void write_plan() const;
     void run_jobs(Instant now, Duration wall_now);
 
     RecorderConfig config_;
     std::filesystem::path directory_;
     std::optional<RingDirectory> ring_directory_;
-    std::vector<std::unique_ptr<Tape>> tapes_;
+    std::vector<std::unique_ptr<PortRing>> port_rings_;
     /// No longer written to, but a job may still read them.
-    std::vector<std::unique_ptr<Tape>> retired_;
+    std::vector<std::unique_ptr<PortRing>> retired_;
     /// When this process began to record.
     std::optional<Instant> begin_;
     std::size_t files_made_ = 0;

@@ -74,7 +74,7 @@ std::string replay_command(const Configuration& configuration,
 }
 
 /// File name of `path`, shortened, without unusual characters.
-std::string tame_name(const std::string& path) {
+std::string plain_name(const std::string& path) {
     constexpr std::size_t kLongest = 100;
     std::string name = std::filesystem::path(path).filename().string();
     name.erase(0, name.size() - std::min(name.size(), kLongest));
@@ -89,7 +89,7 @@ class NamedFiles {
     void take(SettingFile& file) {
         const auto [known, fresh] = names_.try_emplace(file.path);
         if (fresh) {
-            known->second = fmt::format("config-{}-{}", names_.size(), tame_name(file.path));
+            known->second = fmt::format("config-{}-{}", names_.size(), plain_name(file.path));
             files_.push_back({known->second, file.content});
         }
         file.path = known->second;

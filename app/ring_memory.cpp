@@ -29,7 +29,7 @@ constexpr const char* kLeft = "recorder-left";
 constexpr const char* kTaken = "recorder-taken";
 
 /// True for any kind of file, also for a dangling link.
-bool there_is(const fs::path& path) {
+bool has_entry(const fs::path& path) {
     std::error_code error;
     return fs::symlink_status(path, error).type() != fs::file_type::not_found;
 }
@@ -95,7 +95,7 @@ std::optional<fs::path> RingDirectory::take_left() const {
     const fs::path left = path_.parent_path() / kLeft;
     const fs::path taken = path_.parent_path() / kTaken;
     std::error_code error;
-    if (!there_is(left)) {
+    if (!has_entry(left)) {
         return std::nullopt;
     }
     fs::rename(left, taken, error);
@@ -132,15 +132,15 @@ tl::expected<RingDirectory, std::string> RingDirectory::open(const fs::path& run
     const fs::path left = runtime_directory / kLeft;
     std::error_code error;
     const fs::path taken = runtime_directory / kTaken;
-    if (there_is(taken)) {
+    if (has_entry(taken)) {
         log_warning(
             "recorder: the process before this one ended while it wrote what a crash had "
             "left; that is given up");
         fs::remove_all(taken, error);
     }
-    if (there_is(path)) {
+    if (has_entry(path)) {
         // Of several crashes, the first one tells most.
-        if (there_is(left)) {
+        if (has_entry(left)) {
             fs::remove_all(path, error);
         } else {
             fs::rename(path, left, error);

@@ -79,7 +79,7 @@ TEST_F(FlightRecorderOf, ports_without_memory_fails_and_says_why) {
         take_ring(0);
         take_ring(1);
     }
-    recorder_->settle(configuration_, ports_, kNow);
+    recorder_->record_ports(configuration_, ports_, kNow);
     const std::string answer = ask();
     EXPECT_NE(answer.find("\"state\":\"failed\""), std::string::npos) << answer;
     EXPECT_NE(answer.find("no port is recorded (/dev/receiver: no memory for it: "),
@@ -93,7 +93,7 @@ TEST_F(FlightRecorderOf, one_port_with_memory_names_the_other_and_no_file_of_it)
         take_ring(0);
     }
     take_ring(1);
-    recorder_->settle(configuration_, ports_, kNow);
+    recorder_->record_ports(configuration_, ports_, kNow);
     const std::string answer = ask();
     ASSERT_NE(answer.find("\"state\":\"written\""), std::string::npos) << answer;
     const auto recordings = std::filesystem::directory_iterator(folder_.path() / "recordings");
