@@ -63,14 +63,14 @@ class LineCutter {
 class LogReader {
   public:
     LogReader(const CanLogSource& source, const std::function<void(const RecordedCanFrame&)>& take,
-              std::ostream& talk)
-        : source_(source), reader_(source.name), take_(take), talk_(talk) {}
+              std::ostream& messages)
+        : source_(source), reader_(source.name), take_(take), messages_(messages) {}
 
     /// Returns false when reading must stop.
     bool take(std::string_view line) {
         const auto read = reader_.next(line);
         if (!read) {
-            talk_ << read.error() << '\n';
+            messages_ << read.error() << '\n';
             return ++mistakes_ < kMostMistakes || stop("too much of the input cannot be used");
         }
         if (!*read) {
@@ -90,7 +90,7 @@ class LogReader {
         return true;
     }
     bool stop(std::string_view reason) {
-        talk_ << "tribus: stopped, " << reason << '\n';
+        messages_ << "tribus: stopped, " << reason << '\n';
         failed_ = true;
         return false;
     }
@@ -99,8 +99,8 @@ class LogReader {
                              std::find(interfaces_.begin(), interfaces_.end(), source_.interface) ==
                                  interfaces_.end();
         if (missing) {
-            talk_ << "tribus: " << no_such_interface(source_.name, source_.interface, interfaces_)
-                  << '\n';
+            messages_ << "tribus: "
+                      << no_such_interface(source_.name, source_.interface, interfaces_) << '\n';
         }
         return {.error_frames = reader_.error_frames(),
                 .log_start = reader_.log_start(),
@@ -111,7 +111,7 @@ class LogReader {
     const CanLogSource& source_;
     CandumpReader reader_;
     const std::function<void(const RecordedCanFrame&)>& take_;
-    std::ostream& talk_;
+    std::ostream& messages_;
     std::vector<std::string> interfaces_;
     unsigned mistakes_ = 0;
     bool failed_ = false;
@@ -138,8 +138,8 @@ tl::expected<Recording, std::string> take_interface(Recording recording, std::st
 
 CanLogEnd read_can_log(const CanLogSource& source,
                        const std::function<void(const RecordedCanFrame&)>& take,
-                       std::ostream& results, std::ostream& talk) {
-    LogReader reader(source, take, talk);
+                       std::ostream& results, std::ostream& messages) {
+    LogReader reader(source, take, messages);
     LineCutter cutter;
     bool going = true;
     while (going && results.good()) {

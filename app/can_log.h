@@ -37,9 +37,9 @@ struct CanLogEnd {
 };
 
 /// Calls `take` for each frame as its line arrives, until the log ends or `results` fails. Flushes
-/// `results` after each text that was read. Reports unusable lines to `talk` and skips them.
+/// `results` after each text that was read. Reports unusable lines to `messages` and skips them.
 CanLogEnd read_can_log(const CanLogSource& source,
                        const std::function<void(const RecordedCanFrame&)>& take,
-                       std::ostream& results, std::ostream& talk);
+                       std::ostream& results, std::ostream& messages);
 
 }  // namespace tribus

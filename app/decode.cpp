@@ -134,7 +134,7 @@ int decode_allotted(const Recording& recording, std::span<const ProtocolUse> use
 }
 
 int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses,
-                   FramePrinter& printer, std::ostream& talk) {
+                   FramePrinter& printer, std::ostream& messages) {
     Tally tally;
     for (const Burst& burst : recording.bursts) {
         tally.bytes += burst.bytes.size();
@@ -149,21 +149,21 @@ int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses
     for (const ProtocolUse& use : uses) {
         names.push_back(use.protocol->name);
     }
-    talk << fmt::format("tribus: no frame of {} in {}\n", fmt::join(names, " or "),
-                        counted(tally.bytes, "byte"));
+    messages << fmt::format("tribus: no frame of {} in {}\n", fmt::join(names, " or "),
+                            counted(tally.bytes, "byte"));
     return kExitFailed;
 }
 
 /// `recording` holds the bytes in which the protocol found no frame.
 void explain_no_frame(const Recording& recording, const ProtocolUse& use, const Tally& tally,
-                      std::ostream& talk) {
+                      std::ostream& messages) {
     if (tally.frames == 0 && tally.bytes > 0) {
-        talk << no_frame_text(recording, use.protocol->name);
+        messages << no_frame_text(recording, use.protocol->name);
     }
 }
 
 int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinter& printer,
-                 std::ostream& talk) {
+                 std::ostream& messages) {
     printer.heading();
     FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
     for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
@@ -171,27 +171,27 @@ int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinte
     }
     finder.finish();
     printer.summary(finder.tally());
-    explain_no_frame(recording, use, finder.tally(), talk);
+    explain_no_frame(recording, use, finder.tally(), messages);
     return kExitFine;
 }
 
 }  // namespace
 
 int decode_recording(const Recording& recording, std::span<const ProtocolUse> uses,
-                     FramePrinter& printer, std::ostream& talk) {
+                     FramePrinter& printer, std::ostream& messages) {
     const std::vector<ProtocolUse> serial = of_link(uses, LinkKind::serial);
     if (serial.size() == 1) {
-        return decode_known(recording, serial.front(), printer, talk);
+        return decode_known(recording, serial.front(), printer, messages);
     }
     const Allotment allotment = allot(recording, serial);
     if (allotment.frames_of_best == 0) {
-        return decode_unknown(recording, serial, printer, talk);
+        return decode_unknown(recording, serial, printer, messages);
     }
     return decode_allotted(recording, serial, allotment, printer);
 }
 
 int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
-                  FramePrinter& printer, std::ostream& results, std::ostream& talk) {
+                  FramePrinter& printer, std::ostream& results, std::ostream& messages) {
     printer.heading();
     FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
     /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
@@ -212,7 +212,7 @@ int decode_stream(const std::function<std::string()>& read, const ProtocolUse& u
     printer.summary(finder.tally());
     Recording without_frame;
     without_frame.bursts.push_back(raw_burst(kept));
-    explain_no_frame(without_frame, use, finder.tally(), talk);
+    explain_no_frame(without_frame, use, finder.tally(), messages);
     return kExitFine;
 }
 

@@ -19,14 +19,14 @@ namespace tribus {
 /// If there are several protocols, the one that finds the most frames decodes the recording. A
 /// burst that none of its frames touches and that is exactly one frame of another protocol is
 /// decoded as that frame; so a file that lists frames of several protocols, one a line, is decoded
-/// completely. If there are bytes but no frame of the only protocol, `talk` names protocols that
-/// find frames.
+/// completely. If there are bytes but no frame of the only protocol, `messages` names protocols
+/// that find frames.
 int decode_recording(const Recording& recording, std::span<const ProtocolUse> uses,
-                     FramePrinter& printer, std::ostream& talk);
+                     FramePrinter& printer, std::ostream& messages);
 
 /// Decodes raw bytes as they arrive. `read` returns the next bytes, none at the end.
 int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
-                  FramePrinter& printer, std::ostream& results, std::ostream& talk);
+                  FramePrinter& printer, std::ostream& results, std::ostream& messages);
 
 Command decode_command();
 

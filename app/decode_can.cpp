@@ -46,7 +46,7 @@ std::uint64_t most_snapshots(std::span<const ProtocolUse> uses, const Recording&
 }
 
 int decode_can_recording(const Recording& recording, std::span<const ProtocolUse> uses,
-                         FramePrinter& printer, std::ostream& talk) {
+                         FramePrinter& printer, std::ostream& messages) {
     std::uint64_t frames_of_best = 0;
     const std::size_t best = uses.size() == 1 ? 0 : best_of(uses, recording, frames_of_best);
     printer.heading();
@@ -59,7 +59,7 @@ int decode_can_recording(const Recording& recording, std::span<const ProtocolUse
     if (!unknown) {
         printer.can_summary(tally);
         if (tally.frames == 0 && tally.can_frames > 0) {
-            talk << no_frame_text(recording, uses[best].protocol->name);
+            messages << no_frame_text(recording, uses[best].protocol->name);
         }
         return kExitFine;
     }
@@ -71,18 +71,19 @@ int decode_can_recording(const Recording& recording, std::span<const ProtocolUse
     for (const ProtocolUse& use : uses) {
         names.push_back(use.protocol->name);
     }
-    talk << fmt::format("tribus: no snapshot of {} in {}\n", fmt::join(names, " or "),
-                        counted(tally.can_frames, "CAN frame"));
+    messages << fmt::format("tribus: no snapshot of {} in {}\n", fmt::join(names, " or "),
+                            counted(tally.can_frames, "CAN frame"));
     return kExitFailed;
 }
 
 int decode_can_stream(const CanLogSource& source, const ProtocolUse& use, FramePrinter& printer,
-                      std::ostream& results, std::ostream& talk) {
+                      std::ostream& results, std::ostream& messages) {
     printer.heading();
     results.flush();
     CanFrameFinder finder(use, [&printer](const FoundFrame& found) { printer.frame(found); });
     const CanLogEnd end = read_can_log(
-        source, [&finder](const RecordedCanFrame& frame) { finder.feed(frame); }, results, talk);
+        source, [&finder](const RecordedCanFrame& frame) { finder.feed(frame); }, results,
+        messages);
     CanTally tally = finder.tally();
     tally.error_frames = end.error_frames;
     tally.log_start = end.log_start;

@@ -18,11 +18,11 @@ std::uint64_t most_snapshots(std::span<const ProtocolUse> uses, const Recording&
 /// Decodes a whole log and prints heading, frames and summary. Returns the exit status. Of several
 /// protocols, the one that finds the most snapshots decodes the log.
 int decode_can_recording(const Recording& recording, std::span<const ProtocolUse> uses,
-                         FramePrinter& printer, std::ostream& talk);
+                         FramePrinter& printer, std::ostream& messages);
 
 /// Decodes a log while its lines arrive. Reports and skips lines that cannot be used. Returns the
 /// exit status: 1 if there was such a line, or a second interface that was not asked for.
 int decode_can_stream(const CanLogSource& source, const ProtocolUse& use, FramePrinter& printer,
-                      std::ostream& results, std::ostream& talk);
+                      std::ostream& results, std::ostream& messages);
 
 }  // namespace tribus

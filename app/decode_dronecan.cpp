@@ -47,14 +47,14 @@ int decode_dronecan_recording(const Recording& recording, TransferPrinter& print
 }
 
 int decode_dronecan_stream(const CanLogSource& source, TransferPrinter& printer,
-                           std::ostream& results, std::ostream& talk) {
+                           std::ostream& results, std::ostream& messages) {
     printer.heading();
     results.flush();
     DroneCanExplainer explainer(
         [&printer](const ExplainedTransfer& transfer) { printer.transfer(transfer); });
     const CanLogEnd end = read_can_log(
         source, [&explainer](const RecordedCanFrame& frame) { explainer.feed(frame); }, results,
-        talk);
+        messages);
     explainer.finish();
     print_summary(explainer, end.error_frames, end.log_start, printer);
     return end.failed ? kExitFailed : kExitFine;

@@ -22,7 +22,7 @@ int decode_dronecan_recording(const Recording& recording, TransferPrinter& print
 
 /// Decodes a log while its lines arrive, like decode_can_stream.
 int decode_dronecan_stream(const CanLogSource& source, TransferPrinter& printer,
-                           std::ostream& results, std::ostream& talk);
+                           std::ostream& results, std::ostream& messages);
 
 /// All protocols except DroneCAN, which cannot be told from others before the whole log is there.
 std::vector<ProtocolUse> without_dronecan(std::span<const ProtocolUse> uses);

@@ -10,7 +10,7 @@
 namespace tribus {
 
 int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
-                            std::ostream& talk) {
+                            std::ostream& messages) {
     printer.heading();
     SensorConversation conversation(
         [&](const SensorExchange& exchange) { printer.exchange(exchange); });
@@ -24,7 +24,7 @@ int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
     if (tally.frames.frames > 0 || tally.frames.bytes == 0) {
         return kExitFine;
     }
-    talk << no_frame_text(recording, kSensorProtocol);
+    messages << no_frame_text(recording, kSensorProtocol);
     return kExitFailed;
 }
 

@@ -14,7 +14,8 @@ inline constexpr const char* kSensorProtocol = "ibus-sensor";
 
 /// Decodes a whole recording and prints heading, exchanges and summary. Returns the exit status:
 /// kExitFailed if there are bytes but no frame.
-int decode_sensor_recording(const Recording& recording, SensorPrinter& printer, std::ostream& talk);
+int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
+                            std::ostream& messages);
 
 /// Decodes raw bytes as they arrive. `read` returns the next bytes, none at the end.
 int decode_sensor_stream(const std::function<std::string()>& read, SensorPrinter& printer,

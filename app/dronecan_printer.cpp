@@ -8,8 +8,8 @@
 namespace tribus {
 
 TransferPrinter::TransferPrinter(DecodeFormat format, std::optional<std::size_t> columns,
-                                 std::ostream& results, std::ostream& talk)
-    : format_(format), columns_(columns), results_(results), talk_(talk) {}
+                                 std::ostream& results, std::ostream& messages)
+    : format_(format), columns_(columns), results_(results), messages_(messages) {}
 
 void TransferPrinter::heading() {
     std::string text;
@@ -44,7 +44,7 @@ void TransferPrinter::summary(const TransferTally& tally) {
     } else {
         append_transfer_summary_text(text, tally);
     }
-    (format_ == DecodeFormat::csv ? talk_ : results_) << text;
+    (format_ == DecodeFormat::csv ? messages_ : results_) << text;
 }
 
 }  // namespace tribus

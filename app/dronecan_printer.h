@@ -12,10 +12,10 @@ namespace tribus {
 /// Prints the transfers of a DroneCAN bus, one a line, then a summary.
 class TransferPrinter {
   public:
-    /// The summary of a CSV goes to `talk`, all other output to `results`; both must outlive the
-    /// printer. `columns`: width of the terminal, if text goes to one.
+    /// The summary of a CSV goes to `messages`, all other output to `results`; both must outlive
+    /// the printer. `columns`: width of the terminal, if text goes to one.
     TransferPrinter(DecodeFormat format, std::optional<std::size_t> columns, std::ostream& results,
-                    std::ostream& talk);
+                    std::ostream& messages);
 
     void heading();
     void transfer(const ExplainedTransfer& transfer);
@@ -25,7 +25,7 @@ class TransferPrinter {
     DecodeFormat format_;
     std::optional<std::size_t> columns_;
     std::ostream& results_;
-    std::ostream& talk_;
+    std::ostream& messages_;
 };
 
 }  // namespace tribus

@@ -171,7 +171,7 @@ int run_encode(const EncodeArguments& arguments) {
 }  // namespace
 
 int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& use,
-                 EncodeFormat format, std::ostream& results, std::ostream& talk,
+                 EncodeFormat format, std::ostream& results, std::ostream& messages,
                  std::string_view interface) {
     const auto writer = make_frame_writer(use, format, interface, results);
     std::vector<char> buffer(kLongestJsonLine);
@@ -197,13 +197,13 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         if (mistake.text.empty()) {
             continue;
         }
-        talk << fmt::format("{}:{}:{}: {}\n", name, number, mistake.column, mistake.text);
+        messages << fmt::format("{}:{}:{}: {}\n", name, number, mistake.column, mistake.text);
         if (++mistakes == kMostJsonMistakes || too_long) {
-            talk << "tribus: stopped, too much of the input cannot be used\n";
+            messages << "tribus: stopped, too much of the input cannot be used\n";
             break;
         }
     }
-    writer->finish(talk);
+    writer->finish(messages);
     return mistakes == 0 ? kExitFine : kExitFailed;
 }
 

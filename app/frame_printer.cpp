@@ -24,8 +24,8 @@ std::string_view recording_kind_name(RecordingKind kind) {
 }
 
 FramePrinter::FramePrinter(DecodeFormat format, RecordingKind input, std::ostream& results,
-                           std::ostream& talk)
-    : format_(format), input_(input), results_(results), talk_(talk) {}
+                           std::ostream& messages)
+    : format_(format), input_(input), results_(results), messages_(messages) {}
 
 void FramePrinter::heading() {
     std::string text;
@@ -68,7 +68,7 @@ void FramePrinter::summary(const Tally& tally) {
     } else {
         append_summary_text(text, tally);
     }
-    (format_ == DecodeFormat::csv ? talk_ : results_) << text;
+    (format_ == DecodeFormat::csv ? messages_ : results_) << text;
 }
 
 void FramePrinter::can_summary(const CanTally& tally) {
@@ -78,7 +78,7 @@ void FramePrinter::can_summary(const CanTally& tally) {
     } else {
         append_can_summary_text(text, tally);
     }
-    (format_ == DecodeFormat::csv ? talk_ : results_) << text;
+    (format_ == DecodeFormat::csv ? messages_ : results_) << text;
 }
 
 }  // namespace tribus

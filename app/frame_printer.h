@@ -19,9 +19,9 @@ std::string_view recording_kind_name(RecordingKind kind);
 /// Prints frames decoded from bytes or CAN frames, each as soon as it is complete.
 class FramePrinter {
   public:
-    /// The summary of a CSV goes to `talk`, all other output to `results`.
+    /// The summary of a CSV goes to `messages`, all other output to `results`.
     FramePrinter(DecodeFormat format, RecordingKind input, std::ostream& results,
-                 std::ostream& talk);
+                 std::ostream& messages);
 
     void heading();
     void frame(const FoundFrame& found);
@@ -35,7 +35,7 @@ class FramePrinter {
     DecodeFormat format_;
     RecordingKind input_;
     std::ostream& results_;
-    std::ostream& talk_;
+    std::ostream& messages_;
 };
 
 }  // namespace tribus

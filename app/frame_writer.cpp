@@ -64,7 +64,7 @@ class SerialWriter final : public FrameWriter {
         return {};
     }
 
-    void finish(std::ostream& talk) override {
+    void finish(std::ostream& messages) override {
         std::string text;
         heading(text, Duration::zero());
         if (format_ == EncodeFormat::vcd) {
@@ -72,7 +72,7 @@ class SerialWriter final : public FrameWriter {
         }
         results_ << text;
         if (waveform_.delayed() > 0) {
-            talk << fmt::format(
+            messages << fmt::format(
                 "tribus: {} moved back, because the one ahead was still on the wire\n",
                 counted(waveform_.delayed(), "frame"));
         }
@@ -146,7 +146,7 @@ class CanLogWriter final : public FrameWriter {
         return {};
     }
 
-    void finish(std::ostream& /*talk*/) override {}
+    void finish(std::ostream& /*messages*/) override {}
 
   private:
     std::unique_ptr<CanEncoder> encoder_;

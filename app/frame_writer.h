@@ -32,7 +32,7 @@ class FrameWriter {
     /// period. The error says what is wrong with the frame's time; the frame is then skipped.
     virtual tl::expected<void, std::string> write(const WrittenFrame& written) = 0;
     /// Call it after the last frame. Reports frames that could not be written as requested.
-    virtual void finish(std::ostream& talk) = 0;
+    virtual void finish(std::ostream& messages) = 0;
 };
 
 /// `use` and `results` must outlive the writer. The protocol must have the `format`.

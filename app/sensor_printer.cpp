@@ -7,8 +7,8 @@
 namespace tribus {
 
 SensorPrinter::SensorPrinter(DecodeFormat format, RecordingKind input, const SensorTypes& types,
-                             std::ostream& results, std::ostream& talk)
-    : format_(format), input_(input), types_(types), results_(results), talk_(talk) {}
+                             std::ostream& results, std::ostream& messages)
+    : format_(format), input_(input), types_(types), results_(results), messages_(messages) {}
 
 void SensorPrinter::heading() {
     std::string text;
@@ -43,7 +43,7 @@ void SensorPrinter::summary(const SensorTally& tally, const SensorConversation& 
     } else {
         append_sensor_summary_text(text, tally, conversation, types_);
     }
-    (format_ == DecodeFormat::csv ? talk_ : results_) << text;
+    (format_ == DecodeFormat::csv ? messages_ : results_) << text;
 }
 
 }  // namespace tribus

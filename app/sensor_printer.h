@@ -15,10 +15,10 @@ namespace tribus {
 /// types; if the type is not known yet, they are printed raw.
 class SensorPrinter {
   public:
-    /// The summary of a CSV goes to `talk`, all other output to `results`. `types`, `results` and
-    /// `talk` must outlive the printer.
+    /// The summary of a CSV goes to `messages`, all other output to `results`. `types`, `results`
+    /// and `messages` must outlive the printer.
     SensorPrinter(DecodeFormat format, RecordingKind input, const SensorTypes& types,
-                  std::ostream& results, std::ostream& talk);
+                  std::ostream& results, std::ostream& messages);
 
     void heading();
     void exchange(const SensorExchange& exchange);
@@ -29,7 +29,7 @@ class SensorPrinter {
     RecordingKind input_;
     const SensorTypes& types_;
     std::ostream& results_;
-    std::ostream& talk_;
+    std::ostream& messages_;
 };
 
 }  // namespace tribus

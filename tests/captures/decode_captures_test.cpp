@@ -45,9 +45,9 @@ std::string decoded(std::string_view name, std::string_view protocol, DecodeForm
     EXPECT_TRUE(recording) << recording.error();
     EXPECT_TRUE(uses) << uses.error();
     std::ostringstream results;
-    std::ostringstream talk;
-    FramePrinter printer(format, recording->kind, results, talk);
-    EXPECT_EQ(decode_recording(*recording, *uses, printer, talk), kExitFine);
+    std::ostringstream messages;
+    FramePrinter printer(format, recording->kind, results, messages);
+    EXPECT_EQ(decode_recording(*recording, *uses, printer, messages), kExitFine);
     return results.str();
 }
 
@@ -188,8 +188,8 @@ void expect_same_bytes_after_encoding(std::string_view name, std::string_view pr
     const auto uses = choose_protocols(protocol, SettingScope::output, given);
     ASSERT_TRUE(uses) << uses.error();
     std::ostringstream results;
-    std::ostringstream talk;
-    EXPECT_EQ(encode_lines(lines, name, uses->front(), EncodeFormat::timed, results, talk),
+    std::ostringstream messages;
+    EXPECT_EQ(encode_lines(lines, name, uses->front(), EncodeFormat::timed, results, messages),
               kExitFine);
     const auto written = parse_recording(results.str(), "encoded");
     const auto recording = parse_recording(content_of(name), name);

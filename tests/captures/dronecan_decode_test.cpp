@@ -56,8 +56,8 @@ std::string log_of_sequence(const ordered_json& sequence) {
 Outcome decoded(const std::string& log, DecodeFormat format) {
     const auto recording = parse_recording(log, "vectors.log", RecordingKind::candump);
     EXPECT_TRUE(recording) << recording.error();
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
-        TransferPrinter printer(format, std::nullopt, results, talk);
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
+        TransferPrinter printer(format, std::nullopt, results, messages);
         return decode_dronecan_recording(recording.value_or(Recording{}), printer);
     });
 }

@@ -51,9 +51,9 @@ Decoded decoded(std::string_view name) {
     const Recording recording = recording_of(name);
     const SensorTypes types;
     std::ostringstream results;
-    std::ostringstream talk;
-    SensorPrinter printer(DecodeFormat::json, recording.kind, types, results, talk);
-    EXPECT_EQ(decode_sensor_recording(recording, printer, talk), kExitFine) << talk.str();
+    std::ostringstream messages;
+    SensorPrinter printer(DecodeFormat::json, recording.kind, types, results, messages);
+    EXPECT_EQ(decode_sensor_recording(recording, printer, messages), kExitFine) << messages.str();
     Decoded result;
     std::istringstream lines(results.str());
     for (std::string line; std::getline(lines, line);) {

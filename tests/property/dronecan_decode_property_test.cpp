@@ -63,8 +63,8 @@ CanFrame any_frame() {
 
 std::vector<std::string> lines_of(const Recording& recording, DecodeFormat format) {
     std::ostringstream results;
-    std::ostringstream talk;
-    TransferPrinter printer(format, 60, results, talk);
+    std::ostringstream messages;
+    TransferPrinter printer(format, 60, results, messages);
     decode_dronecan_recording(recording, printer);
     std::vector<std::string> lines;
     std::istringstream text(results.str());

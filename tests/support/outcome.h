@@ -12,7 +12,7 @@ namespace tribus::test {
 struct Outcome {
     int status = -1;
     std::string results;
-    std::string talk;
+    std::string messages;
 
     std::vector<std::string> lines() const {
         std::vector<std::string> lines;
@@ -24,13 +24,13 @@ struct Outcome {
     }
 };
 
-/// Calls `command(results, talk)`, which returns the exit status.
+/// `command(results, messages)` returns the exit status.
 template <class Command>
 Outcome outcome_of(Command command) {
     std::ostringstream results;
-    std::ostringstream talk;
-    const int status = command(results, talk);
-    return {status, std::move(results).str(), std::move(talk).str()};
+    std::ostringstream messages;
+    const int status = command(results, messages);
+    return {status, std::move(results).str(), std::move(messages).str()};
 }
 
 }  // namespace tribus::test

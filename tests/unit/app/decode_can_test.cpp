@@ -40,17 +40,17 @@ Recording recording_of(std::string_view log) {
 }
 
 Outcome decoded(std::string_view log, const std::vector<ProtocolUse>& uses, DecodeFormat format) {
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
-        FramePrinter printer(format, RecordingKind::candump, results, talk);
-        return decode_can_recording(recording_of(log), uses, printer, talk);
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
+        FramePrinter printer(format, RecordingKind::candump, results, messages);
+        return decode_can_recording(recording_of(log), uses, printer, messages);
     });
 }
 
 /// Passes the log in these pieces. `after` sees the results after each piece.
 Outcome streamed(const std::vector<std::string>& pieces, const std::string& interface = "",
                  std::vector<std::string>* after = nullptr) {
-    return outcome_of([&](std::ostringstream& results, std::ostream& talk) {
-        FramePrinter printer(DecodeFormat::csv, RecordingKind::candump, results, talk);
+    return outcome_of([&](std::ostringstream& results, std::ostream& messages) {
+        FramePrinter printer(DecodeFormat::csv, RecordingKind::candump, results, messages);
         std::size_t next = 0;
         const auto read = [&] {
             if (next > 0 && after != nullptr) {
@@ -59,7 +59,7 @@ Outcome streamed(const std::vector<std::string>& pieces, const std::string& inte
             return next < pieces.size() ? pieces[next++] : std::string();
         };
         const CanLogSource source{.read = read, .name = "standard input", .interface = interface};
-        return decode_can_stream(source, use_of(kTinyCan), printer, results, talk);
+        return decode_can_stream(source, use_of(kTinyCan), printer, results, messages);
     });
 }
 
@@ -96,7 +96,7 @@ TEST(DecodeCan, CsvKeepsTheSummaryOut) {
     const Outcome outcome = decoded(kLog, {use_of(kTinyCan)}, DecodeFormat::csv);
     ASSERT_EQ(outcome.lines().size(), 3U);
     EXPECT_EQ(outcome.lines()[2], "20000,1000,,,,,,,,,,,,,,,,,,0,0");
-    EXPECT_EQ(outcome.talk.substr(0, 28), "2 frames in 4 CAN frames of ");
+    EXPECT_EQ(outcome.messages.substr(0, 28), "2 frames in 4 CAN frames of ");
 }
 
 TEST(DecodeCan, OfSeveralProtocolsTheOneThatFindsTheMostReadsTheLog) {
@@ -112,7 +112,7 @@ TEST(DecodeCan, LogOfNoneOfSeveralProtocolsIsAFailure) {
     const Outcome outcome = decoded("(1.0) can0 456#05DC\n",
                                     {use_of(kTinyCan), use_of(kOtherTinyCan)}, DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk, "tribus: no snapshot of tiny or other in 1 CAN frame\n");
+    EXPECT_EQ(outcome.messages, "tribus: no snapshot of tiny or other in 1 CAN frame\n");
     ASSERT_EQ(outcome.lines().size(), 1U);
     EXPECT_EQ(outcome.lines()[0].substr(0, 12), "{\"summary\":{");
 }
@@ -163,8 +163,8 @@ TEST(DecodeCanStream, LineThatCannotBeUsedIsReportedAndLeftOut) {
         streamed({"(1.000000) can0 123#05DC\n(1.000000) can0 123#05D\n(2.0) can0 123#03E8\n"});
     EXPECT_EQ(outcome.status, kExitFailed);
     EXPECT_EQ(outcome.lines().size(), 3U);
-    EXPECT_EQ(outcome.talk.substr(0, outcome.talk.find('\n')),
-              "standard input:2:23: \"D\" is not a byte; a byte is two hex digits");
+    EXPECT_EQ(outcome.messages.substr(0, outcome.messages.find('\n')),
+              "standard input:2:23: \"D\" is no byte; a byte is two hex digits");
 }
 
 TEST(DecodeCanStream, StopsWhereTooMuchCannotBeUsed) {
@@ -174,21 +174,21 @@ TEST(DecodeCanStream, StopsWhereTooMuchCannotBeUsed) {
     }
     const Outcome outcome = streamed({rubbish});
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_NE(outcome.talk.find("standard input:20:1:"), std::string::npos);
-    EXPECT_EQ(outcome.talk.find("standard input:21:1:"), std::string::npos);
+    EXPECT_NE(outcome.messages.find("standard input:20:1:"), std::string::npos);
+    EXPECT_EQ(outcome.messages.find("standard input:21:1:"), std::string::npos);
 }
 
 TEST(DecodeCanStream, StopsAtALineWithoutEnd) {
     const Outcome outcome = streamed({"(1.000000) can0 123#", std::string(5000, '1'), "\n"});
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk.substr(0, 55),
+    EXPECT_EQ(outcome.messages.substr(0, 55),
               "tribus: stopped, a line of more than 4096 characters is");
 }
 
 TEST(DecodeCanStream, StopsAtASecondInterfaceThatNobodyNamed) {
     const Outcome outcome = streamed({std::string(kTwoInterfaces)});
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk.substr(0, outcome.talk.find('\n')),
+    EXPECT_EQ(outcome.messages.substr(0, outcome.messages.find('\n')),
               "tribus: stopped, standard input: frames of several interfaces, \"can0\", \"can1\"; "
               "say which with --interface NAME");
     EXPECT_EQ(outcome.lines().size(), 2U);
@@ -204,7 +204,7 @@ TEST(DecodeCanStream, NamedInterfaceIsTakenAlone) {
 TEST(DecodeCanStream, InterfaceThatNeverCameIsAFailure) {
     const Outcome outcome = streamed({std::string(kTwoInterfaces)}, "can2");
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_NE(outcome.talk.find("no frame of the interface \"can2\""), std::string::npos);
+    EXPECT_NE(outcome.messages.find("no frame of the interface \"can2\""), std::string::npos);
 }
 
 }  // namespace

@@ -49,8 +49,8 @@ Outcome decoded(std::string_view log, DecodeFormat format,
                 std::optional<std::size_t> columns = std::nullopt) {
     const auto recording = parse_recording(log, "can.log", RecordingKind::candump);
     EXPECT_TRUE(recording) << recording.error();
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
-        TransferPrinter printer(format, columns, results, talk);
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
+        TransferPrinter printer(format, columns, results, messages);
         return decode_dronecan_recording(recording.value_or(Recording{}), printer);
     });
 }
@@ -74,7 +74,7 @@ using Lines = std::vector<std::string>;
 TEST(DecodeDroneCan, TheWorkedExamplesAsText) {
     const Outcome outcome = decoded(kExamples, DecodeFormat::text);
     EXPECT_EQ(outcome.status, kExitFine);
-    EXPECT_EQ(outcome.talk, "");
+    EXPECT_EQ(outcome.messages, "");
     EXPECT_EQ(
         outcome.lines(),
         (Lines{
@@ -165,7 +165,7 @@ TEST(DecodeDroneCan, ACsvHasALineForEachTransferAndTheSummaryIsTalk) {
               "01001122334455,\"node_id 0, first_part_of_unique_id true, unique_id "
               "\"\"001122334455\"\"\"");
     EXPECT_EQ(lines[7], "70000,request,uavcan.protocol.GetNodeInfo,1,127,42,24,3,1,,,,\"\"");
-    EXPECT_EQ(outcome.talk.substr(0, 12), "8 transfers ");
+    EXPECT_EQ(outcome.messages.substr(0, 12), "8 transfers ");
 }
 
 TEST(DecodeDroneCan, ABrokenTransferHasItsReasonAndWhatCameOfIt) {
@@ -250,18 +250,18 @@ TEST(DecodeDroneCan, AStreamIsExplainedLineByLineAndLinesThatAreNoneAreReported)
                                     "52A#D3040000000000CD\nrubbish\n"};
     std::size_t next = 0;
     std::string after_first;
-    const Outcome outcome = outcome_of([&](std::ostringstream& results, std::ostream& talk) {
-        TransferPrinter printer(DecodeFormat::json, std::nullopt, results, talk);
+    const Outcome outcome = outcome_of([&](std::ostringstream& results, std::ostream& messages) {
+        TransferPrinter printer(DecodeFormat::json, std::nullopt, results, messages);
         const auto read = [&] {
             after_first = next == 1 ? results.str() : after_first;
             return next < pieces.size() ? pieces[next++] : std::string();
         };
-        return decode_dronecan_stream({read, "standard input", ""}, printer, results, talk);
+        return decode_dronecan_stream({read, "standard input", ""}, printer, results, messages);
     });
     EXPECT_NE(after_first.find("\"uptime_sec\":1234"), std::string::npos);
     EXPECT_EQ(outcome.lines().size(), 3U);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk.substr(0, 17), "standard input:3:");
+    EXPECT_EQ(outcome.messages.substr(0, 17), "standard input:3:");
 }
 
 TEST(DecodeDroneCan, ALogIsOneOfDroneCanIfMostOfItsTransfersAreWholeAndKnown) {

@@ -41,9 +41,9 @@ Outcome decoded(std::string_view content, DecodeFormat format,
     const auto recording = parse_recording(content, "wire.txt");
     EXPECT_TRUE(recording) << recording.error();
     const SensorTypes types(dialect);
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
-        SensorPrinter printer(format, recording->kind, types, results, talk);
-        return decode_sensor_recording(*recording, printer, talk);
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
+        SensorPrinter printer(format, recording->kind, types, results, messages);
+        return decode_sensor_recording(*recording, printer, messages);
     });
 }
 
@@ -109,7 +109,7 @@ TEST(DecodeSensor, CsvHasItsSummaryAside) {
     ASSERT_EQ(lines.size(), 7U);
     EXPECT_EQ(lines[0], "t_us,address,asked,answer,response_us,type,data,raw,number,unit");
     EXPECT_EQ(lines[6], "39504,1,value,reply,631,external_voltage,fe ff,65534,-0.02,V");
-    EXPECT_NE(outcome.talk.find("4 requests"), std::string::npos);
+    EXPECT_NE(outcome.messages.find("4 requests"), std::string::npos);
 }
 
 TEST(DecodeSensor, WithoutATypeAValueIsAsItWasSent) {
@@ -146,7 +146,7 @@ TEST(DecodeSensor, ANumberThatASensorDoesNotHaveIsNotAvailable) {
 TEST(DecodeSensor, BytesWithoutAFrameAreAFailure) {
     const Outcome outcome = decoded("01 02 03\n", DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "tribus: no frame of ibus-sensor in 3 bytes; no other protocol finds one\n");
 }
 

@@ -35,9 +35,9 @@ Outcome decoded(const std::string& content, std::string_view protocol, DecodeFor
     const auto recording = parse_recording(content, "bytes.txt");
     const auto uses = choose_protocols(protocol, SettingScope::input, {});
     EXPECT_TRUE(recording && uses);
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
-        FramePrinter printer(format, recording->kind, results, talk);
-        return decode_recording(*recording, *uses, printer, talk);
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
+        FramePrinter printer(format, recording->kind, results, messages);
+        return decode_recording(*recording, *uses, printer, messages);
     });
 }
 
@@ -66,7 +66,7 @@ TEST(Decode, CsvHasEmptyCellsAndKeepsTheSummaryOut) {
               "t_us,ch1,ch2,ch3,ch4,ch5,ch6,ch7,ch8,ch9,ch10,ch11,ch12,ch13,ch14,ch15,ch16,ch17,"
               "ch18,frame_lost,failsafe\n"
               ",1499,1500,1364,1500,1000,2000,1490,1000,1500,1500,1500,1500,1500,1500,,,,,0,0\n");
-    EXPECT_EQ(outcome.talk, "1 frame in 32 bytes, 0 bytes skipped, rejected: none\n");
+    EXPECT_EQ(outcome.messages, "1 frame in 32 bytes, 0 bytes skipped, rejected: none\n");
 }
 
 TEST(Decode, TextShowsFlagsAndFooter) {
@@ -160,7 +160,7 @@ TEST(Decode, AutoFindsTheFrameOfEveryLineInTheOrderOfTheFile) {
 TEST(Decode, AutoSaysSoWhenNoProtocolFits) {
     const Outcome outcome = decoded("01 02 03\n", "auto", DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk, "tribus: no frame of ibus or sbus in 3 bytes\n");
+    EXPECT_EQ(outcome.messages, "tribus: no frame of ibus or sbus in 3 bytes\n");
     EXPECT_EQ(outcome.results,
               "{\"summary\":{\"bytes\":3,\"frames\":0,\"rejected\":{},\"skipped_bytes\":3,"
               "\"input\":\"hex\"}}\n");
@@ -168,19 +168,20 @@ TEST(Decode, AutoSaysSoWhenNoProtocolFits) {
 
 TEST(Decode, NamesTheProtocolThatFindsFramesWhereTheAskedOneFindsNone) {
     const Outcome outcome = decoded(lines_of({kIbus14, kIbus14}), "sbus", DecodeFormat::json);
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "tribus: no frame of sbus in 64 bytes; what finds frames there: ibus (2 frames)\n");
 }
 
 TEST(Decode, SaysThatNoProtocolFindsAFrame) {
     const Outcome outcome = decoded("12 34 56\n", "sbus", DecodeFormat::json);
-    EXPECT_EQ(outcome.talk, "tribus: no frame of sbus in 3 bytes; no other protocol finds one\n");
+    EXPECT_EQ(outcome.messages,
+              "tribus: no frame of sbus in 3 bytes; no other protocol finds one\n");
 }
 
 TEST(Decode, NamesTheSensorBusWhereItsFramesAreAskedAsChannels) {
     // Discover and its answer at address 1 (docs/protocols/ibus.md, "Sensor bus: frames").
     const Outcome outcome = decoded("04 81 7a ff\n04 81 7a ff\n", "sbus", DecodeFormat::json);
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "tribus: no frame of sbus in 8 bytes; what finds frames there: ibus-sensor (2 "
               "frames)\n");
 }
@@ -199,10 +200,10 @@ TEST(Decode, StreamWithoutAFrameNamesTheProtocolThatFindsSome) {
         return std::string(burst.bytes.begin(), burst.bytes.end());
     };
     std::ostringstream results;
-    std::ostringstream talk;
-    FramePrinter printer(DecodeFormat::json, RecordingKind::raw, results, talk);
-    decode_stream(read, uses->front(), printer, results, talk);
-    EXPECT_EQ(talk.str(),
+    std::ostringstream messages;
+    FramePrinter printer(DecodeFormat::json, RecordingKind::raw, results, messages);
+    decode_stream(read, uses->front(), printer, results, messages);
+    EXPECT_EQ(messages.str(),
               "tribus: no frame of sbus in 64 bytes; what finds frames there: ibus (2 frames)\n");
 }
 

@@ -18,9 +18,9 @@ using test::use_of;
 
 Outcome encoded(const std::string& lines, const std::string& interface = "can0") {
     std::istringstream input(lines);
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
         return encode_lines(input, "frames.json", use_of(kTinyCan), EncodeFormat::candump, results,
-                            talk, interface);
+                            messages, interface);
     });
 }
 
@@ -44,7 +44,7 @@ TEST(EncodeCan, LogNamesTheInterfaceThatWasAskedFor) {
 TEST(EncodeCan, TimeBeforeZeroIsReportedAndLeftOut) {
     const Outcome outcome = encoded("{\"t_us\":-5,\"channels\":[1500]}\n{\"channels\":[1000]}\n");
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "frames.json:1:1: t_us is -5; a log of candump has no times before 0\n");
     EXPECT_EQ(outcome.results, "(0000000000.000000) can0 123#03E8\n");
 }
@@ -52,7 +52,7 @@ TEST(EncodeCan, TimeBeforeZeroIsReportedAndLeftOut) {
 TEST(EncodeCan, TimeThatGoesBackIsReportedAndLeftOut) {
     const Outcome outcome =
         encoded("{\"t_us\":5,\"channels\":[1500]}\n{\"t_us\":4,\"channels\":[1500]}\n");
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "frames.json:2:1: t_us is 4, before the 5 of the frame ahead; times may not go "
               "back\n");
     EXPECT_EQ(outcome.results, "(0000000000.000005) can0 123#05DC\n");

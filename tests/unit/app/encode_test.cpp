@@ -20,8 +20,8 @@ Outcome encoded(const std::string& lines, std::string_view protocol, EncodeForma
     const auto uses = choose_protocols(protocol, SettingScope::output, given);
     EXPECT_TRUE(uses) << uses.error();
     std::istringstream input(lines);
-    return outcome_of([&](std::ostream& results, std::ostream& talk) {
-        return encode_lines(input, "frames.json", uses->front(), format, results, talk);
+    return outcome_of([&](std::ostream& results, std::ostream& messages) {
+        return encode_lines(input, "frames.json", uses->front(), format, results, messages);
     });
 }
 
@@ -38,7 +38,7 @@ TEST(Encode, HexIsOneFrameALine) {
                 EncodeFormat::hex);
     EXPECT_EQ(outcome.status, kExitFine);
     EXPECT_EQ(outcome.results, std::string(kCentredSbus) + std::string(kCentredSbus));
-    EXPECT_EQ(outcome.talk, "");
+    EXPECT_EQ(outcome.messages, "");
 }
 
 TEST(Encode, FlagsAndSwitchesReachTheWire) {
@@ -77,7 +77,7 @@ TEST(Encode, VcdSaysWhenFramesDoNotFitOnTheWire) {
     const Outcome outcome =
         encoded("{\"t_us\":0,\"channels\":[]}\n{\"t_us\":1000,\"channels\":[]}\n", "sbus",
                 EncodeFormat::vcd);
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "tribus: 1 frame moved back, because the one ahead was still on the wire\n");
 }
 
@@ -87,7 +87,7 @@ TEST(Encode, ReportsEveryLineThatCannotBeUsedAndEncodesTheRest) {
                 EncodeFormat::hex);
     EXPECT_EQ(outcome.status, kExitFailed);
     EXPECT_EQ(outcome.results, kCentredSbus);
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "frames.json:1:1: channel 1 is 9000; allowed: -4096 to 4095.875 us, or null\n"
               "frames.json:3:2: not JSON; a line is one object as decode prints it\n");
 }
@@ -96,7 +96,7 @@ TEST(Encode, RefusesTimesThatGoBack) {
     const Outcome outcome = encoded("{\"t_us\":10,\"channels\":[]}\n{\"t_us\":9,\"channels\":[]}\n",
                                     "sbus", EncodeFormat::hex);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.talk,
+    EXPECT_EQ(outcome.messages,
               "frames.json:2:1: t_us is 9, before the 10 of the frame ahead; times may not go "
               "back\n");
 }
