@@ -14,7 +14,8 @@ int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
     printer.heading();
     SensorConversation conversation(
         [&](const SensorExchange& exchange) { printer.exchange(exchange); });
-    SensorFrameFinder finder([&](const HeardSensorFrame& heard) { conversation.hear(heard); });
+    SensorFrameFinder finder(
+        [&](const ReceivedSensorFrame& received) { conversation.take(received); });
     for (const Burst& burst : recording.bursts) {
         finder.feed(burst);
     }
@@ -33,7 +34,8 @@ int decode_sensor_stream(const std::function<std::string()>& read, SensorPrinter
     printer.heading();
     SensorConversation conversation(
         [&](const SensorExchange& exchange) { printer.exchange(exchange); });
-    SensorFrameFinder finder([&](const HeardSensorFrame& heard) { conversation.hear(heard); });
+    SensorFrameFinder finder(
+        [&](const ReceivedSensorFrame& received) { conversation.take(received); });
     while (results.good()) {
         const std::string bytes = read();
         if (bytes.empty()) {

@@ -31,7 +31,7 @@ std::uint64_t frames_of(const ProtocolUse& use, const Recording& recording) {
 }
 
 std::uint64_t sensor_frames(const Recording& recording) {
-    SensorFrameFinder finder([](const HeardSensorFrame&) {});
+    SensorFrameFinder finder([](const ReceivedSensorFrame&) {});
     for (const Burst& burst : recording.bursts) {
         finder.feed(burst);
     }

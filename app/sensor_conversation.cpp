@@ -11,7 +11,7 @@ bool same_request(const SensorFrame& one, const SensorFrame& other) {
 }
 
 /// True if `other` follows too quickly to be in another slot.
-bool follows_at_once(const HeardSensorFrame& one, const HeardSensorFrame& other) {
+bool follows_at_once(const ReceivedSensorFrame& one, const ReceivedSensorFrame& other) {
     return one.end && other.start && *other.start - *one.end <= kLongestSensorPause;
 }
 
@@ -20,62 +20,62 @@ bool follows_at_once(const HeardSensorFrame& one, const HeardSensorFrame& other)
 SensorConversation::SensorConversation(std::function<void(const SensorExchange&)> handler)
     : handler_(std::move(handler)) {}
 
-void SensorConversation::hear(const HeardSensorFrame& heard) {
-    if (heard.frame.command == SensorCommand::power_up) {
-        settle(&heard);
-        tell({.outcome = SensorOutcome::power_up, .asked = heard});
-    } else if (heard.frame.is_request()) {
-        hear_request(heard);
+void SensorConversation::take(const ReceivedSensorFrame& received) {
+    if (received.frame.command == SensorCommand::power_up) {
+        resolve(&received);
+        report({.outcome = SensorOutcome::power_up, .asked = received});
+    } else if (received.frame.is_request()) {
+        take_request(received);
     } else {
-        hear_answer(heard);
+        take_answer(received);
     }
 }
 
-void SensorConversation::hear_request(const HeardSensorFrame& heard) {
-    if (pending_.empty() || !same_request(pending_.back().frame, heard.frame)) {
-        settle(&heard);
-        pending_.push_back(heard);
+void SensorConversation::take_request(const ReceivedSensorFrame& received) {
+    if (pending_.empty() || !same_request(pending_.back().frame, received.frame)) {
+        resolve(&received);
+        pending_.push_back(received);
         return;
     }
-    const bool timed = pending_.back().end && heard.start;
-    const bool discover = heard.frame.command == SensorCommand::discover;
+    const bool timed = pending_.back().end && received.start;
+    const bool discover = received.frame.command == SensorCommand::discover;
     if (!timed && discover && pending_.size() > 1) {
         // Of three equal frames, the first had no reply.
-        leave_unanswered(pending_.front(), 0, &heard);
+        leave_unanswered(pending_.front(), 0, &received);
         pending_.erase(pending_.begin());
-    } else if (timed ? !follows_at_once(pending_.back(), heard) : !discover) {
-        settle(&heard);
+    } else if (timed ? !follows_at_once(pending_.back(), received) : !discover) {
+        resolve(&received);
     }
-    pending_.push_back(heard);
+    pending_.push_back(received);
 }
 
-void SensorConversation::hear_answer(const HeardSensorFrame& heard) {
-    if (!is_pending(heard)) {
-        settle(&heard);
-        tell({.outcome = SensorOutcome::unasked, .asked = heard});
+void SensorConversation::take_answer(const ReceivedSensorFrame& received) {
+    if (!is_pending(received)) {
+        resolve(&received);
+        report({.outcome = SensorOutcome::unasked, .asked = received});
         return;
     }
-    answer(pending_.front(), static_cast<unsigned>(pending_.size() - 1), pending_.back(), heard);
+    answer(pending_.front(), static_cast<unsigned>(pending_.size() - 1), pending_.back(), received);
     pending_.clear();
 }
 
-bool SensorConversation::is_pending(const HeardSensorFrame& heard) const {
-    return !pending_.empty() && pending_.back().frame.command == heard.frame.command &&
-           pending_.back().frame.address == heard.frame.address;
+bool SensorConversation::is_pending(const ReceivedSensorFrame& received) const {
+    return !pending_.empty() && pending_.back().frame.command == received.frame.command &&
+           pending_.back().frame.address == received.frame.address;
 }
 
 void SensorConversation::finish() {
-    settle(nullptr);
+    resolve(nullptr);
 }
 
 /// Ends the pending request without a reply that has data. `next` is the following frame, if there
 /// is one.
-void SensorConversation::settle(const HeardSensorFrame* next) {
+void SensorConversation::resolve(const ReceivedSensorFrame* next) {
     if (pending_.empty()) {
         return;
     }
     if (pending_.front().frame.command == SensorCommand::discover && pending_.size() > 1) {
-        settle_discover(next);
+        resolve_discover(next);
     } else {
         leave_unanswered(pending_.front(), static_cast<unsigned>(pending_.size() - 1), next);
     }
@@ -83,9 +83,9 @@ void SensorConversation::settle(const HeardSensorFrame* next) {
 }
 
 /// Decides a request that came twice or more, by the rule at the class.
-void SensorConversation::settle_discover(const HeardSensorFrame* next) {
-    const HeardSensorFrame& first = pending_.front();
-    const HeardSensorFrame& last = pending_.back();
+void SensorConversation::resolve_discover(const ReceivedSensorFrame* next) {
+    const ReceivedSensorFrame& first = pending_.front();
+    const ReceivedSensorFrame& last = pending_.back();
     const auto again = static_cast<unsigned>(pending_.size() - 1);
     const bool timed = first.end && last.start;
     const bool asks_type = next != nullptr && next->frame.command == SensorCommand::type &&
@@ -101,21 +101,22 @@ void SensorConversation::settle_discover(const HeardSensorFrame* next) {
     }
 }
 
-void SensorConversation::leave_unanswered(const HeardSensorFrame& asked, unsigned echoes,
-                                          const HeardSensorFrame* next) {
+void SensorConversation::leave_unanswered(const ReceivedSensorFrame& asked, unsigned echoes,
+                                          const ReceivedSensorFrame* next) {
     const bool discover = asked.frame.command == SensorCommand::discover;
     SensorOutcome outcome = discover ? SensorOutcome::free : SensorOutcome::missed;
     if (next == nullptr) {
         outcome = SensorOutcome::cut;
     }
-    tell({.outcome = outcome,
-          .asked = asked,
-          .echoes = echoes,
-          .asked_again = next != nullptr && same_request(asked.frame, next->frame)});
+    report({.outcome = outcome,
+            .asked = asked,
+            .echoes = echoes,
+            .asked_again = next != nullptr && same_request(asked.frame, next->frame)});
 }
 
-void SensorConversation::answer(const HeardSensorFrame& asked, unsigned echoes,
-                                const HeardSensorFrame& asked_end, const HeardSensorFrame& answer) {
+void SensorConversation::answer(const ReceivedSensorFrame& asked, unsigned echoes,
+                                const ReceivedSensorFrame& asked_end,
+                                const ReceivedSensorFrame& answer) {
     SensorExchange exchange{
         .outcome = SensorOutcome::answered, .asked = asked, .answer = answer, .echoes = echoes};
     if (asked_end.end && answer.start) {
@@ -125,10 +126,10 @@ void SensorConversation::answer(const HeardSensorFrame& asked, unsigned echoes,
     if (frame.command == SensorCommand::type && frame.data_size == 2) {
         addresses_[frame.address].type = {.id = frame.data[0], .size = frame.data[1]};
     }
-    tell(exchange);
+    report(exchange);
 }
 
-void SensorConversation::tell(SensorExchange exchange) {
+void SensorConversation::report(SensorExchange exchange) {
     exchange.type = addresses_[exchange.asked.frame.address].type;
     count(exchange);
     handler_(exchange);

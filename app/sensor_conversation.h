@@ -13,7 +13,7 @@
 namespace tribus {
 
 /// A frame with the start of its first and the end of its last byte, if the recording has times.
-struct HeardSensorFrame {
+struct ReceivedSensorFrame {
     SensorFrame frame;
     std::optional<Duration> start{};
     std::optional<Duration> end{};
@@ -29,7 +29,7 @@ enum class SensorOutcome : std::uint8_t {
 };
 
 /// What a sensor reported as its type.
-struct SaidType {
+struct ReportedType {
     std::uint8_t id = 0;
     std::uint8_t size = 0;
 };
@@ -38,8 +38,8 @@ struct SaidType {
 struct SensorExchange {
     SensorOutcome outcome = SensorOutcome::answered;
     /// The request; for an unasked reply, the reply.
-    HeardSensorFrame asked;
-    std::optional<HeardSensorFrame> answer{};
+    ReceivedSensorFrame asked;
+    std::optional<ReceivedSensorFrame> answer{};
     /// From the end of the request, or of its last echo, to the start of the reply.
     std::optional<Duration> response_time{};
     /// How often the recorder received the request again as its echo.
@@ -47,7 +47,7 @@ struct SensorExchange {
     /// The receiver's next request is the same.
     bool asked_again = false;
     /// The type that the sensor at this address has reported so far, this exchange included.
-    std::optional<SaidType> type{};
+    std::optional<ReportedType> type{};
 };
 
 /// Counts of exchanges. `requests` excludes the `probes` of free addresses.
@@ -66,7 +66,7 @@ struct SensorCounts {
 };
 
 struct SensorAddressCounts {
-    std::optional<SaidType> type{};
+    std::optional<ReportedType> type{};
     std::uint64_t requests = 0;
     std::uint64_t replies = 0;
     std::uint64_t misses = 0;
@@ -86,7 +86,7 @@ class SensorConversation {
   public:
     explicit SensorConversation(std::function<void(const SensorExchange&)> handler);
 
-    void hear(const HeardSensorFrame& heard);
+    void take(const ReceivedSensorFrame& received);
     /// Call it after the last frame.
     void finish();
 
@@ -97,21 +97,21 @@ class SensorConversation {
     }
 
   private:
-    void hear_request(const HeardSensorFrame& heard);
-    void hear_answer(const HeardSensorFrame& heard);
-    bool is_pending(const HeardSensorFrame& heard) const;
-    void settle(const HeardSensorFrame* next);
-    void settle_discover(const HeardSensorFrame* next);
-    void leave_unanswered(const HeardSensorFrame& asked, unsigned echoes,
-                          const HeardSensorFrame* next);
-    void answer(const HeardSensorFrame& asked, unsigned echoes, const HeardSensorFrame& asked_end,
-                const HeardSensorFrame& answer);
-    void tell(SensorExchange exchange);
+    void take_request(const ReceivedSensorFrame& received);
+    void take_answer(const ReceivedSensorFrame& received);
+    bool is_pending(const ReceivedSensorFrame& received) const;
+    void resolve(const ReceivedSensorFrame* next);
+    void resolve_discover(const ReceivedSensorFrame* next);
+    void leave_unanswered(const ReceivedSensorFrame& asked, unsigned echoes,
+                          const ReceivedSensorFrame* next);
+    void answer(const ReceivedSensorFrame& asked, unsigned echoes,
+                const ReceivedSensorFrame& asked_end, const ReceivedSensorFrame& answer);
+    void report(SensorExchange exchange);
     void count(const SensorExchange& exchange);
 
     std::function<void(const SensorExchange&)> handler_;
     /// An undecided request, followed by copies of it that are echoes or replies.
-    std::vector<HeardSensorFrame> pending_;
+    std::vector<ReceivedSensorFrame> pending_;
     SensorCounts counts_;
     std::array<SensorAddressCounts, kMostSensors + 1> addresses_;
 };

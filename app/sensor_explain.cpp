@@ -71,9 +71,9 @@ std::vector<WrittenField> written_fields(const SensorType& type, const SensorFra
 
 }  // namespace
 
-std::string name_of_type(const SaidType& said, const SensorTypes& types) {
-    const SensorType* const type = types.find(said.id);
-    return type == nullptr ? fmt::format("0x{:02X}", said.id) : type->name;
+std::string name_of_type(const ReportedType& reported, const SensorTypes& types) {
+    const SensorType* const type = types.find(reported.id);
+    return type == nullptr ? fmt::format("0x{:02X}", reported.id) : type->name;
 }
 
 ExplainedExchange explain(const SensorExchange& exchange, const SensorTypes& types) {

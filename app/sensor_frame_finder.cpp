@@ -36,13 +36,13 @@ void SensorFrameFinder::feed_byte(std::uint8_t byte, bool damaged, std::optional
     }
     std::span<const std::uint8_t> bytes(&byte, 1);
     while (const auto frame = parser_.next(bytes, received)) {
-        HeardSensorFrame heard{.frame = *frame, .start = start_of(frame->first_byte)};
-        heard.end = start_of(frame->first_byte + kSensorRequestBytes + frame->data_size - 1);
-        if (heard.end) {
-            *heard.end += kLine.bytes_time(1);
+        ReceivedSensorFrame found{.frame = *frame, .start = start_of(frame->first_byte)};
+        found.end = start_of(frame->first_byte + kSensorRequestBytes + frame->data_size - 1);
+        if (found.end) {
+            *found.end += kLine.bytes_time(1);
         }
         ++frames_;
-        handler_(heard);
+        handler_(found);
     }
 }
 
@@ -57,8 +57,8 @@ SensorTally SensorFrameFinder::tally() const {
 
 bool is_sensor_bus(const Recording& recording) {
     std::uint64_t in_frames = 0;
-    SensorFrameFinder finder([&](const HeardSensorFrame& heard) {
-        in_frames += kSensorRequestBytes + heard.frame.data_size;
+    SensorFrameFinder finder([&](const ReceivedSensorFrame& received) {
+        in_frames += kSensorRequestBytes + received.frame.data_size;
     });
     for (const Burst& burst : recording.bursts) {
         finder.feed(burst);

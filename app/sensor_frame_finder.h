@@ -26,7 +26,7 @@ struct SensorTally {
 /// between two (docs/protocols/ibus.md, "Line"): a request ends 43 bits after its start.
 class SensorFrameFinder {
   public:
-    using Handler = std::function<void(const HeardSensorFrame&)>;
+    using Handler = std::function<void(const ReceivedSensorFrame&)>;
     explicit SensorFrameFinder(Handler handler);
 
     /// Feeds a burst, in the order of the recording.

@@ -40,10 +40,10 @@ std::string value_text(const ExplainedExchange& explained) {
     if (!explained.fields.empty()) {
         return explained.type + fields_text(explained.fields);
     }
-    const bool said = !explained.type.empty();
+    const bool reported = !explained.type.empty();
     const std::string raw = explained.raw ? fmt::format("{} ", *explained.raw) : "";
     return fmt::format("raw {}({}), {}{}", raw, data_text(*explained.data),
-                       said ? "unknown type " : "type not seen", explained.type);
+                       reported ? "unknown type " : "type not seen", explained.type);
 }
 
 std::string answer_text(const SensorExchange& exchange, const ExplainedExchange& explained) {

@@ -33,7 +33,7 @@ struct ExplainedExchange {
 ExplainedExchange explain(const SensorExchange& exchange, const SensorTypes& types);
 
 /// `external_voltage`; `0x42` for an unknown type.
-std::string name_of_type(const SaidType& said, const SensorTypes& types);
+std::string name_of_type(const ReportedType& reported, const SensorTypes& types);
 
 /// The shortest, median and longest time. The input need not be sorted.
 struct ResponseTimes {

@@ -170,7 +170,7 @@ std::optional<LineStory> with_sensor_bus(const Heard& heard, std::optional<LineS
     std::uint64_t replies = 0;
     std::uint64_t in_frames = 0;
     std::vector<Duration> starts;
-    SensorFrameFinder finder([&](const HeardSensorFrame& found) {
+    SensorFrameFinder finder([&](const ReceivedSensorFrame& found) {
         in_frames += kSensorRequestBytes + found.frame.data_size;
         ++(found.frame.is_request() ? requests : replies);
         if (found.frame.is_request() && found.start) {

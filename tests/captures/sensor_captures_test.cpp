@@ -180,7 +180,7 @@ TEST_F(SensorCaptures, TheSensorWireIsToldFromTheServoWire) {
 }
 
 TEST_F(SensorCaptures, ServoFramesOnTheSameWireHoldNoSensorFrame) {
-    SensorFrameFinder finder([](const HeardSensorFrame&) { ADD_FAILURE(); });
+    SensorFrameFinder finder([](const ReceivedSensorFrame&) { ADD_FAILURE(); });
     for (const Burst& burst : recording_of("ibus_servo14_ia6b_2sensors.timed.txt").bursts) {
         finder.feed(burst);
     }

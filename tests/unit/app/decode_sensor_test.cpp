@@ -162,7 +162,7 @@ TEST(DecodeSensor, ADamagedByteCostsItsFrame) {
          .damaged = std::vector<bool>(10)});
     recording.bursts.front().damaged[6] = true;
     unsigned frames = 0;
-    SensorFrameFinder finder([&](const HeardSensorFrame&) { ++frames; });
+    SensorFrameFinder finder([&](const ReceivedSensorFrame&) { ++frames; });
     finder.feed(recording.bursts.front());
     EXPECT_EQ(frames, 1U);
     EXPECT_EQ(finder.tally().frames.skipped_bytes, 6U);
