@@ -24,8 +24,8 @@ constexpr std::size_t kColumns = 80;
 /// Continued lines of an option are indented to its text, others like their beginning.
 std::size_t indent_of(std::string_view line, std::size_t column_width) {
     const std::size_t begin = std::min(line.find_first_not_of(' '), line.size());
-    constexpr std::size_t kOfOptions = 2;
-    return begin == kOfOptions ? column_width : begin;
+    constexpr std::size_t kOptionIndent = 2;
+    return begin == kOptionIndent ? column_width : begin;
 }
 
 void append_broken(std::string& text, std::string line, std::size_t column_width) {

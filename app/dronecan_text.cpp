@@ -63,11 +63,11 @@ std::string frames_text(std::size_t frames) {
     return fmt::format("{} {} came", frames, frames == 1 ? "frame" : "frames");
 }
 
-bool says_failsafe(const ExplainedTransfer& transfer) {
+bool is_failsafe(const ExplainedTransfer& transfer) {
     return rc_input_of(transfer) && rc_input_of(transfer)->failsafe;
 }
 
-std::string said(const ExplainedTransfer& transfer) {
+std::string content_text(const ExplainedTransfer& transfer) {
     if (transfer.fault != TransferFault::none) {
         return fmt::format("  broken: {} ({}): {}",
                            kFaultTexts.at(static_cast<std::size_t>(transfer.fault)),
@@ -78,7 +78,7 @@ std::string said(const ExplainedTransfer& transfer) {
                            payload_text(transfer));
     }
     const std::string fields = fields_text(fields_of(transfer));
-    return (fields.empty() ? "" : "  " + fields) + (says_failsafe(transfer) ? "  failsafe" : "");
+    return (fields.empty() ? "" : "  " + fields) + (is_failsafe(transfer) ? "  failsafe" : "");
 }
 
 /// Breaks a line between words; a word longer than a line is not broken.
@@ -155,7 +155,7 @@ void append_transfer_text(std::string& text, const ExplainedTransfer& transfer,
     const std::string line =
         fmt::format("{:>12} {:>8} {:>4} {:>3}  {}{}{}", whole_microseconds(transfer.last_at),
                     nodes_text(head), head.priority, head.transfer_id,
-                    named(head.kind, head.data_type_id), after, said(transfer));
+                    named(head.kind, head.data_type_id), after, content_text(transfer));
     text += columns ? broken_into(line, *columns) : line;
     text += '\n';
 }

@@ -186,7 +186,7 @@ class Drawing {
     }
 
     void add_line(const LineConfig& line) {
-        add(is_input_role(line.task.role) ? GraphColumn::sources : GraphColumn::lamps, "gpio",
+        add(is_input_role(line.task.role) ? GraphColumn::sources : GraphColumn::lines, "gpio",
             line.name, {fmt::format("{} {}", to_text(line.place), role_text(line.task.role))});
     }
 

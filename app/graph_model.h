@@ -11,7 +11,7 @@
 namespace tribus {
 
 /// Column of a box, from left to right.
-enum class GraphColumn : std::uint8_t { sources, pipelines, outputs, lamps };
+enum class GraphColumn : std::uint8_t { sources, pipelines, outputs, lines };
 inline constexpr std::size_t kGraphColumns = 4;
 
 struct GraphBox {

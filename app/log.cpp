@@ -18,11 +18,12 @@ void log_to_journal_or_terminal() {
 }
 
 void log_text(LogLevel level, std::string_view text) {
-    const auto of_library = level == LogLevel::info      ? spdlog::level::info
-                            : level == LogLevel::warning ? spdlog::level::warn
-                                                         : spdlog::level::err;
+    const auto library_level = level == LogLevel::info      ? spdlog::level::info
+                               : level == LogLevel::warning ? spdlog::level::warn
+                                                            : spdlog::level::err;
     // With a single argument spdlog does not format, so braces in the text stay.
-    spdlog::default_logger_raw()->log(of_library, spdlog::string_view_t(text.data(), text.size()));
+    spdlog::default_logger_raw()->log(library_level,
+                                      spdlog::string_view_t(text.data(), text.size()));
 }
 
 }  // namespace tribus

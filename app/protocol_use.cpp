@@ -252,12 +252,12 @@ tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string
         }
     }
     // A setting that only a refused protocol has must not be ignored.
-    const bool all_heard = std::ranges::all_of(given, [&](const auto& entry) {
+    const bool all_used = std::ranges::all_of(given, [&](const auto& entry) {
         return std::ranges::any_of(uses, [&](const ProtocolUse& use) {
             return find_setting(*use.protocol, direction, entry.first) != nullptr;
         });
     });
-    if (uses.empty() || !all_heard) {
+    if (uses.empty() || !all_used) {
         return Refused(std::move(refused));
     }
     return uses;

@@ -51,14 +51,16 @@ std::string configuration(const Pty& in, const std::vector<Pty>& outs,
 }
 
 /// Receives and recognises the frames of one output.
-class Listener {
+class FrameReceiver {
   public:
-    Listener(int descriptor, std::size_t most) : descriptor_(descriptor) { ages_.reserve(most); }
+    FrameReceiver(int descriptor, std::size_t most) : descriptor_(descriptor) {
+        ages_.reserve(most);
+    }
 
     int descriptor() const { return descriptor_; }
 
     /// Frames are recognised by channels 1 and 2, which encode the number.
-    void listen(const std::vector<Instant>& sent_at) {
+    void receive(const std::vector<Instant>& sent_at) {
         std::array<std::uint8_t, 256> buffer{};
         const ssize_t count = ::read(descriptor_, buffer.data(), buffer.size());
         const Instant now = monotonic_now();
@@ -92,19 +94,19 @@ class Listener {
     std::vector<Duration> ages_;
 };
 
-void listen_until(std::array<std::optional<Listener>, 3>& listeners,
-                  const std::vector<Instant>& sent_at, Instant end) {
+void receive_until(std::array<std::optional<FrameReceiver>, 3>& receivers,
+                   const std::vector<Instant>& sent_at, Instant end) {
     Instant now = monotonic_now();
     while (now < end) {
         std::array<pollfd, 3> waits{};
         for (std::size_t i = 0; i < waits.size(); ++i) {
-            waits[i] = {.fd = listeners[i]->descriptor(), .events = POLLIN, .revents = 0};
+            waits[i] = {.fd = receivers[i]->descriptor(), .events = POLLIN, .revents = 0};
         }
         const timespec timeout = as_timespec(end - now);
         ::ppoll(waits.data(), waits.size(), &timeout, nullptr);
         for (std::size_t i = 0; i < waits.size(); ++i) {
             if (waits[i].revents != 0) {
-                listeners[i]->listen(sent_at);
+                receivers[i]->receive(sent_at);
             }
         }
         now = monotonic_now();
@@ -132,9 +134,9 @@ tl::expected<AgeResult, std::string> measure_age(const ApplianceSettings& settin
         return tl::unexpected(started.error());
     }
     const auto frames = kWarmUpFrames + static_cast<std::size_t>(length / kReceiverPeriod);
-    std::array<std::optional<Listener>, 3> listeners;
-    for (std::size_t i = 0; i < listeners.size(); ++i) {
-        listeners[i].emplace(outs[i].master.get(), frames);
+    std::array<std::optional<FrameReceiver>, 3> receivers;
+    for (std::size_t i = 0; i < receivers.size(); ++i) {
+        receivers[i].emplace(outs[i].master.get(), frames);
     }
     std::vector<Instant> sent_at;
     sent_at.reserve(frames);
@@ -142,14 +144,14 @@ tl::expected<AgeResult, std::string> measure_age(const ApplianceSettings& settin
     Instant next = monotonic_now() + kReceiverPeriod;
     while (sent_at.size() < frames && !interrupted()) {
         const WireFrame frame = numbered_ibus_frame(static_cast<std::uint32_t>(sent_at.size()));
-        listen_until(listeners, sent_at, next);
+        receive_until(receivers, sent_at, next);
         sent_at.push_back(monotonic_now());
         [[maybe_unused]] const auto taken =
             ::write(in->master.get(), frame.bytes.data(), frame.length);
         next += kReceiverPeriod;
     }
-    listen_until(listeners, sent_at, next + kReceiverPeriod);
-    return AgeResult{listeners[0]->ages(), listeners[1]->ages(), listeners[2]->ages()};
+    receive_until(receivers, sent_at, next + kReceiverPeriod);
+    return AgeResult{receivers[0]->ages(), receivers[1]->ages(), receivers[2]->ages()};
 }
 
 }  // namespace tribus::bench

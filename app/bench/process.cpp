@@ -25,7 +25,7 @@ constexpr int kCannotStart = 127;
 constexpr int kBySignal = 128;
 
 /// Sets up the new process: it ends with its parent, and signals of the terminal do not reach it.
-void settle(pid_t parent, int errors) {
+void set_up_child(pid_t parent, int errors) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) {
         ::_exit(kCannotStart);
@@ -106,7 +106,7 @@ tl::expected<Process, std::string> Process::fork(const std::function<int()>& bod
         return tl::unexpected(std::string("cannot start a process: ") + std::strerror(errno));
     }
     if (id == 0) {
-        settle(parent, errors.get());
+        set_up_child(parent, errors.get());
         ::_exit(body());
     }
     return Process(id, std::move(errors));
@@ -131,7 +131,7 @@ tl::expected<Process, std::string> Process::execute(const std::vector<std::strin
         }
         ::execvp(arguments.front(), arguments.data());
         const std::string_view reason = std::strerror(errno);
-        [[maybe_unused]] const auto said = ::write(STDERR_FILENO, reason.data(), reason.size());
+        [[maybe_unused]] const auto written = ::write(STDERR_FILENO, reason.data(), reason.size());
         return kCannotStart;
     });
 }

@@ -179,8 +179,8 @@ tl::expected<void, std::string> Subject::wait_until_it_carries(Duration interval
     std::vector<bool> carries(lanes_.size(), false);
     while (std::find(carries.begin(), carries.end(), false) != carries.end()) {
         if (!process_.runs() || interrupted() || monotonic_now() > end) {
-            const std::string said = process_.errors();
-            return tl::unexpected(said.empty() ? "nothing is carried" : said);
+            const std::string errors = process_.errors();
+            return tl::unexpected(errors.empty() ? "nothing is carried" : errors);
         }
         for (std::size_t i = 0; i < lanes_.size(); ++i) {
             carries[i] = lanes_[i].receive() || carries[i];
