@@ -189,7 +189,7 @@ class Demo {
 
     /// Waits for frames on their way, ends the appliance, and prints the summary.
     int finish() {
-        bench_.peers->hush();
+        bench_.peers->stop_receiver();
         pause(kSettle);
         const std::uint64_t decoded = bench_.appliance->input_status(0).counts.frames;
         bench_.appliance->end();

@@ -66,9 +66,9 @@ PeerReport DemoPeers::report() {
     return report_;
 }
 
-void DemoPeers::hush() {
+void DemoPeers::stop_receiver() {
     const std::lock_guard lock(mutex_);
-    hushed_ = true;
+    receiver_stopped_ = true;
 }
 
 void DemoPeers::stop() {
@@ -92,7 +92,7 @@ void DemoPeers::main() {
         if (stopping_) {
             return;
         }
-        listen(now);
+        read_servos(now);
         send_due(now);
     }
 }
@@ -106,13 +106,13 @@ void DemoPeers::send_due(Instant now) {
     }
     const bool was_up = report_.link_up;
     report_.link_up = link_up(now - start_);
-    if (was_up && !report_.link_up && !hushed_) {
+    if (was_up && !report_.link_up && !receiver_stopped_) {
         report_.drops.emplace_back();
     }
     if (!was_up && report_.link_up) {
         back_at_ = now;
     }
-    if (!report_.link_up || hushed_) {
+    if (!report_.link_up || receiver_stopped_) {
         return;
     }
     report_.sent = demo_sticks(now - start_);
@@ -125,7 +125,7 @@ void DemoPeers::send_due(Instant now) {
     }
 }
 
-void DemoPeers::listen(Instant now) {
+void DemoPeers::read_servos(Instant now) {
     std::array<std::uint8_t, 256> buffer{};
     const ssize_t count = ::read(servos_.get(), buffer.data(), buffer.size());
     if (count <= 0) {

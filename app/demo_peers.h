@@ -50,7 +50,7 @@ class DemoPeers {
 
     PeerReport report();
     /// The receiver sends no more frames; the servos go on reading.
-    void hush();
+    void stop_receiver();
     void stop();
 
   private:
@@ -63,7 +63,7 @@ class DemoPeers {
 
     void main();
     void send_due(Instant now);
-    void listen(Instant now);
+    void read_servos(Instant now);
     void note(const ChannelFrame& frame, Instant now);
     void note_drop(const ChannelFrame& frame, Instant now);
 
@@ -80,7 +80,7 @@ class DemoPeers {
 
     std::mutex mutex_;
     PeerReport report_;
-    bool hushed_ = false;
+    bool receiver_stopped_ = false;
     bool stopping_ = false;
     std::thread thread_;
 };
