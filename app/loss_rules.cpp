@@ -82,7 +82,7 @@ std::optional<PulseRange> pulses_of(StudiedFrames frames, std::size_t channel) {
     return range.low <= range.high ? std::optional(range) : std::nullopt;
 }
 
-std::optional<ValueRule> rule_that_tells(StudiedFrames flown, StudiedFrames lost) {
+std::optional<ValueRule> rule_for_loss(StudiedFrames flown, StudiedFrames lost) {
     Candidate best_beyond;
     Candidate best_gap;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {

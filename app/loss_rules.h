@@ -25,7 +25,7 @@ std::optional<PulseRange> pulses_of(StudiedFrames frames, std::size_t channel);
 /// The rule that matches all `lost` frames with the largest margin to all `flown` ones. Prefers a
 /// value outside the range of a channel, best of one that was moved, to a value between the
 /// positions of a switch. Nothing if no margin is large enough.
-std::optional<ValueRule> rule_that_tells(StudiedFrames flown, StudiedFrames lost);
+std::optional<ValueRule> rule_for_loss(StudiedFrames flown, StudiedFrames lost);
 
 /// True if all present channels among the first 16 are at `zero`; channel 1 must be present.
 bool all_at(const ChannelFrame& frame, Pulse zero);

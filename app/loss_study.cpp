@@ -32,10 +32,10 @@ double share(StudiedFrames frames, Predicate predicate) {
                                 static_cast<double>(frames.size());
 }
 
-bool says_failsafe(const StudiedFrame& studied) {
+bool has_failsafe_flag(const StudiedFrame& studied) {
     return studied.frame.failsafe;
 }
-bool says_frame_lost(const StudiedFrame& studied) {
+bool has_frame_lost_flag(const StudiedFrame& studied) {
     return studied.frame.frame_lost && !studied.frame.failsafe;
 }
 
@@ -108,12 +108,12 @@ class Study {
     }
 
   private:
-    void say(std::string finding) { result_.findings.push_back(std::move(finding)); }
+    void add_finding(std::string finding) { result_.findings.push_back(std::move(finding)); }
     void line(std::string text) { result_.lines.push_back(std::move(text)); }
     void check_flags();
     void find_detector();
     void find_by_values();
-    void find_by_standing();
+    void find_by_frozen_values();
     void find_zero_guard();
     void play();
     void give_advice();
@@ -126,13 +126,13 @@ class Study {
 /// A flag that is set while the transmitter is on is useless.
 void Study::check_flags() {
     SupervisionSettings& supervision = result_.supervision;
-    if (share(phases_.flown, says_failsafe) > kNearlyNone && supervision.failsafe_flag) {
-        say("the receiver says failsafe while the transmitter is on");
+    if (share(phases_.flown, has_failsafe_flag) > kNearlyNone && supervision.failsafe_flag) {
+        add_finding("the receiver says failsafe while the transmitter is on");
         supervision.failsafe_flag = false;
         line("failsafe_flag = false");
     }
-    if (share(phases_.flown, says_frame_lost) > kNearlyAll && supervision.frame_lost_flag) {
-        say("the receiver marks every frame as lost, although the transmitter is on");
+    if (share(phases_.flown, has_frame_lost_flag) > kNearlyAll && supervision.frame_lost_flag) {
+        add_finding("the receiver marks every frame as lost, although the transmitter is on");
         supervision.frame_lost_flag = false;
         line("frame_lost_flag = false");
     }
@@ -145,18 +145,22 @@ void Study::find_detector() {
         supervision.timeout = 2 * gap;
         line(fmt::format("timeout = \"{}ms\"",
                          std::chrono::ceil<std::chrono::milliseconds>(2 * gap).count()));
-        say(fmt::format("frames came up to {} apart while the transmitter was on",
+        add_finding(
+            fmt::format("frames came up to {} apart while the transmitter was on",
                         format_duration(std::chrono::ceil<std::chrono::milliseconds>(gap))));
     }
     if (phases_.settled.empty()) {
-        say(phases_.off.empty() ? std::string("the receiver stops sending at once")
-                                : fmt::format("the receiver stops sending {} after the switch",
-                                              seconds_text(phases_.off.back().at - times_.off)));
-    } else if (share(phases_.settled, says_failsafe) > kNearlyAll && supervision.failsafe_flag) {
-        say("the receiver goes on sending and says failsafe");
-    } else if (share(phases_.settled, says_frame_lost) > kNearlyAll &&
+        add_finding(phases_.off.empty()
+                        ? std::string("the receiver stops sending at once")
+                        : fmt::format("the receiver stops sending {} after the switch",
+                                      seconds_text(phases_.off.back().at - times_.off)));
+    } else if (share(phases_.settled, has_failsafe_flag) > kNearlyAll &&
+               supervision.failsafe_flag) {
+        add_finding("the receiver goes on sending and says failsafe");
+    } else if (share(phases_.settled, has_frame_lost_flag) > kNearlyAll &&
                supervision.frame_lost_flag) {
-        say("the receiver goes on sending and marks every frame as lost, but never says failsafe");
+        add_finding(
+            "the receiver goes on sending and marks every frame as lost, but never says failsafe");
     } else if (!supervision.failsafe_when.empty() &&
                share(phases_.settled, [&](const StudiedFrame& studied) {
                    return std::ranges::any_of(supervision.failsafe_when, [&](const ValueRule& r) {
@@ -164,7 +168,8 @@ void Study::find_detector() {
                                          : r.matches(studied.frame);
                    });
                }) > kNearlyAll) {
-        say("the receiver goes on sending, and failsafe_when recognises its values already");
+        add_finding(
+            "the receiver goes on sending, and failsafe_when recognises its values already");
     } else {
         find_by_values();
     }
@@ -178,11 +183,11 @@ void Study::find_by_values() {
                     return all_at(studied.frame, *zero);
                 }) > kNearlyAll) {
         rule = ValueRule{.all_zero = true};
-        say("the receiver goes on sending, without a flag, all channels at zero");
-    } else if ((rule = rule_that_tells(phases_.flown, phases_.settled))) {
+        add_finding("the receiver goes on sending, without a flag, all channels at zero");
+    } else if ((rule = rule_for_loss(phases_.flown, phases_.settled))) {
         const PulseRange lost = *pulses_of(phases_.settled, rule->channel);
         const PulseRange flown = *pulses_of(phases_.flown, rule->channel);
-        say(
+        add_finding(
             fmt::format("the receiver goes on sending, without a flag; channel {} is then {} us, "
                         "and {} to {} us while the transmitter is on",
                         rule->channel + 1, lost.low.whole_microseconds(),
@@ -193,20 +198,22 @@ void Study::find_by_values() {
         line(fmt::format("failsafe_when = [{{ {} }}]", rule_text(*rule)));
         return;
     }
-    find_by_standing();
+    find_by_frozen_values();
 }
 
 /// Last resort: held values do not change, those of a transmitter nearly always do.
-void Study::find_by_standing() {
+void Study::find_by_frozen_values() {
     const bool held =
         longest_still(phases_.settled) == phases_.settled.back().at - phases_.settled.front().at;
     const Duration still = longest_still(phases_.flown);
-    say(held ? "the receiver goes on sending, without a flag, values that could be flown and do "
+    add_finding(
+        held ? "the receiver goes on sending, without a flag, values that could be flown and do "
                "not change"
              : "the receiver goes on sending, without a flag, values that could be flown");
     const Duration frozen = std::max(kLeastFrozen, whole_seconds(3 * still));
     if (held && frozen <= (times_.back - times_.off) / 2) {
-        say(fmt::format("while the transmitter was on its values stood still for {} at most",
+        add_finding(
+            fmt::format("while the transmitter was on its values stood still for {} at most",
                         seconds_text(still)));
         result_.supervision.frozen = frozen;
         line(fmt::format("frozen = \"{}\"", format_duration(frozen)));
@@ -242,7 +249,7 @@ void Study::find_zero_guard() {
         return;
     }
     const Duration lasted = *last - *first;
-    say(
+    add_finding(
         fmt::format("when the transmitter is back, channels stay at zero for {} after the flag is "
                     "gone",
                     seconds_text(lasted)));
@@ -287,7 +294,7 @@ void Study::play() {
         }
     }
     if (false_alarm) {
-        say("with these detectors the link would be lost now and then while all is fine");
+        add_finding("with these detectors the link would be lost now and then while all is fine");
     }
 }
 
