@@ -31,7 +31,7 @@ namespace {
 constexpr Duration kSettled = std::chrono::seconds(30);
 constexpr Instant kBegin{std::chrono::seconds(1)};
 
-struct NobodyLooks final : OutputObserver {
+struct NullObserver final : OutputObserver {
     void wrote(std::size_t /*output*/, Instant /*at*/, const Transmission& /*sent*/) override {}
 };
 
@@ -82,7 +82,7 @@ class Sender {
     }
 
     Instant due() const { return due_; }
-    void speak(VirtualLoop& loop) {
+    void send(VirtualLoop& loop) {
         if (encoder_) {
             std::array<std::uint8_t, kLongestSerialFrame> wire{};
             const std::size_t length = encoder_->encode(frame_, wire);
@@ -131,8 +131,8 @@ Settled settle(const Configuration& configuration, std::vector<Sender> senders) 
     const Configuration open = without_guards(configuration);
     const auto engine = build_engine(open);
     const auto values = build_value_engine(open, *engine);
-    NobodyLooks nobody;
-    VirtualLoop loop(*engine, nobody, kBegin, values.get());
+    NullObserver observer;
+    VirtualLoop loop(*engine, observer, kBegin, values.get());
     const Instant end = later(kBegin, kSettled);
     const auto sooner = [](const Sender& a, const Sender& b) { return a.due() < b.due(); };
     while (!senders.empty()) {
@@ -140,7 +140,7 @@ Settled settle(const Configuration& configuration, std::vector<Sender> senders) 
         if (next->due() >= end) {
             break;
         }
-        next->speak(loop);
+        next->send(loop);
     }
     loop.run_until(end);
     Settled settled;
@@ -182,7 +182,7 @@ std::string all_channels(const ChannelFrame& frame) {
 }
 
 /// True if `input` receives what the sender of the other input sends.
-bool hears(const InputConfig& input, const InputConfig& sender) {
+bool receives_from(const InputConfig& input, const InputConfig& sender) {
     return same_device(input.port, sender.port) && input.port.line == sender.port.line;
 }
 
@@ -238,7 +238,7 @@ std::string live_difference(const Configuration& running, const Configuration& f
     }
     for (std::size_t i = 0; i < inputs.size(); ++i) {
         for (std::size_t to = 0; inputs[i] && to < fresh.inputs.size(); ++to) {
-            if (hears(fresh.inputs[to], running.inputs[i])) {
+            if (receives_from(fresh.inputs[to], running.inputs[i])) {
                 to_fresh.emplace_back(running.inputs[i], *inputs[i], to);
             }
         }
