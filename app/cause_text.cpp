@@ -68,7 +68,7 @@ std::string as_word(std::string_view name) {
     return word;
 }
 
-std::string_view stage_word(OutputStage stage, bool sends) {
+std::string_view output_state_word(OutputStage stage, bool sends) {
     switch (stage) {
         case OutputStage::control:
             return "control";

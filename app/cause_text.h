@@ -18,7 +18,7 @@ std::string cause_text(const LinkState& state);
 std::string as_word(std::string_view name);
 /// The output's `state` in a status: "control", "hold", "failsafe", "cannot_send", or "silent" for
 /// an output that sends nothing in failsafe.
-std::string_view stage_word(OutputStage stage, bool sends);
+std::string_view output_state_word(OutputStage stage, bool sends);
 
 /// The state of an output in words: "under control of backup", "in failsafe until release_when is
 /// true". `inputs`: names of all inputs, by index.

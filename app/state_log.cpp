@@ -123,7 +123,7 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
                               std::span<const std::size_t> places, OutputMemory& memory,
                               Instant now) {
     const LogFields fields({"TRIBUS_OUTPUT", name},
-                           {"TRIBUS_STATE", stage_word(status.state.stage, status.sends)});
+                           {"TRIBUS_STATE", output_state_word(status.state.stage, status.sends)});
     const OutputWord word{.state = output_text(status.state, input_names_),
                           .outvoted = outvoted_names(status.state.outvoted, places)};
     const bool same_votes = word.outvoted == memory.word.reported().outvoted;

@@ -55,7 +55,7 @@ InputReport input_report(const Appliance& appliance, std::size_t index, const Ra
         report.reject_causes.push_back(appliance.reject_cause(index, i));
     }
     report.rate_hz = rate.rate_hz(now);
-    report.age = appliance.input_timing(index).age().last_minute(now);
+    report.frame_age = appliance.input_timing(index).age().last_minute(now);
     return report;
 }
 

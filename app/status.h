@@ -23,7 +23,7 @@ struct InputReport {
     InputStatus status;
     std::vector<std::string_view> reject_causes;  ///< names of the counters in `status.rejected_by`
     double rate_hz = 0;                           ///< frames received in the last second
-    HistogramReading age;  ///< how old a frame was when the next one came, last minute
+    HistogramReading frame_age;  ///< how old a frame was when the next one came, last minute
 };
 
 struct OutputReport {

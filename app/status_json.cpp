@@ -114,7 +114,7 @@ OrderedJson input_json(const InputConfig& config, const InputReport& input, Inst
     json["device_losses"] = counts.device_losses;
     json["rejected"] = rejected(input);
     json["losses"] = losses(counts);
-    json["frame_age"] = distribution(input.age);
+    json["frame_age"] = distribution(input.frame_age);
     return json;
 }
 
@@ -152,7 +152,7 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["protocol"] = config.protocol->name;
     json["port"] = config.port.device;
     json["inputs"] = names_of(output.inputs, configuration);
-    json["state"] = stage_word(status.state.stage, status.sends);
+    json["state"] = output_state_word(status.state.stage, status.sends);
     json["obstacle"] = obstacle_word(status.state.obstacle);
     json["forced"] = status.state.forced;
     json["awaits_release"] = status.state.awaits_release;
