@@ -31,20 +31,21 @@ void log_all(const std::vector<std::string>& errors) {
 }  // namespace
 
 /// Reports an appliance that has just started.
-void Daemon::watch() {
+void Daemon::show_started() {
     if (!appliance_) {
         sockets_.hide();
         return;
     }
     const Instant now = monotonic_now();
     log_ = std::make_unique<StateLog>(*appliance_, now);
-    log_->say_interfaces(*appliance_);
+    log_->log_interfaces(*appliance_);
     sockets_.show(*appliance_);
     service_.started(*appliance_, now);
 }
 
 /// Reports an appliance that replaced another one, which had `ports_before`.
-void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over) {
+void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
+                            const CarryOver& carry_over) {
     const Instant now = monotonic_now();
     auto log = std::make_unique<StateLog>(*appliance_, now);
     log->go_on_from(*log_, *appliance_, carry_over);
@@ -55,7 +56,7 @@ void Daemon::watch_on(const std::vector<PortPlan>& ports_before, const CarryOver
         });
     });
     if (new_port) {
-        log_->say_interfaces(*appliance_);
+        log_->log_interfaces(*appliance_);
     }
     // Opens the devices that got other line settings.
     log_->look(*appliance_, now);
@@ -86,7 +87,7 @@ void Daemon::start(Configuration configuration) {
     std::vector<std::string> errors;
     start_or_log(Appliance::build(std::move(configuration)),
                  Appliance::MissingDevices::wait_for_absent, errors);
-    watch();
+    show_started();
 }
 
 /// For changes that need a stop. If devices of the new configuration cannot be opened, the old one
@@ -109,7 +110,7 @@ ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
         start_or_log(Appliance::build(std::move(old)), Appliance::MissingDevices::wait_for,
                      ignored);
     }
-    watch();
+    show_started();
     return outcome;
 }
 
@@ -126,7 +127,7 @@ ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
     }
     appliance_ = std::move(*next);
     log_info("reloaded {}", summary(configuration()));
-    watch_on(ports_before, carry_over);
+    show_successor(ports_before, carry_over);
     return {.taken = true};
 }
 
@@ -163,7 +164,7 @@ void Daemon::restart() {
     appliance_.reset();
     std::vector<std::string> errors;
     start_or_log(Appliance::build(std::move(same)), Appliance::MissingDevices::wait_for, errors);
-    watch();
+    show_started();
 }
 
 void Daemon::look(Instant now) {

@@ -107,8 +107,8 @@ class Daemon {
     std::optional<Instant> trial_end() const;
     void set_trial(std::optional<Trial> trial);
     void restart();
-    void watch();
-    void watch_on(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over);
+    void show_started();
+    void show_successor(const std::vector<PortPlan>& ports_before, const CarryOver& carry_over);
 
     std::string path_;
     DaemonSockets& sockets_;

@@ -139,7 +139,7 @@ ReloadOutcome Daemon::finish_going_back(Change& change) {
     std::vector<std::string> errors;
     outcome.taken = start_or_log(Appliance::build(std::move(change.before)),
                                  Appliance::MissingDevices::wait_for, errors);
-    watch();
+    show_started();
     return outcome;
 }
 

@@ -35,12 +35,12 @@ void NodeLog::look(const Appliance& appliance, Instant now) {
         const bool online = report.stage == dronecan::NodeStage::online;
         const Word word{report.stage, online ? report.id : dronecan::kNobody};
         if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
-            say_change(memory, swallowed_note(*swallowed));
+            log_change(memory, swallowed_note(*swallowed));
         }
     }
 }
 
-void NodeLog::say_change(const Memory& memory, const std::string& note) {
+void NodeLog::log_change(const Memory& memory, const std::string& note) {
     const LogFields fields({"TRIBUS_INTERFACE", memory.interface});
     switch (memory.word.reported().stage) {
         case dronecan::NodeStage::online:

@@ -38,7 +38,7 @@ class NodeLog {
         RateLimit limit = log_limit();
     };
 
-    static void say_change(const Memory& memory, const std::string& note);
+    static void log_change(const Memory& memory, const std::string& note);
 
     std::vector<Memory> nodes_;
 };

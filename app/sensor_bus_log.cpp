@@ -14,13 +14,13 @@ namespace {
 /// Receivers and sensors that are on have sent by then; a receiver needs 0.6 s to start.
 constexpr Duration kFirstWait = std::chrono::seconds(3);
 /// A single collision or late reply costs one slot, which the receiver repeats.
-constexpr std::uint64_t kWorthSaying = 10;
+constexpr std::uint64_t kWorthLogging = 10;
 /// A receiver that is on sends a request each 7.7 ms.
-constexpr Duration kAskedNoMore = std::chrono::seconds(1);
+constexpr Duration kRequestTimeout = std::chrono::seconds(1);
 
 template <class... Arguments>
-void say(RateLimit& limit, Instant now, LogLevel level, fmt::format_string<Arguments...> format,
-         Arguments&&... arguments) {
+void log_limited(RateLimit& limit, Instant now, LogLevel level,
+                 fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     if (const auto swallowed = limit.pass(now)) {
         log_at(level, "{}{}", fmt::format(format, std::forward<Arguments>(arguments)...),
                swallowed_note(*swallowed));
@@ -63,7 +63,7 @@ std::string SensorBusLog::type_name(const Memory& memory, std::uint8_t type) {
 }
 
 void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, Instant now) {
-    const bool asked = state.latest_request && now - *state.latest_request < kAskedNoMore;
+    const bool asked = state.latest_request && now - *state.latest_request < kRequestTimeout;
     if (const auto swallowed = memory.asked.look(asked, memory.limit, now)) {
         const std::string note = swallowed_note(*swallowed);
         if (asked && state.first_address == 0) {
@@ -75,8 +75,9 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
             log_warning("sensor bus {}: the receiver does not ask any more{}", memory.name, note);
         }
     }
-    if (!memory.silence_said && state.sensor.requests == 0 && now - memory.start >= kFirstWait) {
-        memory.silence_said = true;
+    if (!memory.missing_signal_logged && state.sensor.requests == 0 &&
+        now - memory.start >= kFirstWait) {
+        memory.missing_signal_logged = true;
         log_warning(
             "sensor bus {}: not one request yet; check wire, ground and power, and that it is the "
             "receiver's SENS port",
@@ -107,8 +108,9 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
         look_at_address(i < state.found_count ? std::optional(state.found[i]) : std::nullopt, i + 1,
                         memory, now);
     }
-    if (!memory.silence_said && state.found_count == 0 && now - memory.start >= kFirstWait) {
-        memory.silence_said = true;
+    if (!memory.missing_signal_logged && state.found_count == 0 &&
+        now - memory.start >= kFirstWait) {
+        memory.missing_signal_logged = true;
         log_warning(
             "sensor bus {}: no sensor answers yet; check wire, ground and power{}", memory.name,
             state.echo.returned == 0 ? ", and that TX and RX are joined if it is one wire" : "");
@@ -116,15 +118,17 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
 }
 
 void SensorBusLog::look_at_troubles(const SensorBusState& state, Memory& memory, Instant now) {
-    if (state.echo.collisions >= memory.collisions + kWorthSaying) {
-        say(memory.limit, now, LogLevel::warning,
+    if (state.echo.collisions >= memory.collisions + kWorthLogging) {
+        log_limited(
+            memory.limit, now, LogLevel::warning,
             "sensor bus {}: {} of its frames came back altered; two devices speak at once, say "
             "with the same address, or the wire is disturbed",
             memory.name, state.echo.collisions - memory.collisions);
         memory.collisions = state.echo.collisions;
     }
-    if (state.sensor.late >= memory.late + kWorthSaying) {
-        say(memory.limit, now, LogLevel::warning,
+    if (state.sensor.late >= memory.late + kWorthLogging) {
+        log_limited(
+            memory.limit, now, LogLevel::warning,
             "sensor bus {}: {} answers withheld because they were late; `tribus bench` shows what "
             "delays this board",
             memory.name, state.sensor.late - memory.late);

@@ -40,7 +40,7 @@ class SensorBusLog {
         SensorTypes types;
         Instant start;
         RateLimit limit = log_limit();
-        bool silence_said = false;
+        bool missing_signal_logged = false;
         ChangeReport<bool> asked{
             false};  ///< role sensor: a receiver sent a request in the last second
         std::array<FoundMemory, kMostSensors> found{};

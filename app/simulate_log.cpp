@@ -12,7 +12,8 @@
 namespace tribus {
 namespace {
 
-void say(Instant now, std::string_view kind, std::string_view name, std::string_view text) {
+void print_change(Instant now, std::string_view kind, std::string_view name,
+                  std::string_view text) {
     const double seconds = std::chrono::duration<double>(now.time_since_epoch()).count();
     fmt::print(stderr, "{:10.3f} s  {} {}: {}\n", seconds, kind, name, text);
 }
@@ -22,9 +23,9 @@ void say(Instant now, std::string_view kind, std::string_view name, std::string_
 SimulateLog::SimulateLog(const Engine& engine)
     : engine_(engine),
       causes_(engine.inputs().size(), LinkCause::never_seen),
-      two_senders_said_(engine.inputs().size()),
+      two_senders_printed_(engine.inputs().size()),
       outputs_(engine.outputs().size(), output_text({}, {})),
-      presets_said_(engine.outputs().size()) {
+      presets_printed_(engine.outputs().size()) {
     for (const Input& input : engine.inputs()) {
         input_names_.push_back(input.name());
     }
@@ -35,11 +36,11 @@ void SimulateLog::look(Instant now) {
         const Input& input = engine_.inputs()[i];
         if (input.state().cause != causes_[i]) {
             causes_[i] = input.state().cause;
-            say(now, "input", input_names_[i], cause_text(input.state()));
+            print_change(now, "input", input_names_[i], cause_text(input.state()));
         }
-        if (input.decoder().two_senders() && !two_senders_said_[i]) {
-            two_senders_said_[i] = true;
-            say(now, "input", input_names_[i], kTwoSendersText);
+        if (input.decoder().two_senders() && !two_senders_printed_[i]) {
+            two_senders_printed_[i] = true;
+            print_change(now, "input", input_names_[i], kTwoSendersText);
         }
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
@@ -48,11 +49,11 @@ void SimulateLog::look(Instant now) {
         std::string text = output_text(state, input_names_);
         if (text != outputs_[i]) {
             outputs_[i] = std::move(text);
-            say(now, "output", output.name(), outputs_[i]);
+            print_change(now, "output", output.name(), outputs_[i]);
         }
-        if ((state.by_preset & ~presets_said_[i]) != 0) {
-            presets_said_[i] |= state.by_preset;
-            say(now, "output", output.name(), by_preset_text(state.by_preset));
+        if ((state.by_preset & ~presets_printed_[i]) != 0) {
+            presets_printed_[i] |= state.by_preset;
+            print_change(now, "output", output.name(), by_preset_text(state.by_preset));
         }
     }
 }

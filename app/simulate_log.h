@@ -21,9 +21,9 @@ class SimulateLog {
     const Engine& engine_;
     std::vector<std::string> input_names_;
     std::vector<LinkCause> causes_;
-    std::vector<bool> two_senders_said_;
+    std::vector<bool> two_senders_printed_;
     std::vector<std::string> outputs_;
-    std::vector<std::uint32_t> presets_said_;
+    std::vector<std::uint32_t> presets_printed_;
 };
 
 }  // namespace tribus

@@ -59,7 +59,7 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
 
 void StateLog::look_at_input(const std::string& name, const InputStatus& status,
                              InputMemory& memory, Instant now) {
-    if (status.two_senders && !std::exchange(memory.two_senders_said, true)) {
+    if (status.two_senders && !std::exchange(memory.two_senders_logged, true)) {
         const LogFields fields({"TRIBUS_INPUT", name});
         log_warning("input {}: {}", name, kTwoSendersText);
     }
@@ -75,12 +75,12 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
 }
 
 /// No signal at the start is the most frequent problem; the received bytes show its cause.
-void StateLog::say_never_good(const std::string& name, const InputStatus& status,
-                              InputMemory& memory, Instant now) {
-    if (memory.silence_said || status.ever_good || now - memory.start < kFirstFrameWait) {
+void StateLog::log_missing_signal(const std::string& name, const InputStatus& status,
+                                  InputMemory& memory, Instant now) {
+    if (memory.missing_signal_logged || status.ever_good || now - memory.start < kFirstFrameWait) {
         return;
     }
-    memory.silence_said = true;
+    memory.missing_signal_logged = true;
     const std::string cause = as_word(name_of(status.state.cause));
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     if (status.counts.bytes == 0 && memory.on_can) {
@@ -136,9 +136,9 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
         log_at(fine ? LogLevel::info : LogLevel::warning, "output {}: {}{}{}", name, word.state,
                votes, swallowed_note(*swallowed));
     }
-    if ((status.state.by_preset & ~memory.presets_said) != 0) {
+    if ((status.state.by_preset & ~memory.presets_logged) != 0) {
         log_warning("output {}: {}", name, by_preset_text(status.state.by_preset));
-        memory.presets_said |= status.state.by_preset;
+        memory.presets_logged |= status.state.by_preset;
     }
     look_at_drops(name, status, memory, now);
 }
@@ -212,7 +212,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputStatus status = appliance.input_status(i);
         look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
-        say_never_good(configuration.inputs[i].name, status, inputs_[i], now);
+        log_missing_signal(configuration.inputs[i].name, status, inputs_[i], now);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         look_at_output(configuration.outputs[i].name, appliance.output_status(i),

@@ -26,7 +26,7 @@ class StateLog {
     StateLog(const Appliance& appliance, Instant start);
 
     /// Logs how each CAN interface is configured.
-    void say_interfaces(const Appliance& appliance) { can_.start(appliance); }
+    void log_interfaces(const Appliance& appliance) { can_.start(appliance); }
     /// After a reload: does not repeat what `before` said about the parts that go on, and still
     /// logs the changes for which its rate limit left no line.
     void go_on_from(const StateLog& before, const Appliance& appliance,
@@ -41,8 +41,8 @@ class StateLog {
         bool on_can = false;
         Instant start;
         ChangeReport<LinkCause> cause{LinkCause::never_seen};
-        bool silence_said = false;
-        bool two_senders_said = false;
+        bool missing_signal_logged = false;
+        bool two_senders_logged = false;
         RateLimit limit = log_limit();
     };
     /// Holds names, not indices: another configuration may number the inputs differently.
@@ -54,7 +54,7 @@ class StateLog {
     struct OutputMemory {
         ChangeReport<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
         /// The bits of `OutputState::by_preset` that were logged already.
-        std::uint32_t presets_said = 0;
+        std::uint32_t presets_logged = 0;
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
         RateLimit limit = log_limit();
@@ -78,8 +78,8 @@ class StateLog {
     std::string outvoted_names(std::uint32_t outvoted, std::span<const std::size_t> places) const;
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
-    void say_never_good(const std::string& name, const InputStatus& status, InputMemory& memory,
-                        Instant now);
+    void log_missing_signal(const std::string& name, const InputStatus& status, InputMemory& memory,
+                            Instant now);
 
     std::vector<std::string> input_names_;
     std::vector<InputMemory> inputs_;
