@@ -89,7 +89,7 @@ class Watch {
     bool fine_ = true;
 };
 
-void say(std::string_view text) {
+void print_step(std::string_view text) {
     fmt::print(stderr, "{}\n", text);
 }
 
@@ -114,22 +114,23 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
     }
     Watch watch(configuration.inputs[input], std::move(*link));
     LearnedFrames learned;
-    say("1/4  Transmitter and receiver on. Move every stick and every switch to both of its ends,\n"
+    print_step(
+        "1/4  Transmitter and receiver on. Move every stick and every switch to both of its ends,\n"
         "     twice. Then press Enter.");
     bool fine = watch.until_enter();
     if (fine && watch.collector().frames().empty()) {
         return tl::unexpected(std::string(
             "no frame came; `tribus run` with this configuration says what it hears instead"));
     }
-    say("2/4  Throttle low, hands off the sticks for five seconds ...");
+    print_step("2/4  Throttle low, hands off the sticks for five seconds ...");
     fine = fine && watch.for_time(kHandsOffTime);
     learned.times.off = monotonic_now();
-    say("3/4  Switch the transmitter OFF, then press Enter and wait eight seconds.");
+    print_step("3/4  Switch the transmitter OFF, then press Enter and wait eight seconds.");
     fine = fine && watch.until_enter();
-    say("     ...");
+    print_step("     ...");
     fine = fine && watch.for_time(kOffTime);
     learned.times.back = monotonic_now();
-    say("4/4  Switch the transmitter ON again. When it is connected, press Enter.");
+    print_step("4/4  Switch the transmitter ON again. When it is connected, press Enter.");
     fine = fine && watch.until_enter() && watch.for_time(kBackTime);
     if (!fine) {
         return tl::unexpected(fmt::format("{}: the device or the terminal is gone; nothing learned",

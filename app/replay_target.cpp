@@ -72,12 +72,12 @@ class PtyTarget final : public ReplayTarget {
                        link_.empty() ? pty_.path : link_);
         }
         while (!has_reader()) {
-            if (wait.until(later(monotonic_now(), kLook))) {
+            if (wait.until(later(monotonic_now(), kPollPeriod))) {
                 return false;
             }
         }
         // A program that opens a port usually discards earlier input.
-        return !wait.until(later(monotonic_now(), kSettle));
+        return !wait.until(later(monotonic_now(), kReaderPause));
     }
 
     ReplayOutcome send(const ReplayItem& item) override {
@@ -91,8 +91,8 @@ class PtyTarget final : public ReplayTarget {
     }
 
   private:
-    static constexpr Duration kLook = std::chrono::milliseconds(10);
-    static constexpr Duration kSettle = std::chrono::milliseconds(100);
+    static constexpr Duration kPollPeriod = std::chrono::milliseconds(10);
+    static constexpr Duration kReaderPause = std::chrono::milliseconds(100);
 
     static tl::expected<void, std::string> put_link(const std::string& link,
                                                     const std::string& path) {

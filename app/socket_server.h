@@ -38,12 +38,12 @@ struct SocketLimits {
 class SocketServer {
   public:
     /// Answers a client. Returns false if the client must be dropped.
-    using Speech = std::function<bool(SocketClient&, Instant now)>;
+    using AnswerFunction = std::function<bool(SocketClient&, Instant now)>;
     struct Answers {
         /// Called when the client is ready for an answer; `received` may hold a request.
-        Speech request;
+        AnswerFunction request;
         /// Called when the client's `due` has come.
-        Speech repeat;
+        AnswerFunction repeat;
     };
 
     /// `listener` must listen already and be non-blocking.

@@ -107,9 +107,9 @@ void try_and_listen(const KernelFiles& files, Duration time, ExaminedPort& port)
     if (port.story) {
         append(port.opinion.findings, judge_story(*port.story, device));
         port.lines = configuration_lines(*port.story, port.facts.device);
-        const bool deaf = std::ranges::any_of(
+        const bool refused = std::ranges::any_of(
             visit.trials, [](const Trial& trial) { return !trial.refusal.empty(); });
-        if (deaf && port.story->sound == LineSound::unknown) {
+        if (refused && port.story->sound == LineSound::unknown) {
             port.opinion.findings.push_back(
                 {Severity::note, "line.sbus_unheard", device,
                  "SBUS would sound like this here, for this port cannot be set to it", "",
