@@ -149,7 +149,8 @@ bool explain_unknown_command(std::span<const Command> commands, std::string_view
     }
     std::vector<std::string_view> names;
     std::ranges::transform(commands, std::back_inserter(names), &Command::name);
-    fmt::print(stderr, "tribus: {} is no command; {}\n", in_quotes(word), suggestion(word, names));
+    fmt::print(stderr, "tribus: {} is not a command; {}\n", in_quotes(word),
+               suggestion(word, names));
     return true;
 }
 

@@ -158,7 +158,7 @@ void Daemon::confirm() {
 /// Another DroneCAN node asked for it.
 void Daemon::restart() {
     service_.reloading();
-    log_info("restarting, as another DroneCAN node asked for");
+    log_info("restarting because another DroneCAN node asked for it");
     Configuration same = configuration();
     appliance_->end();
     appliance_.reset();

@@ -48,9 +48,11 @@ std::optional<std::uint64_t> Daemon::begin_reload(std::optional<Duration> trial)
 
 std::uint64_t Daemon::begin_going_back() {
     if (change_) {
-        remember(change_->number, {.lines = {"given up: the trial before it ended meanwhile"}});
+        remember(change_->number,
+                 {.lines = {"abandoned: the daemon went back from the trial before it"}});
     }
-    log_warning("back to the configuration before; {} still holds the one that was tried", path_);
+    log_warning("going back to the configuration before; {} still holds the one that was on trial",
+                path_);
     Configuration before = std::move(trial_->before);
     set_trial(std::nullopt);
     auto preparation = Preparation::of(before);
@@ -82,7 +84,7 @@ void Daemon::go_on(Instant now) {
     } else if (change_ && change_->kind != ChangeKind::back && now >= change_->latest_end) {
         const std::uint64_t number = change_->number;
         change_.reset();
-        remember(number, refuse({{path_, {}, "is not read within a minute", true}}));
+        remember(number, refuse({{path_, {}, "was not read within a minute", true}}));
     }
     if (hung_up_ && !change_ && appliance_ && now >= next_hang_up_) {
         hung_up_ = false;
@@ -116,11 +118,11 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
         return outcome;
     }
     if (change.trial) {
-        log_info("on trial for {} s: goes back by itself unless confirmed",
+        log_info("on trial for {} s: without confirmation the daemon goes back",
                  std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
         set_trial(Trial{std::move(before), later(monotonic_now(), *change.trial), ++trials_});
     } else if (trial_ && change.kind == ChangeKind::hang_up) {
-        log_info("still on trial: SIGHUP confirms nothing");
+        log_info("still on trial: SIGHUP does not confirm it");
     } else {
         set_trial(std::nullopt);
     }
@@ -134,7 +136,7 @@ ReloadOutcome Daemon::finish_going_back(Change& change) {
         return outcome;
     }
     // What ran before the trial must run, whatever has been unplugged since.
-    log_warning("starting it all the same, with a stop: outputs go into failsafe");
+    log_warning("starting it anyway, with a stop: outputs go into failsafe");
     appliance_.reset();
     std::vector<std::string> errors;
     outcome.taken = start_or_log(Appliance::build(std::move(change.before)),

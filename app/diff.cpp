@@ -311,13 +311,12 @@ Command diff_command() {
                      .help = "The one that is to take the place of CONFIG"},
                     {.name = "--daemon",
                      .value = &options->daemon,
-                     .help =
-                         "Which daemon, by its configuration file's name; needed where several run "
-                         "and none is called as CONFIG",
+                     .help = "Name of the daemon's configuration file; needed if several run "
+                             "and none is called as CONFIG",
                      .excludes = {"NEW"}},
                     {.name = "--socket",
                      .value = &options->socket,
-                     .help = "Its control socket, where that is elsewhere",
+                     .help = "Its control socket, if it is not in the default place",
                      .excludes = {"NEW"}}},
         .run =
             [options] {

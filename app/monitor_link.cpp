@@ -41,7 +41,7 @@ void MonitorLink::reconnect(Instant now) {
     const std::string request = fmt::format(
         "watch {}us\n", std::chrono::duration_cast<std::chrono::microseconds>(period_).count());
     if (::send(descriptor_.get(), request.data(), request.size(), MSG_NOSIGNAL) < 0) {
-        lose("the daemon at " + path_ + " has gone");
+        lose("the daemon at " + path_ + " is gone");
     }
 }
 
@@ -69,7 +69,7 @@ std::vector<std::string> MonitorLink::read() {
     }
     received_.erase(0, begin);
     if (gone) {
-        lose("the daemon at " + path_ + " has gone; waiting for it");
+        lose("the daemon at " + path_ + " is gone; waiting for it");
     } else if (received_.size() > kLongestObject) {
         lose("what answers at " + path_ + " is no tribus");
     }

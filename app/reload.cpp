@@ -50,7 +50,7 @@ int ask_and_tell(const std::string& socket, const std::string& request, const ch
         fmt::print(stderr, "{}{}\n", done ? "outputs stopped for it: " : "",
                    monitor::shown(line.is_string() ? line.get<std::string>() : line.dump()));
     }
-    fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before runs on");
+    fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before stays");
     return done ? kExitFine : kExitFailed;
 }
 
@@ -75,9 +75,7 @@ Choice ask_person(MainWait& wait, Instant end) {
 int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial,
                 const std::string& number) {
     if (::isatty(STDIN_FILENO) == 0) {
-        fmt::print(stderr,
-                   "tribus: goes back by itself in {}; `tribus reload{}{} --confirm` keeps "
-                   "it\n",
+        fmt::print(stderr, "tribus: goes back in {}; `tribus reload{}{} --confirm` keeps it\n",
                    options.trial, options.name.empty() ? "" : " ", options.name);
         return kExitFine;
     }
@@ -102,7 +100,7 @@ int watch_trial(const std::string& socket, const ReloadOptions& options, Duratio
 int reload(const ReloadOptions& options) {
     const auto trial = parse_duration(options.trial);
     if (!options.trial.empty() && !trial) {
-        return complain("--trial is no duration; allowed: such as \"30s\"", kExitWrongUse);
+        return complain("--trial must be a duration such as \"30s\"", kExitWrongUse);
     }
     const auto socket = find_daemon(options.name, options.socket);
     if (!socket) {
@@ -128,29 +126,28 @@ Command reload_command() {
     auto options = std::make_shared<ReloadOptions>();
     return {
         .name = "reload",
-        .help = "Have a running daemon read its configuration again, on trial if you like",
+        .help = "Make a running daemon read its configuration again, optionally on trial",
         .footer =
-            "The daemon takes the file between two frames, or refuses it, says why and goes\n"
-            "on. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
-        .options =
-            {{.name = "NAME",
-              .value = &options->name,
-              .help = "Which daemon, by its configuration file's name; needed where several run"},
-             {.name = "--socket",
-              .value = &options->socket,
-              .help = "Its control socket, where that is elsewhere"},
-             {.name = "--trial",
-              .value = &options->trial,
-              .help = "Go back after so long, such as \"30s\", to what ran before, unless it is "
-                      "confirmed"},
-             {.name = "--confirm",
-              .value = &options->confirm,
-              .help = "Keep what is on trial",
-              .excludes = {"--trial", "--back"}},
-             {.name = "--back",
-              .value = &options->back,
-              .help = "Go back from a trial at once",
-              .excludes = {"--trial"}}},
+            "The daemon takes the file between two frames, or refuses it, says why, and goes "
+            "on\nwith the old one. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
+        .options = {{.name = "NAME",
+                     .value = &options->name,
+                     .help = "Name of the daemon's configuration file; needed if several run"},
+                    {.name = "--socket",
+                     .value = &options->socket,
+                     .help = "Its control socket, if it is not in the default place"},
+                    {.name = "--trial",
+                     .value = &options->trial,
+                     .help = "Go back after this time, such as \"30s\", to the configuration "
+                             "before, unless confirmed"},
+                    {.name = "--confirm",
+                     .value = &options->confirm,
+                     .help = "Keep the configuration on trial",
+                     .excludes = {"--trial", "--back"}},
+                    {.name = "--back",
+                     .value = &options->back,
+                     .help = "Go back from a trial at once",
+                     .excludes = {"--trial"}}},
         .run = [options] { return reload(*options); },
     };
 }

@@ -125,9 +125,9 @@ Command run_command() {
         .name = "run",
         .help = "Run a configuration, in the foreground",
         .footer =
-            "SIGTERM and Ctrl-C: outputs end as their failsafe says, then the program exits.\n"
-            "SIGHUP: reads the configuration again and takes it between two frames; one with\n"
-            "mistakes, or whose devices cannot be opened, is refused and the old one runs on.",
+            "SIGTERM and Ctrl-C: outputs send their last frames as their failsafe demands, "
+            "then\nthe program exits. SIGHUP: reads the configuration again and takes it between "
+            "two\nframes. If it has mistakes or its devices cannot be opened, the old one goes on.",
         .options =
             {{.name = "CONFIG",
               .value = &options->path,
@@ -139,7 +139,7 @@ Command run_command() {
                       "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR"},
              {.name = "--metrics",
               .value = &options->metrics,
-              .help = "Tell Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket"},
+              .help = "Serve Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket"},
              {.name = "--metrics-public",
               .value = &options->metrics_public,
               .help = "Allow an address for --metrics that the network can reach"}},

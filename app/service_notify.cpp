@@ -79,8 +79,8 @@ NotifySocket NotifySocket::from_environment() {
             0 ||
         ::connect(socket.get(), reinterpret_cast<const sockaddr*>(&address->first),
                   address->second) != 0) {
-        log_warning("cannot tell the service manager at {} how it goes: {}", name,
-                    address ? std::strerror(errno) : "not an address that is known here");
+        log_warning("cannot notify the service manager at {}: {}", name,
+                    address ? std::strerror(errno) : "neither a path nor an abstract name");
         return made;
     }
     made.socket_ = std::move(socket);
@@ -114,11 +114,11 @@ void ServiceNotify::started(const Appliance& appliance, Instant now) {
 void ServiceNotify::reloading() {
     const auto usec = std::chrono::duration_cast<std::chrono::microseconds>(awake_time_now());
     socket_.send(fmt::format(
-        "RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration anew", usec.count()));
+        "RELOADING=1\nMONOTONIC_USEC={}\nSTATUS=reading the configuration again", usec.count()));
 }
 
 void ServiceNotify::stopping() {
-    socket_.send("STOPPING=1\nSTATUS=outputs end as their failsafe says");
+    socket_.send("STOPPING=1\nSTATUS=outputs send their last frames as their failsafe demands");
 }
 
 void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
@@ -141,13 +141,13 @@ void ServiceNotify::look_at_outputs(const Appliance& appliance, Instant now) {
     }
     if (found == Punctuality::data_thread_stands) {
         log_error(
-            "the data thread does not go on; unless it does soon, the service manager "
-            "starts the program anew{}",
+            "the data thread stands still; if it does not go on soon, the service manager restarts "
+            "the program{}",
             swallowed_note(*swallowed));
     } else {
         log_warning(
             "output {}: half of its frames are late or missed; the machine is too slow or "
-            "too busy. The service manager starts the program anew if that goes on{}",
+            "too busy. If this goes on, the service manager restarts the program{}",
             appliance.configuration().outputs[watchdog_->late_output()].name,
             swallowed_note(*swallowed));
     }

@@ -120,7 +120,7 @@ TEST_F(Service, FeedsNoWatchdogOfAnotherProcess) {
 TEST_F(Service, RunsOnWithoutAServiceManager) {
     ::setenv("NOTIFY_SOCKET", (folder() / "nobody").c_str(), 1);
     Program& program = run_main_job();
-    EXPECT_TRUE(program.says("cannot tell the service manager at"));
+    EXPECT_TRUE(program.says("cannot notify the service manager at"));
     expect_clean_end(program);
 }
 
