@@ -38,7 +38,7 @@ tl::expected<std::string, std::string> read_line(int descriptor, Instant end) {
         }
         const ssize_t count = ::recv(descriptor, bytes.data(), bytes.size(), MSG_DONTWAIT);
         if (count == 0 || (count < 0 && errno != EAGAIN && errno != EINTR)) {
-            return Refused("has gone without an answer");
+            return Refused("closed the connection without an answer");
         }
         received.append(bytes.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
         if (const auto line_end = received.find('\n'); line_end != std::string::npos) {
@@ -70,13 +70,14 @@ tl::expected<std::string, std::string> find_daemon(const std::string& name,
     }
     if (found.empty()) {
         return Refused(
-            "no running tribus found that this user may look into; `tribus run` starts one, "
-            "--socket PATH names the socket of one elsewhere");
+            "no running tribus found that this user may access; `tribus run` starts one, --socket "
+            "PATH names the socket of one elsewhere");
     }
     return Refused(
         matches.empty()
             ? fmt::format("no daemon is called {}; running: {}", wanted, names)
-            : fmt::format("several daemons run; say which, or --socket PATH: {}", names));
+            : fmt::format("several daemons run; name one of them, or use --socket PATH: {}",
+                          names));
 }
 
 tl::expected<nlohmann::json, std::string> ask_daemon(const std::string& socket,
@@ -89,8 +90,8 @@ tl::expected<nlohmann::json, std::string> ask_daemon(const std::string& socket,
     const std::string line = std::string(request) + "\n";
     if (::send(connection->get(), line.data(), line.size(), MSG_NOSIGNAL) !=
         static_cast<ssize_t>(line.size())) {
-        return Refused(
-            fmt::format("the daemon at {} takes no request: {}", socket, std::strerror(errno)));
+        return Refused(fmt::format("the daemon at {} does not take the request: {}", socket,
+                                   std::strerror(errno)));
     }
     const auto text = read_line(connection->get(), later(monotonic_now(), patience));
     if (!text) {
@@ -98,7 +99,7 @@ tl::expected<nlohmann::json, std::string> ask_daemon(const std::string& socket,
     }
     nlohmann::json answer = nlohmann::json::parse(*text, nullptr, false);
     if (!answer.is_object()) {
-        return Refused(fmt::format("what answers at {} is no tribus", socket));
+        return Refused(fmt::format("the program at {} is not tribus", socket));
     }
     if (monitor::text(answer, "type") == "error") {
         return Refused(monitor::text(answer, "error"));

@@ -18,7 +18,7 @@ std::string_view sign_text(RadioLossSign sign) {
         case RadioLossSign::value_rule:
             return "a failsafe_when rule says so";
         case RadioLossSign::frame_lost_run:
-            return "nothing but frames marked frame-lost";
+            return "only frames marked frame-lost";
         case RadioLossSign::frame_lost_ratio:
             return "too many frames marked frame-lost";
     }
@@ -41,7 +41,7 @@ std::string_view how_it_shows(const LinkState& state) {
         case LinkCause::implausible:
             return "values that no transmitter sends";
         case LinkCause::channels_missing:
-            return "frames without channels that were there, or without any";
+            return "channels that were there are missing";
     }
     return "";
 }
@@ -51,11 +51,11 @@ std::string_view obstacle_text(SendObstacle obstacle) {
         case SendObstacle::none:
             break;
         case SendObstacle::device:
-            return "its device is not there";
+            return "its device is gone";
         case SendObstacle::bus:
             return "the bus takes nothing";
         case SendObstacle::busy:
-            return "the port does not get rid of its frames";
+            return "the port still has earlier frames";
     }
     return "";
 }
@@ -85,13 +85,13 @@ std::string_view output_state_word(OutputStage stage, bool sends) {
 std::string output_text(const OutputState& state, std::span<const std::string> inputs) {
     switch (state.stage) {
         case OutputStage::failsafe:
-            return state.forced           ? "in failsafe, as somebody wants it"
+            return state.forced           ? "in failsafe, forced"
                    : state.awaits_release ? "in failsafe until release_when is true"
                                           : "in failsafe";
         case OutputStage::holding:
             return state.marks_frame_lost
                        ? "holding the last values, marked frame-lost"
-                       : "holding the last values, unmarked: its frames cannot say frame lost";
+                       : "holding the last values, unmarked: its protocol has no frame-lost mark";
         case OutputStage::cannot_send:
             return "cannot send: " + std::string(obstacle_text(state.obstacle));
         case OutputStage::control:
@@ -109,8 +109,8 @@ std::string by_preset_text(std::uint32_t channels) {
     }
     return fmt::format(
         "channel{} {} {}", one ? "" : "s", fmt::join(numbers, ", "),
-        one ? "says its preset: the channel that the map makes it of is absent"
-            : "say their presets: the channels that the map makes them of are absent");
+        one ? "sends its preset: the channel that it is mapped from is absent"
+            : "send their presets: the channels that they are mapped from are absent");
 }
 
 std::string cause_text(const LinkState& state) {

@@ -28,7 +28,7 @@ std::string output_text(const OutputState& state, std::span<const std::string> i
 std::string by_preset_text(std::uint32_t channels);
 /// Text for an input whose `DecoderReport::two_senders` is true.
 inline constexpr std::string_view kTwoSendersText =
-    "its frames come in two rhythms, as from two senders; without a counter they cannot be told "
+    "its frames come with two periods, as from two senders; without a counter they cannot be told "
     "apart, and their values mix";
 
 }  // namespace tribus

@@ -44,9 +44,8 @@ ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
     const auto trial = words.empty() ? std::nullopt : parse_duration(words.front());
     if (words.size() > 1 ||
         (!words.empty() && (!trial || *trial < kLeastTrial || *trial > kMostTrial))) {
-        return known(
-            error_object("\"reload\" takes how long the trial is, from \"1s\" to \"3600s\", "
-                         "or nothing"));
+        return known(error_object(
+            "\"reload\" takes the length of a trial, from \"1s\" to \"3600s\", or nothing"));
     }
     return [&daemon, trial, change = std::optional<std::uint64_t>()]() mutable {
         if (!change && daemon.runs()) {
@@ -65,7 +64,7 @@ std::optional<std::string> why_no_trial(const Daemon& daemon, Words words) {
     if (words.empty() || (words.size() == 1 && words.front() == std::to_string(*trial))) {
         return std::nullopt;
     }
-    return fmt::format("that trial is over; the one that goes on is number {}", *trial);
+    return fmt::format("that trial is over; the present one is number {}", *trial);
 }
 
 std::string confirm(Daemon& daemon, Words words) {

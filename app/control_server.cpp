@@ -95,8 +95,7 @@ bool ControlServer::answer(SocketClient& client, Instant now) {
     }
     if (client.ready() && client.request_too_long()) {
         client.close_when_sent();
-        return client.send(error_object("a request of more than 255 bytes; none is so long") + "\n",
-                           now);
+        return client.send(error_object("a request must have at most 255 bytes") + "\n", now);
     }
     return true;
 }
@@ -115,7 +114,7 @@ std::string ControlServer::answer_line(SocketClient& client, const std::string& 
     }
     const auto command = commands_.find(words.front());
     if (command == commands_.end()) {
-        return error_object(fmt::format("{} is no request; allowed: {}",
+        return error_object(fmt::format("{} is not a request; allowed: {}",
                                         in_quotes(words.front(), kShown), allowed()));
     }
     return command->second(std::span(words).subspan(1));

@@ -60,19 +60,18 @@ tl::expected<void, std::string> must_be_free(const std::string& path) {
         return {};
     }
     if (!S_ISSOCK(file.st_mode)) {
-        return Refused(
-            fmt::format("{} is there already and is no socket; choose another --socket", path));
+        return Refused(fmt::format("{} exists and is not a socket; choose another --socket", path));
     }
     const auto answers = connect_local(path);
     if (!answers && answers.error() != ECONNREFUSED) {
-        return Refused(fmt::format("whether {} is in use cannot be told: {}", path,
+        return Refused(fmt::format("cannot find out whether {} is in use: {}", path,
                                    std::strerror(answers.error())));
     }
     if (answers) {
-        return Refused(fmt::format(
-            "another program answers on {}: a second daemon of that name? --socket gives this one "
-            "another place",
-            path));
+        return Refused(
+            fmt::format("another program answers on {}: a second daemon of that name? Give this "
+                        "one another path with --socket",
+                        path));
     }
     return {};
 }
@@ -129,7 +128,7 @@ tl::expected<LocalListener, std::string> LocalListener::open(const std::string& 
     if (!made) {
         const int why = errno;
         ::unlink(unnamed.c_str());
-        return Refused(fmt::format("no socket can be made at {}: {}", path, std::strerror(why)));
+        return Refused(fmt::format("cannot create a socket at {}: {}", path, std::strerror(why)));
     }
     LocalListener listener(std::move(socket), path);
     listener.inode_ = inode_of(path);

@@ -17,8 +17,8 @@ tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
         socket ? socket : default_socket(SocketDirectories::of_this_process(), config);
     if (!path) {
         log_info(
-            "no control socket: neither RUNTIME_DIRECTORY nor XDG_RUNTIME_DIR is set; "
-            "--socket gives it a place");
+            "no control socket: neither RUNTIME_DIRECTORY nor XDG_RUNTIME_DIR is set; set its path "
+            "with --socket");
         return sockets;
     }
     auto control = ControlServer::open(*path);

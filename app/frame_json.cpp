@@ -46,9 +46,9 @@ tl::expected<Json, JsonMistake> parse_line(std::string_view line) {
         return Json::parse(line);
     } catch (const Json::parse_error& error) {
         return LineMistake(JsonMistake{error.byte > 0 ? error.byte : 1,
-                                       "not JSON; a line is one object as decode prints it"});
+                                       "not JSON; a line must be one object, as decode prints it"});
     } catch (const Json::exception&) {
-        return mistake("not JSON that can be read; a line is one object as decode prints it");
+        return mistake("JSON that cannot be read; a line must be one object, as decode prints it");
     }
 }
 

@@ -28,9 +28,9 @@ class StartTimes {
         const Duration start =
             written.start.value_or(latest_ ? *latest_ + period_ : Duration::zero());
         if (latest_ && start < *latest_) {
-            return tl::unexpected(
-                fmt::format("t_us is {}, before the {} of the frame ahead; times may not go back",
-                            whole_microseconds(start), whole_microseconds(*latest_)));
+            return tl::unexpected(fmt::format(
+                "t_us is {}, less than the {} of the frame before; times must not go back",
+                whole_microseconds(start), whole_microseconds(*latest_)));
         }
         latest_ = start;
         return start;
@@ -73,7 +73,7 @@ class SerialWriter final : public FrameWriter {
         results_ << text;
         if (waveform_.delayed() > 0) {
             messages << fmt::format(
-                "tribus: {} moved back, because the one ahead was still on the wire\n",
+                "tribus: {} delayed, because the frame before was still on the wire\n",
                 counted(waveform_.delayed(), "frame"));
         }
     }
@@ -127,7 +127,7 @@ class CanLogWriter final : public FrameWriter {
 
     tl::expected<void, std::string> write(const WrittenFrame& written) override {
         if (written.start.value_or(Duration::zero()) < Duration::zero()) {
-            return tl::unexpected(fmt::format("t_us is {}; a log of candump has no times before 0",
+            return tl::unexpected(fmt::format("t_us is {}; a candump log has no times before 0",
                                               whole_microseconds(*written.start)));
         }
         const auto start = times_.next(written);

@@ -74,23 +74,24 @@ bool is_loopback(const addrinfo& address) {
 tl::expected<UniqueFd, std::string> listen_on(const std::string& text, MetricsReach reach) {
     const Address address = resolve(text);
     if (!address) {
-        return Refused(fmt::format(
-            "metrics cannot be told at \"{}\"; allowed: \"127.0.0.1:9464\", \"[::1]:9464\", or the "
-            "path of a local socket",
-            text));
+        return Refused(
+            fmt::format("metrics cannot be served at \"{}\"; allowed: \"127.0.0.1:9464\", "
+                        "\"[::1]:9464\", or the path of a local socket",
+                        text));
     }
     if (reach == MetricsReach::local && !is_loopback(*address)) {
-        return Refused(fmt::format(
-            "{} can be reached from the network, and nothing asks who it is; 127.0.0.1 and [::1] "
-            "cannot, or say --metrics-public",
-            text));
+        return Refused(
+            fmt::format("{} can be reached from the network, and nothing asks who reads; use "
+                        "127.0.0.1 or [::1], or allow it with --metrics-public",
+                        text));
     }
     UniqueFd socket(::socket(address->ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
     const int on = 1;
     ::setsockopt(socket.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     if (!socket.valid() || ::bind(socket.get(), address->ai_addr, address->ai_addrlen) != 0 ||
         ::listen(socket.get(), static_cast<int>(kMostClients)) != 0) {
-        return Refused(fmt::format("metrics cannot be told at {}: {}", text, std::strerror(errno)));
+        return Refused(
+            fmt::format("metrics cannot be served at {}: {}", text, std::strerror(errno)));
     }
     return socket;
 }
@@ -162,7 +163,7 @@ std::string http_response(std::string_view head, HostNames allowed,
     }
     if (allowed == HostNames::own && !asks_this_machine(head)) {
         return response("421 Misdirected Request",
-                        "ask for an address or localhost, not another name\n");
+                        "the host must be an address or localhost, not another name\n");
     }
     std::string_view path = line.substr(target + 1, version - target - 1);
     path = path.substr(0, path.find('?'));

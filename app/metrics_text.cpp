@@ -88,9 +88,9 @@ constexpr std::array kInputCounters{
                          [](const InputStatus& status) { return status.counts.bytes; }},
     Counter<InputStatus>{"input_frame_lost_frames_total", "Frames marked frame-lost.",
                          [](const InputStatus& status) { return status.counts.frame_lost_frames; }},
-    Counter<InputStatus>{"input_failsafe_frames_total", "Frames that say failsafe.",
+    Counter<InputStatus>{"input_failsafe_frames_total", "Frames marked failsafe.",
                          [](const InputStatus& status) { return status.counts.failsafe_frames; }},
-    Counter<InputStatus>{"input_skipped_bytes_total", "Bytes that belong to no frame.",
+    Counter<InputStatus>{"input_skipped_bytes_total", "Bytes outside frames.",
                          [](const InputStatus& status) { return status.skipped_bytes; }},
     Counter<InputStatus>{"input_device_losses_total", "Times that the device vanished.",
                          [](const InputStatus& status) { return status.counts.device_losses; }},
@@ -102,13 +102,13 @@ constexpr std::array kOutputCounters{
     Counter<OutputStatus>{"output_overruns_total", "Whole periods that were skipped.",
                           [](const OutputStatus& status) { return status.overruns; }},
     Counter<OutputStatus>{
-        "output_failsafe_entries_total", "Times that it went into failsafe.",
+        "output_failsafe_entries_total", "Times that the output went into failsafe.",
         [](const OutputStatus& status) { return status.counts.failsafe_entries; }},
     Counter<OutputStatus>{"output_recoveries_total", "Times that control came back.",
                           [](const OutputStatus& status) { return status.counts.recoveries; }},
     Counter<OutputStatus>{"output_changeovers_total", "Changes from one input to another.",
                           [](const OutputStatus& status) { return status.counts.changeovers; }},
-    Counter<OutputStatus>{"output_foreign_frames_total", "CAN frames of others with its ids.",
+    Counter<OutputStatus>{"output_foreign_frames_total", "CAN frames of another node with its ids.",
                           [](const OutputStatus& status) { return status.counts.foreign_frames; }},
 };
 
@@ -128,7 +128,7 @@ void add_inputs(Text& text, const StatusReport& report) {
             text.sample({name(i)}, count(counter.value(report.inputs[i].status)));
         }
     }
-    text.family("input_rejected_total", "counter", "Frames refused, by cause.");
+    text.family("input_rejected_total", "counter", "Frames rejected, by cause.");
     for (std::size_t i = 0; i < report.inputs.size(); ++i) {
         const InputReport& input = report.inputs[i];
         for (std::size_t cause = 0; cause < input.reject_causes.size(); ++cause) {
@@ -136,7 +136,7 @@ void add_inputs(Text& text, const StatusReport& report) {
                         count(input.status.rejected_by[cause]));
         }
     }
-    text.family("input_losses_total", "counter", "Times that it was lost, by cause.");
+    text.family("input_losses_total", "counter", "Times that the input was lost, by cause.");
     for (std::size_t i = 0; i < report.inputs.size(); ++i) {
         for (std::size_t cause = 2; cause < kLinkCauseCount; ++cause) {
             const std::string word = cause_word(static_cast<LinkCause>(cause));
@@ -180,7 +180,8 @@ void add_outputs(Text& text, const StatusReport& report) {
         text.sample({name(i), {"cause", "lost"}}, count(counts.lost_drops));
         text.sample({name(i), {"cause", "unavailable"}}, count(counts.unavailable_drops));
     }
-    text.family("output_deadline_misses_total", "counter", "Frames late by a tenth of a period.");
+    text.family("output_deadline_misses_total", "counter",
+                "Frames late by more than a tenth of the period.");
     for (std::size_t i = 0; i < report.outputs.size(); ++i) {
         text.sample({name(i)}, count(report.outputs[i].deadline_misses));
     }
@@ -189,20 +190,21 @@ void add_outputs(Text& text, const StatusReport& report) {
         const OutputStage stage = report.outputs[i].status.state.stage;
         text.sample({name(i)}, stage == OutputStage::control ? 1 : 0);
     }
-    text.family("output_cannot_send", "gauge", "1 while nothing of it leaves.");
+    text.family("output_cannot_send", "gauge", "1 while the output cannot send.");
     for (std::size_t i = 0; i < report.outputs.size(); ++i) {
         const OutputStage stage = report.outputs[i].status.state.stage;
         text.sample({name(i)}, stage == OutputStage::cannot_send ? 1 : 0);
     }
-    add_quantiles(text, "output_lateness_seconds", "From due to taken, of the last minute.", report,
+    add_quantiles(text, "output_lateness_seconds", "Time from due to taken, last minute.", report,
                   &OutputReport::lateness);
-    add_quantiles(text, "output_latency_seconds",
-                  "From an input's frame read to handed over, of the last minute.", report,
-                  &OutputReport::latency);
+    add_quantiles(
+        text, "output_latency_seconds",
+        "Time from reading an input's frame to handing over the output's frame, last minute.",
+        report, &OutputReport::latency);
 }
 
 void add_surroundings(Text& text, const StatusReport& report) {
-    text.family("port_present", "gauge", "1 while the device or interface is there.");
+    text.family("port_present", "gauge", "1 while the device or interface is present.");
     for (const PortReport& port : report.ports) {
         text.sample({{"port", port.name}}, port.present ? 1 : 0);
     }
@@ -234,10 +236,11 @@ void add_surroundings(Text& text, const StatusReport& report) {
 
 std::string metrics_text(const StatusReport& report) {
     Text text;
-    text.family("uptime_seconds", "gauge", "Since the program started.");
+    text.family("uptime_seconds", "gauge", "Time since the program started.");
     text.sample({}, seconds(report.now - report.started));
     text.family("figures_age_seconds", "gauge",
-                "Since the data thread wrote down the figures below; where it grows, all are old.");
+                "Time since the data thread published the figures below; if it grows, all of them "
+                "are old.");
     text.sample({}, seconds(report.now - report.figures_at));
     add_inputs(text, report);
     add_outputs(text, report);

@@ -178,7 +178,7 @@ class Monitor {
 int monitor_daemon(const MonitorOptions& options) {
     const auto period = parse_duration(options.period);
     if (!period) {
-        return complain("--period is no duration; allowed: such as \"200ms\"", kExitWrongUse);
+        return complain("--period must be a duration such as \"200ms\"", kExitWrongUse);
     }
     const auto socket = find_daemon(options.name, options.socket);
     if (!socket) {
@@ -218,7 +218,7 @@ Command monitor_command() {
                      .choices = {"text", "json"}},
                     {.name = "--period",
                      .value = &options->period,
-                     .help = "How often it tells, 50ms to 60s",
+                     .help = "Time from one status to the next, 50ms to 60s",
                      .shows_value = true},
                     {.name = "--once",
                      .value = &options->once,

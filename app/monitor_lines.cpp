@@ -81,8 +81,8 @@ std::string output_state(const Json& output) {
     if (state == "control" && !input.empty()) {
         return "control of " + input;
     }
-    return words(state) + (monitor::flag(output, "forced")           ? ", wanted"
-                           : monitor::flag(output, "awaits_release") ? ", waits for release"
+    return words(state) + (monitor::flag(output, "forced")           ? ", forced"
+                           : monitor::flag(output, "awaits_release") ? ", awaits release"
                                                                      : "");
 }
 
@@ -135,7 +135,7 @@ std::string bus_line(const Json& bus, const ScreenStyle& style) {
                              monitor::list(bus, "found").size(), monitor::count(counts, "replies"),
                              monitor::count(counts, "misses")));
     } else {
-        line.add(fmt::format("asked {}  answered {}  late {}  stale {}",
+        line.add(fmt::format("requests {}  answered {}  late {}  stale {}",
                              monitor::count(counts, "requests"), monitor::count(counts, "answered"),
                              monitor::count(counts, "late"), monitor::count(counts, "stale")));
     }

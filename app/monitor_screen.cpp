@@ -70,7 +70,7 @@ Lines wrapped(std::string_view text, std::string_view colour, const ScreenStyle&
 
 /// First lines of the screen: whether the figures below are current.
 Lines trust_lines(const MonitorView& view, const ScreenStyle& style) {
-    const std::string then = "; this is what was " + short_duration(figures_age(view)) + " ago";
+    const std::string then = "; the figures are from " + short_duration(figures_age(view)) + " ago";
     if (view.status.is_null()) {
         return wrapped(view.notice.empty() ? "waiting for the daemon" : view.notice, kYellow,
                        style);

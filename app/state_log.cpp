@@ -85,21 +85,20 @@ void StateLog::log_missing_signal(const std::string& name, const InputStatus& st
     const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
     if (status.counts.bytes == 0 && memory.on_can) {
         log_warning(
-            "input {}: not one frame with its ids yet; check the ids, the bit rate and that the "
+            "input {}: no frame with its ids yet; check the ids, the bit rate and whether the "
             "sender is on (candump shows what is on the bus)",
             name);
     } else if (status.counts.frames == 0 && memory.on_can) {
         log_warning(
-            "input {}: {} with its ids refused; sender and receiver must agree on "
-            "format, id, fd and checksum (tribus decode tells why)",
+            "input {}: {} with its ids rejected; sender and receiver must agree on format, id, fd "
+            "and checksum (tribus decode shows why)",
             name, counted(status.rejected, "frame"));
     } else if (status.counts.bytes == 0) {
-        log_warning("input {}: not one byte yet; check wire, ground and power of the receiver",
-                    name);
+        log_warning("input {}: no byte yet; check wire, ground and power of the receiver", name);
     } else if (status.counts.frames == 0) {
         log_warning(
-            "input {}: {} but no frame yet; another protocol or rate, or a line "
-            "that needs an inverter (SBUS) or must not have one (i.Bus)",
+            "input {}: {} but no frame yet; check protocol and rate, and the inverter: SBUS needs "
+            "one, i.Bus must not have one",
             name, counted(status.counts.bytes, "byte"));
     } else {
         log_warning("input {}: frames arrive, but {}; is the transmitter on?", name,
@@ -150,7 +149,7 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
         if (memory.foreign_limit.pass(now)) {
             log_warning(
                 "output {}: another node sends frames with its ids ({} since the last line); give "
-                "one of the two other ids",
+                "one of the two different ids",
                 name, foreign);
             memory.foreign_frames = status.counts.foreign_frames;
         }
@@ -158,7 +157,7 @@ void StateLog::look_at_drops(const std::string& name, const OutputStatus& status
     if (status.counts.busy_drops != memory.busy_drops) {
         const std::uint64_t dropped = status.counts.busy_drops - memory.busy_drops;
         if (memory.drops_limit.pass(now)) {
-            log_warning("output {}: {} dropped because the port still had the one before", name,
+            log_warning("output {}: {} dropped because the port still had the frame before", name,
                         counted(dropped, "frame"));
             memory.busy_drops = status.counts.busy_drops;
         }

@@ -100,7 +100,7 @@ TEST_F(Loopback, OutputWhoseDeviceIsGoneSaysThatItCannotSendAndNothingOfControl)
 
     servo_wire.pull();
     EXPECT_TRUE(eventually([&] { return state() == "cannot_send"; }));
-    EXPECT_TRUE(program.says("output servos: cannot send: its device is not there"));
+    EXPECT_TRUE(program.says("output servos: cannot send: its device is gone"));
 
     servo_wire.plug_in();
     servos.emplace(servo_wire);
@@ -266,7 +266,7 @@ TEST_F(Loopback, ReceiverThatIsMissingAtTheStartIsWaitedForWhileTheOtherControls
 TEST_F(Loopback, OutputDeviceThatIsMissingAtTheStartIsWaitedFor) {
     FarEnd& receiver = device("receiver");
     Program& program = run(write_config(main_job(kPatientInput)));
-    EXPECT_TRUE(program.says("output servos: cannot send: its device is not there"));
+    EXPECT_TRUE(program.says("output servos: cannot send: its device is gone"));
     FarEnd& servo_wire = device("servos");
     EXPECT_TRUE(program.says("device " + servo_wire.path() + ": is there"));
     ServoBank servos(servo_wire);

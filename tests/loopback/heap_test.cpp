@@ -155,7 +155,7 @@ force    = true
 from = "receiver"
 to   = "fast"
 )"));
-    EXPECT_TRUE(program.says(" dropped because the port still had the one before"));
+    EXPECT_TRUE(program.says(" dropped because the port still had the frame before"));
     ServoBank bank(fast);
     EXPECT_TRUE(eventually([&] { return bank.listen().empty(); }));
     EXPECT_TRUE(eventually([&] { return !bank.listen().empty(); })) << "the output stays stuck";

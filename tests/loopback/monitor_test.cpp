@@ -116,7 +116,7 @@ TEST_F(Monitored, ThatRestartsIsWaitedFor) {
     Program& watching = monitor({"--format", "json"});
     EXPECT_TRUE(eventually([&] { return latest(watching).is_object(); }));
     first.signal(SIGKILL);
-    EXPECT_TRUE(watching.says("has gone; waiting for it"));
+    EXPECT_TRUE(watching.says("is gone; waiting for it"));
     first.end();
     const std::size_t before = count_of("\n", watching.output());
     Program& second = run(config_);

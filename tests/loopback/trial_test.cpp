@@ -160,8 +160,8 @@ TEST_F(Trial, IsConfirmedByItsOwnNumberOrByNone) {
     };
     EXPECT_EQ(ask("reload 1000s"), "1");
     EXPECT_EQ(ask("reload 1000s"), "2");
-    EXPECT_EQ(ask("confirm 1"), "that trial is over; the one that goes on is number 2");
-    EXPECT_EQ(ask("back 1"), "that trial is over; the one that goes on is number 2");
+    EXPECT_EQ(ask("confirm 1"), "that trial is over; the present one is number 2");
+    EXPECT_EQ(ask("back 1"), "that trial is over; the present one is number 2");
     EXPECT_EQ(ask("confirm 2"), "null");
     EXPECT_EQ(ask("confirm 2"), "no configuration is on trial");
     EXPECT_EQ(ask("reload 1000s"), "3");

@@ -116,7 +116,7 @@ TEST_F(Control, RefusesWhatIsNoRequestAndSaysWhatIs) {
     guest.say("stauts\n");
     pass(kMs);
     EXPECT_EQ(guest.read(),
-              "{\"type\":\"error\",\"error\":\"\\\"stauts\\\" is no request; allowed: "
+              "{\"type\":\"error\",\"error\":\"\\\"stauts\\\" is not a request; allowed: "
               "\\\"watch [PERIOD]\\\", \\\"status\\\"\"}\n");
 }
 
@@ -146,7 +146,7 @@ TEST_F(Control, GarbageGetsAnAnswerThatIsText) {
     guest.say(std::string("\0\xff\xfe\x1b[2J\n", 8));
     pass(kMs);
     const std::string answer = guest.read();
-    EXPECT_NE(answer.find("is no request"), std::string::npos) << answer;
+    EXPECT_NE(answer.find("is not a request"), std::string::npos) << answer;
     EXPECT_EQ(answer.find('\x1b'), std::string::npos);
     EXPECT_EQ(answer.find('\xff'), std::string::npos);
 }
@@ -155,7 +155,7 @@ TEST_F(Control, ARequestWithoutEndIsRefusedAndItsSenderDropped) {
     Guest guest(folder_ / "control");
     guest.say(std::string(100000, 'x'));
     pass(kMs);
-    EXPECT_NE(guest.read().find("more than 255 bytes"), std::string::npos);
+    EXPECT_NE(guest.read().find("at most 255 bytes"), std::string::npos);
     pass(kMs);
     EXPECT_FALSE(control_->watched());
 }

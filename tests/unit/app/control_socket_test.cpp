@@ -82,9 +82,9 @@ TEST_F(Listener, RefusesThePlaceOfOneThatLives) {
     const auto first = LocalListener::open(path_);
     const auto second = LocalListener::open(path_);
     ASSERT_FALSE(second);
-    EXPECT_EQ(second.error(), "another program answers on " + path_ +
-                                  ": a second daemon of that name? --socket gives this one "
-                                  "another place");
+    EXPECT_EQ(second.error(),
+              "another program answers on " + path_ +
+                  ": a second daemon of that name? Give this one another path with --socket");
     EXPECT_TRUE(connect_local(path_));
 }
 
@@ -93,7 +93,7 @@ TEST_F(Listener, RefusesThePlaceOfAFile) {
     const auto listener = LocalListener::open(folder_ / "file");
     ASSERT_FALSE(listener);
     EXPECT_EQ(listener.error(),
-              (folder_ / "file") + " is there already and is no socket; choose another --socket");
+              (folder_ / "file") + " exists and is not a socket; choose another --socket");
 }
 
 TEST_F(Listener, RefusesAPathThatIsTooLong) {

@@ -45,7 +45,7 @@ TEST(EncodeCan, TimeBeforeZeroIsReportedAndLeftOut) {
     const Outcome outcome = encoded("{\"t_us\":-5,\"channels\":[1500]}\n{\"channels\":[1000]}\n");
     EXPECT_EQ(outcome.status, kExitFailed);
     EXPECT_EQ(outcome.messages,
-              "frames.json:1:1: t_us is -5; a log of candump has no times before 0\n");
+              "frames.json:1:1: t_us is -5; a candump log has no times before 0\n");
     EXPECT_EQ(outcome.results, "(0000000000.000000) can0 123#03E8\n");
 }
 
@@ -53,7 +53,7 @@ TEST(EncodeCan, TimeThatGoesBackIsReportedAndLeftOut) {
     const Outcome outcome =
         encoded("{\"t_us\":5,\"channels\":[1500]}\n{\"t_us\":4,\"channels\":[1500]}\n");
     EXPECT_EQ(outcome.messages,
-              "frames.json:2:1: t_us is 4, before the 5 of the frame ahead; times may not go "
+              "frames.json:2:1: t_us is 4, less than the 5 of the frame before; times must not go "
               "back\n");
     EXPECT_EQ(outcome.results, "(0000000000.000005) can0 123#05DC\n");
 }

@@ -78,7 +78,7 @@ TEST(Encode, VcdSaysWhenFramesDoNotFitOnTheWire) {
         encoded("{\"t_us\":0,\"channels\":[]}\n{\"t_us\":1000,\"channels\":[]}\n", "sbus",
                 EncodeFormat::vcd);
     EXPECT_EQ(outcome.messages,
-              "tribus: 1 frame moved back, because the one ahead was still on the wire\n");
+              "tribus: 1 frame delayed, because the frame before was still on the wire\n");
 }
 
 TEST(Encode, ReportsEveryLineThatCannotBeUsedAndEncodesTheRest) {
@@ -89,7 +89,7 @@ TEST(Encode, ReportsEveryLineThatCannotBeUsedAndEncodesTheRest) {
     EXPECT_EQ(outcome.results, kCentredSbus);
     EXPECT_EQ(outcome.messages,
               "frames.json:1:1: channel 1 is 9000; allowed: -4096 to 4095.875 us, or null\n"
-              "frames.json:3:2: not JSON; a line is one object as decode prints it\n");
+              "frames.json:3:2: not JSON; a line must be one object, as decode prints it\n");
 }
 
 TEST(Encode, RefusesTimesThatGoBack) {
@@ -97,7 +97,7 @@ TEST(Encode, RefusesTimesThatGoBack) {
                                     "sbus", EncodeFormat::hex);
     EXPECT_EQ(outcome.status, kExitFailed);
     EXPECT_EQ(outcome.messages,
-              "frames.json:2:1: t_us is 9, before the 10 of the frame ahead; times may not go "
+              "frames.json:2:1: t_us is 9, less than the 10 of the frame before; times must not go "
               "back\n");
 }
 

@@ -142,7 +142,7 @@ TEST(FrameJson, SaysWhereALineStopsBeingJson) {
     const auto frame = parse_frame_json("{\"channels\":[1,2");
     ASSERT_FALSE(frame);
     EXPECT_EQ(frame.error().column, 17U);
-    EXPECT_EQ(frame.error().text, "not JSON; a line is one object as decode prints it");
+    EXPECT_EQ(frame.error().text, "not JSON; a line must be one object, as decode prints it");
 }
 
 TEST(FrameJson, RefusesWhatIsNoFrame) {

@@ -213,8 +213,8 @@ TEST_F(MetricsSocket, AddressOfTheNetworkNeedsToBeWanted) {
     const auto refused = MetricsServer::open("0.0.0.0:0", MetricsReach::local, none);
     ASSERT_FALSE(refused);
     EXPECT_EQ(refused.error(),
-              "0.0.0.0:0 can be reached from the network, and nothing asks who it is; 127.0.0.1 "
-              "and [::1] cannot, or say --metrics-public");
+              "0.0.0.0:0 can be reached from the network, and nothing asks who reads; use "
+              "127.0.0.1 or [::1], or allow it with --metrics-public");
     EXPECT_TRUE(MetricsServer::open("0.0.0.0:0", MetricsReach::network, none));
     EXPECT_TRUE(MetricsServer::open("127.0.0.1:0", MetricsReach::local, none));
 }

@@ -179,33 +179,33 @@ TEST_F(MonitorScreen, SaysAllOfALongSentenceAboutADaemonThatIsGone) {
     EXPECT_NE(text.find("no daemon answers at /run/tribus/a-name-that-is-long.sock: Connection"),
               std::string::npos)
         << plain();
-    EXPECT_NE(text.find("this is what was 3.04 s ago"), std::string::npos) << plain();
+    EXPECT_NE(text.find("the figures are from 3.04 s ago"), std::string::npos) << plain();
 }
 
 TEST_F(MonitorScreen, SaysLiveOnlyWhileFiguresAreFresh) {
     EXPECT_TRUE(shows("live, 40 ms old"));
     view_.age = std::chrono::milliseconds(1200);
     EXPECT_FALSE(shows("live"));
-    EXPECT_TRUE(shows("THE DAEMON DOES NOT ANSWER; this is what was 1.24 s ago")) << plain();
+    EXPECT_TRUE(shows("THE DAEMON DOES NOT ANSWER; the figures are from 1.24 s ago")) << plain();
 }
 
 TEST_F(MonitorScreen, SaysThatTheDataThreadStandsStillWhereOnlyThatDoes) {
     view_.status["figures_age_us"] = 5000000;
-    EXPECT_TRUE(shows("THE DATA THREAD STANDS STILL; this is what was 5.00 s ago")) << plain();
+    EXPECT_TRUE(shows("THE DATA THREAD STANDS STILL; the figures are from 5.00 s ago")) << plain();
     EXPECT_FALSE(shows("live"));
 }
 
 TEST_F(MonitorScreen, SaysThatTheDaemonIsGone) {
     view_.connected = false;
-    view_.notice = "the daemon has gone; waiting for it";
+    view_.notice = "the daemon is gone; waiting for it";
     view_.age = std::chrono::seconds(3);
-    EXPECT_TRUE(shows("the daemon has gone; waiting for it; this is what was 3.04 s ago"));
+    EXPECT_TRUE(shows("the daemon is gone; waiting for it; the figures are from 3.04 s ago"));
 }
 
 TEST_F(MonitorScreen, ThatIsPausedTellsHowOldItIs) {
     view_.paused = true;
     view_.age = std::chrono::seconds(9);
-    EXPECT_TRUE(shows("PAUSED; this is what was 9.04 s ago"));
+    EXPECT_TRUE(shows("PAUSED; the figures are from 9.04 s ago"));
 }
 
 TEST_F(MonitorScreen, FitsIntoEverySize) {

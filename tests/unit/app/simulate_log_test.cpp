@@ -68,8 +68,8 @@ TEST_F(SimulateLogTest, SaysOfHeldValuesThatTheyAreMarkedWhereTheWireCan) {
 
 TEST_F(SimulateLogTest, SaysOfHeldValuesThatTheyAreUnmarkedWhereTheWireCannot) {
     EXPECT_NE(log_of_ibus_to("ibus", "")
-                  .find("output servos: holding the last values, unmarked: "
-                        "its frames cannot say frame lost\n"),
+                  .find("output servos: holding the last values, unmarked: its protocol has no "
+                        "frame-lost mark\n"),
               std::string::npos);
 }
 
@@ -78,8 +78,8 @@ TEST_F(SimulateLogTest, SaysOnceThatAMapReadsChannelsThatDoNotCome) {
         log_of_ibus_to("sbus", "[pipeline.main.channels]\n3 = 17\n4 = { from = 15 }\n5 = 1\n");
     const std::string lines = lines_with("preset", log);
     EXPECT_TRUE(
-        lines.ends_with("output servos: channels 3, 4 say their presets: the channels that the map "
-                        "makes them of are absent\n"))
+        lines.ends_with("output servos: channels 3, 4 send their presets: the channels that they "
+                        "are mapped from are absent\n"))
         << log;
     EXPECT_EQ(lines.find('\n'), lines.size() - 1) << lines;
 }
@@ -116,7 +116,7 @@ class TwoSendersOfAMessage : public SimulateLogTest {
 };
 
 constexpr std::string_view kSaid =
-    "input joystick: its frames come in two rhythms, as from two senders";
+    "input joystick: its frames come with two periods, as from two senders";
 
 TEST_F(TwoSendersOfAMessage, WithoutACounterAreSaidOnce) {
     const std::string lines = lines_with("rhythm", log_of(true, ""));

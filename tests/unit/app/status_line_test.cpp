@@ -39,8 +39,7 @@ TEST_F(StatusLineTest, tells_why_an_output_is_in_failsafe) {
 
 TEST_F(StatusLineTest, tells_why_an_output_cannot_send_whatever_its_input_says) {
     const OutputState gone{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::device};
-    EXPECT_EQ(one(line_, kGood, gone),
-              "servos: cannot send: its device is not there; receiver: good");
+    EXPECT_EQ(one(line_, kGood, gone), "servos: cannot send: its device is gone; receiver: good");
     const OutputState off{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::bus};
     EXPECT_EQ(one(line_, kGood, off), "servos: cannot send: the bus takes nothing; receiver: good");
 }
@@ -77,7 +76,7 @@ TEST(StatusLine, of_a_wire_that_cannot_mark_held_values_says_that_they_are_unmar
     OutputState holding = kHolding;
     holding.marks_frame_lost = false;
     EXPECT_EQ(line.text({}, std::vector{holding}, kStart),
-              "servos: holding the last values, unmarked: its frames cannot say frame lost");
+              "servos: holding the last values, unmarked: its protocol has no frame-lost mark");
 }
 
 TEST(StatusLine, leaves_out_what_does_not_fit_and_says_how_much) {
