@@ -53,16 +53,16 @@ tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
     const RecorderConfig& config = *configuration.recorder;
     const std::string directory = config.directory.empty() ? state_directory() : config.directory;
     if (directory.empty()) {
-        return tl::unexpected(fmt::format(
-            "{}:{}:{}: [recorder] does not say where recordings go, and no service manager does "
-            "($STATE_DIRECTORY); add directory = \"/some/folder\"",
-            configuration.file, config.where.line, config.where.column));
+        return tl::unexpected(
+            fmt::format("{}:{}:{}: [recorder] has no directory for recordings, and "
+                        "$STATE_DIRECTORY is not set; add directory = \"/some/folder\"",
+                        configuration.file, config.where.line, config.where.column));
     }
     auto ring_directory =
         RingDirectory::open(SocketDirectories::of_this_process().runtime_directory);
     log_info("recorder: recordings go to {}{}", directory,
              ring_directory ? ""
-                            : fmt::format("; a crash loses what was not written yet: {}",
+                            : fmt::format("; a crash loses everything that is not written yet: {}",
                                           ring_directory.error()));
     std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
         config, directory,
@@ -80,12 +80,12 @@ void FlightRecorder::write_left(Instant now, Duration wall_now) {
     }
     const auto age = age_of_latest(directory_, "crash", wall_now);
     auto left = age && *age < config_.pause
-                    ? tl::unexpected<std::string>("its like was recorded a moment ago")
+                    ? tl::unexpected<std::string>("a crash was recorded a moment ago")
                     : read_left_recording(*folder, now);
     if (!left) {
         log_warning(
-            "recorder: the process before this one ended by a crash, or was killed; nothing of it "
-            "is written: {}",
+            "recorder: the process before this one crashed or was killed; nothing of it is "
+            "written: {}",
             left.error());
         ring_directory_->remove_left();
         return;
@@ -93,8 +93,7 @@ void FlightRecorder::write_left(Instant now, Duration wall_now) {
     plan_ = std::move(left->plan);
     const Duration wall_offset = wall_now - now.time_since_epoch();
     RecordingOrder crash = order({.kind = "crash",
-                                  .reason = "the process before this one ended by a crash, or was "
-                                            "killed",
+                                  .reason = "the process before this one crashed or was killed",
                                   .wall = wall_offset + left->latest.time_since_epoch(),
                                   .at = left->latest,
                                   .due = left->latest},
@@ -129,7 +128,7 @@ tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::stri
     }
     auto anonymous = RingMemory::anonymous(bytes);
     if (anonymous) {
-        log_warning("recorder: a crash loses what passed {}: {}", device, memory.error());
+        log_warning("recorder: a crash loses the recording of {}: {}", device, memory.error());
         file.clear();
     }
     return anonymous;
@@ -147,8 +146,8 @@ CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig
     auto memory = memory_for(port.config.device, file, bytes);
     if (!memory) {
         const std::string lack = fmt::format("{}: {}", port.config.device, memory.error());
-        log_warning("recorder: {} KiB for a port cannot be had; not recorded: {}",
-                    config.memory_kib, lack);
+        log_warning("recorder: no {} KiB of memory for a port; not recorded: {}", config.memory_kib,
+                    lack);
         lacks_[port.config.device] = lack;
         return nullptr;
     }
@@ -298,8 +297,8 @@ void FlightRecorder::end_job() {
         log_info("recorder: wrote {}: {}", result->string(), order.reason);
     } else {
         log_error(
-            "recorder: nothing was written of \"{}\": {}; all else goes on, and the next event is "
-            "tried again; make room there, or name another place in [recorder] directory",
+            "recorder: cannot write the recording \"{}\": {}; everything else goes on, and so does "
+            "recording; free some space, or set another directory in [recorder]",
             order.reason, result.error());
     }
     if (ring_directory_ && order.kind == "crash") {
@@ -336,8 +335,7 @@ std::string FlightRecorder::answer(std::span<const std::string> words, Instant n
     run_jobs(now, wall_now);
     const auto outcome = outcomes_.find(number);
     if (words.size() > 1 || outcome == outcomes_.end()) {
-        return error_object(
-            "\"record\" takes the number of a recording that was asked for, or nothing");
+        return error_object("\"record\" takes the number of a requested recording, or nothing");
     }
     const auto& [done, result] = outcome->second;
     nlohmann::ordered_json json = {{"type", "recording"}, {"number", number}};

@@ -67,7 +67,7 @@ tl::expected<LeftRecording, std::string> read_left_recording(const std::filesyst
         left.latest = std::max(left.latest, latest_in(*ring, port.can, now).value_or(Instant{}));
     }
     if (left.latest == Instant{}) {
-        return Failed("nothing had passed yet");
+        return Failed("nothing was recorded yet");
     }
     return left;
 }

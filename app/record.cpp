@@ -70,7 +70,7 @@ int record(const RecordOptions& options) {
     if (options.out.empty()) {
         if (is_device_path(options.target) && !options.target.ends_with(".toml")) {
             return complain(
-                fmt::format("to record {} itself, --out FILE says where to", options.target),
+                fmt::format("to record the port {}, name a file with --out FILE", options.target),
                 kExitWrongUse);
         }
         return ask_for_recording(options);
@@ -89,7 +89,7 @@ int record(const RecordOptions& options) {
     if (!options.time.empty()) {
         recording.time = parse_duration(options.time);
         if (!recording.time || *recording.time <= Duration::zero()) {
-            return complain("--for wants a duration such as \"10s\"", kExitWrongUse);
+            return complain("--for must be a duration such as \"10s\"", kExitWrongUse);
         }
     }
     return record_port(recording);
@@ -101,39 +101,37 @@ Command record_command() {
     auto options = std::make_shared<RecordOptions>();
     return {
         .name = "record",
-        .help = "Record what passes: a running daemon's flight recorder, or a port by itself",
+        .help = "Record, with a running daemon's flight recorder or directly from a port",
         .footer =
             "Without --out it asks a daemon whose configuration has [recorder] for a recording, "
-            "and\n"
-            "prints the folder. With --out it listens to a port that no other program uses; CAN\n"
-            "interfaces are shared. `decode`, `simulate` and `replay` read the files.",
-        .options =
-            {{.name = "TARGET",
-              .value = &options->target,
-              .help = "Daemon, by its configuration file's name, where several run; with --out a "
-                      "serial device or CAN interface"},
-             {.name = "--socket",
-              .value = &options->socket,
-              .help = "The daemon's control socket, where that is elsewhere"},
-             {.name = "--out",
-              .value = &options->out,
-              .help = "File for what arrives at that port"},
-             {.name = "--protocol",
-              .value = &options->protocol,
-              .help = "What a serial line speaks: its rate, parity and stop bits",
-              .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
-             {.name = "--baud",
-              .value = &options->baud,
-              .help = "Another rate than the protocol's own"},
-             {.name = "--for",
-              .value = &options->time,
-              .help = "How long, such as 10s; default: until Ctrl-C"},
-             {.name = "--limit",
-              .value = &options->limit_mib,
-              .help = "MiB that the file may have",
-              .shows_value = true,
-              .range = {{1, 100000}}},
-             {.name = "--force", .value = &options->force, .help = "Overwrite the file"}},
+            "and\nprints the folder. With --out it reads a port that no other program uses; "
+            "CAN\ninterfaces are shared. `decode`, `simulate` and `replay` read the files.",
+        .options = {{.name = "TARGET",
+                     .value = &options->target,
+                     .help = "Name of the daemon's configuration file, if several run; with --out "
+                             "a serial device or CAN interface"},
+                    {.name = "--socket",
+                     .value = &options->socket,
+                     .help = "The daemon's control socket, if it is not in the default place"},
+                    {.name = "--out",
+                     .value = &options->out,
+                     .help = "File for what arrives at the port"},
+                    {.name = "--protocol",
+                     .value = &options->protocol,
+                     .help = "Protocol of a serial line; sets rate, parity and stop bits",
+                     .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
+                    {.name = "--baud",
+                     .value = &options->baud,
+                     .help = "Rate, if it is not the protocol's own"},
+                    {.name = "--for",
+                     .value = &options->time,
+                     .help = "How long, such as 10s; default: until Ctrl-C"},
+                    {.name = "--limit",
+                     .value = &options->limit_mib,
+                     .help = "Largest size of the file, in MiB",
+                     .shows_value = true,
+                     .range = {{1, 100000}}},
+                    {.name = "--force", .value = &options->force, .help = "Overwrite the file"}},
         .run = [options] { return record(*options); },
     };
 }

@@ -40,9 +40,9 @@ tl::expected<UniqueFd, std::string> make_file(const PortRecording& recording) {
         return file;
     }
     const int error = errno;
-    return tl::unexpected(
-        error == EEXIST ? fmt::format("{} is there already; --force overwrites it", recording.file)
-                        : fmt::format("{}: {}", recording.file, std::strerror(error)));
+    return tl::unexpected(error == EEXIST
+                              ? fmt::format("{} exists; --force overwrites it", recording.file)
+                              : fmt::format("{}: {}", recording.file, std::strerror(error)));
 }
 
 /// `use` is empty for a CAN interface.

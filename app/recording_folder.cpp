@@ -214,8 +214,8 @@ tl::expected<std::string, std::string> write_ports(const RecordingOrder& order,
                                 counts->written, what, begin);
         }
         if (counts->damaged > 0) {
-            list += fmt::format("  pieces of {} that were damaged and are left out: {}\n",
-                                port.device, counts->damaged);
+            list +=
+                fmt::format("  damaged pieces of {}, left out: {}\n", port.device, counts->damaged);
         }
     }
     for (const std::string& lack : order.lacks) {
@@ -237,7 +237,7 @@ Done fill(const RecordingOrder& order, const fs::path& folder) {
     const std::string text = fmt::format(
         "Recorded by tribus: {}, {}.\n"
         "All times count from {} on (by the clock of this machine).\n\n{}\n"
-        "The same inputs through the same configuration again, in this folder:\n  {}\n",
+        "To run the same inputs through the same configuration again, in this folder:\n  {}\n",
         order.reason, readable_time(order.event_wall), readable_time(order.zero_wall), *list,
         order.replay);
     return write_file(folder / "README.txt", text);

@@ -36,7 +36,8 @@ std::unique_ptr<RecordingJob> RecordingJob::start(RecordingOrder order,
     ::pthread_attr_destroy(&attributes);
     job->started_ = error == 0;
     if (error != 0) {
-        job->result_ = tl::unexpected(std::string("no thread for it: ") + std::strerror(error));
+        job->result_ =
+            tl::unexpected(std::string("cannot create a thread: ") + std::strerror(error));
         job->done_ = true;
     }
     return job;

@@ -57,20 +57,20 @@ tl::expected<Duration, std::string> untimed_period(const ReplayOptions& options,
         return Duration::zero();
     }
     if (recording.kind == RecordingKind::raw) {
-        return tl::unexpected(std::string(
-            "raw bytes say neither when they came nor where a frame begins; `tribus decode` and "
-            "`tribus encode --format timed` make a recording with times of them"));
+        return tl::unexpected(
+            std::string("raw bytes have neither times nor frame limits; `tribus decode` and "
+                        "`tribus encode --format timed` make a recording with times from them"));
     }
     if (!options.period.empty()) {
         const auto period = parse_duration(options.period);
         return period && *period > Duration::zero()
                    ? tl::expected<Duration, std::string>(*period)
-                   : tl::unexpected(std::string("--period wants a duration such as \"7ms\""));
+                   : tl::unexpected(std::string("--period must be a duration such as \"7ms\""));
     }
     if (options.place.protocol.empty()) {
-        return tl::unexpected(std::string(
-            "this recording has no times; --period 7ms says how far apart its lines are sent, or "
-            "--protocol whose usual period"));
+        return tl::unexpected(
+            std::string("this recording has no times; set the time from line to line with --period "
+                        "7ms, or use a protocol's period with --protocol"));
     }
     const auto use = serial_use(options.place.protocol, options.place.baud);
     return use ? tl::expected<Duration, std::string>(usual_period(*use))
@@ -173,10 +173,10 @@ void report(Figures& figures, bool can, Duration took) {
                    milliseconds(late[late.size() / 2]), milliseconds(late.back()));
     }
     if (figures.skipped > 0) {
-        fmt::print(stderr, "; {} left out: more than 50 ms late", figures.skipped);
+        fmt::print(stderr, "; {} left out, more than 50 ms late", figures.skipped);
     }
     if (figures.refused > 0) {
-        fmt::print(stderr, "; {} lost: no room, or nobody reads", figures.refused);
+        fmt::print(stderr, "; {} lost, no room or nobody reads", figures.refused);
     }
     fmt::print(stderr, "\n");
 }
@@ -205,7 +205,7 @@ int replay(const ReplayOptions& options) {
     }
     const auto items = items_of(*recording, *period, options.speed);
     if (items.empty()) {
-        return complain(options.file + ": there is nothing in it to send", kExitFailed);
+        return complain(options.file + ": contains nothing to send", kExitFailed);
     }
     if (auto checked = check_replay_place(options.place, *recording); !checked) {
         return complain(options.file + ": " + checked.error(), kExitWrongUse);
@@ -245,40 +245,36 @@ Command replay_command() {
         .name = "replay",
         .help = "Send a recording with its timing into a pty, a serial device or a CAN interface",
         .footer =
-            "It begins with the first burst or frame; into a pty, once somebody has opened it. At "
-            "the\n"
-            "end it says how late it was; what is more than 50 ms late is left out.",
-        .options =
-            {{.name = "FILE",
-              .value = &options->file,
-              .help = "Recording, as decode and simulate read it",
-              .required = true},
-             {.name = "--to",
-              .value = &options->place.to,
-              .help = "pty: a new pseudo-terminal, whose name is printed; or a serial device, or a "
-                      "CAN interface",
-              .required = true},
-             {.name = "--link",
-              .value = &options->place.link,
-              .help = "Path that leads to the new pseudo-terminal while it is there"},
-             {.name = "--speed",
-              .value = &options->speed,
-              .help = "2: twice as fast",
-              .shows_value = true,
-              .range = {{0.001, 1000}}},
-             {.name = "--loop",
-              .value = &options->loop,
-              .help = "From the beginning again, until Ctrl-C"},
-             {.name = "--protocol",
-              .value = &options->place.protocol,
-              .help = "What a serial line speaks: its rate, parity and stop bits",
-              .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
-             {.name = "--baud",
-              .value = &options->place.baud,
-              .help = "Another rate than the protocol's own"},
-             {.name = "--period",
-              .value = &options->period,
-              .help = "From line to line of a recording without times"}},
+            "It begins with the first burst or frame; with a pty, as soon as a program opens it. "
+            "At\nthe end it prints how late it was; anything more than 50 ms late is left out.",
+        .options = {{.name = "FILE",
+                     .value = &options->file,
+                     .help = "Recording, as decode and simulate read it",
+                     .required = true},
+                    {.name = "--to",
+                     .value = &options->place.to,
+                     .help = "pty: a new pseudo-terminal, whose name is printed; or a serial "
+                             "device or CAN interface",
+                     .required = true},
+                    {.name = "--link",
+                     .value = &options->place.link,
+                     .help = "Symbolic link to the new pseudo-terminal"},
+                    {.name = "--speed",
+                     .value = &options->speed,
+                     .help = "2: twice as fast",
+                     .shows_value = true,
+                     .range = {{0.001, 1000}}},
+                    {.name = "--loop", .value = &options->loop, .help = "Repeat until Ctrl-C"},
+                    {.name = "--protocol",
+                     .value = &options->place.protocol,
+                     .help = "Protocol of a serial line; sets rate, parity and stop bits",
+                     .type_name = choices_type(protocol_list(LinkKind::serial) + ",ibus-sensor")},
+                    {.name = "--baud",
+                     .value = &options->place.baud,
+                     .help = "Rate, if it is not the protocol's own"},
+                    {.name = "--period",
+                     .value = &options->period,
+                     .help = "Time from line to line of a recording without times"}},
         .run = [options] { return replay(*options); },
     };
 }

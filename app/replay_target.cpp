@@ -68,7 +68,7 @@ class PtyTarget final : public ReplayTarget {
 
     bool wait_for_reader(MainWait& wait) override {
         if (!has_reader()) {
-            fmt::print(stderr, "waiting for somebody who opens {}\n",
+            fmt::print(stderr, "waiting for a program to open {}\n",
                        link_.empty() ? pty_.path : link_);
         }
         while (!has_reader()) {
@@ -100,11 +100,10 @@ class PtyTarget final : public ReplayTarget {
             return {};
         }
         if (::symlink(path.c_str(), link.c_str()) != 0) {
-            return Refused(errno == EEXIST
-                               ? fmt::format("--link {}: is there already; remove it, or choose "
-                                             "another name",
-                                             link)
-                               : fmt::format("--link {}: {}", link, std::strerror(errno)));
+            return Refused(
+                errno == EEXIST
+                    ? fmt::format("--link {}: exists; remove it, or choose another name", link)
+                    : fmt::format("--link {}: {}", link, std::strerror(errno)));
         }
         return {};
     }
@@ -224,7 +223,8 @@ tl::expected<void, std::string> check_replay_place(const ReplayPlace& place,
     const bool pty = place.to == kNewPty;
     if (can != (!pty && !is_device_path(place.to))) {
         return Refused(
-            can ? fmt::format("this is a log of CAN frames, and {} is no CAN interface", place.to)
+            can ? fmt::format("this is a log of CAN frames, and {} is not a CAN interface",
+                              place.to)
                 : fmt::format("these are bytes of a serial line; --to takes \"pty\" or "
                               "the path of a device, {} is neither",
                               place.to));

@@ -39,7 +39,7 @@ bool has_entry(const fs::path& path) {
 tl::expected<RingMemory, std::string> RingMemory::map(int flags, int fd, std::size_t bytes) {
     void* begin = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, flags | MAP_POPULATE, fd, 0);
     if (begin == MAP_FAILED) {
-        return Failed(fmt::format("no memory for it: {}", std::strerror(errno)));
+        return Failed(fmt::format("cannot get memory: {}", std::strerror(errno)));
     }
     return RingMemory(static_cast<std::byte*>(begin), bytes);
 }
@@ -71,7 +71,7 @@ tl::expected<RingMemory, std::string> RingMemory::copy_of(const fs::path& path, 
         return Failed(fmt::format("{} is not a file", path.string()));
     }
     if (told.st_size <= 0 || static_cast<std::uintmax_t>(told.st_size) > most) {
-        return Failed(fmt::format("{} has {} bytes", path.string(), told.st_size));
+        return Failed(fmt::format("{} has a wrong size, {} bytes", path.string(), told.st_size));
     }
     // Read, not mapped: a mapped file that shrinks would kill the process.
     auto memory = anonymous(static_cast<std::size_t>(told.st_size));
@@ -134,8 +134,8 @@ tl::expected<RingDirectory, std::string> RingDirectory::open(const fs::path& run
     const fs::path taken = runtime_directory / kTaken;
     if (has_entry(taken)) {
         log_warning(
-            "recorder: the process before this one ended while it wrote what a crash had "
-            "left; that is given up");
+            "recorder: the process before this one ended while it wrote the recording of a crash; "
+            "that recording is lost");
         fs::remove_all(taken, error);
     }
     if (has_entry(path)) {

@@ -88,7 +88,7 @@ int finish_standard_output(int status) {
     if (reader_gone) {
         return status;
     }
-    std::cerr << "tribus: standard output could not be written\n";
+    std::cerr << "tribus: cannot write to standard output\n";
     return kExitFailed;
 }
 

@@ -65,7 +65,7 @@ TEST_F(CanRecording, ALogIsNotSentIntoASerialPort) {
     std::ofstream(sent) << kLog;
     Program& replay = start({"replay", sent, "--to", "pty"});
     EXPECT_EQ(replay.end(), 2);
-    EXPECT_NE(replay.errors().find("pty is no CAN interface"), std::string::npos)
+    EXPECT_NE(replay.errors().find("pty is not a CAN interface"), std::string::npos)
         << replay.errors();
 }
 
@@ -120,7 +120,7 @@ TEST_F(CanRecorder, OnAReadOnlyDiskGoesOnWithout) {
     EXPECT_EQ(refused.end(), 1);
     EXPECT_NE(refused.errors().find("Read-only file system"), std::string::npos)
         << refused.errors();
-    EXPECT_EQ(count_of("recorder: nothing was written", program.errors()), 1U);
+    EXPECT_EQ(count_of("recorder: cannot write the recording", program.errors()), 1U);
     expect_clean_end(program);
 }
 

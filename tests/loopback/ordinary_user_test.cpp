@@ -100,7 +100,7 @@ TEST_F(OrdinaryUser, TakesMoreMemoryAtAReloadThanMayBeLocked) {
                  main_job(kPatientInput));
     program.signal(SIGHUP);
     EXPECT_TRUE(program.says("reloaded")) << program.errors();
-    EXPECT_EQ(count_of("cannot be had", program.errors()), 0U) << program.errors();
+    EXPECT_EQ(count_of("of memory for a port", program.errors()), 0U) << program.errors();
     program.signal(SIGTERM);
     EXPECT_EQ(program.end(), 0) << program.errors();
 }

@@ -213,7 +213,7 @@ TEST_F(Recorded, WhatAProcessHadBegunToReadIsNotReadAgain) {
     killed.end();
     fs::rename(runtime_.path() / "recorder", runtime_.path() / "recorder-taken");
     Program& next = run_service(config);
-    EXPECT_TRUE(next.says("that is given up")) << next.errors();
+    EXPECT_TRUE(next.says("that recording is lost")) << next.errors();
     expect_clean_end(next);
     EXPECT_TRUE(found().empty());
     EXPECT_FALSE(fs::exists(runtime_.path() / "recorder-taken"));
@@ -249,7 +249,7 @@ TEST_F(Recorded, APlaceThatCannotBeWrittenStopsNothing) {
     EXPECT_EQ(asking.end(), 1);
     EXPECT_NE(asking.errors().find("nothing was recorded: /proc/nothing: "), std::string::npos)
         << asking.errors();
-    EXPECT_EQ(count_of("recorder: nothing was written", program.errors()), 1U);
+    EXPECT_EQ(count_of("recorder: cannot write the recording", program.errors()), 1U);
     EXPECT_TRUE(drive({1234}));
     expect_clean_end(program);
 }
@@ -258,7 +258,7 @@ TEST_F(Recorded, WithoutAPlaceForRecordingsItDoesNotStart) {
     const std::string config = write_config(main_job() + "[recorder]\n");
     Program& program = start({"run", config});
     EXPECT_EQ(program.end(), 1);
-    EXPECT_NE(program.errors().find("[recorder] does not say where recordings go"),
+    EXPECT_NE(program.errors().find("[recorder] has no directory for recordings"),
               std::string::npos)
         << program.errors();
 }
@@ -335,7 +335,7 @@ TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
     fs::create_symlink("/elsewhere", link);
     Program& refused = start({"replay", sent, "--to", "pty", "--link", link});
     EXPECT_EQ(refused.end(), 1);
-    EXPECT_NE(refused.errors().find("is there already"), std::string::npos) << refused.errors();
+    EXPECT_NE(refused.errors().find("exists; remove it"), std::string::npos) << refused.errors();
     EXPECT_EQ(fs::read_symlink(link), "/elsewhere");
     fs::remove(link);
     Program& replay = start({"replay", sent, "--to", "pty", "--link", link});
@@ -370,7 +370,7 @@ TEST_F(Recorded, AFileThatIsThereIsNotOverwritten) {
     std::ofstream(file) << "precious";
     Program& record = start({"record", device("port").path(), "--out", file, "--protocol", "ibus"});
     EXPECT_EQ(record.end(), 1);
-    EXPECT_NE(record.errors().find("is there already; --force overwrites it"), std::string::npos)
+    EXPECT_NE(record.errors().find("exists; --force overwrites it"), std::string::npos)
         << record.errors();
     EXPECT_EQ(content(file), "precious");
 }

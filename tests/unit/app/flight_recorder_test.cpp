@@ -82,7 +82,7 @@ TEST_F(FlightRecorderOf, ports_without_memory_fails_and_says_why) {
     recorder_->record_ports(configuration_, ports_, kNow);
     const std::string answer = ask();
     EXPECT_NE(answer.find("\"state\":\"failed\""), std::string::npos) << answer;
-    EXPECT_NE(answer.find("no port is recorded (/dev/receiver: no memory for it: "),
+    EXPECT_NE(answer.find("no port is recorded (/dev/receiver: cannot get memory: "),
               std::string::npos)
         << answer;
 }
@@ -100,7 +100,7 @@ TEST_F(FlightRecorderOf, one_port_with_memory_names_the_other_and_no_file_of_it)
     const std::filesystem::path folder = recordings->path();
     std::ifstream file(folder / "README.txt");
     const std::string told{std::istreambuf_iterator<char>(file), {}};
-    EXPECT_NE(told.find("not recorded: /dev/receiver: no memory for it: "), std::string::npos)
+    EXPECT_NE(told.find("not recorded: /dev/receiver: cannot get memory: "), std::string::npos)
         << told;
     EXPECT_EQ(told.find("input-receiver.txt"), std::string::npos) << told;
     EXPECT_NE(told.find("output-servos.txt"), std::string::npos) << told;

@@ -66,7 +66,7 @@ TEST(Program, ReaderThatGoesAwayIsNoFailure) {
 TEST(Program, FullDeviceIsAFailure) {
     const Ended result = run_in_shell("echo '" + kHex + "' | \"$TRIBUS\" decode > /dev/full");
     EXPECT_EQ(result.status, 1);
-    EXPECT_EQ(result.output, "tribus: standard output could not be written\n");
+    EXPECT_EQ(result.output, "tribus: cannot write to standard output\n");
 }
 
 TEST(Program, FileThatCannotBeReadEndsWithOne) {

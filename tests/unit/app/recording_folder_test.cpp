@@ -168,12 +168,13 @@ TEST_F(RecordingFolder, leaves_nothing_where_the_disk_is_full) {
 
 TEST_F(RecordingFolder, names_what_is_not_recorded) {
     RecordingOrder partly = order();
-    partly.lacks = {"/dev/ttyAMA4: no memory for it: Cannot allocate memory"};
+    partly.lacks = {"/dev/ttyAMA4: cannot get memory: Cannot allocate memory"};
     const auto written = write_recording(partly);
     ASSERT_TRUE(written) << written.error();
     const std::string told = content(*written / "README.txt");
-    EXPECT_NE(told.find("  not recorded: /dev/ttyAMA4: no memory for it: Cannot allocate memory\n"),
-              std::string::npos)
+    EXPECT_NE(
+        told.find("  not recorded: /dev/ttyAMA4: cannot get memory: Cannot allocate memory\n"),
+        std::string::npos)
         << told;
 }
 
@@ -183,8 +184,7 @@ TEST_F(RecordingFolder, says_how_much_of_it_was_damaged) {
     const auto written = write_recording(order());
     ASSERT_TRUE(written) << written.error();
     const std::string told = content(*written / "README.txt");
-    EXPECT_NE(told.find("  pieces of /dev/ttyAMA3 that were damaged and are left out: 1\n"),
-              std::string::npos)
+    EXPECT_NE(told.find("  damaged pieces of /dev/ttyAMA3, left out: 1\n"), std::string::npos)
         << told;
 }
 
