@@ -24,7 +24,7 @@ constexpr std::size_t kLongestLine = 4096;
 
 std::string several_interfaces(std::string_view file_name, std::span<const std::string> names) {
     const std::vector<std::string_view> views(names.begin(), names.end());
-    return fmt::format("{}: frames of several interfaces, {}; say which with --interface NAME",
+    return fmt::format("{}: frames of several interfaces, {}; select one with --interface NAME",
                        file_name, in_quotes_all(views));
 }
 
@@ -71,7 +71,7 @@ class LogReader {
         const auto read = reader_.next(line);
         if (!read) {
             messages_ << read.error() << '\n';
-            return ++mistakes_ < kMostMistakes || stop("too much of the input cannot be used");
+            return ++mistakes_ < kMostMistakes || stop("too many lines cannot be used");
         }
         if (!*read) {
             return true;
@@ -156,7 +156,7 @@ CanLogEnd read_can_log(const CanLogSource& source,
         results.flush();
         if (going && cutter.rest().size() > kLongestLine) {
             going = reader.stop(fmt::format(
-                "a line of more than {} characters is no line of candump -L", kLongestLine));
+                "a line of more than {} characters is not a line of candump -L", kLongestLine));
         }
     }
     if (going && !cutter.rest().empty()) {

@@ -22,13 +22,12 @@ std::string state_text(CanBusState state, const std::string& name) {
         case CanBusState::warning:
             return "many errors on the bus; check bit rate, termination and wiring";
         case CanBusState::passive:
-            return "error-passive: hardly a frame gets through; check bit rate, termination and "
-                   "wiring";
+            return "error-passive: few frames get through; check bit rate, termination and wiring";
         case CanBusState::stalled:
-            return "frames do not leave: no other node acknowledges them, or the bus is full; "
-                   "nothing old will be sent";
+            return "frames are not sent: no other node acknowledges them, or the bus is full; old "
+                   "frames will not be sent later";
         case CanBusState::bus_off:
-            return "bus-off: the controller has withdrawn after too many errors; check bit rate, "
+            return "bus-off: the controller left the bus after too many errors; check bit rate, "
                    "termination and wiring";
         case CanBusState::down:
             return fmt::format("is down; `ip link set {} up` brings it up", name);
@@ -98,7 +97,7 @@ void CanReport::look_at_overflows(const std::string& name, const CanLinkStatus& 
         return;
     }
     if (const auto swallowed = memory.overflow_limit.pass(now)) {
-        log_warning("interface {}: {} lost because they came faster than they were read{}", name,
+        log_warning("interface {}: {} lost because they arrived faster than they were read{}", name,
                     counted(lost, "frame"), swallowed_note(*swallowed));
     }
     memory.receive_overflows = status.counts.receive_overflows;

@@ -102,9 +102,10 @@ tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const Pr
                                                               std::string_view interface) {
     const LinkKind link = kind == RecordingKind::candump ? LinkKind::can : LinkKind::serial;
     if (link == LinkKind::serial && !interface.empty()) {
-        return tl::unexpected(fmt::format(
-            "--interface: {} is no log of candump, and only that has interfaces; leave it out",
-            file_name));
+        return tl::unexpected(
+            fmt::format("--interface: {} is not a candump log, and only such a log has interfaces; "
+                        "leave it out",
+                        file_name));
     }
     std::vector<ProtocolUse> suited = of_link(uses, link);
     if (!suited.empty()) {
@@ -114,7 +115,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const Pr
     const std::string allowed = protocol_list(link);
     return tl::unexpected(
         link == LinkKind::can
-            ? fmt::format("{}: a log of CAN frames, and {} is no CAN protocol; allowed: {}",
+            ? fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
                           file_name, asked, allowed)
             : fmt::format("{}: bytes of a serial line, but {} is read from CAN frames: lines such "
                           "as (1436509052.249713) can0 123#1122, as candump -L writes them",
@@ -209,7 +210,7 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
         return fail(recording.error(), kExitFailed);
     }
     if (!recording) {
-        return fail(fmt::format("{} (read as {}; {} reads it otherwise)", recording.error(),
+        return fail(fmt::format("{} (read as {}; {} selects another format)", recording.error(),
                                 recording_kind_name(*kind), kKindHint),
                     kExitFailed);
     }
@@ -233,7 +234,7 @@ tl::expected<std::string, std::string> read_beginning(InputFile& file) {
 tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArguments& arguments) {
     if (arguments.protocol != "auto" && find_protocol(arguments.protocol) == nullptr) {
         return tl::unexpected(
-            fmt::format("--protocol: {} is no protocol that is known; allowed: auto, {}, {}",
+            fmt::format("--protocol: {} is not a known protocol; allowed: auto, {}, {}",
                         in_quotes(arguments.protocol), protocol_list(), kSensorProtocol));
     }
     if (arguments.as.empty()) {
@@ -257,7 +258,7 @@ std::string mistake_with_sensors(const DecodeArguments& arguments) {
                            arguments.given.begin()->first, kSensorProtocol);
     }
     if (!arguments.interface.empty() || arguments.kind() == RecordingKind::candump) {
-        return fmt::format("{} is read from bytes of a serial line, not from a log of candump",
+        return fmt::format("{} is read from bytes of a serial line, not from a candump log",
                            kSensorProtocol);
     }
     return {};
@@ -285,9 +286,10 @@ int decode_sensor_file(InputFile& file, std::string beginning, const DecodeArgum
         return fail(fmt::format("{} ({})", recording.error(), kKindHint), kExitFailed);
     }
     if (recording->kind == RecordingKind::candump) {
-        return fail(fmt::format("{}: a log of CAN frames, and {} is no CAN protocol; allowed: {}",
-                                file.name(), kSensorProtocol, protocol_list(LinkKind::can)),
-                    kExitWrongUse);
+        return fail(
+            fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
+                        file.name(), kSensorProtocol, protocol_list(LinkKind::can)),
+            kExitWrongUse);
     }
     return decode_sensor_parsed(*recording, arguments);
 }
@@ -357,20 +359,19 @@ Command decode_command() {
     std::vector<CommandOption> options{
         {.name = "file",
          .value = &arguments->file,
-         .help = "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial "
-                 "decoder, or a log of candump; the content tells which. Absent or -: "
-                 "standard input, of which raw bytes of a named protocol, and the lines of "
-                 "candump -L, are decoded as they come"},
+         .help = "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial decoder, or a "
+                 "candump log; the content shows which. Absent or -: standard input; raw bytes of "
+                 "a named protocol and the lines of candump -L are decoded as they arrive"},
         {.name = "--protocol",
          .value = &arguments->protocol,
-         .help = "auto: the one that finds the most frames, and lines that are one frame of "
-                 "another",
+         .help =
+             "auto: the protocol that finds the most frames; single lines may be frames of another",
          .shows_value = true,
          .type_name = choices_type("auto," + protocol_list() + "," + kSensorProtocol)},
         {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
         {.name = "--dialect",
          .value = &arguments->dialect,
-         .help = "Of ibus-sensor: whose meaning of the disputed types; flysky if absent",
+         .help = "For ibus-sensor: the dialect of the disputed types; default: flysky",
          .choices = {kSensorDialectNames.begin(), kSensorDialectNames.end()}},
         {.name = "--format",
          .value = &arguments->format,
@@ -379,16 +380,16 @@ Command decode_command() {
          .choices = {"csv", "json", "text"}},
         {.name = "--input-format",
          .value = &arguments->input_format,
-         .help = "Kind of the input, where its content does not show it",
+         .help = "Format of the input, if its content does not show it",
          .choices = {"candump", "hex", "raw", "saleae", "timed"}},
         {.name = "--interface",
          .value = &arguments->interface,
-         .help = "Of a log of candump: the interface whose frames are decoded; needed only "
-                 "where it names several"}};
+         .help = "For a candump log: the interface whose frames are decoded; needed if it has "
+                 "several"}};
     append_setting_options(options, SettingScope::input, arguments->given);
     return {
         .name = "decode",
-        .help = "Bytes or CAN frames of a protocol to frames, one a line",
+        .help = "Decode bytes or CAN frames of a protocol to channel frames, one a line",
         .options = std::move(options),
         .run = [arguments] { return finish_standard_output(run_decode(*arguments)); },
     };

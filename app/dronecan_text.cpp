@@ -22,12 +22,12 @@ constexpr std::array<std::string_view, kTransferFaultCount> kFaultTexts{
     "bad CRC: damaged, or the sender's type has another signature",
     "a frame is missing within it",
     "its first frame is missing",
-    "broke off: its end never came",
+    "broke off: its last frame never came",
     "the recording ends in it",
     "longer than its type can be",
-    "no payload that its type can have",
+    "the payload does not fit its type",
     "repeated: sent again with the transfer id of the one before",
-    "not followed: more senders and types at one time than there is room for"};
+    "not decoded: too many senders and types at the same time"};
 
 /// Continuation lines are indented to the type.
 constexpr std::size_t kIndent = 31;
@@ -60,7 +60,7 @@ std::string payload_text(const ExplainedTransfer& transfer) {
 }
 
 std::string frames_text(std::size_t frames) {
-    return fmt::format("{} {} came", frames, frames == 1 ? "frame" : "frames");
+    return fmt::format("{} {} received", frames, frames == 1 ? "frame" : "frames");
 }
 
 bool is_failsafe(const ExplainedTransfer& transfer) {

@@ -91,11 +91,11 @@ tl::expected<EncodeFormat, std::string> choose_format(const Protocol& protocol,
         return format;
     }
     return tl::unexpected(
-        can ? fmt::format("--format {}: {} goes over CAN; allowed: candump", arguments.format,
+        can ? fmt::format("--format {}: {} runs on CAN; allowed: candump", arguments.format,
                           protocol.name)
-            : fmt::format("--format candump: {} does not go over CAN; allowed: binary, hex, timed, "
-                          "vcd",
-                          protocol.name));
+            : fmt::format(
+                  "--format candump: {} does not run on CAN; allowed: binary, hex, timed, vcd",
+                  protocol.name));
 }
 
 tl::expected<std::string, std::string> choose_interface(const Protocol& protocol,
@@ -105,12 +105,12 @@ tl::expected<std::string, std::string> choose_interface(const Protocol& protocol
     }
     if (protocol.link != LinkKind::can) {
         return tl::unexpected(
-            fmt::format("--interface: {} does not go over CAN; leave it out", protocol.name));
+            fmt::format("--interface: {} does not run on CAN; leave it out", protocol.name));
     }
     if (given.size() > kLongestInterface || given.find_first_of(" \t\r\n") != std::string::npos) {
-        return tl::unexpected(fmt::format(
-            "--interface {}: names of interfaces have at most {} characters and no blanks", given,
-            kLongestInterface));
+        return tl::unexpected(
+            fmt::format("--interface {}: interface names have at most {} characters and no blanks",
+                        given, kLongestInterface));
     }
     return given;
 }
@@ -125,7 +125,7 @@ tl::expected<ProtocolUse, std::string> asked_for(const EncodeArguments& argument
     }
     if (arguments.protocol.empty()) {
         return tl::unexpected(
-            fmt::format("--protocol is required, or --as; allowed: {}", protocol_list()));
+            fmt::format("--protocol or --as is required; allowed: {}", protocol_list()));
     }
     const auto plain = choose_protocols(arguments.protocol, SettingScope::output, arguments.given);
     if (!plain) {
@@ -185,8 +185,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         JsonMistake mistake;
         if (too_long) {
             mistake.text = fmt::format(
-                "a line of more than {} characters; this is no output of "
-                "decode --format json",
+                "a line of more than {} characters; this is not output of decode --format json",
                 kLongestJsonLine);
         } else if (auto frame = parse_frame_json(*line); !frame) {
             mistake = frame.error();
@@ -199,7 +198,7 @@ int encode_lines(std::istream& lines, std::string_view name, const ProtocolUse& 
         }
         messages << fmt::format("{}:{}:{}: {}\n", name, number, mistake.column, mistake.text);
         if (++mistakes == kMostJsonMistakes || too_long) {
-            messages << "tribus: stopped, too much of the input cannot be used\n";
+            messages << "tribus: stopped, too many lines cannot be used\n";
             break;
         }
     }
@@ -215,22 +214,21 @@ Command encode_command() {
          .help = "JSON lines; absent or -: standard input"},
         {.name = "--protocol",
          .value = &arguments->protocol,
-         .help = "What to write",
+         .help = "Protocol to encode",
          .type_name = choices_type(protocol_list())},
         {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
         {.name = "--format",
          .value = &arguments->format,
-         .help = "timed: hex with microseconds in front; vcd: the level on the wire; candump: "
-                 "the log of CAN protocols. Absent: binary, or candump for a CAN protocol",
+         .help = "timed: hex after microseconds; vcd: the level on the wire; candump: the log of "
+                 "CAN protocols. Default: binary, or candump for a CAN protocol",
          .choices = {"binary", "candump", "hex", "timed", "vcd"}},
         {.name = "--interface",
          .value = &arguments->interface,
-         .help = fmt::format("The interface that a log of candump names; absent: {}",
-                             kDefaultInterface)}};
+         .help = fmt::format("Interface in the candump log; default: {}", kDefaultInterface)}};
     append_setting_options(options, SettingScope::output, arguments->given);
     return {
         .name = "encode",
-        .help = "Frames, as decode --format json prints them, to bytes or CAN frames",
+        .help = "Encode frames, as decode --format json prints them, to bytes or CAN frames",
         .options = std::move(options),
         .run = [arguments] { return finish_standard_output(run_encode(*arguments)); },
     };

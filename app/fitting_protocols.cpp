@@ -63,7 +63,7 @@ std::string no_frame_text(const Recording& recording, std::string_view asked) {
     return fmt::format(
         "tribus: no frame of {} in {}; {}\n", asked,
         can ? counted(recording.can_frames.size(), "CAN frame") : counted(bytes, "byte"),
-        fitting.empty() ? "no other protocol finds one" : "what finds frames there: " + fitting);
+        fitting.empty() ? "no other protocol finds any" : "protocols that find frames: " + fitting);
 }
 
 }  // namespace tribus

@@ -212,7 +212,7 @@ tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
         } else if (!setting.fallback.empty()) {
             use.settings.set(setting.key, default_of(setting));
         } else if (setting.required && applies(setting, direction)) {
-            return Refused(fmt::format("--{}: {} needs it: {}; allowed: {}", setting.key,
+            return Refused(fmt::format("--{}: {} requires it: {}; allowed: {}", setting.key,
                                        protocol.name, setting.help, allowed_values(setting)));
         }
     }
@@ -229,8 +229,8 @@ tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string
                                                                      const GivenSettings& given) {
     const Protocol* const named = find_protocol(name);
     if (named == nullptr && name != "auto") {
-        return Refused(fmt::format("--protocol: {} is no protocol that is known; {}",
-                                   in_quotes(name), suggestion(name, known_protocols())));
+        return Refused(fmt::format("--protocol: {} is not a known protocol; {}", in_quotes(name),
+                                   suggestion(name, known_protocols())));
     }
     std::vector<ProtocolUse> uses;
     std::string refused;

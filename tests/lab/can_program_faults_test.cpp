@@ -123,7 +123,7 @@ TEST_F(SlcanSender, SendsTwoOldFramesAtMostAfterThreeSecondsWithoutAcknowledge) 
     adapter_.block();
     stream_for(kOldUs, milliseconds(2000));
     stream_for(kNewUs, milliseconds(1000));
-    EXPECT_TRUE(sender.says("frames do not leave"));
+    EXPECT_TRUE(sender.says("frames are not sent"));
     const std::size_t known = adapter_.heard().size();
     adapter_.unblock();
     ASSERT_TRUE(stream_until_heard(kNewUs, known)) << sender.errors();
@@ -177,7 +177,7 @@ TEST_F(SlcanFault, AdapterThatTakesNothingEndsInFailsafeAndComesBack) {
     expect_times(expect_failsafe_and_recovery(
         "nobody acknowledges the sender's frames, somebody does", [&] { adapter_.block(); },
         [&] { adapter_.unblock(); }));
-    EXPECT_TRUE(sender.says("frames do not leave"));
+    EXPECT_TRUE(sender.says("frames are not sent"));
     expect_clean_end(sender);
     expect_clean_end(reader);
 }

@@ -263,7 +263,7 @@ TEST_F(SlowBus, OldValuesNeverPassAsGoodAmongCompetingTrafficAndAfterAnOutage) {
 
     bus_.stall();
     carry(kOutage);
-    EXPECT_TRUE(sender.says("frames do not leave")) << sender.errors();
+    EXPECT_TRUE(sender.says("frames are not sent")) << sender.errors();
     good = 0;
     bus_.flow();
     ASSERT_TRUE(eventually([&] {

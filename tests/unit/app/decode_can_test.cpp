@@ -119,7 +119,7 @@ TEST(DecodeCan, LogOfNoneOfSeveralProtocolsIsAFailure) {
 
 TEST(DecodeCan, SeveralInterfacesAreListedWhereNoneWasNamed) {
     EXPECT_EQ(error_of(take_interface(recording_of(kTwoInterfaces), "can.log", "")),
-              "can.log: frames of several interfaces, \"can0\", \"can1\"; say which with "
+              "can.log: frames of several interfaces, \"can0\", \"can1\"; select one with "
               "--interface NAME");
 }
 
@@ -190,7 +190,7 @@ TEST(DecodeCanStream, StopsAtASecondInterfaceThatNobodyNamed) {
     EXPECT_EQ(outcome.status, kExitFailed);
     EXPECT_EQ(outcome.messages.substr(0, outcome.messages.find('\n')),
               "tribus: stopped, standard input: frames of several interfaces, \"can0\", \"can1\"; "
-              "say which with --interface NAME");
+              "select one with --interface NAME");
     EXPECT_EQ(outcome.lines().size(), 2U);
 }
 

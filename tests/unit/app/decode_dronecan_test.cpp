@@ -150,7 +150,7 @@ TEST(DecodeDroneCan, WhatIsPrintedAsJsonIsReadByEncodeWhichTakesTheChannels) {
     EXPECT_EQ(frames, 3U);
 }
 
-TEST(DecodeDroneCan, ACsvHasALineForEachTransferAndTheSummaryIsTalk) {
+TEST(DecodeDroneCan, ACsvHasALineForEachTransferAndTheSummaryIsAMessage) {
     const Outcome outcome = decoded(kExamples, DecodeFormat::csv);
     const Lines lines = outcome.lines();
     ASSERT_EQ(lines.size(), 9U);
@@ -173,10 +173,11 @@ TEST(DecodeDroneCan, ABrokenTransferHasItsReasonAndWhatCameOfIt) {
         "(1.000000) can0 0803F20A#61B7010000000282\n"
         "(1.000130) can0 0803F20A#0000BC0300003D22\n"
         "(1.000260) can0 0803F20A#0400003842\n";
-    EXPECT_EQ(text_of(kDamaged),
-              "         260       10    8   2  uavcan.equipment.actuator.ArrayCommand  broken: bad "
-              "CRC: damaged, or the sender's type has another signature (3 frames came): 01 00 00 "
-              "00 02 00 00 bc 03 00 00 3d 04 00 00 38");
+    EXPECT_EQ(
+        text_of(kDamaged),
+        "         260       10    8   2  uavcan.equipment.actuator.ArrayCommand  broken: bad "
+        "CRC: damaged, or the sender's type has another signature (3 frames received): 01 00 00 "
+        "00 02 00 00 bc 03 00 00 3d 04 00 00 38");
     const auto found = objects(kDamaged);
     ASSERT_EQ(found.size(), 2U);
     EXPECT_EQ(found[0]["broken"], "bad_crc");

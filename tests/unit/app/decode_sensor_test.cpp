@@ -147,7 +147,7 @@ TEST(DecodeSensor, BytesWithoutAFrameAreAFailure) {
     const Outcome outcome = decoded("01 02 03\n", DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
     EXPECT_EQ(outcome.messages,
-              "tribus: no frame of ibus-sensor in 3 bytes; no other protocol finds one\n");
+              "tribus: no frame of ibus-sensor in 3 bytes; no other protocol finds any\n");
 }
 
 TEST(DecodeSensor, AnEmptyFileIsFine) {

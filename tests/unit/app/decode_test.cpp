@@ -168,21 +168,22 @@ TEST(Decode, AutoSaysSoWhenNoProtocolFits) {
 
 TEST(Decode, NamesTheProtocolThatFindsFramesWhereTheAskedOneFindsNone) {
     const Outcome outcome = decoded(lines_of({kIbus14, kIbus14}), "sbus", DecodeFormat::json);
-    EXPECT_EQ(outcome.messages,
-              "tribus: no frame of sbus in 64 bytes; what finds frames there: ibus (2 frames)\n");
+    EXPECT_EQ(
+        outcome.messages,
+        "tribus: no frame of sbus in 64 bytes; protocols that find frames: ibus (2 frames)\n");
 }
 
 TEST(Decode, SaysThatNoProtocolFindsAFrame) {
     const Outcome outcome = decoded("12 34 56\n", "sbus", DecodeFormat::json);
     EXPECT_EQ(outcome.messages,
-              "tribus: no frame of sbus in 3 bytes; no other protocol finds one\n");
+              "tribus: no frame of sbus in 3 bytes; no other protocol finds any\n");
 }
 
 TEST(Decode, NamesTheSensorBusWhereItsFramesAreAskedAsChannels) {
     // Discover and its answer at address 1 (docs/protocols/ibus.md, "Sensor bus: frames").
     const Outcome outcome = decoded("04 81 7a ff\n04 81 7a ff\n", "sbus", DecodeFormat::json);
     EXPECT_EQ(outcome.messages,
-              "tribus: no frame of sbus in 8 bytes; what finds frames there: ibus-sensor (2 "
+              "tribus: no frame of sbus in 8 bytes; protocols that find frames: ibus-sensor (2 "
               "frames)\n");
 }
 
@@ -203,8 +204,9 @@ TEST(Decode, StreamWithoutAFrameNamesTheProtocolThatFindsSome) {
     std::ostringstream messages;
     FramePrinter printer(DecodeFormat::json, RecordingKind::raw, results, messages);
     decode_stream(read, uses->front(), printer, results, messages);
-    EXPECT_EQ(messages.str(),
-              "tribus: no frame of sbus in 64 bytes; what finds frames there: ibus (2 frames)\n");
+    EXPECT_EQ(
+        messages.str(),
+        "tribus: no frame of sbus in 64 bytes; protocols that find frames: ibus (2 frames)\n");
 }
 
 TEST(Decode, EmptyInputIsFine) {

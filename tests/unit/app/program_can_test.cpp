@@ -116,8 +116,8 @@ TEST_F(ProgramCan, SerialProtocolRefusesALogOfCan) {
     folder.write("can.log", "(1.000000) can0 123#11\n");
     const Ended result = run("\"$TRIBUS\" decode --protocol ibus can.log");
     EXPECT_EQ(result.status, 2);
-    EXPECT_EQ(result.output.substr(0, 74),
-              "tribus: can.log: a log of CAN frames, and ibus is no CAN protocol; allowed");
+    EXPECT_EQ(result.output.substr(0, 77),
+              "tribus: can.log: a log of CAN frames, and ibus is not a CAN protocol; allowed");
 }
 
 TEST_F(ProgramCan, CanProtocolRefusesBytes) {
@@ -145,35 +145,35 @@ TEST_F(ProgramCan, SeveralInterfacesNeedAName) {
     const Ended result = run("\"$TRIBUS\" decode --protocol can can.log");
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.output,
-              "tribus: can.log: frames of several interfaces, \"can0\", \"can1\"; say which with "
+              "tribus: can.log: frames of several interfaces, \"can0\", \"can1\"; select one with "
               "--interface NAME\n");
     EXPECT_EQ(run("\"$TRIBUS\" decode --protocol can --interface can1 can.log").status, 0);
 }
 
 TEST_F(ProgramCan, InterfaceBelongsToLogsOnly) {
     EXPECT_EQ(run("echo 20 40 | \"$TRIBUS\" decode --interface can0").output,
-              "tribus: --interface: standard input is no log of candump, and only that has "
+              "tribus: --interface: standard input is not a candump log, and only such a log has "
               "interfaces; leave it out\n");
     EXPECT_EQ(run("\"$TRIBUS\" encode --protocol sbus --interface can0 < /dev/null").output,
-              "tribus: --interface: sbus does not go over CAN; leave it out\n");
+              "tribus: --interface: sbus does not run on CAN; leave it out\n");
 }
 
 TEST_F(ProgramCan, FormatsGoWithTheKindOfProtocol) {
     const Ended hex = run("\"$TRIBUS\" encode --protocol can --format hex < /dev/null");
     EXPECT_EQ(hex.status, 2);
-    EXPECT_EQ(hex.output, "tribus: --format hex: can goes over CAN; allowed: candump\n");
+    EXPECT_EQ(hex.output, "tribus: --format hex: can runs on CAN; allowed: candump\n");
     const Ended log = run("\"$TRIBUS\" encode --protocol ibus --format candump < /dev/null");
     EXPECT_EQ(log.status, 2);
-    EXPECT_EQ(log.output,
-              "tribus: --format candump: ibus does not go over CAN; allowed: binary, hex, timed, "
-              "vcd\n");
+    EXPECT_EQ(
+        log.output,
+        "tribus: --format candump: ibus does not run on CAN; allowed: binary, hex, timed, vcd\n");
 }
 
 TEST_F(ProgramCan, InterfaceThatLinuxCouldNotHaveIsRefused) {
     const Ended result = run("\"$TRIBUS\" encode --protocol can --interface 'can 0' < /dev/null");
     EXPECT_EQ(result.status, 2);
     EXPECT_EQ(result.output,
-              "tribus: --interface can 0: names of interfaces have at most 15 characters and no "
+              "tribus: --interface can 0: interface names have at most 15 characters and no "
               "blanks\n");
 }
 

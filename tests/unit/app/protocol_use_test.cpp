@@ -58,7 +58,7 @@ TEST(ProtocolUse, RefusesSettingsOfOtherProtocolsAndOfTheOtherDirection) {
 
 TEST(ProtocolUse, NamesTheProtocolThatWasMeant) {
     EXPECT_EQ(refusal("sbsu", {}),
-              "--protocol: \"sbsu\" is no protocol that is known; did you mean \"sbus\"? Allowed: "
+              "--protocol: \"sbsu\" is not a known protocol; did you mean \"sbus\"? Allowed: "
               "\"ibus\", \"sbus\", \"can\", \"dbc\", \"sensors\", \"dronecan\"");
 }
 
@@ -112,7 +112,7 @@ TEST(ProtocolUse, SettingsThatDoNotGoTogetherAreRefused) {
 }
 
 TEST(ProtocolUse, SettingThatIsMissingIsNamed) {
-    EXPECT_EQ(refusal("dbc", {}).substr(0, 20), "--dbc: dbc needs it:");
+    EXPECT_EQ(refusal("dbc", {}).substr(0, 23), "--dbc: dbc requires it:");
 }
 
 // Two channels of 16 bits, as the manufacturer of a rover might describe them.
