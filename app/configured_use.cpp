@@ -47,7 +47,7 @@ tl::expected<ProtocolUse, std::string> configured_use(const std::string& file_an
                                                       SettingScope direction) {
     const std::size_t colon = file_and_name.rfind(':');
     if (colon == std::string::npos) {
-        return Refused(fmt::format("--as {}: wants FILE:NAME", file_and_name));
+        return Refused(fmt::format("--as {}: must be FILE:NAME", file_and_name));
     }
     const std::string file = file_and_name.substr(0, colon);
     const std::string name = file_and_name.substr(colon + 1);
@@ -68,7 +68,7 @@ tl::expected<ProtocolUse, std::string> configured_use(const std::string& file_an
                               ? std::vector<SettingMistake>{}
                               : use->protocol->check(use->settings, direction);
     if (!mistakes.empty()) {
-        return Refused(fmt::format("--as {}: not in this direction: {}", file_and_name,
+        return Refused(fmt::format("--as {}: does not work in this direction: {}", file_and_name,
                                    mistakes.front().text));
     }
     return std::move(*use);

@@ -261,13 +261,13 @@ Command demo_command() {
     constexpr double kLongestSeconds = 1e6;
     return {
         .name = "demo",
-        .help = "The main job with nothing attached: i.Bus in, SBUS out, with live bars",
+        .help = "Translate i.Bus to SBUS without hardware, with live bars",
         .footer =
             "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the\n"
             "real engine, a servo bank on another. The radio link drops every few seconds.",
         .options = {{.name = "--seconds",
                      .value = seconds.get(),
-                     .help = "End after so long, with a summary",
+                     .help = "End after this time, with a summary",
                      .range = {{0.1, kLongestSeconds}}}},
         .run = [seconds] { return demo(*seconds); },
     };

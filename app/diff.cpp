@@ -165,11 +165,11 @@ class Difference {
             if (after.contains(name)) {
                 section(kind, name, table, after[name]);
             } else if (const auto now = renamed_to(kind, name)) {
-                text_ += fmt::format("{} {}: is called {} now, and goes on\n", kind, name, *now);
+                text_ += fmt::format("{} {}: is now called {}, and goes on\n", kind, name, *now);
             } else {
                 text_ +=
                     fmt::format("{} {}: removed{}\n", kind, name,
-                                kind == "output" ? "; it says its last frames as at the end" : "");
+                                kind == "output" ? "; it sends its last frames as at the end" : "");
             }
         }
         for (const auto& [name, table] : after.items()) {
@@ -210,13 +210,14 @@ class Difference {
     std::string meaning_of(const std::string& kind, const std::string& name) const {
         if (kind == "input") {
             return came_from(kind, name) ? "it goes on; nothing is lost"
-                                         : "it begins anew, as never seen";
+                                         : "it starts again, as never seen";
         }
         if (kind == "output") {
-            return came_from(kind, name) ? "it goes on; the change counts from its next frame on"
-                                         : "the old one says its last frames, then it begins anew";
+            return came_from(kind, name)
+                       ? "it goes on; the change applies from its next frame"
+                       : "the old one sends its last frames, then the new one starts";
         }
-        return kind == "pipeline" ? "counts from the next frame of its outputs on" : "";
+        return kind == "pipeline" ? "applies from the next frame of its outputs" : "";
     }
 
     const Configuration& running_;
@@ -274,7 +275,7 @@ int compare_with_daemon(const DiffOptions& options) {
     if (!running) {
         explain_mistakes(running.error());
         return complain(
-            "what the daemon runs cannot be read here; a file that it names has changed",
+            "the configuration of the daemon cannot be read here; a file that it names has changed",
             kExitFailed);
     }
     const std::string difference = configuration_difference(*running, *fresh);
@@ -295,29 +296,28 @@ Command diff_command() {
     auto options = std::make_shared<DiffOptions>();
     return {
         .name = "diff",
-        .help = "Say what changes where another configuration takes the place of one",
+        .help = "Print what changes if a configuration replaces another one",
         .footer =
-            "Line by line: what is set otherwise, channel by channel, and what a reload does\n"
-            "with it. Prints nothing where nothing changes. Beside a running daemon: what each\n"
-            "output would say with the sticks as they are now.",
-        .options = {{.name = "CONFIG",
-                     .value = &options->first,
-                     .help =
-                         "The configuration that runs; alone, the one that is to take the place of "
-                         "what a daemon runs",
-                     .required = true},
-                    {.name = "NEW",
-                     .value = &options->fresh,
-                     .help = "The one that is to take the place of CONFIG"},
-                    {.name = "--daemon",
-                     .value = &options->daemon,
-                     .help = "Name of the daemon's configuration file; needed if several run "
-                             "and none is called as CONFIG",
-                     .excludes = {"NEW"}},
-                    {.name = "--socket",
-                     .value = &options->socket,
-                     .help = "Its control socket, if it is not in the default place",
-                     .excludes = {"NEW"}}},
+            "One line for each changed setting and channel, and what a reload does with "
+            "it.\nPrints nothing if nothing changes. With a running daemon: also what each "
+            "output\nwould send with the sticks as they are now.",
+        .options =
+            {{.name = "CONFIG",
+              .value = &options->first,
+              .help = "The running configuration; without NEW, the one to replace that of a daemon",
+              .required = true},
+             {.name = "NEW",
+              .value = &options->fresh,
+              .help = "The configuration to replace CONFIG"},
+             {.name = "--daemon",
+              .value = &options->daemon,
+              .help = "Name of the daemon's configuration file; needed if several run and none has "
+                      "the name of CONFIG",
+              .excludes = {"NEW"}},
+             {.name = "--socket",
+              .value = &options->socket,
+              .help = "Its control socket, if it is not in the default place",
+              .excludes = {"NEW"}}},
         .run =
             [options] {
                 return options->fresh.empty() ? compare_with_daemon(*options)

@@ -266,7 +266,7 @@ class Drawing {
             return find(first, rest.substr(0, rest.find('.')));
         }
         if (first == "machine" && !find("machine", first)) {
-            add(GraphColumn::sources, "machine", first, {"what the board tells"});
+            add(GraphColumn::sources, "machine", first, {"measurements of the board"});
         }
         for (const char* kind : {"machine", "values", "bus"}) {
             if (const auto found = find(kind, first)) {

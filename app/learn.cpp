@@ -55,8 +55,8 @@ tl::expected<LossStudyTimes, std::string> times_of(const LearnOptions& options) 
                          const std::string& text) -> tl::expected<Instant, std::string> {
         const auto duration = parse_duration(text);
         if (!duration) {
-            return Refused(fmt::format("{} {}: wants a time of the recording such as 12s", option,
-                                       in_quotes(text)));
+            return Refused(fmt::format("{} {}: must be a time of the recording, such as 12s",
+                                       option, in_quotes(text)));
         }
         return Instant(*duration);
     };
@@ -67,7 +67,7 @@ tl::expected<LossStudyTimes, std::string> times_of(const LearnOptions& options) 
     }
     if (*off >= *back) {
         return Refused(
-            std::string("the transmitter goes off before it is back; allowed: --off-at "
+            std::string("the transmitter is switched off before it is on again; --off-at must be "
                         "earlier than --back-at"));
     }
     return LossStudyTimes{.off = *off, .back = *back};
@@ -111,7 +111,7 @@ void print(const LossStudyResult& study, std::string_view file, std::string_view
     }
     fmt::print(stderr, "\nThe loss of this link is recognised");
     if (study.lines.empty()) {
-        fmt::print(stderr, " as the configuration stands; nothing is to be added.\n");
+        fmt::print(stderr, " with this configuration; add nothing.\n");
         return;
     }
     fmt::print(stderr, " with these lines in [input.{}] of {}:\n\n", input, file);
@@ -123,7 +123,7 @@ void print(const LossStudyResult& study, std::string_view file, std::string_view
 int learn(const LearnOptions& options) {
     const std::size_t colon = options.file_and_name.rfind(':');
     if (colon == std::string::npos) {
-        return complain(fmt::format("learn {}: wants CONFIG:INPUT, such as servos.toml:receiver",
+        return complain(fmt::format("learn {}: must be CONFIG:INPUT, such as servos.toml:receiver",
                                     options.file_and_name),
                         kExitWrongUse);
     }
@@ -155,7 +155,7 @@ Command learn_command() {
     auto options = std::make_shared<LearnOptions>();
     return {
         .name = "learn",
-        .help = "Find out how a receiver loses its link, and which detectors tell",
+        .help = "Find out how a receiver loses its link, and which detectors recognise it",
         .footer =
             "Guides you through moving the sticks, letting go, switching the transmitter off and "
             "on\n"

@@ -99,7 +99,7 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
                                                              std::size_t input) {
     if (::isatty(STDIN_FILENO) == 0) {
         return tl::unexpected(std::string(
-            "a person must switch the transmitter off and on, so this wants a terminal; without "
+            "a person must switch the transmitter off and on, so this needs a terminal; without "
             "one give a recording: --recording FILE --off-at 12s --back-at 20s"));
     }
     const auto engine = build_engine(configuration);
@@ -120,7 +120,7 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
     bool fine = watch.until_enter();
     if (fine && watch.collector().frames().empty()) {
         return tl::unexpected(std::string(
-            "no frame came; `tribus run` with this configuration says what it hears instead"));
+            "no frame came; `tribus run` with this configuration says what it receives instead"));
     }
     print_step("2/4  Throttle low, hands off the sticks for five seconds ...");
     fine = fine && watch.for_time(kHandsOffTime);

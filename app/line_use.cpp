@@ -24,7 +24,7 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
         fmt::format("allowed: {}, {}", protocol_list(LinkKind::serial), kSensorProtocol);
     if (protocol.empty()) {
         return tl::unexpected(fmt::format(
-            "a serial device needs --protocol, which says rate, parity and stop bits; {}",
+            "a serial device needs --protocol, which sets rate, parity and stop bits; {}",
             allowed));
     }
     GivenSettings given;
@@ -37,7 +37,7 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
         return tl::unexpected(std::move(uses.error()));
     }
     if (protocol == "auto" || uses->front().protocol->link != LinkKind::serial) {
-        return tl::unexpected(fmt::format("--protocol {} tells nothing of a serial line; {}",
+        return tl::unexpected(fmt::format("--protocol {} does not run on a serial line; {}",
                                           in_quotes(protocol), allowed));
     }
     return std::move(uses->front());

@@ -193,7 +193,7 @@ std::string heading(const Configuration& running,
         text += fmt::format("{}{} {}", i == 0 ? " (" : ", ", running.inputs[i].name,
                             !inputs[i]              ? "not good"
                             : before.inputs_good[i] ? "good"
-                                                    : "good, but not to be repeated here");
+                                                    : "good, but cannot be reproduced here");
     }
     return text + (inputs.empty() ? ":\n" : "):\n");
 }

@@ -96,7 +96,8 @@ class Study {
         if (phases_.flown.empty()) {
             result_.findings.emplace_back("no frame came while the transmitter was on");
             result_.advice.emplace_back(
-                "check wire, ground, protocol and binding first; `tribus run` says what it hears");
+                "check wire, ground, protocol and binding first; `tribus run` says what it "
+                "receives");
             return std::move(result_);
         }
         check_flags();
@@ -294,7 +295,7 @@ void Study::play() {
         }
     }
     if (false_alarm) {
-        add_finding("with these detectors the link would be lost now and then while all is fine");
+        add_finding("with these detectors the link would sometimes be lost while nothing is wrong");
     }
 }
 
@@ -305,13 +306,14 @@ void Study::give_advice() {
     result_.lines.clear();
     result_.advice.insert(
         result_.advice.begin(),
-        fmt::format("The loss of this receiver cannot be told from a pilot who holds still. Give "
-                    "it a failsafe on the transmitter: a throttle of about {} us, below its "
-                    "stick's range. Where the transmitter allows no such value, open the end point "
-                    "of the throttle (-120 %), store the failsafe with the stick at its low end, "
-                    "and set the end point back. If the receiver can stop sending (\"no pulses\", "
-                    "\"cut\"), choose that. Then learn again.",
-                    kSuggestedPulse));
+        fmt::format(
+            "The loss of this receiver looks the same as a pilot who holds the sticks still. Set a "
+            "failsafe on the transmitter: a throttle of about {} us, below its "
+            "stick's range. Where the transmitter allows no such value, open the end point "
+            "of the throttle (-120 %), store the failsafe with the stick at its low end, "
+            "and set the end point back. If the receiver can stop sending (\"no pulses\", "
+            "\"cut\"), choose that. Then learn again.",
+            kSuggestedPulse));
 }
 
 }  // namespace

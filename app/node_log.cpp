@@ -55,8 +55,8 @@ void NodeLog::log_change(const Memory& memory, const std::string& note) {
             break;
         case dronecan::NodeStage::allocating:
             log_warning(
-                "{}: another DroneCAN node has the same id; nothing is sent until an "
-                "allocator gives another one{}",
+                "{}: another DroneCAN node has the same id; nothing is sent until an allocator "
+                "assigns another one{}",
                 memory.interface, note);
             break;
     }

@@ -67,19 +67,20 @@ void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, I
     if (const auto swallowed = memory.asked.look(asked, memory.limit, now)) {
         const std::string note = swallowed_note(*swallowed);
         if (asked && state.first_address == 0) {
-            log_info("sensor bus {}: a receiver asks; waiting for an address{}", memory.name, note);
+            log_info("sensor bus {}: a receiver sends requests; waiting for an address{}",
+                     memory.name, note);
         } else if (asked) {
-            log_info("sensor bus {}: a receiver asks; {}{}", memory.name,
+            log_info("sensor bus {}: a receiver sends requests; {}{}", memory.name,
                      places_text(state.first_address, memory.sensors), note);
         } else {
-            log_warning("sensor bus {}: the receiver does not ask any more{}", memory.name, note);
+            log_warning("sensor bus {}: the receiver sends no more requests{}", memory.name, note);
         }
     }
     if (!memory.missing_signal_logged && state.sensor.requests == 0 &&
         now - memory.start >= kFirstWait) {
         memory.missing_signal_logged = true;
         log_warning(
-            "sensor bus {}: not one request yet; check wire, ground and power, and that it is the "
+            "sensor bus {}: no request yet; check wire, ground and power, and that it is the "
             "receiver's SENS port",
             memory.name);
     }
@@ -112,26 +113,24 @@ void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory,
         now - memory.start >= kFirstWait) {
         memory.missing_signal_logged = true;
         log_warning(
-            "sensor bus {}: no sensor answers yet; check wire, ground and power{}", memory.name,
+            "sensor bus {}: no sensor replies yet; check wire, ground and power{}", memory.name,
             state.echo.returned == 0 ? ", and that TX and RX are joined if it is one wire" : "");
     }
 }
 
 void SensorBusLog::look_at_troubles(const SensorBusState& state, Memory& memory, Instant now) {
     if (state.echo.collisions >= memory.collisions + kWorthLogging) {
-        log_limited(
-            memory.limit, now, LogLevel::warning,
-            "sensor bus {}: {} of its frames came back altered; two devices speak at once, say "
-            "with the same address, or the wire is disturbed",
-            memory.name, state.echo.collisions - memory.collisions);
+        log_limited(memory.limit, now, LogLevel::warning,
+                    "sensor bus {}: {} of its frames came back altered; two devices send at the "
+                    "same time, perhaps with the same address, or the wire is disturbed",
+                    memory.name, state.echo.collisions - memory.collisions);
         memory.collisions = state.echo.collisions;
     }
     if (state.sensor.late >= memory.late + kWorthLogging) {
-        log_limited(
-            memory.limit, now, LogLevel::warning,
-            "sensor bus {}: {} answers withheld because they were late; `tribus bench` shows what "
-            "delays this board",
-            memory.name, state.sensor.late - memory.late);
+        log_limited(memory.limit, now, LogLevel::warning,
+                    "sensor bus {}: {} replies not sent because they were late; `tribus bench` "
+                    "shows what delays this board",
+                    memory.name, state.sensor.late - memory.late);
         memory.late = state.sensor.late;
     }
 }

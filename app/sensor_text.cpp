@@ -102,7 +102,7 @@ void append_sensor_text(std::string& text, const SensorExchange& exchange,
         "{:>12} {:>7} {:<8} {:>8}  {}{}{}\n", microseconds_or(exchange.asked.start, "-"),
         address_text(exchange.asked.frame), asked ? explained.asked : "-",
         microseconds_or(exchange.response_time, "-"), answer_text(exchange, explained),
-        asked ? "" : ", but nobody asked", exchange.echoes > 0 ? "  (echo)" : "");
+        asked ? "" : ", without a request", exchange.echoes > 0 ? "  (echo)" : "");
 }
 
 void append_sensor_summary_text(std::string& text, const SensorTally& tally,
@@ -113,7 +113,7 @@ void append_sensor_summary_text(std::string& text, const SensorTally& tally,
         "{} requests, {} replies, {} misses ({} asked again at once), {} probes of free "
         "addresses\n"
         "{} discover, {} type, {} value, {} power-up frames, {} servo frames, {} echoes, "
-        "{} answers that nobody asked for\n",
+        "{} answers without a request\n",
         counts.requests, counts.replies, counts.misses, counts.misses_asked_again, counts.probes,
         counts.discover, counts.type, counts.value, counts.power_up, tally.servo_frames,
         counts.echoes, counts.unasked);

@@ -119,7 +119,7 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
     for (const std::string& pair : pairs) {
         const std::size_t equals = pair.find('=');
         if (equals == std::string::npos) {
-            return tl::unexpected(fmt::format("{} {}: wants NAME=FILE", option, pair));
+            return tl::unexpected(fmt::format("{} {}: must be NAME=FILE", option, pair));
         }
         const std::string_view name = std::string_view(pair).substr(0, equals);
         const auto found = std::find(names.begin(), names.end(), name);
@@ -130,7 +130,7 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
         const auto index = static_cast<std::size_t>(found - names.begin());
         if (!files.emplace(index, pair.substr(equals + 1)).second) {
             return tl::unexpected(
-                fmt::format("{} {}: {} was given before", option, pair, in_quotes(name)));
+                fmt::format("{} {}: {} is given twice", option, pair, in_quotes(name)));
         }
     }
     return files;
@@ -177,9 +177,10 @@ bool write_outputs(const std::map<std::size_t, std::string>& files, const SinkRe
         std::ofstream file(path, std::ios::binary);
         file << recorder.text(index);
         if (!file.flush()) {
-            fmt::print(stderr,
-                       "{}: cannot be written; is its folder there, and the disk not full?\n",
-                       path);
+            fmt::print(
+                stderr,
+                "{}: cannot be written; check that its folder exists and the disk is not full\n",
+                path);
             fine = false;
         }
     }
@@ -243,7 +244,7 @@ int simulate(const SimulateOptions& options) {
     const auto tail = parse_duration(options.tail);
     if (!tail) {
         return complain(
-            fmt::format("--tail {}: wants a duration such as 2s or 500ms", options.tail),
+            fmt::format("--tail {}: must be a duration such as 2s or 500ms", options.tail),
             kExitWrongUse);
     }
     const auto arrivals = load_arrivals(*in, sources);
@@ -270,33 +271,32 @@ Command simulate_command() {
         .name = "simulate",
         .help = "Run a configuration over recorded inputs, in virtual time",
         .footer =
-            "An input without --in stays silent. Nothing is opened but these files. Each recording "
-            "starts when the simulation does; what several CAN inputs heard at the same time "
-            "belongs into one log, with --in for each of them.",
-        .options =
-            {{.name = "CONFIG",
-              .value = &options->config,
-              .help = "Configuration file",
-              .required = true},
-             {.name = "--in",
-              .value = &options->in,
-              .help = "NAME=FILE: recorded bytes of an input or sensor bus, or the log of candump "
-                      "of a CAN input or of the message of [values.NAME] (repeatable)",
-              .type_name = "NAME=FILE"},
-             {.name = "--out",
-              .value = &options->out,
-              .help = "NAME=FILE: where to put what an output writes or a sensor bus says, - for "
-                      "standard output (repeatable)",
-              .type_name = "NAME=FILE"},
-             {.name = "--format",
-              .value = &options->format,
-              .help = "Form of the outputs; those of CAN are always logs as of candump",
-              .shows_value = true,
-              .choices = {"timed", "hex", "binary"}},
-             {.name = "--tail",
-              .value = &options->tail,
-              .help = "How long to go on after the last input",
-              .shows_value = true}},
+            "An input without --in stays silent. Only these files are opened. Each recording "
+            "starts with the simulation. If several CAN inputs received at the same time, give one "
+            "log with all their frames to each of them with --in.",
+        .options = {{.name = "CONFIG",
+                     .value = &options->config,
+                     .help = "Configuration file",
+                     .required = true},
+                    {.name = "--in",
+                     .value = &options->in,
+                     .help = "NAME=FILE: recorded bytes of an input or sensor bus, or the candump "
+                             "log of a CAN input or of the message of [values.NAME] (repeatable)",
+                     .type_name = "NAME=FILE"},
+                    {.name = "--out",
+                     .value = &options->out,
+                     .help = "NAME=FILE: file for what an output or a sensor bus sends; - for "
+                             "standard output (repeatable)",
+                     .type_name = "NAME=FILE"},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "Format of the outputs; CAN outputs are always candump logs",
+                     .shows_value = true,
+                     .choices = {"timed", "hex", "binary"}},
+                    {.name = "--tail",
+                     .value = &options->tail,
+                     .help = "How long to go on after the last input",
+                     .shows_value = true}},
         .run = [options] { return simulate(*options); },
     };
 }

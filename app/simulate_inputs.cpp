@@ -51,8 +51,8 @@ tl::expected<Recording, std::string> load_recording(const std::string& path,
     const bool empty = recording && is_empty(*recording);
     if (source.port->link == LinkKind::can && !log && !empty) {
         return tl::unexpected(fmt::format(
-            "{}: this is no log of CAN frames, but {} has the protocol {}; it takes lines "
-            "such as (1436509052.249713) can0 123#1122, as candump -L writes them",
+            "{}: this is not a log of CAN frames, but {} has the protocol {}; it takes lines such "
+            "as (1436509052.249713) can0 123#1122, as candump -L writes them",
             path, title_of(source), source.protocol));
     }
     if (source.port->link == LinkKind::serial && log) {
@@ -88,10 +88,9 @@ tl::expected<void, std::string> add_can_frames(Arrivals& arrivals, const Recordi
     const bool has_own = std::find(names.begin(), names.end(), own) != names.end();
     if (!has_own && names.size() > 1) {
         const std::vector<std::string_view> views(names.begin(), names.end());
-        return tl::unexpected(
-            fmt::format("{}: has frames of {}, but none of {}, the interface of {}; name one "
-                        "of them there",
-                        path, in_quotes_all(views), in_quotes(own), title_of(source)));
+        return tl::unexpected(fmt::format(
+            "{}: has frames of {}, but none of {}, the interface of {}; set one of them there",
+            path, in_quotes_all(views), in_quotes(own), title_of(source)));
     }
     for (const RecordedCanFrame& recorded : recording.can_frames) {
         if (!has_own || recorded.interface == own) {

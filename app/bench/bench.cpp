@@ -105,7 +105,8 @@ bool write_plot(const std::string& path, const Report& report) {
     std::ofstream file(path, std::ios::binary);
     file << bench::report_svg(report);
     if (!file.flush()) {
-        fmt::print(stderr, "{}: cannot be written; is its folder there, and the disk not full?\n",
+        fmt::print(stderr,
+                   "{}: cannot be written; check that its folder exists and the disk is not full\n",
                    path);
         return false;
     }

@@ -75,7 +75,7 @@ TEST_F(Learn, OfALossThatOnlyStandsStillSaysThatThisIsALastResort) {
 TEST_F(Learn, WithTimesInTheWrongOrderIsRefused) {
     Program& program = learn(throttle_at(900), "11s");
     EXPECT_EQ(program.end(), 1);
-    EXPECT_NE(program.errors().find("--off-at earlier than --back-at"), std::string::npos)
+    EXPECT_NE(program.errors().find("--off-at must be earlier than --back-at"), std::string::npos)
         << program.errors();
 }
 

@@ -192,7 +192,7 @@ TEST_P(ReceiverBus, FindsTheSensorsAndReadsThemInTheirUnits) {
 TEST_P(ReceiverBus, FindsASensorThatComesLater) {
     sensors_.set({});
     Program& program = run(config());
-    EXPECT_TRUE(program.says("sensor bus probes: no sensor answers yet"));
+    EXPECT_TRUE(program.says("sensor bus probes: no sensor replies yet"));
     EXPECT_TRUE(teller_.ask_until(kValueOf1, value_reply(1, -0x8000)));
     EXPECT_EQ(teller_.ask(kValueOf2), Bytes{}) << "a speed cannot say \"not available\"";
     sensors_.set({{kExternalVoltage, {0x00, 0x00}}});
@@ -231,7 +231,7 @@ std::string without_late_answers(const std::string& log) {
     std::istringstream lines(log);
     std::string rest;
     for (std::string line; std::getline(lines, line);) {
-        if (line.find("answers withheld because they were late") == std::string::npos) {
+        if (line.find("replies not sent because they were late") == std::string::npos) {
             rest += line + "\n";
         }
     }
@@ -259,12 +259,14 @@ TEST_P(BothRoles, OfOneProgramFindEachOtherAndSayNothingWhileAllIsWell) {
         "[[sensor_bus.told.sensor]]\ntype = \"external_voltage\"\nvalue = \"probes.1\"\n" +
         "[[sensor_bus.told.sensor]]\ntype = \"temperature\"\nvalue = \"probes.temperature\"\n"));
     const Joint joint(sensors, probes, GetParam());
-    EXPECT_TRUE(program.says("sensor bus telemetry: a receiver asks; sensors at addresses 1 to 2"));
+    EXPECT_TRUE(program.says(
+        "sensor bus telemetry: a receiver sends requests; sensors at addresses 1 to 2"));
     EXPECT_TRUE(program.says("sensor bus probes: address 1 is external voltage"));
     EXPECT_TRUE(program.says("sensor bus probes: address 2 is temperature"));
     EXPECT_TRUE(teller.ask_until(kValueOf1, value_reply(1, -370)));
     EXPECT_TRUE(teller.ask_until(kValueOf2, value_reply(2, 277)));  // -12.34 + 40, by 0.1
-    EXPECT_TRUE(program.says("sensor bus told: a receiver asks; sensors at addresses 1 to 2"));
+    EXPECT_TRUE(
+        program.says("sensor bus told: a receiver sends requests; sensors at addresses 1 to 2"));
     const std::string before = without_late_answers(program.errors());
     for (int slot = 0; slot < 100; ++slot) {
         ASSERT_EQ(teller.ask_until_answered(kValueOf1), value_reply(1, -370));

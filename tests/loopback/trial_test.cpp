@@ -245,7 +245,7 @@ TEST_F(Trial, DiffShowsWhatTheSticksWouldDo) {
     EXPECT_EQ(asked.output(),
               "pipeline main:\n"
               "  channel 1: channel 1 before, now channel 1, reverse\n"
-              "  (counts from the next frame of its outputs on)\n"
+              "  (applies from the next frame of its outputs)\n"
               "with the inputs as they are now (receiver good):\n"
               "output servos:\n"
               "  channel 1: 1100 us now, then 1900 us\n");

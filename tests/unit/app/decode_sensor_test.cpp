@@ -61,8 +61,8 @@ TEST(DecodeSensor, TextTellsWhatWasAskedAndWhatCameOfIt) {
         "       39504       1 value         631  external_voltage -0.02 V\n"
         "9 frames in 40 bytes, 0 bytes skipped, rejected: none\n"
         "4 requests, 3 replies, 1 misses (1 asked again at once), 1 probes of free addresses\n"
-        "2 discover, 1 type, 2 value, 1 power-up frames, 0 servo frames, 0 echoes, 0 answers that "
-        "nobody asked for\n"
+        "2 discover, 1 type, 2 value, 1 power-up frames, 0 servo frames, 0 echoes, 0 answers "
+        "without a request\n"
         "address 1: external_voltage, 4 requests, 3 replies, 1 misses, answers after 631 to 631 "
         "us, median 631 us\n"
         "address 2: free, 1 probes\n");

@@ -29,7 +29,7 @@ TEST(Diff, SaysChannelByChannelHowTheMapChanges) {
               "  channel 1: channel 1 before, now channel 2\n"
               "  channel 2: channel 2 before, now channel 1, reverse, expo 0.3\n"
               "  channel 16: channel 16 before, now fixed 1500\n"
-              "  (counts from the next frame of its outputs on)\n");
+              "  (applies from the next frame of its outputs)\n");
 }
 
 TEST(Diff, SaysWhatIsSetOtherwiseAndThatAnInputGoesOn) {
@@ -43,7 +43,7 @@ TEST(Diff, SaysThatAnInputOnAnotherDeviceBeginsAnew) {
     EXPECT_EQ(difference(main_job_with(3, "device = \"/dev/ttyC\"")),
               "input receiver:\n"
               "  device: /dev/ttyA before, now /dev/ttyC\n"
-              "  (it begins anew, as never seen)\n");
+              "  (it starts again, as never seen)\n");
 }
 
 TEST(Diff, NamesWhatIsNewAndWhatIsRemoved) {
@@ -52,7 +52,7 @@ TEST(Diff, NamesWhatIsNewAndWhatIsRemoved) {
         "[pipeline.tail]\nfrom = \"receiver\"\nto = \"tail\"\n";
     EXPECT_EQ(difference(kJob + tail), "output tail: new\npipeline tail: new\n");
     EXPECT_EQ(configuration_difference(loaded(kJob + tail), loaded(kJob)),
-              "output tail: removed; it says its last frames as at the end\n"
+              "output tail: removed; it sends its last frames as at the end\n"
               "pipeline tail: removed\n");
 }
 
@@ -71,7 +71,7 @@ TEST(Diff, TellsARenamedInputFromANewOne) {
     renamed.replace(renamed.find("[input.receiver]"), 16, "[input.rx]");
     renamed.replace(renamed.find("from = \"receiver\""), 17, "from = \"rx\"");
     EXPECT_EQ(difference(renamed).substr(0, 53),
-              "input receiver: is called rx now, and goes on\npipelin");
+              "input receiver: is now called rx, and goes on\npipelin");
 }
 
 TEST(Diff, SaysWhatAReloadCannotDoWithoutAStop) {

@@ -137,7 +137,7 @@ TEST_F(SimulateCan, LogOfSeveralOtherInterfacesIsRefused) {
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.output,
               "can.log: has frames of \"can0\", \"vcan0\", but none of \"can1\", the interface of "
-              "input \"cockpit\"; name one of them there\n");
+              "input \"cockpit\"; set one of them there\n");
 }
 
 TEST_F(SimulateCan, BytesForACanInputAreRefused) {
@@ -145,7 +145,7 @@ TEST_F(SimulateCan, BytesForACanInputAreRefused) {
     const Ended result = run("\"$TRIBUS\" simulate from_can.toml --in cockpit=bytes.txt");
     EXPECT_EQ(result.status, 1);
     EXPECT_EQ(result.output,
-              "bytes.txt: this is no log of CAN frames, but input \"cockpit\" has the protocol "
+              "bytes.txt: this is not a log of CAN frames, but input \"cockpit\" has the protocol "
               "can; it takes lines such as (1436509052.249713) can0 123#1122, as candump -L writes "
               "them\n");
 }

@@ -262,7 +262,8 @@ TEST_F(StateLogOverAReload, SaysThatADeviceWithOtherSettingsIsNotThere) {
 
 TEST_F(StateLogOverAReload, SaysNothingAgainOfASensorBus) {
     ask_sensors(Instant(1s));
-    EXPECT_EQ(said(kTelemetry), "sensor bus telemetry: a receiver asks; a sensor at address 1\n");
+    EXPECT_EQ(said(kTelemetry),
+              "sensor bus telemetry: a receiver sends requests; a sensor at address 1\n");
     reload(Instant(2s));
     EXPECT_EQ(said_at(Instant(2s), kTelemetry), "");
 }
@@ -271,7 +272,7 @@ TEST_F(StateLogOfASensorBus, SaysThatNobodyAsksWhereItsDeviceIsGone) {
     ask_sensors(Instant(1s));
     EXPECT_NE(said(kTelemetry), "");
     sensors_.pull();
-    EXPECT_EQ(said_soon(kTelemetry), "sensor bus telemetry: the receiver does not ask any more\n");
+    EXPECT_EQ(said_soon(kTelemetry), "sensor bus telemetry: the receiver sends no more requests\n");
 }
 
 TEST_F(StateLogOverAReload, CountsTheSilenceOfASensorBusFromItsStart) {
