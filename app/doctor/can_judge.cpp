@@ -40,23 +40,24 @@ void judge_state(const CanInterface& interface, Severity hindrance, CanFindings&
     if (!interface.up) {
         findings.add(hindrance, "can.down",
                      without_rate ? "it is down, and has no bit rate" : "it is down",
-                     "Nothing is sent or heard; `tribus run` waits for it.",
-                     without_rate ? "With the bit rate of your bus; at each boot by the files of "
-                                    "deploy/networkd:"
-                                  : "Bring it up; at each boot by the files of deploy/networkd:",
+                     "Nothing is sent or received; `tribus run` waits for it.",
+                     without_rate ? "Bring it up with the bit rate of your bus; the files of "
+                                    "deploy/networkd do so at each boot:"
+                                  : "Bring it up; the files of deploy/networkd do so at each boot:",
                      {without_rate ? fmt::format("sudo ip link set {} up type can bitrate 1000000 "
                                                  "restart-ms 100",
                                                  findings.name())
                                    : fmt::format("sudo ip link set {} up", findings.name())});
     } else if (interface.state == CanControllerState::bus_off) {
-        findings.add(hindrance, "can.bus_off", "its controller is in bus-off, and silent",
-                     "It gave up after too many errors: wrong bit rate, crossed or open wires, "
+        findings.add(hindrance, "can.bus_off", "its controller is in bus-off and sends nothing",
+                     "There were too many errors: wrong bit rate, crossed or open wires, or "
                      "missing termination (60 Ohm between the wires, without power).",
-                     "Mend the bus, then:",
+                     "Repair the bus, then:",
                      {fmt::format("sudo ip link set {} type can restart", findings.name())});
     } else if (!interface.lower_up) {
         findings.add(hindrance, "can.no_carrier", "it has no carrier",
-                     "Nothing is at its other end, or that is down.", "Bring up the other end.");
+                     "Nothing is connected to its other end, or that is down.",
+                     "Bring up the other end.");
     } else if (interface.state == CanControllerState::passive ||
                interface.state == CanControllerState::warning ||
                interface.transmit_errors.value_or(0) >= kManyErrors ||
@@ -65,8 +66,8 @@ void judge_state(const CanInterface& interface, Severity hindrance, CanFindings&
                      fmt::format("its controller counts many errors ({} sending, {} receiving)",
                                  interface.transmit_errors.value_or(0),
                                  interface.receive_errors.value_or(0)),
-                     "Errors in sending only: nobody acknowledges, it is alone on the bus. In "
-                     "receiving: another bit rate, bad wires.",
+                     "Errors only in sending: no other node acknowledges. Errors in receiving: "
+                     "another bit rate, or bad wires.",
                      "Compare the bit rates, measure 60 Ohm between the wires without power, and "
                      "watch the counters:",
                      {fmt::format("ip -details -statistics link show {}", findings.name())});
@@ -77,7 +78,7 @@ void judge_modes(const CanInterface& interface, CanFindings& findings) {
     if (interface.listen_only) {
         findings.add(Severity::advice, "can.listen_only", "it is in listen-only mode",
                      "It sends nothing, not even acknowledgements.",
-                     "For an output:", findings.set_controller("listen-only off"));
+                     "To use it for an output:", findings.set_controller("listen-only off"));
     }
     if (interface.loopback) {
         findings.add(Severity::advice, "can.loopback", "it is in loopback mode",
@@ -86,26 +87,26 @@ void judge_modes(const CanInterface& interface, CanFindings& findings) {
     }
     if (interface.one_shot) {
         findings.add(Severity::advice, "can.one_shot", "it is in one-shot mode",
-                     "A frame that loses the arbitration is not repeated.",
+                     "A frame that loses arbitration is not repeated.",
                      "Turn it off:", findings.set_controller("one-shot off"));
     }
     if (interface.restart_ms == 0U) {
         findings.add(Severity::advice, "can.no_restart",
                      "after a bus-off it stays silent until somebody restarts it",
-                     "One short circuit ends RC over it for good.",
+                     "After one short circuit RC over it does not come back.",
                      "Let it restart by itself:", findings.set_controller("restart-ms 100"));
     }
     if (interface.queue_length > kMostUsefulQueue) {
         findings.add(
             Severity::advice, "can.long_queue",
             fmt::format("its queue holds {} frames", interface.queue_length),
-            "Frames of other programs pile up there while nobody listens, and are old "
-            "when they leave.",
+            "Frames of other programs wait there while no node acknowledges, and are old when they "
+            "are sent.",
             "Make it short:", {fmt::format("sudo ip link set {} txqueuelen 16", findings.name())});
     }
     if (!interface.takes_fd()) {
         findings.add(Severity::note, "can.no_fd", "it carries no CAN FD frames",
-                     "Needed with fd = true only.", "");
+                     "CAN FD is needed only with fd = true.", "");
     }
 }
 

@@ -112,8 +112,8 @@ void try_and_listen(const KernelFiles& files, Duration time, ExaminedPort& port)
         if (refused && port.story->sound == LineSound::unknown) {
             port.opinion.findings.push_back(
                 {Severity::note, "line.sbus_unheard", device,
-                 "SBUS would sound like this here, for this port cannot be set to it", "",
-                 "To know, wire it to a port that can; `tribus doctor` lists them."});
+                 "this may be SBUS: this port cannot be set to it", "",
+                 "To find out, connect it to a port that can; `tribus doctor` lists them."});
         }
     }
 }
@@ -151,7 +151,7 @@ std::string text_for_people(const Report& report) {
 int examine(const DoctorOptions& options) {
     const auto time = parse_duration(options.listening);
     if (!time || *time < kShortest || *time > kLongest) {
-        return complain(fmt::format("--for {}: wants a time from {} to {}, such as 3s",
+        return complain(fmt::format("--for {}: must be a time from {} to {}, such as 3s",
                                     in_quotes(options.listening), format_duration(kShortest),
                                     format_duration(kLongest)),
                         kExitWrongUse);
@@ -186,18 +186,16 @@ Command doctor_command() {
     const auto options = std::make_shared<DoctorOptions>();
     return {
         .name = "doctor",
-        .help = "Say what ports and machine can do, what a port hears, and what to mend",
+        .help = "Check what ports and machine can do, what a port receives, and what to fix",
         .footer =
-            "A device that a program has open is left alone. Nothing is written to one. But at "
-            "the\n"
-            "moment of opening its control lines rise, at which some boards (Arduino) start anew, "
-            "and\n"
-            "the kernel may send back a byte that comes just then, as it does for `run`.\n"
-            "Exit status: 0 nothing to mend, 1 problems found, 2 wrong use.",
+            "A device that another program has open is not opened. Nothing is written to a "
+            "device.\nBut opening it raises its control lines, which restarts some boards "
+            "(Arduino), and the\nkernel may echo a byte that arrives at that moment, as it may "
+            "with `run`.\nExit status: 0 no problems, 1 problems found, 2 wrong use.",
         .options = {{.name = "DEVICE",
                      .value = &options->devices,
-                     .help = "Serial devices to try and to listen to, and CAN interfaces; absent: "
-                             "look at all there are, and at the machine, without opening any"},
+                     .help = "Serial devices to try and listen to, and CAN interfaces; default: "
+                             "check all of them and the machine, without opening any"},
                     {.name = "--for",
                      .value = &options->listening,
                      .help = "How long to listen to each device",

@@ -14,7 +14,7 @@ namespace tribus::doctor {
 namespace {
 
 constexpr std::string_view kWiring =
-    "circuits stand in /usr/share/doc/tribus/boards/wiring.md (docs/boards/ in the sources)";
+    "circuits are in /usr/share/doc/tribus/boards/wiring.md (docs/boards/ in the sources)";
 /// Default timeout of an input.
 constexpr Duration kUsualTimeout = std::chrono::milliseconds(100);
 /// Threshold: one byte in a hundred belongs to no frame.
@@ -61,11 +61,11 @@ std::string describe_frames(const LineStory& story) {
     }
     text += fmt::format("; {} frames in {}", story.frames, seconds_text(story.listened));
     if (sensor_bus) {
-        text += fmt::format(", {} requests and {} answers", story.requests, story.replies);
+        text += fmt::format(", {} requests and {} replies", story.requests, story.replies);
     }
     text += story.lost_bytes == 0
                 ? ", nothing else"
-                : fmt::format(", {} of {} bytes in none", story.lost_bytes, story.bytes);
+                : fmt::format(", {} of {} bytes in no frame", story.lost_bytes, story.bytes);
     if (story.least_us && story.most_us) {
         text += fmt::format("; values from {:.0f} to {:.0f} us{}", *story.least_us, *story.most_us,
                             story.protocol == "sbus" ? " in the default scale" : "");
@@ -83,24 +83,23 @@ Finding inverted(const LineStory& story) {
     return finding(
         Severity::problem, "line.inverted",
         fmt::format("{} is on it, but inverted", name_of(story.protocol)),
-        "No setting of Linux turns a line over.",
+        "Linux has no setting that inverts a line.",
         sbus ? fmt::format("Put an inverter between the receiver and RX: a gate 74LVC1G04, a "
                            "transistor, or an FTDI FT232R whose EEPROM inverts RXD; {}.",
                            kWiring)
-             : std::string("i.Bus needs no inverter: take it out. An FTDI adapter that was set to "
-                           "invert for SBUS has to be set back, or another one taken."));
+             : std::string("i.Bus needs no inverter: remove it. If an FTDI adapter was set to "
+                           "invert for SBUS, set it back or use another one."));
 }
 
 Finding wrong_parity(const LineStory& story) {
     const bool sbus = story.protocol == "sbus";
-    return finding(
-        Severity::problem, "line.wrong_parity",
-        fmt::format("{} is on it, but {}", name_of(story.protocol),
-                    sbus ? "without the even parity bit" : "with a parity bit"),
-        "Every frame is refused: without that rule a disturbed one would move a servo.",
-        sbus ? "Set the sender to 8 data bits, even parity, 2 stop bits. (Receivers do that of "
-               "themselves; programs of one's own forget it.)"
-             : "Set the sender to 8 data bits without parity, 1 stop bit.");
+    return finding(Severity::problem, "line.wrong_parity",
+                   fmt::format("{} is on it, but {}", name_of(story.protocol),
+                               sbus ? "without the even parity bit" : "with a parity bit"),
+                   "Every frame is rejected; without this rule a disturbed one could move a servo.",
+                   sbus ? "Set the sender to 8 data bits, even parity, 2 stop bits. (Receivers do "
+                          "that by default; home-made programs often do not.)"
+                        : "Set the sender to 8 data bits without parity, 1 stop bit.");
 }
 
 Finding low_line(const LineStory& story) {
@@ -109,16 +108,16 @@ Finding low_line(const LineStory& story) {
                      : std::string();
     return finding(Severity::problem, "line.low",
                    fmt::format("the line is low most of the time{}", regular),
-                   "A line at rest is high. Low it is where an SBUS line has no inverter, where "
-                   "one too many is in it, or where nothing holds an open wire.",
+                   "An idle line is high. It is low if an SBUS line has no inverter or one too "
+                   "many, or if nothing drives the wire.",
                    fmt::format("With the receiver on, a voltmeter at RX should show about 3 V. If "
-                               "it shows about 0 V and this is SBUS, put in an inverter; {}.",
+                               "it shows about 0 V and this is SBUS, add an inverter; {}.",
                                kWiring));
 }
 
 Finding silence(const LineStory& story) {
     return finding(Severity::problem, "line.silence",
-                   fmt::format("not a single byte came in {}", seconds_text(story.listened)), "",
+                   fmt::format("no byte came in {}", seconds_text(story.listened)), "",
                    "Is the receiver powered and bound, its output wired to RX (not TX) of this "
                    "port, ground to ground? Some receivers send nothing while the transmitter is "
                    "off: switch it on.");
@@ -132,34 +131,34 @@ Finding unknown(const LineStory& story) {
                     story.bytes, story.damaged),
         "It is another protocol (CRSF, GHST, SRXL, MAVLink), another rate, or a wire that picks "
         "up noise.",
-        "Set the receiver's output to i.Bus or SBUS. If it is: check ground and the wire, and send "
-        "a recording to `tribus decode`.");
+        "Set the receiver's output to i.Bus or SBUS. If it is set so: check ground and the wire, "
+        "and give a recording to `tribus decode`.");
 }
 
 Finding ibus2() {
-    return finding(Severity::problem, "line.ibus2", "i-BUS2 is on it, which is another protocol",
-                   "Nothing of it can be read.",
+    return finding(Severity::problem, "line.ibus2", "i-BUS2 is on it, another protocol",
+                   "tribus cannot read it.",
                    "Set this output of the receiver to i.BUS (servo), in the transmitter's menu.");
 }
 
 void judge_frames(const LineStory& story, std::vector<Finding>& findings) {
     if (kBadShare * story.lost_bytes > story.bytes) {
-        findings.push_back(finding(
-            Severity::advice, "line.disturbed",
-            fmt::format("{} of {} bytes belong to no frame, {} came with errors", story.lost_bytes,
-                        story.bytes, story.damaged),
-            "Each costs a frame.",
-            "Ground the receiver at the board, keep the wire short and away from motors, and the "
-            "inverter quick."));
+        findings.push_back(
+            finding(Severity::advice, "line.disturbed",
+                    fmt::format("{} of {} bytes belong to no frame, {} came with errors",
+                                story.lost_bytes, story.bytes, story.damaged),
+                    "Each error costs a frame.",
+                    "Ground the receiver at the board, keep the wire short and away from motors, "
+                    "and use a fast inverter."));
     }
     if (story.failsafe == story.frames && story.frames > 0 && story.protocol == "sbus") {
-        findings.push_back(finding(Severity::advice, "line.failsafe", "every frame says failsafe",
-                                   "The receiver has no radio link.",
-                                   "Switch the transmitter on, or bind it."));
+        findings.push_back(
+            finding(Severity::advice, "line.failsafe", "every frame is marked failsafe",
+                    "The receiver has no radio link.", "Switch the transmitter on, or bind it."));
     } else if (2 * story.frame_lost > story.frames) {
         findings.push_back(
             finding(Severity::advice, "line.frame_lost", "most frames are marked frame-lost",
-                    "The radio link is weak; values are old.", "Look to the antennas."));
+                    "The radio link is weak; values are old.", "Check the antennas."));
     }
     if (story.protocol == "ibus" && story.requests > 0) {
         findings.push_back(
@@ -168,11 +167,10 @@ void judge_frames(const LineStory& story, std::vector<Finding>& findings) {
                     "Name the same device in [input.NAME] and in [sensor_bus.NAME]."));
     }
     if (story.protocol == "ibus-sensor" && story.replies > 0) {
-        findings.push_back(
-            finding(Severity::note, "line.sensors_answer", "sensors answer on it already",
-                    "Two that answer at one address destroy each other's bytes.",
-                    "Give `address` a number behind theirs, or listen only: `tribus decode "
-                    "--protocol ibus-sensor`."));
+        findings.push_back(finding(
+            Severity::note, "line.sensors_answer", "sensors reply on it already",
+            "Two sensors that reply at one address destroy each other's bytes.",
+            "Set `address` above theirs, or only listen: `tribus decode --protocol ibus-sensor`."));
     }
     if (story.protocol == "sbus" && story.scale.name.empty()) {
         findings.push_back(

@@ -58,7 +58,7 @@ tl::expected<Heard, std::string> listen(const std::string& device, const LineSet
         const ReadStatus status = (*port)->read(reception);
         heard.listened = monotonic_now() - begin;
         if (status == ReadStatus::lost) {
-            return tl::unexpected(std::string("it was gone while it was listened to"));
+            return tl::unexpected(std::string("it vanished during listening"));
         }
         if (status == ReadStatus::received) {
             bytes += reception.count;
@@ -131,7 +131,7 @@ Visit visit_port(const std::string& device, Duration time,
     }
     const Duration each = left / static_cast<std::int64_t>(lines.size());
     for (const LineSettings& line : lines) {
-        says(fmt::format("listening at {} baud once more ...", line.baud));
+        says(fmt::format("listening at {} baud again ...", line.baud));
         if (!listen_more(line, each)) {
             return visit;
         }

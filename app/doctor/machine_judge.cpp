@@ -39,32 +39,33 @@ void judge_power(const MachineFacts& facts, Findings& findings) {
     if ((bits & kUndervoltage) != 0 || facts.undervoltage == true) {
         findings.add(Severity::problem, "machine.undervoltage",
                      "the supply of the board is too low now",
-                     "It slows down, USB adapters drop out, and it may stop at any time.",
-                     "Give it a supply of its own that holds 5 V at 3 A, over a short thick cable; "
-                     "never from the servos' regulator.");
+                     "The board slows down, USB adapters drop out, and it may stop at any time.",
+                     "Give it its own supply that keeps 5 V at 3 A, over a short thick cable; "
+                     "never use the servos' regulator.");
     }
     if ((bits & kSlowed) != 0) {
         findings.add(Severity::problem, "machine.throttled",
                      fmt::format("the processor is slowed down now (get_throttled {:#x})", bits),
-                     "Frames are late by as much as the processor is slow.",
-                     "Cool it, or mend its supply; then look again with `vcgencmd get_throttled`.");
+                     "A slower processor makes frames late.",
+                     "Cool it or fix its supply; then check with `vcgencmd get_throttled`.");
     } else if ((bits & kEver) != 0) {
-        findings.add(Severity::advice, "machine.was_throttled",
-                     fmt::format("since its start the board was short of supply or too hot "
-                                 "(get_throttled {:#x})",
-                                 bits),
-                     "It will be again, in flight or at full load.",
-                     "A better supply, a heat sink; the next start clears the marks.");
+        findings.add(
+            Severity::advice, "machine.was_throttled",
+            fmt::format(
+                "since its start the board had undervoltage or was too hot (get_throttled {:#x})",
+                bits),
+            "It will happen again, in flight or at full load.",
+            "Use a better supply or a heat sink; the next start clears these bits.");
     }
     if (!facts.throttled && facts.model.starts_with("Raspberry Pi")) {
         findings.add(Severity::note, "machine.throttling_unknown",
-                     "this kernel does not tell whether the board is throttled", "",
-                     "Ask the firmware: 0x0 is well.", {"vcgencmd get_throttled"});
+                     "this kernel does not report whether the board is throttled", "",
+                     "Ask the firmware; 0x0 means no throttling:", {"vcgencmd get_throttled"});
     }
     if (facts.temperature && *facts.temperature >= kHotDegrees) {
         findings.add(Severity::advice, "machine.hot",
-                     fmt::format("it is {:.0f} degC hot", *facts.temperature),
-                     "Boards slow down at 80 to 85 degC.", "A heat sink, air.");
+                     fmt::format("its temperature is {:.0f} degC", *facts.temperature),
+                     "Boards slow down at 80 to 85 degC.", "Add a heat sink or a fan.");
     }
 }
 
@@ -77,7 +78,8 @@ void judge_frequency(const MachineFacts& facts, Findings& findings) {
     if (slowest) {
         findings.add(Severity::advice, "machine.powersave",
                      "the processor is kept at its lowest frequency (governor powersave)",
-                     "Every wake-up takes several times as long as it needs to.", "Let it run:",
+                     "Every wake-up takes several times longer than necessary.",
+                     "Let it run at its highest frequency:",
                      {"echo performance | sudo tee "
                       "/sys/devices/system/cpu/cpu*/cpufreq/scaling_governor"});
     }
@@ -101,38 +103,36 @@ void judge_realtime(const MachineFacts& facts, Findings& findings) {
         const std::string package = realtime_package(facts);
         findings.add(Severity::advice, "machine.kernel_not_realtime",
                      fmt::format("the kernel {} is not PREEMPT_RT", facts.kernel),
-                     "It works; now and then a frame is late by milliseconds instead of tenths. "
-                     "`tribus bench` measures it.",
-                     package.empty()
-                         ? "Where a kernel with PREEMPT_RT is to be had for this board, "
-                           "take it."
-                         : "Debian has one:",
+                     "It works, but now and then a frame is late by milliseconds instead of tenths "
+                     "of one. `tribus bench` measures it.",
+                     package.empty() ? "If there is a PREEMPT_RT kernel for this board, use it."
+                                     : "Debian has one:",
                      package.empty() ? std::vector<std::string>{}
                                      : std::vector{"sudo apt install " + package});
     }
     if (facts.realtime_share_us == 0) {
-        findings.add(Severity::problem, "machine.realtime_off",
-                     "real-time threads get no time at all (kernel.sched_rt_runtime_us is 0)",
-                     "`tribus run` cannot have SCHED_FIFO; with realtime = \"require\" it does "
-                     "not start.",
-                     "Set the usual share:", {"sudo sysctl -w kernel.sched_rt_runtime_us=950000"});
+        findings.add(
+            Severity::problem, "machine.realtime_off",
+            "real-time threads get no time at all (kernel.sched_rt_runtime_us is 0)",
+            "`tribus run` cannot get SCHED_FIFO; with realtime = \"require\" it does not start.",
+            "Set the usual share:", {"sudo sysctl -w kernel.sched_rt_runtime_us=950000"});
     }
     if (facts.group_share_us == 0) {
         findings.add(Severity::advice, "machine.realtime_group_off",
                      "the control group of this shell has no real-time share "
                      "(cpu.rt_runtime_us is 0)",
                      "A program that is started from here gets no SCHED_FIFO, not even as root.",
-                     "Start it as a service, or in a kernel without CONFIG_RT_GROUP_SCHED.");
+                     "Start it as a service, or use a kernel without CONFIG_RT_GROUP_SCHED.");
     }
 }
 
 void judge_rights(const MachineFacts& facts, Findings& findings) {
     constexpr std::string_view kServiceHasIt =
-        "The service tribus@NAME has it. For `tribus run` from a shell, as one line each in "
-        "/etc/security/limits.d/tribus.conf, and log in anew:";
+        "The service tribus@NAME has it. For `tribus run` from a shell, add one line each to "
+        "/etc/security/limits.d/tribus.conf and log in again:";
     if (!facts.may_schedule && facts.priority_limit.value_or(kUsualPriority) < kUsualPriority) {
         findings.add(Severity::advice, "machine.no_realtime_right",
-                     fmt::format("this user may have real-time priorities up to {} only",
+                     fmt::format("this user may use real-time priorities only up to {}",
                                  *facts.priority_limit),
                      "Any busy program can make frames late by several milliseconds.",
                      std::string(kServiceHasIt),
@@ -142,8 +142,9 @@ void judge_rights(const MachineFacts& facts, Findings& findings) {
     if (!facts.may_lock && facts.lock_limit.value_or(kEnoughLocked) < kEnoughLocked) {
         findings.add(
             Severity::advice, "machine.no_memory_right",
-            fmt::format("this user may lock {} kB of memory only", *facts.lock_limit / 1024),
-            "What is swapped out or not yet loaded makes a frame late.", std::string(kServiceHasIt),
+            fmt::format("this user may lock only {} kB of memory", *facts.lock_limit / 1024),
+            "Memory that is swapped out or not yet loaded makes a frame late.",
+            std::string(kServiceHasIt),
             {"echo '@dialout - memlock unlimited' | sudo tee -a "
              "/etc/security/limits.d/tribus.conf"});
     }
@@ -152,7 +153,7 @@ void judge_rights(const MachineFacts& facts, Findings& findings) {
             Severity::advice, "machine.modem_manager", "ModemManager runs",
             "It opens USB serial devices that are plugged in and sends commands to them, "
             "to see whether they are modems: servos and receivers get those.",
-            "Without a modem on this machine:", {"sudo systemctl disable --now ModemManager"});
+            "If this machine has no modem:", {"sudo systemctl disable --now ModemManager"});
     }
 }
 

@@ -49,8 +49,8 @@ PortKind silicon_labs(const UsbFacts& usb) {
     if (!known) {
         kind.rates_unknown = true;
         kind.rates_note =
-            "a CP2102N or CP2104 can, a CP2102 cannot, and it does not say which "
-            "one it is";
+            "a CP2102N or CP2104 can, a CP2102 cannot, and the adapter does not say which one it "
+            "is";
     }
     return kind;
 }
@@ -70,18 +70,18 @@ PortKind usb_kind(const SerialFacts& facts, const UsbFacts& usb) {
     if (facts.driver == "pl2303") {
         return {.name = "USB adapter, Prolific PL2303",
                 .rates_unknown = true,
-                .rates_note = "its kinds and copies differ",
+                .rates_note = "its versions and copies differ",
                 .usb = true};
     }
     if (facts.driver == "cdc_acm") {
         return {.name = fmt::format("USB device {}", usb.product_name),
                 .rates_unknown = true,
-                .rates_note = "its firmware settles what rate and parity do",
+                .rates_note = "its firmware decides what rate and parity do",
                 .usb = true};
     }
     return {.name = fmt::format("USB device {} ({})", usb.product_name, facts.driver),
             .rates_unknown = true,
-            .rates_note = "nothing is known of its driver",
+            .rates_note = "its driver is not known here",
             .usb = true};
 }
 
@@ -112,11 +112,10 @@ PortKind kind_of(const SerialFacts& facts) {
         return {.name = "PL011 of the board"};
     }
     if (facts.driver.find("tegra") != std::string::npos) {
-        return {.name = fmt::format("UART of the board ({})", facts.driver),
-                .rates_unknown = true,
-                .rates_note =
-                    "its driver says what was asked for even where it failed: look into "
-                    "`dmesg`"};
+        return {
+            .name = fmt::format("UART of the board ({})", facts.driver),
+            .rates_unknown = true,
+            .rates_note = "its driver reports the requested rate even if it failed: check `dmesg`"};
     }
     // Such a driver may change the clock with the rate (Rockchip) or not (Allwinner).
     const bool sets_clock = facts.driver == "dw-apb-uart";
@@ -126,7 +125,7 @@ PortKind kind_of(const SerialFacts& facts) {
     }
     return {.name = fmt::format("UART of the board ({})", facts.driver),
             .rates_unknown = true,
-            .rates_note = "its driver settles the rates"};
+            .rates_note = "its driver decides the rates"};
 }
 
 std::optional<std::string> hardware_refusal(const PortKind& kind, const SerialFacts& facts,
@@ -135,8 +134,8 @@ std::optional<std::string> hardware_refusal(const PortKind& kind, const SerialFa
         return "it has no parity bit";
     }
     if (kind.quantises_rates && line.baud != kUsualBaud) {
-        return fmt::format("it makes {} baud of {}", line.baud == 100'000 ? 115'200 : 230'400,
-                           line.baud);
+        return fmt::format("it sets {} baud instead of {}",
+                           line.baud == 100'000 ? 115'200 : 230'400, line.baud);
     }
     if (kind.usb || kind.rates_unknown || !is_16550(facts) || !kind.parity) {
         return std::nullopt;

@@ -97,7 +97,7 @@ void print_port(const ExaminedPort& port, Page& page) {
     if (!port.lines.empty()) {
         const bool later = port.story && port.story->sound != LineSound::frames;
         page.paragraph(
-            "  ", later ? "For the configuration, once that is mended:" : "For the configuration:");
+            "  ", later ? "For the configuration, when that is fixed:" : "For the configuration:");
         for (const std::string& line : port.lines) {
             page.line(line.empty() ? line : "    " + line);
         }
@@ -140,7 +140,7 @@ std::string report_text(const Report& report, std::size_t columns, bool colour) 
     if (report.machine) {
         page.paragraph("", machine_line(*report.machine));
         if (report.ports.empty()) {
-            page.paragraph("", "No serial port with hardware behind it.");
+            page.paragraph("", "No serial port with hardware.");
         }
     }
     for (const ExaminedPort& port : report.ports) {

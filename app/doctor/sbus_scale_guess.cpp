@@ -69,11 +69,11 @@ ScaleGuess ScaleWatch::guess() const {
         rival = i != best && !same_line ? std::max(rival, votes[i].all()) : rival;
     }
     if (votes[best].all() < kFewestVotes || votes[best].all() < 2 * rival) {
-        return {.name = {},
-                .reason =
-                    "the scale cannot be known from these values: put every stick into its "
-                    "middle and to both of its ends while it listens, or take that of the "
-                    "receiver's maker"};
+        return {
+            .name = {},
+            .reason =
+                "the scale cannot be determined from these values: move every stick to its centre "
+                "and to both ends while it listens, or use that of the receiver's maker"};
     }
     const Landmarks& marks = kLandmarks[best];
     std::string reason = fmt::format("{} channels rest at {}", votes[best].centres, marks.centre);

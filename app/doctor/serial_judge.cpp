@@ -40,32 +40,34 @@ class PortFindings {
 
 void judge_node(const SerialFacts& facts, PortFindings& findings) {
     if (!facts.exists) {
-        findings.hindrance("port.missing", "there is no such device", "",
-                           "Is it plugged in, is its overlay loaded? These show what is there:",
-                           {"ls /dev/serial/by-id", "tribus doctor"});
+        findings.hindrance(
+            "port.missing", "there is no such device", "",
+            "Is it plugged in, is its overlay loaded? These commands list the devices:",
+            {"ls /dev/serial/by-id", "tribus doctor"});
         return;
     }
     if (!facts.serial) {
-        findings.hindrance("port.not_serial", "this is not a serial device", "",
-                           "Give one, such as /dev/ttyUSB0; `tribus doctor` lists them.");
+        findings.hindrance(
+            "port.not_serial", "this is not a serial device", "",
+            "Name a serial device, such as /dev/ttyUSB0; `tribus doctor` lists them.");
         return;
     }
     if (facts.uart_type == 0) {
         findings.hindrance("port.no_hardware", "the kernel found no UART behind this name", "",
-                           "Enable it (on small boards by an overlay), or take another one: "
-                           "`tribus doctor` lists those that are there.");
+                           "Enable it (on small boards by an overlay) or use another one; `tribus "
+                           "doctor` lists them.");
     }
     if (!facts.may_open) {
         const bool for_group = facts.group != "root" && !facts.group.empty();
         findings.hindrance(
             "port.permission", "you may not open it",
-            "Neither `tribus run` from this shell nor this program can look at it; the service "
+            "Neither this program nor `tribus run` from this shell can open it; the service "
             "tribus@NAME may use ports of the group dialout.",
-            for_group
-                ? fmt::format("It belongs to the group {}. Join it, then log in anew:", facts.group)
-                : std::string("It belongs to root alone. A rule of udev gives it to a group: "
-                              "KERNEL==\"" +
-                              facts.name + "\", GROUP=\"dialout\""),
+            for_group ? fmt::format("It belongs to the group {}. Join it, then log in again:",
+                                    facts.group)
+                      : std::string("It belongs to root only. A udev rule gives it to a group: "
+                                    "KERNEL==\"" +
+                                    facts.name + "\", GROUP=\"dialout\""),
             for_group
                 ? std::vector<std::string>{fmt::format("sudo usermod -aG {} $USER", facts.group)}
                 : std::vector<std::string>{});
@@ -80,11 +82,11 @@ std::string described(const PortUser& user) {
 
 void judge_login(const PortUser& user, PortFindings& findings) {
     const std::string unit = user.unit.empty() ? "serial-getty@" : user.unit;
-    findings.hindrance("port.login", "a login waits on it: " + described(user),
-                       "It writes its prompt to the servos and takes bytes of the receiver for a "
-                       "name and a password.",
-                       "Take it off the port, for good:",
-                       {fmt::format("sudo systemctl disable --now '{}'", unit)});
+    findings.hindrance(
+        "port.login", "a login waits on it: " + described(user),
+        "It writes its prompt to the servos and takes bytes of the receiver for a name and "
+        "password.",
+        "Disable it permanently:", {fmt::format("sudo systemctl disable --now '{}'", unit)});
 }
 
 void judge_users(std::span<const PortUser> users, PortFindings& findings) {
@@ -104,17 +106,17 @@ void judge_users(std::span<const PortUser> users, PortFindings& findings) {
     findings.hindrance("port.in_use", "it is in use by " + names,
                        "Each byte goes to one of two readers only, and both change its settings: "
                        "it is not opened here.",
-                       ours ? "`tribus monitor` shows what that program hears. To look for "
-                              "yourself, stop it first."
-                            : "End that program, or take another port.",
+                       ours ? "`tribus monitor` shows what that program receives. To check the "
+                              "port here, stop it first."
+                            : "Stop that program, or use another port.",
                        std::move(commands));
 }
 
 void judge_console(const SerialFacts& facts, PortFindings& findings) {
     findings.hindrance(
         "port.kernel_console", "the kernel's console is on it",
-        "Messages of the kernel go out between frames, at a rate of their own.",
-        fmt::format("Take `console={}...` out of the kernel's command line and start anew: on a "
+        "Kernel messages are sent between frames, at another rate.",
+        fmt::format("Remove `console={}...` from the kernel's command line and reboot: on a "
                     "Raspberry Pi in cmdline.txt (there it is called serial0; raspi-config, "
                     "Interface Options, Serial Port does it), elsewhere in /etc/default/grub or "
                     "armbianEnv.txt.",
@@ -125,34 +127,34 @@ void judge_hardware(const SerialFacts& facts, const PortKind& kind, PortFindings
     if (!kind.parity) {
         findings.add(Severity::note, "port.mini_uart",
                      "this is a mini UART: without parity, with a rate that follows the core clock",
-                     "SBUS is impossible, i.Bus unsure.",
+                     "SBUS is impossible, i.Bus unreliable.",
                      "The PL011 can do both: dtoverlay=disable-bt in config.txt gives it the same "
                      "pins; for i.Bus here enable_uart=1 and core_freq=250.");
     }
     if (kind.quantises_rates) {
         findings.add(Severity::note, "port.quantised_rates",
-                     "this adapter makes 115200 of 100000 baud and 230400 of 200000",
+                     "this adapter sets 115200 baud instead of 100000 and 230400 instead of 200000",
                      "SBUS is impossible on it, i.Bus works.",
-                     "For SBUS take an FT232R, a CP2102N or a UART of the board.");
+                     "For SBUS use an FT232R, a CP2102N or a UART of the board.");
     }
     constexpr std::int64_t kPromptTimer = 1;
     if (facts.latency_timer.value_or(kPromptTimer) > kPromptTimer) {
         findings.add(
             facts.was_opened ? Severity::advice : Severity::note, "port.latency_timer",
             fmt::format("the adapter holds bytes back for up to {} ms", *facts.latency_timer),
-            facts.was_opened ? "It was asked for 1 ms and did not take it."
-                             : "`tribus run` asks it for 1 ms when it opens it; other programs may "
-                               "not.",
-            "To set it by hand, after each time that it was plugged in:",
+            facts.was_opened
+                ? "It did not accept 1 ms."
+                : "`tribus run` sets it to 1 ms when it opens the port; other programs may not.",
+            "To set it by hand, each time after plugging it in:",
             {fmt::format("echo 1 | sudo tee /sys/bus/usb-serial/devices/{}/latency_timer",
                          facts.name)});
     }
     if (facts.receive_trigger.value_or(1) > 1) {
         findings.add(
             Severity::note, "port.receive_trigger",
-            fmt::format("the UART tells of received bytes by {} at a time", *facts.receive_trigger),
-            "The end of a frame comes some four characters late, 0.3 to 0.5 ms.",
-            "Where that matters, after each start:",
+            fmt::format("the UART reports received bytes in groups of {}", *facts.receive_trigger),
+            "The end of a frame is reported about four characters late, 0.3 to 0.5 ms.",
+            "If that matters, after each boot:",
             {fmt::format("echo 1 | sudo tee /sys/class/tty/{}/rx_trig_bytes", facts.name)});
     }
 }
@@ -207,7 +209,7 @@ PortOpinion judge_port(const SerialFacts& facts, bool asked_for) {
                          ability_of("sensor bus", kIbusLine, false, kind, facts)};
     if (kind.usb) {
         opinion.abilities.back().because =
-            "as a sensor it answers late; a UART of the board does not";
+            "as a sensor it replies late; a UART of the board does not";
     }
     if (facts.kernel_console) {
         judge_console(facts, findings);
@@ -225,8 +227,8 @@ PortOpinion judge_port(const SerialFacts& facts, bool asked_for) {
     }
     if (facts.users_hidden && facts.users.empty() && asked_for) {
         findings.add(Severity::note, "port.users_hidden",
-                     "whether programs of other users have it open cannot be seen", "",
-                     "As root it can: `sudo tribus doctor " + facts.node + "`.");
+                     "cannot see whether programs of other users have it open", "",
+                     "As root it works: `sudo tribus doctor " + facts.node + "`.");
     }
     judge_hardware(facts, kind, findings);
     opinion.findings = findings.take();

@@ -301,7 +301,7 @@ TEST(LineJudge, tells_the_scales_of_sbus_apart) {
 TEST(LineJudge, says_where_the_scale_cannot_be_known) {
     const LineStory story = sbus_story(600, 500, 700);
     EXPECT_EQ(story.scale.name, "");
-    EXPECT_NE(story.scale.reason.find("cannot be known"), std::string::npos);
+    EXPECT_NE(story.scale.reason.find("cannot be determined"), std::string::npos);
 }
 
 TEST(LineJudge, counts_the_flags_of_sbus) {

@@ -133,7 +133,7 @@ TEST(DoctorsWords, inverted_ibus_wants_its_inverter_out_and_sbus_one_in) {
     const auto fix = [](std::string_view protocol, const LineSettings& line) {
         return judge_story(heard(LineSound::inverted, protocol, line), "/dev/x")[0].fix;
     };
-    EXPECT_TRUE(fix("ibus", kIbusLine).starts_with("i.Bus needs no inverter: take it out"));
+    EXPECT_TRUE(fix("ibus", kIbusLine).starts_with("i.Bus needs no inverter: remove it"));
     EXPECT_TRUE(fix("sbus", kSbusLine).starts_with("Put an inverter between"));
 }
 
@@ -206,7 +206,7 @@ TEST(DoctorsReport, says_the_port_then_what_is_to_be_mended) {
         "  takes    i.Bus\n"
         "  cannot   SBUS (it would run at 115200 baud)\n"
         "  hears    SBUS at 100000 baud, inverted, each 7.00 ms\n"
-        "  For the configuration, once that is mended:\n"
+        "  For the configuration, when that is fixed:\n"
         "    [input.receiver]\n"))
         << text;
     EXPECT_NE(text.find("\nproblem  /dev/ttyUSB0: SBUS is on it, but inverted [line.inverted]\n"),
