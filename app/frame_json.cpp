@@ -55,7 +55,7 @@ tl::expected<Json, JsonMistake> parse_line(std::string_view line) {
 tl::expected<void, JsonMistake> read_channels(const Json& channels, ChannelFrame& frame) {
     if (!channels.is_array() || channels.size() > kChannelCount) {
         return mistake(fmt::format(
-            "\"channels\" must be a list of at most {} pulses in microseconds, null where absent",
+            "\"channels\" must be a list of at most {} pulses in microseconds, null if absent",
             kChannelCount));
     }
     for (std::size_t channel = 0; channel < channels.size(); ++channel) {
@@ -93,7 +93,7 @@ tl::expected<std::optional<Duration>, JsonMistake> read_start(const Json& object
     }
     const double microseconds = found->is_number() ? found->get<double>() : std::nan("");
     if (!(std::abs(microseconds) <= kMostMicroseconds)) {
-        return mistake("\"t_us\" must be a number of microseconds; leave it out where unknown");
+        return mistake("\"t_us\" must be a number of microseconds; leave it out if unknown");
     }
     return Duration(std::llround(microseconds * 1000));
 }

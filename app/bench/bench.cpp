@@ -186,7 +186,7 @@ int run_bench(const BenchOptions& options) {
 }
 
 constexpr const char* kFooter =
-    "What is measured, each time beside the same without the appliance:\n"
+    "Each measurement is shown beside the same without tribus:\n"
     "  latency   i.Bus frames of 18 channels through `tribus run` over pseudo-terminals, from\n"
     "            the write to the read of the last byte, beside a relay that only waits, reads\n"
     "            and writes, with the same priority. With --ports the frames are written on\n"
@@ -199,10 +199,10 @@ constexpr const char* kFooter =
     "  codecs    processor time for one frame of all channels\n"
     "  capacity  processor time a frame with 1 and 64 pipelines, beside the bare relay\n"
     "--require p99=200us: the latency of tribus, whole, as in the table; p50, p90 or p99.\n"
-    "With added- in front (added-p50=20us) it is what tribus adds: its percentile less that\n"
-    "of the bare relay or reader.\n"
-    "Exit status: 0 fine, 1 it could not be measured or a requirement does not hold, 2 wrong\n"
-    "use, 130 interrupted.";
+    "With added- in front (added-p50=20us) it is what tribus adds: its percentile minus that\nof "
+    "the bare relay or reader.\n"
+    "Exit status: 0 fine, 1 not measured or a requirement does not hold, 2 wrong use, "
+    "130\ninterrupted.";
 
 }  // namespace
 
@@ -210,16 +210,16 @@ Command bench_command() {
     auto options = std::make_shared<BenchOptions>();
     return {
         .name = "bench",
-        .help = "What tribus adds on this machine: latency, lateness, age, processor time",
+        .help = "Measure what tribus adds on this machine: latency, lateness, age, processor time",
         .footer = kFooter,
         .options = {{.name = "--seconds",
                      .value = &options->seconds,
-                     .help = "For all measurements together",
+                     .help = "Time of all measurements together",
                      .shows_value = true,
                      .range = {{0.5, 86400}}},
                     {.name = "--ports",
                      .value = &options->ports,
-                     .help = "IN OUT: two real serial ports, TX of OUT joined to RX of IN",
+                     .help = "IN OUT: two real serial ports, TX of OUT connected to RX of IN",
                      .type_name = "IN OUT",
                      .count = 2},
                     {.name = "--only",
@@ -229,7 +229,7 @@ Command bench_command() {
                      .delimiter = ','},
                     {.name = "--require",
                      .value = &options->require,
-                     .help = "Fail where the latency is higher, such as p99=200us (repeatable)",
+                     .help = "Fail if the latency is higher, such as p99=200us (repeatable)",
                      .type_name = "PERCENTILE=TIME"},
                     {.name = "--plot",
                      .value = &options->plot,

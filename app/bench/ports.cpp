@@ -191,10 +191,10 @@ tl::expected<PortsResult, std::string> measure_ports(const std::string& in, cons
         return tl::unexpected(bare.error());
     }
     if (bare->empty()) {
-        return tl::unexpected(fmt::format(
-            "no frame that was written on {} came in on {}: join TX of the first to RX of the "
-            "second, and their grounds",
-            out, in));
+        return tl::unexpected(
+            fmt::format("no frame that was written on {} came in on {}: connect TX of the first to "
+                        "RX of the second, and their grounds",
+                        out, in));
     }
     auto engine = through_engine(in, **sender, priority, frames);
     if (!engine) {

@@ -47,11 +47,11 @@ tl::expected<Requirement, std::string> parse_requirement(std::string_view text) 
     }
     const auto percent = percent_of(name);
     if (!percent) {
-        return refuse(fmt::format("\"{}\" is no percentile that is judged", name));
+        return refuse(fmt::format("\"{}\" is not a known percentile", name));
     }
     const auto most = parse_duration(text.substr(equals + 1));
     if (!most) {
-        return refuse(fmt::format("\"{}\" is no time", text.substr(equals + 1)));
+        return refuse(fmt::format("\"{}\" is not a time", text.substr(equals + 1)));
     }
     requirement.percent = *percent;
     requirement.most = *most;

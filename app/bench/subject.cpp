@@ -180,7 +180,7 @@ tl::expected<void, std::string> Subject::wait_until_it_carries(Duration interval
     while (std::find(carries.begin(), carries.end(), false) != carries.end()) {
         if (!process_.runs() || interrupted() || monotonic_now() > end) {
             const std::string errors = process_.errors();
-            return tl::unexpected(errors.empty() ? "nothing is carried" : errors);
+            return tl::unexpected(errors.empty() ? "no frame comes through" : errors);
         }
         for (std::size_t i = 0; i < lanes_.size(); ++i) {
             carries[i] = lanes_[i].receive() || carries[i];

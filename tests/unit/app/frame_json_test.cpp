@@ -150,11 +150,9 @@ TEST(FrameJson, RefusesWhatIsNoFrame) {
     EXPECT_EQ(mistake_in("{\"t_us\":1}"),
               "no \"channels\" in it; a frame is {\"channels\":[1500, ...]}");
     EXPECT_EQ(mistake_in("{\"channels\":1500}"),
-              "\"channels\" must be a list of at most 18 pulses in microseconds, null where "
-              "absent");
+              "\"channels\" must be a list of at most 18 pulses in microseconds, null if absent");
     EXPECT_EQ(mistake_in("{\"channels\":[0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0,0]}"),
-              "\"channels\" must be a list of at most 18 pulses in microseconds, null where "
-              "absent");
+              "\"channels\" must be a list of at most 18 pulses in microseconds, null if absent");
 }
 
 TEST(FrameJson, RefusesValuesThatNothingCanHold) {
@@ -164,7 +162,7 @@ TEST(FrameJson, RefusesValuesThatNothingCanHold) {
               "channel 1 is \"1500\"; allowed: -4096 to 4095.875 us, or null");
     EXPECT_EQ(mistake_in("{\"channels\":[],\"failsafe\":1}"), "\"failsafe\" must be true or false");
     EXPECT_EQ(mistake_in("{\"channels\":[],\"t_us\":1e99}"),
-              "\"t_us\" must be a number of microseconds; leave it out where unknown");
+              "\"t_us\" must be a number of microseconds; leave it out if unknown");
 }
 
 }  // namespace
