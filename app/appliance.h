@@ -79,11 +79,14 @@ class Appliance {
     const std::vector<std::string>& waits_for() const { return waits_for_; }
     /// When the data thread last published its figures.
     Instant figures_at() const { return loop_->published_at(); }
+    /// Periods in which this program did not run.
     AbsenceStatus absence() const { return loop_->absence(); }
+    /// Status and timing of an input or output, by its index, as last published.
     InputStatus input_status(std::size_t input) const { return loop_->input_status(input); }
     const InputTiming& input_timing(std::size_t input) const { return loop_->input_timing(input); }
     /// Name of a cause that `InputStatus::rejected_by` counts.
     std::string_view reject_cause(std::size_t input, std::size_t cause) const;
+    /// Number of causes for which `reject_cause` has a name.
     std::size_t reject_cause_count(std::size_t input) const;
     /// Indices of the inputs of an output, in order of preference.
     std::span<const std::size_t> inputs_of(std::size_t output) const {

@@ -31,6 +31,7 @@ class CanFrameFinder {
   public:
     CanFrameFinder(const ProtocolUse& use, FrameHandler handler);
 
+    /// Feeds a frame, in the order of the log.
     void feed(const RecordedCanFrame& frame);
     CanTally tally() const;
 

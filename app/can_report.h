@@ -25,6 +25,7 @@ class CanReport {
     void start(const Appliance& appliance);
     /// After a reload: takes over what `before` knows about the interfaces that are still used.
     void go_on_from(const CanReport& before, const Appliance& appliance);
+    /// Logs changes since the last call. Call it a few times a second.
     void look(const Appliance& appliance, Instant now);
 
   private:

@@ -13,6 +13,7 @@
 /// Captured pieces as text that `decode` and `simulate` read.
 namespace tribus {
 
+/// The port and the time range of a text.
 struct CaptureFormat {
     bool can = false;
     std::string interface;  ///< CAN only

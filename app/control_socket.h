@@ -20,6 +20,7 @@ struct SocketDirectories {
     std::string system_directory = "/run";
     bool root = false;
 
+    /// The directories of this process, from its environment.
     static SocketDirectories of_this_process();
 };
 

@@ -36,6 +36,7 @@ class Daemon {
 
     /// If the configuration cannot be started, the log says why, and `runs` is false.
     void start(Configuration configuration);
+    /// True while a configuration runs.
     bool runs() const { return appliance_ != nullptr; }
     /// This and all functions below: only while `runs` is true.
     const Configuration& configuration() const { return appliance_->configuration(); }
@@ -70,6 +71,7 @@ class Daemon {
     void go_on(Instant now);
     /// -1 while no change is under way.
     int descriptor() const { return change_ ? change_->preparation->descriptor() : -1; }
+    /// When `go_on` must be called at the latest; `kNever` if nothing is pending.
     Instant due() const;
 
     /// Each output sends its last frames as its failsafe demands. Returns when that is done.

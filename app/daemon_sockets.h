@@ -42,8 +42,11 @@ class DaemonSockets {
 
     /// Readable when a client must be served.
     std::vector<int> descriptors() const;
+    /// When `serve` must be called at the latest.
     Instant due() const;
+    /// Serves all clients, without waiting.
     void serve(Instant now);
+    /// True if somebody may read measurements of the machine.
     bool watched() const { return metrics_ || (control_ && control_->watched()); }
     /// Null if the daemon runs without a control socket.
     ControlServer* control() { return control_.get(); }

@@ -48,9 +48,11 @@ class DemoPeers {
     DemoPeers& operator=(const DemoPeers&) = delete;
     ~DemoPeers() { stop(); }
 
+    /// Everything so far. Thread-safe.
     PeerReport report();
     /// The receiver sends no more frames; the servos go on reading.
     void stop_receiver();
+    /// Ends the thread and waits for it.
     void stop();
 
   private:

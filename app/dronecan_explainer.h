@@ -65,6 +65,7 @@ struct TransferStream {
     auto operator<=>(const TransferStream&) const = default;
 };
 
+/// Counters of a log.
 struct TransferTally {
     std::uint64_t bytes = 0;  ///< of data
     std::uint64_t can_frames = 0;
@@ -90,6 +91,7 @@ class DroneCanExplainer {
     /// known.
     explicit DroneCanExplainer(Handler handler) : handler_(std::move(handler)) {}
 
+    /// Feeds a frame, in the order of the log.
     void feed(const RecordedCanFrame& recorded);
     /// Reports the transfers that are still incomplete.
     void finish();

@@ -29,6 +29,7 @@ struct RcInputChannels {
     std::array<std::optional<std::uint16_t>, kChannelCount> channels;
     bool failsafe = false;
 };
+/// Nothing for any other transfer.
 std::optional<RcInputChannels> rc_input_of(const ExplainedTransfer& transfer);
 
 /// Text such as `status 1, quality 200, rcin [1500 1500] us`.

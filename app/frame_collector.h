@@ -29,6 +29,7 @@ class FrameCollector {
             decode(bytes.subspan(i, damaged[i] ? 0 : 1), at);
         }
     }
+    /// Decodes one CAN frame that arrived `at`.
     void receive(const CanFrame& frame, Instant at);
 
     const std::vector<StudiedFrame>& frames() const { return frames_; }

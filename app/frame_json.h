@@ -38,6 +38,7 @@ struct WrittenFrame {
     ChannelFrame channels;
 };
 
+/// A mistake in a line; `column` counts from 1.
 struct JsonMistake {
     std::size_t column = 1;
     std::string text;

@@ -38,6 +38,7 @@ class FrameJudge {
         }
         supervisor_->bytes_came(now);
     }
+    /// Judges one frame that starts `at`.
     std::optional<JudgedFrame> judge(ChannelFrame frame, std::optional<Duration> at) {
         if (!supervisor_ || !at) {
             return std::nullopt;

@@ -15,6 +15,7 @@ void log_to_journal_or_terminal();
 
 enum class LogLevel : std::uint8_t { info, warning, error };
 
+/// Logs one line. Main thread.
 void log_text(LogLevel level, std::string_view text);
 
 template <class... Arguments>

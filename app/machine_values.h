@@ -37,11 +37,17 @@ class MachineWatch {
         std::uint64_t idle = 0;
     };
 
+    /// degC of the hottest zone.
     std::optional<double> temperature() const;
+    /// Percent of processor time since the last call.
     std::optional<double> load();
+    /// Percent of memory in use.
     std::optional<double> memory() const;
+    /// Highest supply voltage in V.
     std::optional<double> supply() const;
+    /// 1 while a Raspberry Pi reports undervoltage, else 0.
     std::optional<double> undervoltage() const;
+    /// Seconds since boot.
     std::optional<double> uptime() const;
     std::optional<ProcessorTime> processor_time() const;
 

@@ -13,6 +13,7 @@ namespace tribus::monitor {
 
 using Json = nlohmann::json;
 
+/// The field, or null.
 const Json& field(const Json& object, const char* key);
 
 /// The text as received, unescaped.
@@ -20,13 +21,16 @@ std::string raw_text(const Json& object, const char* key);
 
 /// For display: control characters, which a terminal would obey, become question marks.
 std::string shown(std::string_view text);
+/// A text for display, see `shown`; empty if the field is missing.
 std::string text(const Json& object, const char* key);
 
+/// Nothing if the field is missing.
 std::optional<double> number(const Json& object, const char* key);
 
 /// Zero if the field is missing.
 std::uint64_t count(const Json& object, const char* key);
 
+/// False if the field is missing.
 bool flag(const Json& object, const char* key);
 
 /// Empty if the field is missing.

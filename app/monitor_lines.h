@@ -12,6 +12,7 @@ namespace tribus::monitor {
 
 /// A duration in microseconds; 0 if the field is missing.
 Duration us_of(const Json& object, const char* key);
+/// Colour sequence for the `state` of an input or output.
 std::string_view colour_of(const std::string& state);
 /// The state of an input or output in words.
 std::string input_state(const Json& input);

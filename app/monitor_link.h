@@ -15,6 +15,7 @@ class MonitorLink {
   public:
     MonitorLink(std::string path, Duration period) : path_(std::move(path)), period_(period) {}
 
+    /// True while there is a connection.
     bool connected() const { return descriptor_.valid(); }
     /// Readable when data has arrived; -1 while there is no connection.
     int descriptor() const { return descriptor_.get(); }

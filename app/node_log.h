@@ -22,6 +22,7 @@ class NodeLog {
 
     /// After a reload: takes over what `before` knows about the nodes that go on.
     void go_on_from(const NodeLog& before, std::span<const CarriedFrom> from);
+    /// Logs changes since the last call. Call it a few times a second.
     void look(const Appliance& appliance, Instant now);
 
   private:

@@ -20,6 +20,7 @@ class ObjectText {
         text_ += '{';
     }
 
+    /// Adds a member.
     void add(std::string_view key, const nlohmann::ordered_json& value);
     /// Adds a list of `count` entries.
     template <class Entry>
@@ -32,6 +33,7 @@ class ObjectText {
         }
         text_ += ']';
     }
+    /// The whole text; the object is used up.
     std::string end() && {
         text_ += '}';
         return std::move(text_);

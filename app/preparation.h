@@ -21,6 +21,7 @@ class Preparation {
 
     /// Reads the file as it is now.
     static std::unique_ptr<Preparation> of_file(const std::string& path);
+    /// Builds an appliance from a configuration that was read before.
     static std::unique_ptr<Preparation> of(const Configuration& configuration);
     Preparation(const Preparation&) = delete;
     Preparation& operator=(const Preparation&) = delete;

@@ -55,6 +55,7 @@ struct SettingOption {
     /// Allowed words, `a,b`; empty if a protocol allows anything else.
     std::string choices;
 };
+/// The options of all protocols for that direction, without duplicates.
 std::vector<SettingOption> setting_options(SettingScope direction);
 
 /// Appends the settings as options of a command. Their values go to `given`, which must outlive

@@ -8,6 +8,7 @@
 
 namespace tribus {
 
+/// What `record_port` is to record, and where to.
 struct PortRecording {
     std::string port;  ///< path of a serial device or name of a CAN interface
     std::string protocol;

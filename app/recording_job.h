@@ -30,6 +30,7 @@ class RecordingJob {
     /// Waits for the end of the job.
     ~RecordingJob();
 
+    /// True once the recording is written or has failed.
     bool done() const { return done_.load(std::memory_order_acquire); }
     /// Call it when `done` is true.
     const Result& result() const { return result_; }

@@ -32,11 +32,13 @@ class ReplayTarget {
     virtual ~ReplayTarget() = default;
     /// Waits until somebody reads; returns false if a signal came first.
     virtual bool wait_for_reader(MainWait&) { return true; }
+    /// Sends one item now.
     virtual ReplayOutcome send(const ReplayItem& item) = 0;
     /// Called while there is nothing to send; returns when it must be called again.
     virtual Instant idle(Instant) { return kNever; }
 };
 
+/// The options of `replay` about its destination.
 struct ReplayPlace {
     std::string to;  ///< "pty", a path, or an interface name
     std::string protocol;

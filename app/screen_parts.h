@@ -38,6 +38,7 @@ class Line {
   public:
     explicit Line(const ScreenStyle& style) : style_(style) {}
 
+    /// Appends text as far as it fits, in a colour unless the style has none.
     void add(std::string_view text, std::string_view colour = {});
     std::size_t width() const { return width_; }
     std::string take() { return std::move(text_); }

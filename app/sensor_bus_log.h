@@ -26,6 +26,7 @@ class SensorBusLog {
 
     /// After a reload: takes over what `before` knows about the buses that go on.
     void go_on_from(const SensorBusLog& before, std::span<const CarriedFrom> from);
+    /// Logs changes since the last call. Call it a few times a second.
     void look(const Appliance& appliance, Instant now);
 
   private:

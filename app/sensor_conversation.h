@@ -86,6 +86,7 @@ class SensorConversation {
   public:
     explicit SensorConversation(std::function<void(const SensorExchange&)> handler);
 
+    /// Takes the next frame of the recording.
     void take(const ReceivedSensorFrame& received);
     /// Call it after the last frame.
     void finish();

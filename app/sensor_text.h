@@ -30,6 +30,7 @@ struct ExplainedExchange {
     std::optional<std::uint64_t> raw{};  ///< of a value of at most 8 bytes
     std::vector<WrittenField> fields{};  ///< of a value of a known type
 };
+/// Refers to `exchange`, which must outlive the result.
 ExplainedExchange explain(const SensorExchange& exchange, const SensorTypes& types);
 
 /// `external_voltage`; `0x42` for an unknown type.
@@ -41,6 +42,7 @@ struct ResponseTimes {
     Duration median{};
     Duration most{};
 };
+/// Nothing without times.
 std::optional<ResponseTimes> summary_of(std::vector<Duration> times);
 
 void append_sensor_text_heading(std::string& text);

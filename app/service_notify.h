@@ -23,6 +23,7 @@ class NotifySocket {
     /// Without $NOTIFY_SOCKET, or if it cannot be reached, the object sends nothing.
     static NotifySocket from_environment();
 
+    /// True if there is a service manager.
     bool connected() const { return socket_.valid(); }
     /// Sends the lines; waits at most 1 s if the service manager is busy. Returns true if it took
     /// them.
@@ -41,7 +42,9 @@ class ServiceNotify {
 
     /// The appliance runs: the first one, a new one, or the old one after a refused reload.
     void started(const Appliance& appliance, Instant now);
+    /// A reload begins; `started` ends it.
     void reloading();
+    /// The program begins to end.
     void stopping();
 
     /// Call it a few times a second.

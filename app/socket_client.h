@@ -45,12 +45,14 @@ class SocketClient {
     bool ready() const { return sent_ == under_way_.size(); }
     /// True if the client has also read all answers. Local sockets only.
     bool has_read_all() const;
+    /// The connection ends after the present answer.
     void close_when_sent() { closing_ = true; }
     /// The answer comes later, as soon as `answer` returns one. No further request is handled
     /// before.
     void wait_for(std::function<std::optional<std::string>()> answer) {
         answer_ = std::move(answer);
     }
+    /// True while the client waits for a late answer.
     bool waits() const { return answer_ != nullptr; }
     /// The late answer, if it is there.
     std::optional<std::string> take_answer();

@@ -52,7 +52,9 @@ class SocketServer {
 
     /// Readable when a client must be served.
     int descriptor() const { return epoll_.get(); }
+    /// When `serve` must be called at the latest.
     Instant due() const;
+    /// Accepts, reads, answers and drops clients, as far as possible without waiting.
     void serve(Instant now);
     std::size_t client_count() const { return clients_.size(); }
     /// Clients that were dropped because they did not read or requested nothing.

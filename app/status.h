@@ -99,6 +99,7 @@ class StatusKeeper {
 
     /// Updates the rates. Call it a few times a second.
     void look(const Appliance& appliance);
+    /// The present state; refers to the configuration of `appliance`.
     StatusReport report(const Appliance& appliance, Instant now, Duration wall_time) const;
 
   private:

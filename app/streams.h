@@ -17,6 +17,7 @@ namespace tribus {
 /// Thread-bound.
 class InputFile {
   public:
+    /// Opens a file, or standard input.
     static tl::expected<InputFile, std::string> open(std::string_view name);
     /// Opens a file even if its name is "-".
     static tl::expected<InputFile, std::string> open_path(std::string_view path);

@@ -20,6 +20,7 @@ class AlternateScreen {
     AlternateScreen(const AlternateScreen&) = delete;
     AlternateScreen& operator=(const AlternateScreen&) = delete;
     ~AlternateScreen() { show("\x1b[?25h\x1b[?1049l"); }
+    /// Writes to the terminal at once.
     static void show(std::string_view text);
 };
 

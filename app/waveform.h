@@ -37,6 +37,7 @@ class Waveform {
     /// Appends one byte's time of idle wire.
     void end(std::string& dump) const;
 
+    /// Number of frames that were late by a byte or more.
     std::uint64_t delayed() const { return delayed_; }
 
   private:

@@ -47,6 +47,7 @@ struct LaneCounts {
 /// `open`.
 class Lane {
   public:
+    /// Opens both ptys. The error is a sentence.
     static tl::expected<Lane, std::string> open(Carries carries);
 
     const std::string& in_path() const { return in_.path; }
@@ -62,6 +63,7 @@ class Lane {
     bool receive();
     /// Just before the last frame was written.
     Instant sent_at() const { return sent_at_; }
+    /// True while the last frame has not come out.
     bool outstanding() const { return outstanding_; }
     /// Stops waiting for the last frame.
     void give_up() { outstanding_ = false; }

@@ -43,6 +43,7 @@ struct BenchPart {
     double share = 0;
     Measured (*add)(Report&, const BenchSettings&, Duration) = nullptr;
 };
+/// All measurements, in the order in which they run.
 const std::vector<BenchPart>& bench_parts();
 
 }  // namespace tribus::bench

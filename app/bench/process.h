@@ -36,6 +36,7 @@ class Process {
     ~Process();
 
     pid_t id() const { return id_; }
+    /// False once the process has ended.
     bool runs();
     /// Terminates the process, after two seconds by SIGKILL. Returns its exit status, or 128 plus
     /// the signal that ended it.

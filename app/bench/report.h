@@ -19,6 +19,7 @@ struct Measurement {
     std::string unit = "ns";
     std::string reading{};
 
+    /// `figure` divided by `anchor`; nothing without an anchor.
     std::optional<double> ratio() const {
         return anchor && *anchor > 0 ? std::optional(figure / *anchor) : std::nullopt;
     }
@@ -38,6 +39,7 @@ struct Report {
     std::vector<Curve> curves;
     std::vector<std::string> broken;  ///< requirements that do not hold, in sentences
 
+    /// Adds a measurement in nanoseconds.
     void add(std::string_view group, std::string what, Duration figure,
              std::optional<Duration> anchor, std::string reading);
 };

@@ -36,6 +36,7 @@ class StampingLink final : public ByteLink {
     void discard_unread() override {}
     int descriptor() const override { return -1; }
 
+    /// The first eight bytes as a number, the first one lowest.
     static std::uint64_t beginning_of(std::span<const std::uint8_t> frame) {
         std::uint64_t beginning = 0;
         for (std::size_t i = 0; i < sizeof beginning && i < frame.size(); ++i) {

@@ -15,6 +15,7 @@ namespace tribus::bench {
 class AwakeProcessors {
   public:
     AwakeProcessors();
+    /// False if it is not permitted.
     bool held() const { return request_.valid(); }
 
   private:
@@ -48,6 +49,7 @@ void sleep_until(Instant instant);
 
 /// From now on Ctrl-C and SIGTERM only make `interrupted` true.
 void watch_for_interruption();
+/// True after the first such signal.
 bool interrupted();
 
 }  // namespace tribus::bench

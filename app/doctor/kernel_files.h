@@ -18,6 +18,7 @@ class KernelFiles {
 
     /// Paths have no leading slash.
     std::filesystem::path at(std::string_view path) const { return root_ / path; }
+    /// True if the path exists.
     bool has(std::string_view path) const;
     /// The beginning of a file, at most 16 KiB.
     std::string text(std::string_view path) const;

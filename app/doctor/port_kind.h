@@ -20,6 +20,7 @@ struct PortKind {
     bool usb = false;
 };
 
+/// The kind of a port, from its driver and USB data. Pure.
 PortKind kind_of(const SerialFacts& facts);
 
 /// Why the hardware cannot use these settings; nothing if it can, as far as known.

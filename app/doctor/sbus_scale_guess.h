@@ -20,7 +20,9 @@ struct ScaleGuess {
 /// Collects the centres and ends of a sender's channels.
 class ScaleWatch {
   public:
+    /// Takes the raw values of one frame.
     void take(std::span<const std::uint16_t> raw);
+    /// The scale that fits the values so far.
     ScaleGuess guess() const;
 
   private:

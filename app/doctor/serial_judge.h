@@ -20,6 +20,7 @@ struct PortAbility {
     std::string because;  ///< the reason, unless yes without reservation
 };
 
+/// What is known about a port, for its report.
 struct PortOpinion {
     std::string kind{};  ///< for people: "USB adapter FTDI FT232R"
     std::vector<PortAbility> abilities{};

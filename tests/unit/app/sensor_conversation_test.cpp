@@ -17,7 +17,7 @@ constexpr auto kAnswered = SensorOutcome::answered;
 constexpr auto kMissed = SensorOutcome::missed;
 constexpr auto kFree = SensorOutcome::free;
 
-/// Hears frames, with times or without, and keeps what was made of them.
+/// Feeds frames, with times or without, and keeps the exchanges.
 class SensorBus {
   public:
     explicit SensorBus(bool timed) : timed_(timed) {}
