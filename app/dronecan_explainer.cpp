@@ -175,7 +175,7 @@ void DroneCanExplainer::collect(Session& session, const TransferHead& head,
     }
 }
 
-/// Of copies, reports only those that are complete transfers.
+/// Reports copies only if they are complete transfers.
 void DroneCanExplainer::collect_stray(Session& session, const TransferHead& head,
                                       const RecordedCanFrame& recorded, TransferFault fault) {
     Part& stray = session.stray;

@@ -139,7 +139,7 @@ tl::expected<RingDirectory, std::string> RingDirectory::open(const fs::path& run
         fs::remove_all(taken, error);
     }
     if (has_entry(path)) {
-        // Of several crashes, the first one tells most.
+        // The first of several crashes tells most.
         if (has_entry(left)) {
             fs::remove_all(path, error);
         } else {

@@ -40,7 +40,7 @@ void SensorConversation::take_request(const ReceivedSensorFrame& received) {
     const bool timed = pending_.back().end && received.start;
     const bool discover = received.frame.command == SensorCommand::discover;
     if (!timed && discover && pending_.size() > 1) {
-        // Of three equal frames, the first had no reply.
+        // The first of three equal frames had no reply.
         leave_unanswered(pending_.front(), 0, &received);
         pending_.erase(pending_.begin());
     } else if (timed ? !follows_at_once(pending_.back(), received) : !discover) {

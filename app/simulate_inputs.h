@@ -22,7 +22,7 @@ namespace tribus {
 struct SimulatedSource {
     enum class Kind : std::uint8_t { input, sensor_bus, value_message };
     Kind kind = Kind::input;
-    /// Of the input or bus; for a message, its index among the messages with values.
+    /// Index of the input or bus; for a message, among the messages with values.
     std::size_t index = 0;
     std::string_view name;
     std::string_view protocol;

@@ -46,7 +46,7 @@ struct LineStory {
     /// Over all present channels, in the default scale.
     std::optional<double> least_us;
     std::optional<double> most_us;
-    /// Of the sensor bus, also if it shares the wire with i.Bus.
+    /// Counters of the sensor bus, also if it shares the wire with i.Bus.
     std::uint64_t requests = 0;
     std::uint64_t replies = 0;
 };
