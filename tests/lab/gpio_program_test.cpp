@@ -56,7 +56,7 @@ TEST_F(GpioProgram, ForcesFailsafeWithinOneFrame) {
         return false;
     }));
     EXPECT_LE(good, 2U) << "more than the frame that was due and one period";
-    EXPECT_TRUE(program.says("output servos: in failsafe, as somebody wants it"));
+    EXPECT_TRUE(program.says("output servos: in failsafe, forced"));
     bank_.pull(0, false);
     heard_ = false;
     EXPECT_TRUE(gains_control()) << program.errors();
@@ -73,7 +73,7 @@ TEST_F(GpioProgram, ForcesFailsafeAlthoughItsMainThreadHangs) {
     EXPECT_TRUE(gains_control()) << "still";
     bank_.pull(0, true);
     EXPECT_TRUE(is_in_failsafe());
-    EXPECT_EQ(count_of("in failsafe, as somebody wants it", program.errors()), 0U)
+    EXPECT_EQ(count_of("in failsafe, forced", program.errors()), 0U)
         << "the main thread, which logs this, does not hang";
 }
 
