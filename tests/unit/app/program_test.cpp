@@ -83,7 +83,7 @@ TEST(Program, MistakeInAFileEndsWithOneAndSaysHowItWasRead) {
         result.output,
         "tribus: standard input:1:4: \"4x\" is not a byte; a byte is two hex digits, with a space "
         "between bytes: 20 40 dc 05 (read as hex; --input-format raw, hex, timed or saleae "
-        "reads it otherwise)\n");
+        "selects another format)\n");
 }
 
 TEST(Program, WrongUseEndsWithTwo) {
