@@ -92,7 +92,7 @@ void judge_modes(const CanInterface& interface, CanFindings& findings) {
     }
     if (interface.restart_ms == 0U) {
         findings.add(Severity::advice, "can.no_restart",
-                     "after a bus-off it stays off until somebody restarts it",
+                     "after a bus-off it stays silent until somebody restarts it",
                      "After one short circuit RC over it does not come back.",
                      "Let it restart by itself:", findings.set_controller("restart-ms 100"));
     }

@@ -55,7 +55,7 @@ TEST_F(GpioProgram, ForcesFailsafeWithinOneFrame) {
         }
         return false;
     }));
-    EXPECT_LE(good, 2U) << "the one that was due, and one period";
+    EXPECT_LE(good, 2U) << "more than the frame that was due and one period";
     EXPECT_TRUE(program.says("output servos: in failsafe, forced"));
     bank_.pull(0, false);
     heard_ = false;
@@ -74,7 +74,7 @@ TEST_F(GpioProgram, ForcesFailsafeAlthoughItsMainThreadHangs) {
     bank_.pull(0, true);
     EXPECT_TRUE(is_in_failsafe());
     EXPECT_EQ(count_of("in failsafe, forced", program.errors()), 0U)
-        << "nobody is left who says so";
+        << "the main thread, which logs this, does not hang";
 }
 
 TEST_F(GpioProgram, IsInFailsafeFromTheFirstFrameIfThatIsForcedAtTheStart) {

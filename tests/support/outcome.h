@@ -24,7 +24,7 @@ struct Outcome {
     }
 };
 
-/// `command(results, messages)` returns the exit status.
+/// Calls `command(results, messages)`, which returns the exit status.
 template <class Command>
 Outcome outcome_of(Command command) {
     std::ostringstream results;

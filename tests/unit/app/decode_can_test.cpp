@@ -164,7 +164,7 @@ TEST(DecodeCanStream, LineThatCannotBeUsedIsReportedAndLeftOut) {
     EXPECT_EQ(outcome.status, kExitFailed);
     EXPECT_EQ(outcome.lines().size(), 3U);
     EXPECT_EQ(outcome.messages.substr(0, outcome.messages.find('\n')),
-              "standard input:2:23: \"D\" is no byte; a byte is two hex digits");
+              "standard input:2:23: \"D\" is not a byte; a byte is two hex digits");
 }
 
 TEST(DecodeCanStream, StopsWhereTooMuchCannotBeUsed) {

@@ -116,8 +116,8 @@ TEST_F(ProgramCan, SerialProtocolRefusesALogOfCan) {
     folder.write("can.log", "(1.000000) can0 123#11\n");
     const Ended result = run("\"$TRIBUS\" decode --protocol ibus can.log");
     EXPECT_EQ(result.status, 2);
-    EXPECT_EQ(result.output.substr(0, 74),
-              "tribus: can.log: a log of CAN frames, and ibus is no CAN protocol; allowed");
+    EXPECT_EQ(result.output.substr(0, 77),
+              "tribus: can.log: a log of CAN frames, and ibus is not a CAN protocol; allowed");
 }
 
 TEST_F(ProgramCan, CanProtocolRefusesBytes) {

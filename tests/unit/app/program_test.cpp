@@ -79,10 +79,11 @@ TEST(Program, FileThatCannotBeReadEndsWithOne) {
 TEST(Program, MistakeInAFileEndsWithOneAndSaysHowItWasRead) {
     const Ended result = run_in_shell("echo '20 4x' | \"$TRIBUS\" decode");
     EXPECT_EQ(result.status, 1);
-    EXPECT_EQ(result.output,
-              "tribus: standard input:1:4: \"4x\" is no byte; a byte is two hex digits, bytes "
-              "stand apart: 20 40 dc 05 (read as hex; --input-format raw, hex, timed or saleae "
-              "selects another format)\n");
+    EXPECT_EQ(
+        result.output,
+        "tribus: standard input:1:4: \"4x\" is not a byte; a byte is two hex digits, with a space "
+        "between bytes: 20 40 dc 05 (read as hex; --input-format raw, hex, timed or saleae "
+        "selects another format)\n");
 }
 
 TEST(Program, WrongUseEndsWithTwo) {

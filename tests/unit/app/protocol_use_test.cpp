@@ -112,7 +112,7 @@ TEST(ProtocolUse, SettingsThatDoNotGoTogetherAreRefused) {
 }
 
 TEST(ProtocolUse, SettingThatIsMissingIsNamed) {
-    EXPECT_EQ(refusal("dbc", {}).substr(0, 20), "--dbc: dbc needs it:");
+    EXPECT_EQ(refusal("dbc", {}).substr(0, 23), "--dbc: dbc requires it:");
 }
 
 // Two channels of 16 bits, as the manufacturer of a rover might describe them.

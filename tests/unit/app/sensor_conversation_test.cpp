@@ -17,11 +17,11 @@ constexpr auto kAnswered = SensorOutcome::answered;
 constexpr auto kMissed = SensorOutcome::missed;
 constexpr auto kFree = SensorOutcome::free;
 
-/// Feeds frames, with times or without, and keeps the exchanges.
+/// Passes frames with or without times to a conversation and keeps the exchanges.
 class SensorBus {
   public:
     explicit SensorBus(bool timed) : timed_(timed) {}
-    // Not copied: the conversation holds on to it.
+    // Not copied, because the conversation has a reference to it.
     SensorBus(const SensorBus&) = delete;
     SensorBus& operator=(const SensorBus&) = delete;
 
