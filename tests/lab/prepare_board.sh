@@ -2,12 +2,13 @@
 # Prepares a guest with the processor of a board, for run_board: Debian's kernel and libraries for it,
 # unpacked into a folder and never installed. They are those that its programs are linked with, too.
 #
-#   tests/lab/prepare_board.sh arm64|armhf FOLDER
+#   tests/lab/prepare_board.sh arm64|armhf FOLDER [bookworm|trixie]
 #
 # FOLDER/sysroot has the files, FOLDER/vmlinuz and FOLDER/initrd.gz boot. What dpkg-shlibdeps has to know
 # of the libraries stands in FOLDER/sysroot/DEBIAN. Does nothing where that is there.
 architecture=$1
 folder=$2
+release=${3:-bookworm}
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../../deploy/prepare.sh"
 . "$here/initrd.sh"
@@ -17,13 +18,17 @@ case $architecture in
     arm64) kernel=linux-image-arm64 ;;
     armhf) kernel=linux-image-armmp ;;
 esac
+case $release in
+    bookworm) standard_library=libstdc++-12-dev ;;
+    trixie) standard_library=libstdc++-14-dev ;;
+esac
 
 if [ -e "$folder/initrd.gz" ]; then
     exit 0
 fi
 # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
 install_packages $board_packages
-echo "Unpacking Debian for $architecture into $folder" >&2
+echo "Unpacking Debian $release for $architecture into $folder" >&2
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 root=$folder/sysroot
@@ -32,8 +37,12 @@ as_root rm -rf "$root"
 # not the one that was signed.
 # shellcheck disable=SC2016,SC2086,SC2154 # $1 is the hook's; lists of words, from deploy/prepare.sh
 as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
-    --include="libc6-dev,libstdc++-12-dev,libgpiod2,bash,busybox-static,$kernel" \
+    --include="libc6-dev,$standard_library,bash,busybox-static,$kernel" \
     --include="$(echo $build_libraries $test_libraries | tr ' ' ,)" \
+    --setup-hook='for place in bin lib sbin; do
+            mkdir -p "$1/usr/$place"
+            ln -s "usr/$place" "$1/$place"
+        done' \
     --extract-hook='mkdir -p "$1/DEBIAN" "$1/proc" "$1/sys" "$1/tmp"
         for package in "$1"/var/cache/apt/archives/*.deb; do
             for text in symbols shlibs; do
@@ -41,7 +50,7 @@ as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
                     >>"$1/DEBIAN/$text" || true
             done
         done' \
-    bookworm "$root" http://deb.debian.org/debian >&2
+    "$release" "$root" http://deb.debian.org/debian >&2
 as_root chown -R "$(id -u)" "$root"
 ln -sf busybox "$root/bin/sh"
 
