@@ -67,6 +67,11 @@ in_root() {
         shift 3
         mkdir -p "$root$here"
         mount --bind "$here" "$root$here"
+        # Recordings that some tests need lie beside the project.
+        if [ -d "$here/../shared" ]; then
+            mkdir -p "$root$here/../shared"
+            mount --bind "$here/../shared" "$root$here/../shared"
+        fi
         for place in dev proc sys; do
             mount --rbind "/$place" "$root/$place"
         done
@@ -84,6 +89,13 @@ run_there() {
     else
         "$@" >&2
     fi
+}
+
+# try_raspberry_pi: the program at the ports of an emulated Raspberry Pi 3.
+try_raspberry_pi() {
+    tests/lab/run_raspi3b "$base/board" $guest_seconds "$folder/app/tribus" \
+        "$folder/tests/libheap_trap_preload.so" "$folder/tests/allocating_data_thread" -- \
+        "$folder/tests/lab/lab_raspi3b_tests" --gtest_brief=1 >&2
 }
 
 # build_here: the program, and the tests when asked, in $folder.
@@ -147,6 +159,10 @@ release=${release:-$own_release}
 [ "$wanted" != amd64 ] || [ "$own" = amd64 ] || wrong_use "makes amd64 on such machines only"
 targets="tribus installed_texts"
 [ $with_tests = OFF ] || targets="$targets $test_suites"
+# The emulated Raspberry Pi has this processor.
+with_ports=$with_tests
+[ "$wanted" = arm64 ] && [ "$wanted" != "$own" ] || with_ports=OFF
+[ $with_ports = OFF ] || targets="$targets lab_raspi3b_tests"
 
 # From the caller, where this script runs in the root of another release.
 SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(commit_seconds)}
@@ -183,5 +199,9 @@ if [ $with_tests = ON ] && [ $with_trial = ON ]; then
         echo "Tests: $suite" >&2
         run_there "$folder/tests/$suite" --gtest_brief=1 || fail "$suite failed"
     done
+    if [ $with_ports = ON ]; then
+        echo "Tests: at the ports of an emulated Raspberry Pi 3" >&2
+        try_raspberry_pi || fail "the tests at the ports of a Raspberry Pi 3 failed"
+    fi
 fi
 echo "$package"

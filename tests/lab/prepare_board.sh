@@ -26,6 +26,20 @@ esac
 if [ -e "$folder/initrd.gz" ]; then
     exit 0
 fi
+
+# prepare_raspi3b: what run_raspi3b needs. Debian's device tree gives the PL011 to Bluetooth, as Raspberry
+# Pi's own one does; without that it is a port, as with dtoverlay=disable-bt.
+prepare_raspi3b() {
+    cp "$root"/usr/lib/linux-image-*/broadcom/bcm2837-rpi-3-b.dtb "$folder/raspi3b.dtb"
+    fdtput -r "$folder/raspi3b.dtb" /soc/serial@7e201000/bluetooth
+    mkdir -p "$folder/raspi3b/bin" "$folder/raspi3b/lib" "$folder/raspi3b/modules"
+    cp "$root/bin/busybox" "$folder/raspi3b/bin"
+    cp "$here/raspi3b_init" "$folder/raspi3b/init"
+    cp -L "$root/lib/ld-linux-aarch64.so.1" "$folder/raspi3b/lib"
+    put_modules "$root" "$version" "$folder/raspi3b/modules" dwc2 phy-generic ftdi_sio mmc_block \
+        bcm2835 bcm2835_wdt
+}
+
 # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
 install_packages $board_packages
 echo "Unpacking Debian $release for $architecture into $folder" >&2
@@ -63,6 +77,7 @@ mkdir "$start/bin" "$start/modules"
 cp "$root/bin/busybox" "$start/bin"
 cp "$here/guest_init" "$start/init"
 put_modules "$root" "$version" "$start/modules" virtio_pci 9pnet_virtio 9p overlay
+[ "$architecture" != arm64 ] || prepare_raspi3b
 # Some hundred MB that nothing here needs.
 rm -rf "${root:?}/boot" "$root/lib/modules/$version"
 pack_initrd "$start" "$folder/initrd.gz"
