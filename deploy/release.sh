@@ -81,7 +81,7 @@ same() (
     diff -rq first second
     diff first/DEBIAN/control second/DEBIAN/control
     for side in first second; do
-        (cd $side && find . -printf '%M %s %t %p\n' | sort -k 8) >$side.list
+        find $side -type d -printf '%M %P\n' -o -printf '%M %s %T@ %P\n' | sort >$side.list
         strings -a $side/usr/bin/tribus >$side.strings
     done
     diff first.list second.list
