@@ -81,8 +81,8 @@ same() (
     diff -rq first second
     diff first/DEBIAN/control second/DEBIAN/control
     for side in first second; do
-        find $side -type d -printf '%M %P\n' -o -printf '%M %s %T@ %P\n' | sort >$side.list
-        strings -a $side/usr/bin/tribus >$side.strings
+        find "$side" -type d -printf '%M %P\n' -o -printf '%M %s %T@ %P\n' | sort >"$side.list"
+        strings -a "$side/usr/bin/tribus" >"$side.strings"
     done
     diff first.list second.list
     echo "Texts in the program, the first of those that differ:"
@@ -180,7 +180,8 @@ for package in ${wanted:-$all_packages}; do
     [ $tests = no ] || step tests run_tests || failed=1
 done
 
-(cd "$results" && sha256sum -- *.deb >SHA256SUMS)
+rm -f "$results/SHA256SUMS"
+(cd "$results" && find . -name '*.deb' -printf '%P\n' | sort | xargs -r sha256sum >SHA256SUMS)
 report | tee "$results/report.txt"
 echo "They are in $results." >&2
 exit $failed
