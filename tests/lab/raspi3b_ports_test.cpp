@@ -6,7 +6,7 @@
 
 /// The built program at the ports of an emulated Raspberry Pi 3 (run_raspi3b), with the drivers of
 /// Debian's kernel for arm64.
-namespace tribus::test {
+namespace tribus::test::raspi3b_ports_test {
 namespace {
 
 constexpr const char* kPl011 = "/dev/ttyAMA0";
@@ -51,4 +51,4 @@ TEST_F(RaspberryPi3, NamesTheMiniUartThatDropsTheParityOfSbus) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::raspi3b_ports_test
