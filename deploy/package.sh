@@ -4,14 +4,17 @@ cd "$(dirname "$0")/.."
 . deploy/prepare.sh
 
 usage="Usage: deploy/package.sh [amd64|arm64|armhf] [--release bookworm|trixie] [--tests]
+                         [--no-trial]
 
-For this machine's own processor and Debian it packs what is in build/. For another processor it
-builds in build-PROCESSOR/ with Debian 12's cross compiler and libraries, and runs the program in an
-emulator, under that Debian's kernel. For another release of Debian it builds in
-build-RELEASE/build/, in a root folder of that Debian (chroot: as root or with sudo). arm64 is for
-64-bit systems, armhf for 32-bit ones from ARMv7 on: a Raspberry Pi Zero 2, but not a Pi 1 or Zero.
+For this machine's own processor and Debian it packs what is in build/. Else it builds in
+build-PROCESSOR-RELEASE/build/ (without the one that is this machine's own). For another processor
+it takes that Debian's cross compiler and libraries, and tries the program in an emulated board,
+under that Debian's kernel. For another release of Debian it works in a root folder of that Debian
+(chroot: as root or with sudo). arm64 is for 64-bit systems, armhf for 32-bit ones from ARMv7 on: a
+Raspberry Pi Zero 2, but not a Pi 1 or Zero.
 
---tests also builds the tests and runs them there."
+--tests also builds the tests and runs them there. --no-trial only makes the package.
+Two packages of one commit are the same bytes; SOURCE_DATE_EPOCH is by default the commit's time."
 
 # Those that need no tools but their libraries.
 test_suites="unit_tests property_tests sim_tests loopback_tests"
@@ -28,61 +31,106 @@ fail() {
     exit 1
 }
 
-# root FOLDER: of the wanted Debian, with all that this script needs in there.
-root() {
-    [ ! -e "$1" ] || return 0
-    mkdir -p "$(dirname "$1")"
-    as_root rm -rf "$1.new"
-    echo "Making a root of Debian $release in $1" >&2
-    # shellcheck disable=SC2086 # lists of words, from deploy/prepare.sh
-    as_root mmdebstrap --quiet --variant=apt --architectures="$wanted" \
-        --include="$(echo $build_packages $package_packages $test_libraries | tr ' ' ,)" \
-        "$release" "$1.new" >&2
-    as_root mv "$1.new" "$1"
+# Time of the files in the package: that of the commit, without git that of the changelog's entry.
+commit_seconds() {
+    git log -1 --format=%ct 2>/dev/null ||
+        dpkg-parsechangelog -l deploy/debian/changelog -S Timestamp
 }
 
-# in_root FOLDER WORD...: this script there, as this user, with the folder's own build/.
+cross_compiler() {
+    case $wanted in
+        "$own") ;;
+        arm64) echo g++-aarch64-linux-gnu ;;
+        armhf) echo g++-arm-linux-gnueabihf ;;
+    esac
+}
+
+# make_root: of the wanted Debian, with all that this script needs in there.
+make_root() {
+    [ ! -e "$root" ] || return 0
+    install_packages mmdebstrap
+    mkdir -p "$(dirname "$root")"
+    as_root rm -rf "$root.new"
+    echo "Making a root of Debian $release in $root" >&2
+    # shellcheck disable=SC2046,SC2086,SC2154 # lists of words, from deploy/prepare.sh
+    as_root mmdebstrap --quiet --variant=apt --architectures="$own" --include="$(echo \
+        $build_packages $package_packages $test_libraries $(cross_compiler) | tr ' ' ,)" \
+        "$release" "$root.new" >&2
+    as_root mv "$root.new" "$root"
+}
+
+# in_root WORD...: runs a program there, as this user, in this folder, which has the same path.
 in_root() {
-    mkdir -p build "$1/build"
     # The mounts are seen by these processes only, and end with them.
     # shellcheck disable=SC2016 # the inner shell's
-    as_root unshare --mount sh -eu -c 'user=$1 folder=$2
-        shift 2
-        mount --bind . "$folder/root/mnt"
-        mount --bind "$folder/build" "$folder/root/mnt/build"
+    as_root unshare --mount sh -eu -c 'user=$1 root=$2 here=$3
+        shift 3
+        mkdir -p "$root$here"
+        mount --bind "$here" "$root$here"
+        # Recordings that some tests need lie beside the project.
+        if [ -d "$here/../shared" ]; then
+            mkdir -p "$root$here/../shared"
+            mount --bind "$here/../shared" "$root$here/../shared"
+        fi
         for place in dev proc sys; do
-            mount --rbind "/$place" "$folder/root/$place"
+            mount --rbind "/$place" "$root/$place"
         done
-        exec chroot --userspec="$user" "$folder/root" /mnt/deploy/package.sh "$@"' \
-        sh "$(id -u):$(id -g)" "$@"
+        exec chroot --userspec="$user" "$root" sh -eu -c "cd \"\$1\"; shift; exec \"\$@\"" \
+            sh "$here" "$@"' \
+        sh "$(id -u):$(id -g)" "$root" "$(pwd)" "$@"
 }
 
 # run_there WORD...: on a machine of the package's kind.
 run_there() {
-    if [ "$wanted" = "$own" ]; then
-        "$@" >&2
+    if [ "$wanted" != "$own" ]; then
+        tests/lab/run_board "$wanted" "$base/board" $guest_seconds "$@" >&2
+    elif [ "$release" != "$own_release" ]; then
+        in_root "$@" >&2
     else
-        tests/lab/run_board "$wanted" "$folder" $guest_seconds "$@" >&2
+        "$@" >&2
     fi
 }
 
-# build_across: with the cross compiler, in $folder.
-build_across() {
-    case $wanted in
-        arm64) install_packages g++-aarch64-linux-gnu ;;
-        armhf) install_packages g++-arm-linux-gnueabihf ;;
-    esac
-    tests/lab/prepare_board.sh "$wanted" "$folder"
-    cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release -DTRIBUS_TESTS="$with_tests" \
-        -DTRIBUS_DEBIAN_ARCHITECTURE="$wanted" -DTRIBUS_SYSROOT="$(pwd)/$folder/sysroot" \
-        -DCMAKE_TOOLCHAIN_FILE="$(pwd)/deploy/cross.cmake" ${CI:+-DTRIBUS_WERROR=ON} >&2
+# try_raspberry_pi: the program at the ports of an emulated Raspberry Pi 3.
+try_raspberry_pi() {
+    tests/lab/run_raspi3b "$base/board" $guest_seconds "$folder/app/tribus" \
+        "$folder/tests/libheap_trap_preload.so" "$folder/tests/allocating_data_thread" -- \
+        "$folder/tests/lab/lab_raspi3b_tests" --gtest_brief=1 >&2
+}
+
+# build_here: the program, and the tests when asked, in $folder.
+build_here() {
+    # shellcheck disable=SC2046,SC2086 # lists of words
+    install_packages $build_packages $package_packages $(cross_compiler)
+    set --
+    if [ "$wanted" != "$own" ]; then
+        set -- -DTRIBUS_DEBIAN_ARCHITECTURE="$wanted" \
+            -DTRIBUS_SYSROOT="$(pwd)/$base/board/sysroot" \
+            -DCMAKE_TOOLCHAIN_FILE="$(pwd)/deploy/cross.cmake"
+    elif [ $with_tests = ON ]; then
+        # shellcheck disable=SC2086
+        install_packages $test_libraries
+    fi
+    # What is in build/ was configured by whoever built it.
+    if [ "$folder" != build ] || [ $with_tests = ON ] || [ ! -e build/CMakeCache.txt ]; then
+        cmake -S . -B "$folder" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+            -DTRIBUS_TESTS=$with_tests ${CI:+-DTRIBUS_WERROR=ON} "$@" >&2
+    fi
     # shellcheck disable=SC2086 # a list of words
-    cmake --build "$folder" --target $targets >&2
+    cmake --build "$folder" --parallel "$(compilers)" --target $targets >&2
+}
+
+# pack_here: what is built in $folder.
+pack_here() {
+    rm -f "$folder"/tribus_*_"$wanted".deb
+    (cd "$folder" && cpack -G DEB >&2)
+    lintian --fail-on error,warning "$folder"/tribus_*_"$wanted".deb >&2
 }
 
 wanted=""
 release=""
 with_tests=OFF
+with_trial=ON
 while [ $# -gt 0 ]; do
     case $1 in
         --help)
@@ -90,6 +138,7 @@ while [ $# -gt 0 ]; do
             exit 0
             ;;
         --tests) with_tests=ON ;;
+        --no-trial) with_trial=OFF ;;
         --release)
             case ${2:-} in
                 bookworm | trixie) release=$2 ;;
@@ -110,48 +159,49 @@ release=${release:-$own_release}
 [ "$wanted" != amd64 ] || [ "$own" = amd64 ] || wrong_use "makes amd64 on such machines only"
 targets="tribus installed_texts"
 [ $with_tests = OFF ] || targets="$targets $test_suites"
+# The emulated Raspberry Pi has this processor.
+with_ports=$with_tests
+[ "$wanted" = arm64 ] && [ "$wanted" != "$own" ] || with_ports=OFF
+[ $with_ports = OFF ] || targets="$targets lab_raspi3b_tests"
 
-if [ "$wanted" != "$own" ]; then
-    [ "$release" = "$own_release" ] || [ "$release" = bookworm ] ||
-        wrong_use "makes $wanted for bookworm only; on a board with $release it needs no options"
-    # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
-    install_packages $build_packages $package_packages
-    folder=build-$wanted
-    build_across
-elif [ "$release" != "$own_release" ]; then
-    install_packages mmdebstrap
-    folder=build-$release
-    root "$folder/root"
+# From the caller, where this script runs in the root of another release.
+SOURCE_DATE_EPOCH=${SOURCE_DATE_EPOCH:-$(commit_seconds)}
+export SOURCE_DATE_EPOCH
+base=${TRIBUS_PACKAGE_BASE:-build}
+if [ "$base" = build ]; then
+    [ "$wanted" = "$own" ] || base=$base-$wanted
+    [ "$release" = "$own_release" ] || base=$base-$release
+fi
+folder=$base/build
+[ "$base" != build ] || folder=build
+root=$base/root
+
+[ "$wanted" = "$own" ] || tests/lab/prepare_board.sh "$wanted" "$base/board" "$release"
+if [ "$release" != "$own_release" ]; then
+    make_root
     [ $with_tests = OFF ] || set -- --tests
-    made=$(in_root "$folder" "$@")
-    echo "$folder/$made"
-    exit
+    in_root env TRIBUS_PACKAGE_BASE="$base" SOURCE_DATE_EPOCH="$SOURCE_DATE_EPOCH" CI="${CI:-}" \
+        deploy/package.sh "$wanted" --no-trial "$@" >&2
 else
-    # shellcheck disable=SC2086
-    install_packages $build_packages $package_packages
-    folder=build
-    if [ $with_tests = OFF ] && [ -e build/CMakeCache.txt ]; then
-        cmake --build build --target tribus installed_texts >&2
-    else
-        # shellcheck disable=SC2086
-        [ $with_tests = OFF ] || install_packages $test_libraries
-        # shellcheck disable=SC2086
-        build $with_tests $targets
-    fi
+    build_here
+    pack_here
 fi
 
-rm -f "$folder"/tribus_*_"$wanted".deb
-(cd "$folder" && cpack -G DEB >&2)
 package=$(echo "$folder"/tribus_*_"$wanted".deb)
-lintian --fail-on error,warning "$package" >&2
-unpacked=$folder/unpacked
-rm -rf "$unpacked"
-dpkg-deb -x "$package" "$unpacked"
-run_there deploy/try.sh "$unpacked" || fail "its trial failed"
-if [ $with_tests = ON ]; then
+if [ $with_trial = ON ]; then
+    unpacked=$folder/unpacked
+    rm -rf "$unpacked"
+    dpkg-deb -x "$package" "$unpacked"
+    run_there deploy/try.sh "$unpacked" || fail "its trial failed"
+fi
+if [ $with_tests = ON ] && [ $with_trial = ON ]; then
     for suite in $test_suites; do
         echo "Tests: $suite" >&2
         run_there "$folder/tests/$suite" --gtest_brief=1 || fail "$suite failed"
     done
+    if [ $with_ports = ON ]; then
+        echo "Tests: at the ports of an emulated Raspberry Pi 3" >&2
+        try_raspberry_pi || fail "the tests at the ports of a Raspberry Pi 3 failed"
+    fi
 fi
 echo "$package"

@@ -20,7 +20,7 @@ lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x8
 lab_full_packages="bc gcc-12 libelf1 make $package_packages"
 lab_service_packages="genext2fs mmdebstrap $package_packages"
 # Packages for its guests with the processors of boards (tests/lab/prepare_board.sh).
-board_packages="cpio kmod mmdebstrap qemu-system-arm"
+board_packages="binutils cpio device-tree-compiler kmod mmdebstrap qemu-system-arm"
 
 as_root() {
     if [ "$(id -u)" = 0 ]; then

@@ -3,12 +3,13 @@
 # that processor, unpacked into a folder and never installed. Programs for the board are linked with
 # these libraries, too.
 #
-#   tests/lab/prepare_board.sh arm64|armhf FOLDER
+#   tests/lab/prepare_board.sh arm64|armhf FOLDER [bookworm|trixie]
 #
 # FOLDER/sysroot has the files; FOLDER/vmlinuz and FOLDER/initrd.gz boot. FOLDER/sysroot/DEBIAN has
 # what dpkg-shlibdeps needs to know of the libraries. Does nothing if that is there.
 architecture=$1
 folder=$2
+release=${3:-bookworm}
 here=$(cd "$(dirname "$0")" && pwd)
 . "$here/../../deploy/prepare.sh"
 . "$here/initrd.sh"
@@ -18,13 +19,31 @@ case $architecture in
     arm64) kernel=linux-image-arm64 ;;
     armhf) kernel=linux-image-armmp ;;
 esac
+case $release in
+    bookworm) standard_library=libstdc++-12-dev ;;
+    trixie) standard_library=libstdc++-14-dev ;;
+esac
 
 if [ -e "$folder/initrd.gz" ]; then
     exit 0
 fi
+
+# prepare_raspi3b: what run_raspi3b needs. Debian's device tree gives the PL011 to Bluetooth, as Raspberry
+# Pi's own one does; without that it is a port, as with dtoverlay=disable-bt.
+prepare_raspi3b() {
+    cp "$root"/usr/lib/linux-image-*/broadcom/bcm2837-rpi-3-b.dtb "$folder/raspi3b.dtb"
+    fdtput -r "$folder/raspi3b.dtb" /soc/serial@7e201000/bluetooth
+    mkdir -p "$folder/raspi3b/bin" "$folder/raspi3b/lib" "$folder/raspi3b/modules"
+    cp "$root/bin/busybox" "$folder/raspi3b/bin"
+    cp "$here/raspi3b_init" "$folder/raspi3b/init"
+    cp -L "$root/lib/ld-linux-aarch64.so.1" "$folder/raspi3b/lib"
+    put_modules "$root" "$version" "$folder/raspi3b/modules" dwc2 phy-generic ftdi_sio mmc_block \
+        bcm2835 bcm2835_wdt
+}
+
 # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
 install_packages $board_packages
-echo "Unpacking Debian for $architecture into $folder" >&2
+echo "Unpacking Debian $release for $architecture into $folder" >&2
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 root=$folder/sysroot
@@ -33,8 +52,12 @@ as_root rm -rf "$root"
 # from the signed one.
 # shellcheck disable=SC2016,SC2086,SC2154 # $1 is the hook's; lists of words, from deploy/prepare.sh
 as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
-    --include="libc6-dev,libstdc++-12-dev,libgpiod2,bash,busybox-static,$kernel" \
+    --include="libc6-dev,$standard_library,bash,busybox-static,$kernel" \
     --include="$(echo $build_libraries $test_libraries | tr ' ' ,)" \
+    --setup-hook='for place in bin lib sbin; do
+            mkdir -p "$1/usr/$place"
+            ln -s "usr/$place" "$1/$place"
+        done' \
     --extract-hook='mkdir -p "$1/DEBIAN" "$1/proc" "$1/sys" "$1/tmp"
         for package in "$1"/var/cache/apt/archives/*.deb; do
             for text in symbols shlibs; do
@@ -42,7 +65,7 @@ as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
                     >>"$1/DEBIAN/$text" || true
             done
         done' \
-    bookworm "$root" http://deb.debian.org/debian >&2
+    "$release" "$root" http://deb.debian.org/debian >&2
 as_root chown -R "$(id -u)" "$root"
 ln -sf busybox "$root/bin/sh"
 
@@ -55,6 +78,7 @@ mkdir "$start/bin" "$start/modules"
 cp "$root/bin/busybox" "$start/bin"
 cp "$here/guest_init" "$start/init"
 put_modules "$root" "$version" "$start/modules" virtio_pci 9pnet_virtio 9p overlay
+[ "$architecture" != arm64 ] || prepare_raspi3b
 # Removes some hundred MB that the guest does not need.
 rm -rf "${root:?}/boot" "$root/lib/modules/$version"
 pack_initrd "$start" "$folder/initrd.gz"

@@ -4,36 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/lab/guest.h"
-#include "tests/loopback/loopback.h"
+#include "tests/lab/wired_ports.h"
 
 /// `tribus doctor` at ports with real drivers.
 namespace tribus::test::serial_doctor_test {
 namespace {
 
-class LabDoctor : public Loopback {
-  protected:
-    /// Returns what doctor prints about `device` while `sender` repeats a frame. It must exit with
-    /// `status`.
-    std::string said_of(const std::string& device, Uart& sender, const Bytes& frame, int status) {
-        // Otherwise the kernel echoes what comes before the program has set up the port.
-        { const Uart raw(device, kIbus); }
-        Program& program = start({"doctor", device, "--for", "1s"});
-        auto latest = Clock::time_point{};
-        EXPECT_TRUE(eventually([&] {
-            if (Clock::now() - latest > std::chrono::milliseconds(7)) {
-                latest = Clock::now();
-                sender.send(frame);
-            }
-            return !program.runs();
-        }));
-        EXPECT_EQ(program.end(), status) << program.output();
-        return program.output();
-    }
-};
-
-bool has(const std::string& text, const std::string& part) {
-    return text.find(part) != std::string::npos;
-}
+using LabDoctor = WiredPorts;
 
 TEST_F(LabDoctor, HearsSbusAtAnFtdiAdapter) {
     Uart sender(ftdi_adapter(2), kSbus);

@@ -1,41 +1,16 @@
-#include <algorithm>
 #include <filesystem>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "tests/lab/guest.h"
-#include "tests/loopback/loopback.h"
+#include "tests/lab/wired_ports.h"
 
 /// The built program on real drivers: i.Bus in at a 16550, SBUS out at an FTDI adapter.
 namespace tribus::test::serial_program_test {
 namespace {
 
-class LabProgram : public Loopback {
-  protected:
-    std::string config(const std::string& receiver, const std::string& servos) {
-        return write_config("[input.receiver]\nprotocol = \"ibus\"\ntimeout = \"5s\"\ndevice = \"" +
-                            receiver + "\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"" +
-                            servos + "\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"servos\"\n");
-    }
-};
-
-/// Sends an i.Bus frame every few milliseconds until the SBUS frame with its channels arrives.
-bool passes(Uart& receiver, Uart& servos, const Sticks& sticks) {
-    const Bytes ibus = ibus_bytes(sticks);
-    const Bytes sbus = sbus_bytes(sbus_sight_of(sticks));
-    Bytes seen;
-    auto latest = Clock::time_point{};
-    return eventually([&] {
-        if (Clock::now() - latest > std::chrono::milliseconds(7)) {
-            latest = Clock::now();
-            receiver.send(ibus);
-        }
-        const Bytes more = servos.receive();
-        seen.insert(seen.end(), more.begin(), more.end());
-        return std::search(seen.begin(), seen.end(), sbus.begin(), sbus.end()) != seen.end();
-    });
-}
+using LabProgram = WiredPorts;
 
 TEST_F(LabProgram, TranslatesIbusToSbusBetweenRealPorts) {
     Uart receiver(uart_16550(2), kIbus);

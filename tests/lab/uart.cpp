@@ -109,6 +109,14 @@ std::string uart_16550(int number) {
                      "ttyS");
 }
 
+std::string far_end_of_pl011() {
+    return device_in("/sys/bus/usb/devices/1-1.1/1-1.1:1.0", "ttyUSB");
+}
+
+std::string far_end_of_mini_uart() {
+    return device_in("/sys/bus/usb/devices/1-1.2/1-1.2:1.0", "ttyUSB");
+}
+
 void unplug_usb(int usb_port) {
     write_kernel_file(usb_device(usb_port) / "authorized", "0");
 }

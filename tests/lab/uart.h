@@ -49,7 +49,12 @@ class Uart {
 std::string ftdi_adapter(int usb_port);
 std::string uart_16550(int number);
 
-/// Unplugs an adapter from its USB port, as its driver sees it, and plugs it in again.
+/// Likewise in the emulated Raspberry Pi (run_raspi3b): the FTDI adapters that are wired to its own
+/// ports.
+std::string far_end_of_pl011();
+std::string far_end_of_mini_uart();
+
+/// Pulls an adapter out of its USB port, as far as its driver can tell, and puts it back.
 void unplug_usb(int usb_port);
 void plug_usb(int usb_port);
 
