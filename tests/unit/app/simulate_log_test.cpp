@@ -119,17 +119,17 @@ constexpr std::string_view kSaid =
     "input joystick: its frames come with two periods, as from two senders";
 
 TEST_F(TwoSendersOfAMessage, WithoutACounterAreSaidOnce) {
-    const std::string lines = lines_with("rhythm", log_of(true, ""));
+    const std::string lines = lines_with("two periods", log_of(true, ""));
     EXPECT_NE(lines.find(kSaid), std::string::npos) << lines;
     EXPECT_EQ(lines.find('\n'), lines.size() - 1) << lines;
 }
 
 TEST_F(TwoSendersOfAMessage, WithACounterAreKeptApartAndNotSaid) {
-    EXPECT_EQ(lines_with("rhythm", log_of(true, "Count = { counter = true }\n")), "");
+    EXPECT_EQ(lines_with("two periods", log_of(true, "Count = { counter = true }\n")), "");
 }
 
 TEST_F(TwoSendersOfAMessage, AreNotSaidOfOne) {
-    EXPECT_EQ(lines_with("rhythm", log_of(false, "")), "");
+    EXPECT_EQ(lines_with("two periods", log_of(false, "")), "");
 }
 
 }  // namespace

@@ -78,7 +78,8 @@ TEST(GpioPlaceTest, RefusesAChipWithoutALine) {
     EXPECT_EQ(error_of("gpiochip0"),
               "\"gpiochip0\" names a chip but no line: give a line's name, such as "
               "\"GPIO17\", or chip and offset, such as \"gpiochip0:17\"");
-    EXPECT_TRUE(error_of("/dev/gpiochip0").starts_with("\"/dev/gpiochip0\" names a chip but none"));
+    EXPECT_TRUE(
+        error_of("/dev/gpiochip0").starts_with("\"/dev/gpiochip0\" names a chip but no line"));
     EXPECT_TRUE(error_of("gpiochip0:").starts_with("\"gpiochip0:\" names no line"));
 }
 

@@ -192,7 +192,7 @@ TEST(CandumpRecording, ScreenFormIsRefusedWithTheFormThatIsRead) {
 }
 
 TEST(CandumpRecording, TimeThatIsADateIsRefused) {
-    EXPECT_EQ(mistake_in("(2015-07-10 08:17:32.249713) can0 123#\n").substr(0, 37),
+    EXPECT_EQ(mistake_in("(2015-07-10 08:17:32.249713) can0 123#\n").substr(0, 40),
               "can.log:1:1: \"(2015-07-10\" is not a time");
 }
 
@@ -202,7 +202,7 @@ TEST(CandumpRecording, LineThatEndsEarlyIsRefused) {
 }
 
 TEST(CandumpRecording, WordBehindTheFrameIsRefused) {
-    EXPECT_EQ(mistake_in("(1.000000) can0 123#11 22\n").substr(0, 38),
+    EXPECT_EQ(mistake_in("(1.000000) can0 123#11 22\n").substr(0, 37),
               "can.log:1:24: \"22\" after the frame; a");
 }
 

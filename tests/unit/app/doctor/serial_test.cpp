@@ -183,7 +183,7 @@ TEST_F(SerialPorts, old_cp2102_makes_115200_of_100000) {
     tree.usb_port("ttyUSB0", "cp210x", "CP2102 USB to UART Bridge Controller", "0100");
     const PortOpinion opinion = asked_for("/dev/ttyUSB0");
     EXPECT_EQ(abilities(opinion), kNoSbus);
-    EXPECT_EQ(opinion.abilities[1].because, "it makes 115200 baud of 100000");
+    EXPECT_EQ(opinion.abilities[1].because, "it sets 115200 baud instead of 100000");
     EXPECT_EQ(ids(opinion), std::vector<std::string>{"port.quantised_rates"});
 }
 
