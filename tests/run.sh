@@ -1,21 +1,107 @@
 #!/bin/sh
-# Installs what is needed from Debian's packages, builds tribus and its tests, and runs them.
-# Arguments go to the test runner: tests/run.sh -R Sbus
-# TRIBUS_LAB=full adds what the laboratory (tests/lab) does not do each time: other kernels, and
-# drivers that have to be built. TRIBUS_LAB=service adds the installed package under systemd instead.
+# Proves tribus: installs what is needed from Debian's packages, builds it and its tests, runs them.
+#
+#   tests/run.sh [ARGUMENT...]         the first tier; arguments go to ctest: tests/run.sh -R Sbus
+#   tests/run.sh --all [PART...]       the second tier too, or these parts of it
+#   tests/run.sh --group GROUP...      groups of the laboratory (docs/laboratory.md), such as lab_can
+#
+# Parts, in this order: first laboratory service tidy addresses threads simulation fuzz mutations.
+# All of them take some hours. A part that fails does not stop the others. At the end a table says
+# what ran, when, for how long and with which result; build/proofs keeps it.
 cd "$(dirname "$0")/.."
 . deploy/prepare.sh
-# shellcheck disable=SC2086 # lists of words
-install_packages $build_packages $test_packages $bench_packages
-tier=${TRIBUS_LAB:-fast}
-tests/lab/prepare.sh "$tier" build/lab ||
-    echo "The laboratory could not be prepared: its tests will fail, the others run." >&2
-build ON all
-case $tier in
-    full) left_out=lab_service ;;
-    service) left_out=lab_full ;;
-    *) left_out='lab_full|lab_service' ;;
+
+# step NUMBER TEXT: progress for the person who waits.
+step() {
+    echo "[$1/3] $(date +%H:%M:%S) $2" >&2
+}
+
+prepare_and_build() {
+    step 1 "Packages (the first time 1 to 2 minutes)"
+    # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
+    install_packages $build_packages $test_packages $bench_packages
+    step 2 "Building the program and its tests (the first time 4 to 6 minutes on two processors)"
+    build ON all
+}
+
+# The tests wait about as much as they compute, so twice as many run as there are processors.
+run_tests() {
+    ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 2)) "$@"
+}
+
+first_tier() {
+    prepare_and_build
+    step 3 "Testing (1 to 2 minutes)"
+    run_tests --label-exclude 'lab|long' "$@"
+}
+
+# laboratory TIER CTEST_ARGUMENT...: guests reserve their processors themselves.
+laboratory() {
+    tests/lab/prepare.sh "$1" build/lab ||
+        echo "The laboratory could not be prepared: its tests will fail, the others run." >&2
+    shift
+    # After prepare.sh, because CMake looks whether libgpiod 2 is there.
+    prepare_and_build
+    step 3 "Testing in emulated machines (up to 10 minutes)"
+    ctest --test-dir build --output-on-failure --parallel "$(nproc)" "$@"
+}
+
+# Prints the regular expression for groups of the laboratory and for their tests.
+groups() {
+    echo "^($(echo "$*" | tr ' ' '|'))(\$|\.)"
+}
+
+part() {
+    case $1 in
+        first) first_tier ;;
+        laboratory) laboratory full --label-regex 'lab_fast|lab_full|long' ;;
+        service) laboratory service --label-regex lab_service ;;
+        tidy) .ci/clang_tidy ;;
+        addresses | threads) tests/sanitize.sh "$1" ;;
+        simulation) tests/sim/run.sh 200 ;;
+        fuzz) tests/fuzz/run.sh 60 ;;
+        mutations) tests/mutation/run.sh ;;
+        *)
+            echo "tests/run.sh: no part is called $1; --all has: $all_parts" >&2
+            return 2
+            ;;
+    esac
+}
+
+all_parts="first laboratory service tidy addresses threads simulation fuzz mutations"
+case ${1:-} in
+    --all)
+        shift
+        # shellcheck disable=SC2086 # a list of words
+        [ $# -gt 0 ] || set -- $all_parts
+        mkdir -p build
+        table=build/proofs
+        failed=0
+        for name in "$@"; do
+            began=$(date +%s)
+            result=passed
+            (part "$name") || {
+                result=FAILED
+                failed=1
+            }
+            line=$(printf '%-12s %s  %5d s  %s' "$name" "$(date -d "@$began" '+%Y-%m-%d %H:%M')" \
+                $(($(date +%s) - began)) $result)
+            { grep -v "^$name " $table 2>/dev/null || true; echo "$line"; } >$table.new
+            mv $table.new $table
+        done
+        echo "What ran last, in build/proofs:"
+        cat $table
+        exit $failed
+        ;;
+    --group)
+        shift
+        case " $* " in
+            *lab_systemd*) tier=service ;;
+            *gpio* | *modules* | *realtime* | *package*) tier=full ;;
+            *) tier=fast ;;
+        esac
+        laboratory $tier -R "$(groups "$@")"
+        ;;
+    --help) sed -n '2,/^cd /s/^# \{0,1\}//p' "$0" ;;
+    *) first_tier "$@" ;;
 esac
-set -- --label-exclude "$left_out" "$@"
-cd build
-exec ctest --output-on-failure --parallel "$(nproc)" "$@"

@@ -1,8 +1,9 @@
 # Read by ctest when it starts: makes an entry of each suite in a program of googletest, named
 # PROGRAM.SUITE. A process for each single test would cost more than most tests do.
 
-# add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS)
-function(add_suites name program seconds)
+# add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
+# "long" and run in the second tier only.
+function(add_suites name program seconds long)
     if(NOT EXISTS "${program}")
         add_test(${name} "${program}")
         return()
@@ -15,7 +16,11 @@ function(add_suites name program seconds)
         if(line MATCHES "^([^ ]+)\\.$")
             add_test("${name}.${CMAKE_MATCH_1}" "${program}" --gtest_brief=1
                 "--gtest_filter=${CMAKE_MATCH_1}.*")
-            set_tests_properties("${name}.${CMAKE_MATCH_1}" PROPERTIES TIMEOUT ${seconds})
+            set(suite "${CMAKE_MATCH_1}")
+            set_tests_properties("${name}.${suite}" PROPERTIES TIMEOUT ${seconds})
+            if(suite MATCHES "${long}")
+                set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
+            endif()
         endif()
     endforeach()
 endfunction()
