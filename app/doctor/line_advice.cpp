@@ -14,7 +14,7 @@ namespace tribus::doctor {
 namespace {
 
 constexpr std::string_view kWiring =
-    "circuits stand in /usr/share/doc/tribus/boards/wiring.md (docs/boards/ in the sources)";
+    "circuits stand in /usr/share/doc/tribus/docs/boards/wiring.md (docs/boards/ in the sources)";
 /// An input that says nothing else is lost after so long.
 constexpr Duration kUsualTimeout = std::chrono::milliseconds(100);
 /// Of the bytes: one in a hundred belongs to no frame.
