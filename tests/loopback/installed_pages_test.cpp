@@ -10,7 +10,7 @@
 #include "tests/support/temporary_folder.h"
 
 /// What `cmake --install`, and so the package, puts on a board to be read there without a net.
-namespace tribus::test {
+namespace tribus::test::installed_pages_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -59,7 +59,7 @@ TEST_F(InstalledPages, are_there) {
 TEST_F(InstalledPages, link_to_what_is_installed) {
     std::size_t count = 0;
     for (const fs::path& page : pages()) {
-        for (const std::string& target : links_in(content_of(root() / page))) {
+        for (const std::string& target : links_in(text_of_file(root() / page))) {
             const auto dead = dead_link(root(), page, target);
             EXPECT_FALSE(dead) << page.string() << ": " << *dead
                                << "; install it, or rewrite the link in deploy/installed-links.sed";
@@ -89,14 +89,14 @@ TEST_F(InstalledPages, name_files_that_are_installed) {
     std::vector<fs::path> texts = pages();
     std::size_t count = 0;
     for (const fs::path& page : texts) {
-        for (const std::string& path : paths_in(content_of(root() / page))) {
+        for (const std::string& path : paths_in(text_of_file(root() / page))) {
             EXPECT_TRUE(has(path)) << page.string() << " names " << path;
             ++count;
         }
     }
     for (const char* source : {"deploy/man/tribus.1", "deploy/man/tribus.toml.5",
                                "deploy/debian/description", "app/doctor/line_advice.cpp"}) {
-        for (const std::string& path : paths_in(content_of(fs::path(TRIBUS_SOURCE_DIR) / source))) {
+        for (const std::string& path : paths_in(text_of_file(fs::path(TRIBUS_SOURCE_DIR) / source))) {
             EXPECT_TRUE(has(path)) << source << " names " << path;
             ++count;
         }
@@ -105,4 +105,4 @@ TEST_F(InstalledPages, name_files_that_are_installed) {
 }
 
 }  // namespace
-}  // namespace tribus::test
+}  // namespace tribus::test::installed_pages_test

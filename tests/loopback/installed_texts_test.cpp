@@ -116,7 +116,7 @@ Words options_of(const std::string& command) {
 }
 
 const std::string kManualPage =
-    content_of(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / "tribus.1");
+    text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / "tribus.1");
 
 TEST(ManualPage, has_every_command) {
     for (const std::string& command : commands()) {

@@ -59,7 +59,7 @@ std::string anchor_of(std::string_view heading) {
 
 }  // namespace
 
-std::string content_of(const fs::path& path) {
+std::string text_of_file(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
 }
@@ -117,7 +117,7 @@ std::optional<std::string> dead_link(const fs::path& root, const fs::path& page,
         return target + ": there is no such file";
     }
     const bool has_anchor = hash < target.size() && path.extension() == ".md";
-    if (has_anchor && !anchors_in(content_of(root / path)).contains(target.substr(hash + 1))) {
+    if (has_anchor && !anchors_in(text_of_file(root / path)).contains(target.substr(hash + 1))) {
         return target + ": that page has no such heading";
     }
     return std::nullopt;

@@ -10,7 +10,7 @@
 /// What pages in Markdown have, and whether their links lead somewhere.
 namespace tribus::test {
 
-std::string content_of(const std::filesystem::path& path);
+std::string text_of_file(const std::filesystem::path& path);
 
 /// As a reader sees them.
 std::vector<std::string> headings_in(const std::string& page);

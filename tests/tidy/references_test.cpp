@@ -59,7 +59,7 @@ TEST(References, what_a_page_links_to_is_there) {
         if (!is_page(file)) {
             continue;
         }
-        for (const std::string& target : links_in(content_of(kRoot / file))) {
+        for (const std::string& target : links_in(text_of_file(kRoot / file))) {
             ++found;
             const auto dead = dead_link(kRoot, file, target);
             EXPECT_FALSE(dead) << file.string() << ": " << *dead;
@@ -169,7 +169,7 @@ std::vector<std::string> dead_parts(const fs::path& file, const Citation& citati
     if (citation.by_number) {
         wrong.push_back(citation.page + ": its sections have headings, not numbers");
     }
-    const auto headings = headings_in(content_of(kRoot / page));
+    const auto headings = headings_in(text_of_file(kRoot / page));
     for (const std::string& section : citation.sections) {
         if (std::ranges::find(headings, section) == headings.end()) {
             wrong.push_back(citation.page + " has no section \"" + section + "\"");
@@ -181,7 +181,7 @@ std::vector<std::string> dead_parts(const fs::path& file, const Citation& citati
 TEST(References, pages_and_sections_that_comments_name_are_there) {
     std::size_t found = 0;
     for (const fs::path& file : files()) {
-        const std::string source = is_page(file) ? "" : content_of(kRoot / file);
+        const std::string source = is_page(file) ? "" : text_of_file(kRoot / file);
         const auto mark = comment_mark(file, source);
         for (const Comment& comment : mark ? comments_in(source, *mark) : std::vector<Comment>{}) {
             for (const Citation& citation : citations_in(comment.text)) {

@@ -21,7 +21,7 @@
 /// The worked examples of docs/channels.md are true. A table has pulses in its head, and in each
 /// row a rule of the map with what it makes of them; or it follows a block of TOML, and each row
 /// has pulses that come in and those that go out.
-namespace tribus::testing {
+namespace tribus::test::channels_page_test {
 namespace {
 
 using Cells = std::vector<std::string>;
@@ -220,4 +220,4 @@ TEST(ChannelsPage, TheExampleOfPresetsIsTrue) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::channels_page_test

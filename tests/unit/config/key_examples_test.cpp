@@ -13,7 +13,7 @@
 #include "tests/unit/config/main_job.h"
 
 /// The example of every key in the manual, in a whole configuration that must be valid with it.
-namespace tribus::testing {
+namespace tribus::test::key_examples_test {
 namespace {
 
 using Lines = std::vector<std::string>;
@@ -280,4 +280,4 @@ TEST(KeyExamples, OfEveryKeyAreValid) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::key_examples_test

@@ -13,7 +13,7 @@
 #include "tests/unit/config/examples.h"
 #include "transports/registry/registry.h"
 
-namespace tribus::testing {
+namespace tribus::test::manual_test {
 namespace {
 
 std::filesystem::path source(const char* path) {
@@ -108,4 +108,4 @@ TEST(ManualText, IsWrappedBetweenWords) {
 }
 
 }  // namespace
-}  // namespace tribus::testing
+}  // namespace tribus::test::manual_test
