@@ -96,7 +96,8 @@ TEST_F(InstalledPages, name_files_that_are_installed) {
     }
     for (const char* source : {"deploy/man/tribus.1", "deploy/man/tribus.toml.5",
                                "deploy/debian/description", "app/doctor/line_advice.cpp"}) {
-        for (const std::string& path : paths_in(text_of_file(fs::path(TRIBUS_SOURCE_DIR) / source))) {
+        for (const std::string& path :
+             paths_in(text_of_file(fs::path(TRIBUS_SOURCE_DIR) / source))) {
             EXPECT_TRUE(has(path)) << source << " names " << path;
             ++count;
         }
