@@ -11,6 +11,7 @@
 #include "config/absent_channels.h"
 #include "config/effective.h"
 #include "config/json_schema.h"
+#include "config/manual.h"
 
 namespace tribus {
 
@@ -54,16 +55,24 @@ Command check_command() {
 }
 
 Command schema_command() {
+    auto format = std::make_shared<std::string>("json");
     return {
         .name = "schema",
-        .help = "Print the JSON schema of configurations, for editors",
+        .help = "Print every key of configurations: a schema for editors, or the manual",
         .footer =
-            "Editors that know it complete keys and underline mistakes. Save it beside the\n"
-            "configuration and start that with the line\n"
+            "Editors that know the JSON schema complete keys and underline mistakes. Save it\n"
+            "beside the configuration and start that with the line\n"
             "  #:schema ./tribus.schema.json",
+        .options = {{.name = "--format",
+                     .value = format.get(),
+                     .help = "json: JSON schema; markdown, man: every key with its meaning",
+                     .shows_value = true,
+                     .choices = {"json", "markdown", "man"}}},
         .run =
-            [] {
-                fmt::print("{}", json_schema());
+            [format] {
+                fmt::print("{}", *format == "man"        ? manual_mdoc()
+                                 : *format == "markdown" ? manual_markdown()
+                                                         : json_schema());
                 return kExitFine;
             },
     };

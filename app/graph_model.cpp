@@ -40,9 +40,15 @@ struct SourceText {
         return fmt::format("{:g} us", fixed.pulse.microseconds());
     }
     std::string operator()(const Switch& limit) const {
-        return fmt::format("switch {} {} {:g} us", number_of(limit.channel),
-                           limit.above ? "above" : "below",
-                           (limit.above ? *limit.above : *limit.below).microseconds());
+        std::string text = fmt::format("switch {}", number_of(limit.channel));
+        if (limit.above) {
+            text += fmt::format(" above {:g} us", limit.above->microseconds());
+        }
+        if (limit.below) {
+            text += fmt::format("{} below {:g} us", limit.above ? " or" : "",
+                                limit.below->microseconds());
+        }
+        return text;
     }
     std::string operator()(const FromLine& from) const { return "line " + lines[from.line].name; }
 };

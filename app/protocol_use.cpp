@@ -12,6 +12,7 @@
 
 #include "app/command_line.h"
 #include "config/document.h"
+#include "config/key_words.h"
 #include "config/mistakes.h"
 #include "config/parse_toml.h"
 #include "config/read_value.h"
@@ -161,7 +162,8 @@ std::vector<SettingOption> setting_options(SettingScope direction) {
                 continue;
             }
             const std::string help =
-                fmt::format("{}: {} ({})", protocol->name, setting.help, allowed_values(setting));
+                fmt::format("{}: {} ({})", protocol->name,
+                            without_backticks(help_with_default(setting)), allowed_values(setting));
             const auto same = [&](const SettingOption& option) {
                 return option.key == setting.key;
             };
@@ -213,7 +215,8 @@ tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
             use.settings.set(setting.key, default_of(setting));
         } else if (setting.required && applies(setting, direction)) {
             return Refused(fmt::format("--{}: {} requires it: {}; allowed: {}", setting.key,
-                                       protocol.name, setting.help, allowed_values(setting)));
+                                       protocol.name, without_backticks(setting.help),
+                                       allowed_values(setting)));
         }
     }
     if (auto mistake = mistake_between(protocol, direction, use.settings); !mistake.empty()) {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "config/json_schema_values.h"
+#include "config/key_words.h"
 #include "config/keys.h"
 #include "config/read_table.h"
 #include "core/channel_frame.h"
@@ -175,7 +176,7 @@ Json shape_schema(const Key& key) {
 }
 
 Json key_schema(const Key& key) {
-    Json json = {{"description", key.setting.help}};
+    Json json = {{"description", help_with_default(key.setting)}};
     json.update(shape_schema(key));
     return json;
 }

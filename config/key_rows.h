@@ -11,26 +11,39 @@ namespace tribus::key_rows {
 
 using enum SettingType;
 
-constexpr Setting channel_number(std::string_view key, std::string_view help) {
-    return {.key = key, .type = integer, .least = 1, .most = kChannelCount, .help = help};
+constexpr Setting channel_number(std::string_view key, std::string_view help,
+                                 std::string_view example) {
+    return {.key = key,
+            .type = integer,
+            .least = 1,
+            .most = kChannelCount,
+            .help = help,
+            .example = example};
 }
 
-constexpr Setting pulse_key(std::string_view key, std::string_view help) {
-    return {.key = key, .type = pulse, .least = kLeastPulse, .most = kMostPulse, .help = help};
+constexpr Setting pulse_key(std::string_view key, std::string_view help, std::string_view example) {
+    return {.key = key,
+            .type = pulse,
+            .least = kLeastPulse,
+            .most = kMostPulse,
+            .help = help,
+            .example = example};
 }
 
-constexpr Setting pulses_key(std::string_view key, std::string_view help,
+constexpr Setting pulses_key(std::string_view key, std::string_view help, std::string_view example,
                              std::string_view fallback = {}) {
     return {.key = key,
             .type = pulses,
             .fallback = fallback,
             .least = 0,
             .most = kMostWirePulse,
-            .help = help};
+            .help = help,
+            .example = example};
 }
 
-constexpr Setting structure(std::string_view key, std::string_view help) {
-    return {.key = key, .help = help};
+constexpr Setting structure(std::string_view key, std::string_view help,
+                            std::string_view example = {}, std::string_view absent = {}) {
+    return {.key = key, .absent = absent, .help = help, .example = example};
 }
 
 }  // namespace tribus::key_rows

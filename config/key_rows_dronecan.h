@@ -14,27 +14,35 @@ inline constexpr std::array kDroneCanKeys{
     kInterfaceKey,
     Key{{.key = "node_id",
          .type = integer,
+         .absent = "the `node_id` of an output on the interface",
          .least = 1,
          .most = kMostOwnDroneCanNodeId,
-         .help = "126 and 127 are for tools. An output of the interface may say it instead"}},
+         .help = "Node id of this program on the interface; 126 and 127 are for tools. Required "
+                 "here or in an output, unless `dynamic` is true",
+         .example = "42"}},
     Key{{.key = "dynamic",
          .type = boolean,
          .fallback = "false",
-         .help = "Asks an allocator on the bus for an id; node_id is the one that it would like. "
-                 "Autopilots take RC from the id that they heard first, so a fixed one is better "
-                 "for that"}},
+         .help = "`true`: asks an allocator on the bus for a node id; `node_id` is then the one "
+                 "that it prefers. For RC into an autopilot use a fixed id: autopilots take RC "
+                 "from the id that they heard first",
+         .example = "true"}},
     Key{{.key = "name",
          .type = text,
          .fallback = "\"org.tribus\"",
-         .help = "What others see: small letters, digits, \".\", \"_\" and \"-\""}},
+         .help = "Name of the node that others see: small letters, digits, `.`, `_` and `-`",
+         .example = "\"org.example.rover\""}},
     Key{{.key = "allow_restart",
          .type = boolean,
          .fallback = "false",
-         .help = "Others may restart this program"}},
+         .help = "`true`: other nodes may restart this program",
+         .example = "true"}},
     Key{{.key = "allow_writes",
          .type = boolean,
          .fallback = "false",
-         .help = "Others may write parameters: the periods of outputs, until the next start"}},
+         .help = "`true`: other nodes may write parameters: the periods of outputs, until the "
+                 "next start",
+         .example = "true"}},
 };
 
 }  // namespace tribus::key_rows

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "config/key_homes.h"
+#include "config/key_words.h"
 #include "config/nearest.h"
 #include "config/read_value.h"
 #include "config/values.h"
@@ -98,13 +99,21 @@ bool has_value(const Key& key) {
     return key.kind == KeyKind::value || key.kind == KeyKind::protocol;
 }
 
+/// The first sentence of its help, and the words that it may be.
+std::string meaning_of(const Setting& setting) {
+    const std::string_view sentence = setting.help.substr(0, setting.help.find(". "));
+    const std::string meaning = without_backticks(sentence);
+    return setting.choices.empty() ? meaning
+                                   : meaning + ": one of " + in_quotes_all(setting.choices);
+}
+
 void report_missing(const TableRef& ref, const Key& key, Reading reading) {
     if (reading.lost.affects(ref.where)) {
         return;
     }
     const std::string meaning = key.kind == KeyKind::protocol
                                     ? "one of " + in_quotes_all(protocol_names(way_of(ref)))
-                                    : std::string(key.setting.help);
+                                    : meaning_of(key.setting);
     reading.mistakes.add(ref.where, fmt::format("{} lacks {}; required: {}", ref.title,
                                                 in_quotes(key.name()), meaning));
 }

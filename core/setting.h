@@ -48,20 +48,29 @@ struct NumberRange {
 /// Where a protocol's own key is allowed.
 enum class SettingScope : std::uint8_t { both, input, output };
 
-/// One row of the key table. All text has static storage.
+/// One row of the key table. All text has static storage. `absent` and `help` are plain sentences
+/// without the last full stop; keys and values in them stand in backticks.
 struct Setting {
     std::string_view key;
     SettingType type = SettingType::text;
     /// Default as written in a configuration file. Empty: the key has no default.
     std::string_view fallback = {};
+    /// What holds where the key is left out, if `fallback` is empty; empty: nothing.
+    std::string_view absent = {};
     bool required = false;
     /// Allowed range, ends included, in the unit of the type (durations: seconds; pulses and slew:
     /// microseconds). Both 0: no limit.
     double least = 0;
     double most = 0;
+    /// Unit of a number whose type does not tell it, such as "KiB".
+    std::string_view unit = {};
     std::span<const std::string_view> choices = {};
     SettingScope scope = SettingScope::both;
     std::string_view help = {};
+    /// A value as one would write it in the file, for the manual.
+    std::string_view example = {};
+    /// Keys inside a tree, for the manual: the protocol reads and judges them itself.
+    std::span<const Setting> inside = {};
 };
 
 /// A text file that a key names, with its content.

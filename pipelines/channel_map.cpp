@@ -48,7 +48,7 @@ struct SourceReader {
             return std::nullopt;
         }
         const bool on =
-            (!lever.above || *pulse > *lever.above) && (!lever.below || *pulse < *lever.below);
+            (lever.above && *pulse > *lever.above) || (lever.below && *pulse < *lever.below);
         return on ? kSwitchOnPulse : kSwitchOffPulse;
     }
     std::optional<Pulse> operator()(const FromLine& from) const {

@@ -103,7 +103,8 @@ struct Fixed {
 
     bool operator==(const Fixed&) const = default;
 };
-/// 2000 us while the channel exceeds the limits, else 1000 us.
+/// 2000 us while the channel is above `above` or below `below`, else 1000 us. Has at least one
+/// limit.
 struct Switch {
     std::size_t channel = 0;
     std::optional<Pulse> above{};

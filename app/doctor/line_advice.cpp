@@ -14,7 +14,7 @@ namespace tribus::doctor {
 namespace {
 
 constexpr std::string_view kWiring =
-    "circuits are in /usr/share/doc/tribus/boards/wiring.md (docs/boards/ in the sources)";
+    "circuits are in /usr/share/doc/tribus/docs/boards/wiring.md (docs/boards/ in the sources)";
 /// Default timeout of an input.
 constexpr Duration kUsualTimeout = std::chrono::milliseconds(100);
 /// Threshold: one byte in a hundred belongs to no frame.

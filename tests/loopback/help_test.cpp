@@ -1,9 +1,12 @@
+#include <map>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/fences.h"
 #include "tests/support/shell.h"
 
 namespace tribus::test::help_test {
@@ -52,6 +55,47 @@ TEST(Help, goes_on_under_the_text_of_an_option) {
     ASSERT_NE(at, std::string::npos);
     const std::string next = help.substr(help.find('\n', at + 1) + 1, 31);
     EXPECT_EQ(next.find_first_not_of(' '), 30U) << help;
+}
+
+/// What a page shows as typed: blocks for a shell or of plain text, and words in ` `.
+std::string typed_text_in(const std::filesystem::path& page) {
+    std::string text;
+    for (const Fence& fence : fences_of(page)) {
+        text += fence.language.empty() || fence.language == "sh" ? fence.text : "";
+    }
+    static const std::regex inline_code("`([^`\n]+)`");
+    const std::string all = page_text(page);
+    for (std::sregex_iterator match(all.begin(), all.end(), inline_code), none; match != none;
+         ++match) {
+        text += (*match)[1].str() + "\n";
+    }
+    return text;
+}
+
+TEST(Help, knows_every_command_and_option_that_a_page_names) {
+    static const std::regex call_form(R"((?:^|[\n$ /(])tribus ([a-z]+)(?=[ \n])([^\n|;)]*))");
+    static const std::regex option_form(R"((?:^| )(--[a-z][a-z0-9_-]*))");
+    std::map<std::string, std::string> help;
+    for (const std::string& command : commands()) {
+        help[command] = help_of(command);
+    }
+    std::size_t found = 0;
+    for (const auto& page : manual_pages()) {
+        const std::string text = typed_text_in(page);
+        for (std::sregex_iterator call(text.begin(), text.end(), call_form), none; call != none;
+             ++call) {
+            ++found;
+            const auto known = help.find((*call)[1]);
+            EXPECT_NE(known, help.end()) << page << ":" << call->str();
+            const std::string words = (*call)[2];
+            for (std::sregex_iterator option(words.begin(), words.end(), option_form), no_option;
+                 option != no_option && known != help.end(); ++option) {
+                EXPECT_NE(known->second.find((*option)[1].str()), std::string::npos)
+                    << page << ":" << call->str();
+            }
+        }
+    }
+    EXPECT_GE(found, 50U);
 }
 
 }  // namespace

@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/pages.h"
+
 /// Pages have what links and comments say that they have.
 ///
 /// A link in a page: [text](target) or [text](target#anchor), relative to the page. A comment names
@@ -25,11 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kRoot = fs::path(TRIBUS_SOURCE_DIR).lexically_normal();
-
-std::string content_of(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// Folders of a build, of tools, and inputs that fuzzing made.
 bool is_foreign(const fs::path& folder) {
@@ -56,114 +53,15 @@ bool is_page(const fs::path& file) {
     return file.extension() == ".md";
 }
 
-// --- Pages ---------------------------------------------------------------------------------------
-
-/// Without what stands in fences, where nothing is a heading or a link.
-std::string without_fences(const std::string& page) {
-    std::string text;
-    bool fenced = false;
-    for (std::size_t begin = 0; begin < page.size();) {
-        const std::size_t end = std::min(page.find('\n', begin), page.size());
-        const std::string line = page.substr(begin, end - begin);
-        const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
-        const bool fence = std::string_view(line).substr(first).starts_with("```");
-        fenced = fenced != fence;
-        if (!fenced && !fence) {
-            text += line;
-        }
-        text += '\n';
-        begin = end + 1;
-    }
-    return text;
-}
-
-/// As a reader sees it: of a link its text, and no marks.
-std::string plain(const std::string& markdown) {
-    static const std::regex link_form(R"(\[([^\]]*)\]\([^)]*\))");
-    std::string text = std::regex_replace(markdown, link_form, "$1");
-    std::erase_if(text, [](char c) { return c == '`' || c == '*'; });
-    return text;
-}
-
-std::vector<std::string> headings_in(const std::string& page) {
-    static const std::regex heading_form(R"((?:^|\n)#{1,6} +([^\n]*[^\n# ]))");
-    const std::string text = without_fences(page);
-    std::vector<std::string> headings;
-    for (std::sregex_iterator match(text.begin(), text.end(), heading_form), none; match != none;
-         ++match) {
-        headings.push_back(plain((*match)[1]));
-    }
-    return headings;
-}
-
-/// As GitHub makes it: small letters, digits, hyphens; other signs vanish.
-std::string anchor_of(std::string_view heading) {
-    std::string anchor;
-    for (std::size_t i = 0; i < heading.size(); ++i) {
-        const char c = heading[i];
-        if (c == ' ') {
-            anchor += '-';
-        } else if (static_cast<unsigned char>(c) == 0xE2) {
-            i += 2;  // dashes, quotes and arrows are three bytes
-        } else if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
-                   static_cast<unsigned char>(c) >= 0x80) {
-            anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        }
-    }
-    return anchor;
-}
-
-/// A heading that comes again gets a number.
-std::set<std::string> anchors_in(const std::string& page) {
-    std::map<std::string, int> times;
-    std::set<std::string> anchors;
-    for (const std::string& heading : headings_in(page)) {
-        const std::string anchor = anchor_of(heading);
-        const int before = times[anchor]++;
-        anchors.insert(before == 0 ? anchor : anchor + "-" + std::to_string(before));
-    }
-    return anchors;
-}
-
-std::vector<std::string> links_in(const std::string& page) {
-    static const std::regex inline_code("``[^\n]*?``|`[^`\n]*`");
-    static const std::regex link_form(R"(\]\(\s*<?([^)\s>]+)>?(?:\s+"[^"]*")?\s*\))");
-    const std::string text = std::regex_replace(without_fences(page), inline_code, "");
-    std::vector<std::string> targets;
-    for (std::sregex_iterator match(text.begin(), text.end(), link_form), none; match != none;
-         ++match) {
-        targets.push_back((*match)[1]);
-    }
-    return targets;
-}
-
-/// Why a link of a page leads nowhere; nothing if it does not, or leads out of the project.
-std::optional<std::string> dead_link(const fs::path& page, const std::string& target) {
-    if (target.find("://") != std::string::npos || target.starts_with("mailto:")) {
-        return std::nullopt;
-    }
-    const std::size_t hash = std::min(target.find('#'), target.size());
-    const std::string file = target.substr(0, hash);
-    const fs::path path = file.empty() ? page : (page.parent_path() / file).lexically_normal();
-    if (path.is_absolute() || path.string().starts_with("..") || !fs::exists(kRoot / path)) {
-        return target + ": there is no such file in the project";
-    }
-    const bool has_anchor = hash < target.size() && is_page(path);
-    if (has_anchor && !anchors_in(content_of(kRoot / path)).contains(target.substr(hash + 1))) {
-        return target + ": that page has no such heading";
-    }
-    return std::nullopt;
-}
-
 TEST(References, what_a_page_links_to_is_there) {
     std::size_t found = 0;
     for (const fs::path& file : files()) {
         if (!is_page(file)) {
             continue;
         }
-        for (const std::string& target : links_in(content_of(kRoot / file))) {
+        for (const std::string& target : links_in(text_of_file(kRoot / file))) {
             ++found;
-            const auto dead = dead_link(file, target);
+            const auto dead = dead_link(kRoot, file, target);
             EXPECT_FALSE(dead) << file.string() << ": " << *dead;
         }
     }
@@ -271,7 +169,7 @@ std::vector<std::string> dead_parts(const fs::path& file, const Citation& citati
     if (citation.by_number) {
         wrong.push_back(citation.page + ": its sections have headings, not numbers");
     }
-    const auto headings = headings_in(content_of(kRoot / page));
+    const auto headings = headings_in(text_of_file(kRoot / page));
     for (const std::string& section : citation.sections) {
         if (std::ranges::find(headings, section) == headings.end()) {
             wrong.push_back(citation.page + " has no section \"" + section + "\"");
@@ -283,7 +181,7 @@ std::vector<std::string> dead_parts(const fs::path& file, const Citation& citati
 TEST(References, pages_and_sections_that_comments_name_are_there) {
     std::size_t found = 0;
     for (const fs::path& file : files()) {
-        const std::string source = is_page(file) ? "" : content_of(kRoot / file);
+        const std::string source = is_page(file) ? "" : text_of_file(kRoot / file);
         const auto mark = comment_mark(file, source);
         for (const Comment& comment : mark ? comments_in(source, *mark) : std::vector<Comment>{}) {
             for (const Citation& citation : citations_in(comment.text)) {
@@ -301,15 +199,15 @@ TEST(References, pages_and_sections_that_comments_name_are_there) {
 
 TEST(References, a_dead_link_is_found) {
     const fs::path page = "tests/README.md";
-    EXPECT_FALSE(dead_link(page, "fuzz/README.md"));
-    EXPECT_FALSE(dead_link(page, "lab"));
-    EXPECT_FALSE(dead_link(page, "#longer"));
-    EXPECT_FALSE(dead_link(page, "https://example.org/none.md#none"));
-    EXPECT_TRUE(dead_link(page, "fuzz/README.txt"));
-    EXPECT_TRUE(dead_link(page, "#shorter"));
-    EXPECT_TRUE(dead_link(page, "fuzz/README.md#none"));
-    EXPECT_TRUE(dead_link(page, "../../outside.md"));
-    EXPECT_TRUE(dead_link(page, "/etc/passwd"));
+    EXPECT_FALSE(dead_link(kRoot, page, "fuzz/README.md"));
+    EXPECT_FALSE(dead_link(kRoot, page, "lab"));
+    EXPECT_FALSE(dead_link(kRoot, page, "#longer"));
+    EXPECT_FALSE(dead_link(kRoot, page, "https://example.org/none.md#none"));
+    EXPECT_TRUE(dead_link(kRoot, page, "fuzz/README.txt"));
+    EXPECT_TRUE(dead_link(kRoot, page, "#shorter"));
+    EXPECT_TRUE(dead_link(kRoot, page, "fuzz/README.md#none"));
+    EXPECT_TRUE(dead_link(kRoot, page, "../../outside.md"));
+    EXPECT_TRUE(dead_link(kRoot, page, "/etc/passwd"));
 }
 
 TEST(References, links_are_told_from_code) {
@@ -320,6 +218,11 @@ TEST(References, links_are_told_from_code) {
 TEST(References, anchors_are_those_of_github) {
     EXPECT_EQ(anchors_in("# A b, c: `d`\n```\n# none\n```\n## x_y – z\n## Same\n## Same\n"),
               (std::set<std::string>{"a-b-c-d", "x_y--z", "same", "same-1"}));
+}
+
+TEST(References, a_page_sets_anchors_of_its_own) {
+    EXPECT_EQ(anchors_in("| <a id=\"input-timeout\"></a>`timeout` |\n"),
+              std::set<std::string>{"input-timeout"});
 }
 
 TEST(References, a_citation_goes_over_lines_and_names_several_sections) {

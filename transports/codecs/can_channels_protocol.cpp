@@ -22,26 +22,33 @@ constexpr std::array kSettings{
             .fallback = "768",
             .least = 0,
             .most = kMostExtendedId - kFdIndex,
-            .help = "The first of six ids in a row: five for classic frames, one for FD; 768 is "
-                    "0x300"},
+            .help = "First of six CAN ids in a row: five for classic frames, one for FD; 768 is "
+                    "0x300",
+            .example = "0x200"},
     Setting{.key = "extended",
             .type = SettingType::boolean,
             .fallback = "false",
-            .help = "Ids of 29 bits"},
+            .help = "`true`: ids of 29 bits",
+            .example = "true"},
     Setting{.key = "fd",
             .type = SettingType::boolean,
             .fallback = "false",
-            .help = "One CAN FD frame of 48 bytes a snapshot, in steps of 0.125 us"},
+            .help = "`true`: one CAN FD frame of 48 bytes a snapshot, in steps of 0.125 us, "
+                    "instead of five classic frames",
+            .example = "true"},
     Setting{.key = "crc",
             .type = SettingType::choice,
             .fallback = "\"p22\"",
             .choices = kCrcChoices,
-            .help = "AUTOSAR E2E profile of classic frames; FD frames always have profile 5"},
+            .help = "AUTOSAR E2E profile of classic frames, 22 or 1; FD frames always have "
+                    "profile 5",
+            .example = "\"p01\""},
     Setting{.key = "channels",
             .type = SettingType::integer,
             .fallback = "18",
             .choices = kChannelsChoices,
-            .help = "18, or 16 and two switches in one classic frame less"},
+            .help = "18, or 16 and two switches, which saves one of five classic frames",
+            .example = "16"},
 };
 static_assert(can_channels::kDefaultBaseId == 768);
 

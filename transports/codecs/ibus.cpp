@@ -114,21 +114,25 @@ constexpr std::array kIbusSettings{
             .fallback = "115200",
             .least = 9600,
             .most = 1000000,
-            .help = "Bit rate of the line"},
+            .unit = "baud",
+            .help = "Bit rate of the line",
+            .example = "100000"},
     Setting{.key = "slots",
             .type = SettingType::choice,
             .fallback = "\"nibbles\"",
             .choices = kSlotsChoices,
             .scope = SettingScope::input,
-            .help = "nibbles: 12 bits a slot, channels 15 to 18 in the high nibbles; plain: 16 "
-                    "bits a slot, at most 14 channels"},
+            .help = "How channels lie in a frame. `nibbles`: 12 bits a slot, channels 15 to 18 "
+                    "in the high nibbles; `plain`: 16 bits a slot, at most 14 channels",
+            .example = "\"plain\""},
     Setting{.key = "channels",
             .type = SettingType::integer,
             .fallback = "14",
             .choices = kChannelsChoices,
             .scope = SettingScope::output,
-            .help = "14, which every reader knows, or 18 (ArduPilot reads an 18-channel frame as "
-                    "failsafe)"},
+            .help = "How many channels are sent. Every reader knows 14; ArduPilot reads a frame "
+                    "of 18 channels as failsafe",
+            .example = "18"},
 };
 
 std::unique_ptr<Decoder> make_ibus_decoder(const SettingValues& settings) {

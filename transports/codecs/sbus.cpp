@@ -87,17 +87,22 @@ constexpr std::array kSbusSettings{
     Setting{.key = "baud",
             .type = SettingType::integer,
             .fallback = "100000",
+            .unit = "baud",
             .choices = kBaudChoices,
-            .help = "Bit rate of the line: 100000, or 200000 for the fast variant (DJI)"},
+            .help = "Bit rate of the line: 100000, or 200000 for the fast variant (DJI)",
+            .example = "200000"},
     Setting{.key = "scale",
             .type = SettingType::scale,
             .fallback = "\"betaflight\"",
             .choices = kScaleChoices,
-            .help = "How raw values relate to microseconds: a maker's scale, or two points"},
+            .help = "How raw values become microseconds: a maker's scale, or two points",
+            .example = "{ raw = [172, 1811], us = [988, 2012] }"},
     Setting{.key = "inverted",
             .type = SettingType::boolean,
             .fallback = "false",
-            .help = "Ask the UART to invert the line by itself; Linux has no setting for it"},
+            .help = "Must be false: Linux has no setting that inverts a serial line. Use an "
+                    "inverter",
+            .example = "false"},
 };
 
 std::unique_ptr<Decoder> make_sbus_decoder(const SettingValues& settings) {

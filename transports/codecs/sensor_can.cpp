@@ -20,17 +20,20 @@ constexpr std::array kSensorSettings{
     Setting{.key = "sensor_bus",
             .type = SettingType::text,
             .required = true,
-            .help = "The sensor bus whose readings are sent: NAME of [sensor_bus.NAME]"},
+            .help = "Sensor bus whose readings are sent: NAME of `[sensor_bus.NAME]`",
+            .example = "\"probes\""},
     Setting{.key = "id",
             .type = SettingType::integer,
             .fallback = "800",
             .least = 0,
             .most = kMostExtendedId - (kMostSensors - 1),
-            .help = "The first of 15 ids in a row, one for each address; 800 is 0x320"},
+            .help = "First of 15 CAN ids in a row, one for each address; 800 is 0x320",
+            .example = "0x400"},
     Setting{.key = "extended",
             .type = SettingType::boolean,
             .fallback = "false",
-            .help = "Ids of 29 bits"},
+            .help = "`true`: ids of 29 bits",
+            .example = "true"},
 };
 static_assert(sensor_can::kDefaultBaseId == 800);
 

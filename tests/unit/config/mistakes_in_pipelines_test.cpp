@@ -16,7 +16,7 @@ TEST_P(MistakeInPipelines, IsReportedWithItsPlaceAndWhatIsAllowed) {
 constexpr Spoilt kMistakes[]{
     {"missing_from", 8, "",
      R"(t.toml:7:1: [pipeline.main] lacks "from"; required: Inputs by name, the )"
-     R"(preferred first)"},
+     R"(preferred one first)"},
     {"missing_to", 9, "", R"(t.toml:7:1: [pipeline.main] lacks "to"; required: Outputs by name)"},
     {"misspelt_input", 8, R"(from = "reciever")",
      R"(t.toml:8:8: no input is named "reciever"; did you mean "receiver"? Allowed: )"

@@ -109,9 +109,7 @@ constexpr Wrong kMistakes[]{
     {"handover_by_an_input_that_is_not_there", "handover = { input = \"d\", channel = 8 }", kAll,
      R"(t.toml:16:22: [pipeline.main] has no input "d"; allowed: "a", "b", "c")"},
     {"handover_without_a_channel", "handover = { input = \"a\" }", kAll,
-     R"(t.toml:16:12: "handover" lacks "channel"; required: Its travel from 1000 to 2000 us is )"
-     R"(divided evenly among the inputs of the pipeline, in their order; of a median, )"
-     R"(the lowest part leaves it to the vote)"},
+     R"(t.toml:16:12: "handover" lacks "channel"; required: The channel that selects)"},
     {"handover_that_is_no_table", "handover = 8", kAll,
      R"(t.toml:16:12: "handover" is 8; allowed: a table, such as { input = "main", channel = )"
      R"(8 })"},

@@ -147,7 +147,7 @@ TEST_F(SensorBusConfiguration, RefusesUnitsThatDoNotFit) {
 
 TEST_F(SensorBusConfiguration, NamesTheTypeAndTheFieldThatWereMeant) {
     const std::string type = sensor_mistake("type = \"external_voltge\"\nvalue = \"cells\"");
-    EXPECT_EQ(type.substr(0, 85),
+    EXPECT_EQ(type.substr(0, 87),
               "12:8: \"external_voltge\" is not a sensor type; did you mean \"external_voltage\"? "
               "allowed:");
     EXPECT_EQ(sensor_mistake("type = \"gps_status\"\nvalues = { satelites = \"cells\" }"),

@@ -197,6 +197,15 @@ TEST(ChannelMap, a_switch_is_on_only_beyond_its_limit) {
     EXPECT_EQ(first_us(below, us(1299)), 2000);
 }
 
+TEST(ChannelMap, a_switch_with_two_limits_is_on_outside_of_them) {
+    ChannelMap map =
+        map_of({.output = 0, .source = Switch{.channel = 0, .above = us(1700), .below = us(1300)}});
+    EXPECT_EQ(first_us(map, us(1299)), 2000);
+    EXPECT_EQ(first_us(map, us(1300)), 1000);
+    EXPECT_EQ(first_us(map, us(1700)), 1000);
+    EXPECT_EQ(first_us(map, us(1701)), 2000);
+}
+
 TEST(ChannelMap, slew_limits_the_speed_from_the_second_value_on) {
     ChannelRule rule = first_from_first();
     rule.slew_us_per_second = 2000;

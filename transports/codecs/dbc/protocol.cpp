@@ -10,6 +10,7 @@
 #include "transports/codecs/dbc/dbc.h"
 #include "transports/codecs/dbc/map.h"
 #include "transports/codecs/dbc/roles.h"
+#include "transports/codecs/dbc/signal_keys.h"
 
 namespace tribus {
 namespace {
@@ -18,15 +19,22 @@ constexpr std::array kDbcSettings{
     Setting{.key = "dbc",
             .type = SettingType::file,
             .required = true,
-            .help = "DBC file that describes the messages, from the folder of this file"},
+            .help = "DBC file that describes the messages, from the folder of the configuration",
+            .example = "\"rover.dbc\""},
     Setting{.key = "signals",
             .type = SettingType::tree,
             .required = true,
-            .help = "What the signals are for: MESSAGE.SIGNAL = channel number, or a table with "
-                    "channel, flag, fixed, counter, checksum or from"},
+            .help = "What the signals are for: `{ MESSAGE = { SIGNAL = meaning } }`. A meaning "
+                    "is a channel number, or a table with one of `channel`, `flag`, `fixed`, "
+                    "`counter`, `checksum`, `from`",
+            .example = "{ Command = { Steering = 1, Lost = { flag = \"failsafe\" } } }",
+            .inside = kDbcSignalKeys},
     Setting{.key = "cycles",
             .type = SettingType::tree,
-            .help = "Cycle times that differ from those of the DBC file: MESSAGE = \"100ms\""},
+            .absent = "the cycle times of the DBC file",
+            .help = "Cycle times that differ from those of the DBC file, 1ms to 60s: `{ MESSAGE "
+                    "= \"100ms\" }`",
+            .example = "{ Heartbeat = \"1s\" }"},
 };
 
 constexpr Duration kLeastDbcPeriod = std::chrono::milliseconds(1);
@@ -112,7 +120,7 @@ std::unique_ptr<CanEncoder> make_dbc_encoder(const SettingValues& settings) {
 // sent every 20 ms at most (docs/protocols/can.md, "J1939 joysticks" and "Drive units and robots").
 const Protocol kDbcProtocol{
     .name = "dbc",
-    .description = "messages that a DBC file describes",
+    .description = "Messages that a DBC file describes",
     .link = LinkKind::can,
     .line = {},
     .settings = kDbcSettings,

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <set>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 #include "tests/support/dbc_maps.h"
+#include "transports/codecs/dbc/signal_keys.h"
 
 namespace tribus::roles_test {
 namespace {
@@ -139,6 +141,45 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{R"({"checksum": "xor", "data_id": 1})",
               "signals.M.S.data_id: \"xor\" has no data id; allowed: with \"p01\" and \"p05\" "
               "only"}));
+
+/// The keys that the reader knows beside `json`, as its message about an unknown one lists them.
+std::set<std::string> known_keys(std::string_view json) {
+    const Lines told = mistakes_in(json);
+    const std::string text = told.empty() ? "" : told.back();
+    std::set<std::string> keys;
+    std::size_t at = text.find("allowed here: ");
+    while ((at = text.find('"', at)) != std::string::npos) {
+        const std::size_t end = text.find('"', at + 1);
+        keys.insert(text.substr(at + 1, end - at - 1));
+        at = end + 1;
+    }
+    return keys;
+}
+
+TEST(DbcRole, TheManualListsTheKeysThatAreRead) {
+    std::set<std::string> read;
+    for (const std::string_view json :
+         {R"({"channel": 1, "?": 0})", R"({"flag": "good", "?": 0})", R"({"fixed": 5, "?": 0})",
+          R"({"counter": true, "?": 0})", R"({"checksum": "p01", "?": 0})",
+          R"({"from": "a", "?": 0})"}) {
+        read.merge(known_keys(json));
+    }
+    std::set<std::string> listed;
+    for (const Setting& setting : kDbcSignalKeys) {
+        listed.emplace(setting.key);
+    }
+    EXPECT_EQ(listed, read);
+}
+
+TEST(DbcRole, TheManualListsTheWordsThatAreRead) {
+    for (const std::string_view flag : kDbcFlagChoices) {
+        EXPECT_EQ(mistakes_in(R"({"flag": ")" + std::string(flag) + R"("})"), Lines{}) << flag;
+    }
+    for (const std::string_view checksum : kDbcChecksumChoices) {
+        EXPECT_EQ(mistakes_in(R"({"checksum": ")" + std::string(checksum) + R"("})"), Lines{})
+            << checksum;
+    }
+}
 
 }  // namespace
 }  // namespace tribus::roles_test

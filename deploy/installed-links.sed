@@ -1,0 +1,11 @@
+# Links of the pages, as the package has them (deploy/CMakeLists.txt). sed -E.
+
+# What is installed elsewhere.
+s#\]\(((\.\./)*)config/examples#](\1examples#g
+s#\]\(((\.\./)*)deploy/networkd#](\1examples/networkd#g
+s#\]\(((\.\./)*)deploy/can/#](\1../../tribus/can/#g
+s#\]\(((\.\./)*)tests/sim/(known_receivers|redundancy)\.txt#](\1docs/\3.txt#g
+s#\]\(((\.\./)*)LICENSE\)#](\1copyright)#g
+
+# What only the sources have: of the link its text.
+s#\[([^][]*)\]\((\.\./)*(CONTRIBUTING\.md|\.ci|app|config|core|deploy|pipelines|tests|transports)([/#][^)]*)?\)#\1#g

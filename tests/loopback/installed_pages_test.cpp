@@ -1,0 +1,109 @@
+#include <filesystem>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/pages.h"
+#include "tests/support/shell.h"
+#include "tests/support/temporary_folder.h"
+
+/// What `cmake --install`, and so the package, puts on a board to be read there without a net.
+namespace tribus::test::installed_pages_test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class InstalledPages : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        if (run_in_shell("'" TRIBUS_CMAKE "' --version").status != 0) {
+            GTEST_SKIP() << "needs cmake";
+        }
+        const Ended ended =
+            run_in_shell("DESTDIR='" + folder_.path().string() +
+                         "' '" TRIBUS_CMAKE "' --install '" TRIBUS_BUILD_DIR "' --prefix /usr");
+        ASSERT_EQ(ended.status, 0) << ended.output;
+    }
+    const fs::path& root() const { return folder_.path(); }
+    bool has(const std::string& path) const { return fs::exists(root() / path.substr(1)); }
+
+    /// Relative to the root.
+    std::vector<fs::path> pages() const {
+        std::vector<fs::path> found;
+        for (const auto& entry : fs::recursive_directory_iterator(root())) {
+            if (entry.path().extension() == ".md") {
+                found.push_back(entry.path().lexically_relative(root()));
+            }
+        }
+        return found;
+    }
+
+  private:
+    TemporaryFolder folder_;
+};
+
+TEST_F(InstalledPages, are_there) {
+    for (const std::string path :
+         {"/usr/share/man/man1/tribus.1.gz", "/usr/share/man/man5/tribus.toml.5.gz",
+          "/usr/share/doc/tribus/README.md", "/usr/share/doc/tribus/CHANGELOG.md",
+          "/usr/share/doc/tribus/docs/README.md", "/usr/share/doc/tribus/docs/configuration.md",
+          "/usr/share/doc/tribus/docs/boards/wiring.md",
+          "/usr/share/doc/tribus/examples/main-job.toml"}) {
+        EXPECT_TRUE(has(path)) << path;
+    }
+    EXPECT_GE(pages().size(), 25U);
+}
+
+TEST_F(InstalledPages, link_to_what_is_installed) {
+    std::size_t count = 0;
+    for (const fs::path& page : pages()) {
+        for (const std::string& target : links_in(text_of_file(root() / page))) {
+            const auto dead = dead_link(root(), page, target);
+            EXPECT_FALSE(dead) << page.string() << ": " << *dead
+                               << "; install it, or rewrite the link in deploy/installed-links.sed";
+            ++count;
+        }
+    }
+    EXPECT_GT(count, 100U);
+}
+
+/// Paths of the package that a text names.
+std::vector<std::string> paths_in(const std::string& text) {
+    static const std::regex form(R"(/usr/(share|lib)/[A-Za-z0-9_.@/-]*tribus[A-Za-z0-9_.@/-]*)");
+    std::vector<std::string> paths;
+    for (std::sregex_iterator match(text.begin(), text.end(), form), none; match != none; ++match) {
+        std::string path = match->str();
+        path.erase(path.find_last_not_of(".-/") + 1);
+        // Of `80-can*` the folder.
+        const bool pattern =
+            text[static_cast<std::size_t>(match->position() + match->length()) % text.size()] ==
+            '*';
+        paths.push_back(pattern ? fs::path(path).parent_path().string() : path);
+    }
+    return paths;
+}
+
+TEST_F(InstalledPages, name_files_that_are_installed) {
+    std::vector<fs::path> texts = pages();
+    std::size_t count = 0;
+    for (const fs::path& page : texts) {
+        for (const std::string& path : paths_in(text_of_file(root() / page))) {
+            EXPECT_TRUE(has(path)) << page.string() << " names " << path;
+            ++count;
+        }
+    }
+    for (const char* source : {"deploy/man/tribus.1", "deploy/man/tribus.toml.5",
+                               "deploy/debian/description", "app/doctor/line_advice.cpp"}) {
+        for (const std::string& path :
+             paths_in(text_of_file(fs::path(TRIBUS_SOURCE_DIR) / source))) {
+            EXPECT_TRUE(has(path)) << source << " names " << path;
+            ++count;
+        }
+    }
+    EXPECT_GT(count, 10U);
+}
+
+}  // namespace
+}  // namespace tribus::test::installed_pages_test

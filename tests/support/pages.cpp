@@ -1,0 +1,126 @@
+#include "tests/support/pages.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <regex>
+
+namespace tribus::test {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Without what stands in fences, where nothing is a heading or a link.
+std::string without_fences(const std::string& page) {
+    std::string text;
+    bool fenced = false;
+    for (std::size_t begin = 0; begin < page.size();) {
+        const std::size_t end = std::min(page.find('\n', begin), page.size());
+        const std::string line = page.substr(begin, end - begin);
+        const std::size_t first = std::min(line.find_first_not_of(' '), line.size());
+        const bool fence = std::string_view(line).substr(first).starts_with("```");
+        fenced = fenced != fence;
+        if (!fenced && !fence) {
+            text += line;
+        }
+        text += '\n';
+        begin = end + 1;
+    }
+    return text;
+}
+
+/// As a reader sees it: of a link its text, and no marks.
+std::string plain(const std::string& markdown) {
+    static const std::regex link_form(R"(\[([^\]]*)\]\([^)]*\))");
+    std::string text = std::regex_replace(markdown, link_form, "$1");
+    std::erase_if(text, [](char c) { return c == '`' || c == '*'; });
+    return text;
+}
+
+/// As GitHub makes it: small letters, digits, hyphens; other signs vanish.
+std::string anchor_of(std::string_view heading) {
+    std::string anchor;
+    for (std::size_t i = 0; i < heading.size(); ++i) {
+        const char c = heading[i];
+        if (c == ' ') {
+            anchor += '-';
+        } else if (static_cast<unsigned char>(c) == 0xE2) {
+            i += 2;  // dashes, quotes and arrows are three bytes
+        } else if (std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '-' || c == '_' ||
+                   static_cast<unsigned char>(c) >= 0x80) {
+            anchor += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        }
+    }
+    return anchor;
+}
+
+}  // namespace
+
+std::string text_of_file(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::vector<std::string> headings_in(const std::string& page) {
+    static const std::regex heading_form(R"((?:^|\n)#{1,6} +([^\n]*[^\n# ]))");
+    const std::string text = without_fences(page);
+    std::vector<std::string> headings;
+    for (std::sregex_iterator match(text.begin(), text.end(), heading_form), none; match != none;
+         ++match) {
+        headings.push_back(plain((*match)[1]));
+    }
+    return headings;
+}
+
+/// A heading that comes again gets a number.
+std::set<std::string> anchors_in(const std::string& page) {
+    static const std::regex own_anchor(R"re(<a id="([^"]+)"></a>)re");
+    std::map<std::string, int> times;
+    std::set<std::string> anchors;
+    for (const std::string& heading : headings_in(page)) {
+        const std::string anchor = anchor_of(heading);
+        const int before = times[anchor]++;
+        anchors.insert(before == 0 ? anchor : anchor + "-" + std::to_string(before));
+    }
+    const std::string text = without_fences(page);
+    for (std::sregex_iterator match(text.begin(), text.end(), own_anchor), none; match != none;
+         ++match) {
+        anchors.insert((*match)[1]);
+    }
+    return anchors;
+}
+
+std::vector<std::string> links_in(const std::string& page) {
+    static const std::regex inline_code("``[^\n]*?``|`[^`\n]*`");
+    static const std::regex link_form(R"(\]\(\s*<?([^)\s>]+)>?(?:\s+"[^"]*")?\s*\))");
+    const std::string text = std::regex_replace(without_fences(page), inline_code, "");
+    std::vector<std::string> targets;
+    for (std::sregex_iterator match(text.begin(), text.end(), link_form), none; match != none;
+         ++match) {
+        targets.push_back((*match)[1]);
+    }
+    return targets;
+}
+
+std::optional<std::string> dead_link(const fs::path& root, const fs::path& page,
+                                     const std::string& target) {
+    if (target.find("://") != std::string::npos || target.starts_with("mailto:")) {
+        return std::nullopt;
+    }
+    const std::size_t hash = std::min(target.find('#'), target.size());
+    const std::string file = target.substr(0, hash);
+    const fs::path path = file.empty() ? page : (page.parent_path() / file).lexically_normal();
+    if (path.is_absolute() || path.string().starts_with("..") || !fs::exists(root / path)) {
+        return target + ": there is no such file";
+    }
+    const bool has_anchor = hash < target.size() && path.extension() == ".md";
+    if (has_anchor && !anchors_in(text_of_file(root / path)).contains(target.substr(hash + 1))) {
+        return target + ": that page has no such heading";
+    }
+    return std::nullopt;
+}
+
+}  // namespace tribus::test
