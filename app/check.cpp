@@ -60,7 +60,7 @@ Command schema_command() {
         .name = "schema",
         .help = "Print every key of configurations: a schema for editors, or the manual",
         .footer =
-            "Editors that know the JSON schema complete keys and underline mistakes. Save it\n"
+            "Editors that know the JSON schema complete keys and underline mistakes. Save it "
             "beside the configuration and start that with the line\n"
             "  #:schema ./tribus.schema.json",
         .options = {{.name = "--format",

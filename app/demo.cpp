@@ -263,8 +263,8 @@ Command demo_command() {
         .name = "demo",
         .help = "Translate i.Bus to SBUS without hardware, with live bars",
         .footer =
-            "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the\n"
-            "real engine, a servo bank on another. The radio link drops every few seconds.",
+            "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the real "
+            "engine, a servo bank on another. The radio link drops every few seconds.",
         .options = {{.name = "--seconds",
                      .value = seconds.get(),
                      .help = "End after this time, with a summary",

@@ -298,9 +298,9 @@ Command diff_command() {
         .name = "diff",
         .help = "Print what changes if a configuration replaces another one",
         .footer =
-            "One line for each changed setting and channel, and what a reload does with "
-            "it.\nPrints nothing if nothing changes. With a running daemon: also what each "
-            "output\nwould send with the sticks as they are now.",
+            "One line for each changed setting and channel, and what a reload does with it. "
+            "Prints nothing if nothing changes. With a running daemon: also what each output "
+            "would send with the sticks as they are now.",
         .options =
             {{.name = "CONFIG",
               .value = &options->first,

@@ -158,10 +158,8 @@ Command learn_command() {
         .help = "Find out how a receiver loses its link, and which detectors recognise it",
         .footer =
             "Guides you through moving the sticks, letting go, switching the transmitter off and "
-            "on\n"
-            "again, and prints the lines that recognise this receiver's loss, or what to set on "
-            "the\n"
-            "transmitter. Take the propellers off first. Exit status: 0 recognised, 1 not.",
+            "on again, and prints the lines that recognise this receiver's loss, or what to set "
+            "on the transmitter. Take the propellers off first. Exit status: 0 recognised, 1 not.",
         // Newer versions of CLI11 do not allow a colon in a name.
         .options = {{.name = "INPUT",
                      .value = &options->file_and_name,

@@ -202,8 +202,8 @@ Command monitor_command() {
         .name = "monitor",
         .help = "Live view of a running daemon",
         .footer =
-            "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll,\n"
-            "p pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
+            "In a terminal: up and down (or Tab) select, PgUp and PgDn (or u and d) scroll, p "
+            "pauses, q quits. Without one it prints a line a second. It waits for a daemon that "
             "restarts.",
         .options = {{.name = "NAME",
                      .value = &options->name,

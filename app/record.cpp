@@ -104,8 +104,8 @@ Command record_command() {
         .help = "Record, with a running daemon's flight recorder or directly from a port",
         .footer =
             "Without --out it asks a daemon whose configuration has [recorder] for a recording, "
-            "and\nprints the folder. With --out it reads a port that no other program uses; "
-            "CAN\ninterfaces are shared. `decode`, `simulate` and `replay` read the files.",
+            "and prints the folder. With --out it reads a port that no other program uses; CAN "
+            "interfaces are shared. `decode`, `simulate` and `replay` read the files.",
         .options = {{.name = "TARGET",
                      .value = &options->target,
                      .help = "Name of the daemon's configuration file, if several run; with --out "

@@ -128,8 +128,8 @@ Command reload_command() {
         .name = "reload",
         .help = "Make a running daemon read its configuration again, optionally on trial",
         .footer =
-            "The daemon takes the file between two frames, or refuses it, says why, and goes "
-            "on\nwith the old one. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
+            "The daemon takes the file between two frames, or refuses it, says why, and goes on "
+            "with the old one. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
         .options = {{.name = "NAME",
                      .value = &options->name,
                      .help = "Name of the daemon's configuration file; needed if several run"},

@@ -246,7 +246,7 @@ Command replay_command() {
         .help = "Send a recording with its timing into a pty, a serial device or a CAN interface",
         .footer =
             "It begins with the first burst or frame; with a pty, as soon as a program opens it. "
-            "At\nthe end it prints how late it was; anything more than 50 ms late is left out.",
+            "At the end it prints how late it was; anything more than 50 ms late is left out.",
         .options = {{.name = "FILE",
                      .value = &options->file,
                      .help = "Recording, as decode and simulate read it",

@@ -125,9 +125,9 @@ Command run_command() {
         .name = "run",
         .help = "Run a configuration, in the foreground",
         .footer =
-            "SIGTERM and Ctrl-C: outputs send their last frames as their failsafe demands, "
-            "then\nthe program exits. SIGHUP: reads the configuration again and takes it between "
-            "two\nframes. If it has mistakes or its devices cannot be opened, the old one goes on.",
+            "SIGTERM and Ctrl-C: outputs send their last frames as their failsafe demands, then "
+            "the program exits. SIGHUP: reads the configuration again and takes it between two "
+            "frames. If it has mistakes or its devices cannot be opened, the old one goes on.",
         .options =
             {{.name = "CONFIG",
               .value = &options->path,

@@ -98,7 +98,8 @@ std::string section_of(const std::string& page, const std::string& command) {
     if (begin == std::string::npos) {
         return "";
     }
-    const std::size_t end = page.find("\n.S", begin + title.size());
+    const std::size_t end =
+        std::min(page.find("\n.Ss ", begin + title.size()), page.find("\n.Sh ", begin));
     return page.substr(begin, end - begin);
 }
 

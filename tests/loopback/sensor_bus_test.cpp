@@ -301,7 +301,7 @@ INSTANTIATE_TEST_SUITE_P(
                 "\"drop_after\" is for role \"receiver\"; leave it out"},
         Mistake{telemetry(FarWires::two, "reply_after = \"1ms\"\n") +
                     sensor("external_voltage", "machine.supply"),
-                "\"reply_after\" is not before \"reply_within\""},
+                "\"reply_after\" is not less than \"reply_within\""},
         Mistake{telemetry(FarWires::two, "address = 15\n") +
                     sensor("external_voltage", "machine.supply") + sensor("fuel", "machine.memory"),
                 "allowed: addresses up to 15"}));
