@@ -34,8 +34,8 @@ std::optional<int> MainWait::until(Instant deadline, std::span<const int> others
     for (const int descriptor : others) {
         watched.push_back({.fd = descriptor, .events = POLLIN, .revents = 0});
     }
-    constexpr Duration kLongest = std::chrono::hours(1);
-    const Duration left = std::clamp(deadline - monotonic_now(), Duration::zero(), kLongest);
+    constexpr Duration kLongestWait = std::chrono::hours(1);
+    const Duration left = std::clamp(deadline - monotonic_now(), Duration::zero(), kLongestWait);
     // Rounded up: a wait that ends too early would be followed by a wait of 0 ms.
     const auto wait = std::chrono::ceil<std::chrono::milliseconds>(left);
     ::poll(watched.data(), watched.size(), static_cast<int>(wait.count()));

@@ -12,6 +12,7 @@
 namespace tribus {
 
 // The destructor of nlohmann::json is declared noexcept but could throw.
+// NOLINTNEXTLINE(bugprone-exception-escape)
 struct MonitorView {
     /// The latest status; null before the first.
     nlohmann::json status;
