@@ -16,12 +16,13 @@ step() {
     echo "[$1/3] $(date +%H:%M:%S) $2" >&2
 }
 
+# prepare_and_build TARGET...
 prepare_and_build() {
     step 1 "Packages (the first time 1 to 2 minutes)"
     # shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
     install_packages $build_packages $test_packages $bench_packages
     step 2 "Building the program and its tests (the first time 4 to 6 minutes on two processors)"
-    build ON all
+    build ON "$@"
 }
 
 # The tests wait about as much as they compute, so twice as many run as there are processors.
@@ -30,7 +31,7 @@ run_tests() {
 }
 
 first_tier() {
-    prepare_and_build
+    prepare_and_build all
     step 3 "Testing (1 to 2 minutes)"
     run_tests --label-exclude 'lab|long' "$@"
 }
@@ -41,7 +42,7 @@ laboratory() {
         echo "The laboratory could not be prepared: its tests will fail, the others run." >&2
     shift
     # After prepare.sh, because CMake looks whether libgpiod 2 is there.
-    prepare_and_build
+    prepare_and_build all second_tier
     step 3 "Testing in emulated machines (up to 10 minutes)"
     ctest --test-dir build --output-on-failure --parallel "$(nproc)" "$@"
 }
