@@ -8,7 +8,6 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,10 +17,8 @@
 
 #include "app/complain.h"
 #include "app/doctor/can_judge.h"
+#include "app/doctor/examine.h"
 #include "app/doctor/kernel_files.h"
-#include "app/doctor/line_advice.h"
-#include "app/doctor/line_heard.h"
-#include "app/doctor/listener.h"
 #include "app/doctor/machine_judge.h"
 #include "app/doctor/report.h"
 #include "app/exit_status.h"
@@ -56,74 +53,17 @@ void take_can(Report& report, const std::string& name, bool asked_for) {
         append(report.findings, judge_can(*interface, asked_for));
         report.can.push_back(*interface);
     } else {
-        report.findings.push_back({Severity::problem, "can.unknown", name,
-                                   interface.error().substr(name.size() + 2), "", ""});
-    }
-}
-
-/// The result of a trial overrides what is known about the kind of port.
-void take_trials(const std::vector<Trial>& trials, ExaminedPort& port) {
-    for (PortAbility& ability : port.opinion.abilities) {
-        const LineSettings& line = ability.protocol == "SBUS"        ? kSbusLine
-                                   : ability.protocol == "fast SBUS" ? kFastSbusLine
-                                                                     : kIbusLine;
-        const auto trial = std::ranges::find(trials, line, &Trial::line);
-        if (trial != trials.end() && !trial->refusal.empty()) {
-            ability.ability = Ability::no;
-            ability.because = trial->refusal;
-        } else if (trial != trials.end() && ability.ability != Ability::yes) {
-            ability.ability = Ability::yes;
-            ability.because.clear();
-        }
-    }
-}
-
-bool may_be_opened(const ExaminedPort& port) {
-    return std::ranges::none_of(port.opinion.findings, [](const Finding& finding) {
-        return finding.severity == Severity::problem;
-    });
-}
-
-void try_and_listen(const KernelFiles& files, Duration time, ExaminedPort& port) {
-    const std::string device = port.facts.node;
-    const bool terminal = ::isatty(STDERR_FILENO) == 1;
-    const Visit visit = visit_port(device, time, [&](std::string_view words) {
-        if (terminal) {
-            fmt::print(stderr, "{}: {}\n", device, words);
-        }
-    });
-    // Only an open adapter has accepted or refused the short timer.
-    port.facts.latency_timer = look_at_serial_port(files, device).latency_timer;
-    port.facts.was_opened = visit.failure.empty();
-    port.opinion = judge_port(port.facts, true);
-    if (!visit.failure.empty()) {
-        port.opinion.findings.push_back(
-            {Severity::problem, "port.cannot_open", device, visit.failure, "", ""});
-        return;
-    }
-    port.tried = true;
-    take_trials(visit.trials, port);
-    port.story = visit.story;
-    if (port.story) {
-        append(port.opinion.findings, judge_story(*port.story, device));
-        port.lines = configuration_lines(*port.story, port.facts.device);
-        const bool refused = std::ranges::any_of(
-            visit.trials, [](const Trial& trial) { return !trial.refusal.empty(); });
-        if (refused && port.story->sound == LineSound::unknown) {
-            port.opinion.findings.push_back(
-                {Severity::note, "line.sbus_unheard", device,
-                 "this may be SBUS: this port cannot be set to it", "",
-                 "To find out, connect it to a port that can; `tribus doctor` lists them."});
-        }
+        report.findings.push_back(unknown_interface(name, interface.error()));
     }
 }
 
 void take_port(const KernelFiles& files, const std::string& device, Duration time, Report& report) {
-    ExaminedPort port{.facts = look_at_serial_port(files, device)};
-    port.opinion = judge_port(port.facts, true);
-    if (may_be_opened(port)) {
-        try_and_listen(files, time, port);
-    }
+    const bool terminal = ::isatty(STDERR_FILENO) == 1;
+    ExaminedPort port = examine_port(files, device, time, [&](std::string_view words) {
+        if (terminal) {
+            fmt::print(stderr, "{}: {}\n", device, words);
+        }
+    });
     append(report.findings, port.opinion.findings);
     report.ports.push_back(std::move(port));
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "app/doctor/line_heard.h"
 #include "config/values.h"
 #include "core/quotes.h"
 
@@ -237,6 +238,22 @@ std::vector<Finding> judge_story(const LineStory& story, const std::string& node
     return findings;
 }
 
+std::vector<HeardKey> heard_keys(const LineStory& story) {
+    std::vector<HeardKey> keys;
+    if (story.protocol == "sbus" && story.line.baud != kSbusLine.baud) {
+        keys.push_back({"baud", fmt::format("{}", story.line.baud)});
+    }
+    if (!story.scale.name.empty() && story.scale.name != "betaflight") {
+        keys.push_back({"scale", in_quotes(story.scale.name)});
+    }
+    if (story.period && 3 * *story.period > kUsualTimeout) {
+        constexpr auto kStep = std::chrono::milliseconds(10);
+        const auto steps = (3 * *story.period + kStep - Duration(1)) / kStep;
+        keys.push_back({"timeout", in_quotes(format_duration(steps * kStep))});
+    }
+    return keys;
+}
+
 std::vector<std::string> configuration_lines(const LineStory& story, const std::string& device) {
     const bool readable = story.sound == LineSound::frames ||
                           (story.sound == LineSound::inverted && story.protocol != "ibus-sensor");
@@ -255,16 +272,8 @@ std::vector<std::string> configuration_lines(const LineStory& story, const std::
     std::vector<std::string> lines{"[input.receiver]",
                                    fmt::format("protocol = {}", in_quotes(story.protocol)),
                                    fmt::format("device   = {}", in_quotes(device))};
-    if (story.protocol == "sbus" && story.line.baud != 100'000) {
-        lines.push_back(fmt::format("baud     = {}", story.line.baud));
-    }
-    if (!story.scale.name.empty() && story.scale.name != "betaflight") {
-        lines.push_back(fmt::format("scale    = {}", in_quotes(story.scale.name)));
-    }
-    if (story.period && 3 * *story.period > kUsualTimeout) {
-        constexpr auto kStep = std::chrono::milliseconds(10);
-        const auto steps = (3 * *story.period + kStep - Duration(1)) / kStep;
-        lines.push_back(fmt::format("timeout  = {}", in_quotes(format_duration(steps * kStep))));
+    for (const HeardKey& heard : heard_keys(story)) {
+        lines.push_back(fmt::format("{:<8} = {}", heard.key, heard.value));
     }
     return lines;
 }

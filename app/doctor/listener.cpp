@@ -77,18 +77,32 @@ bool is_refusal_of_settings(std::string_view error) {
     return error.starts_with("asked for");
 }
 
+/// Adds the trial. Returns false if the port cannot be opened at all.
+bool add_trial(const std::string& device, const LineSettings& line, Visit& visit) {
+    const auto taken = listen(device, line, Duration::zero());
+    if (!taken && !is_refusal_of_settings(taken.error())) {
+        visit.failure = taken.error();
+        return false;
+    }
+    visit.trials.push_back({line, taken ? std::string() : taken.error()});
+    return true;
+}
+
 }  // namespace
+
+Visit try_port(const std::string& device, const LineSettings& line) {
+    Visit visit;
+    add_trial(device, line, visit);
+    return visit;
+}
 
 Visit visit_port(const std::string& device, Duration time,
                  const std::function<void(std::string_view)>& says) {
     Visit visit;
     for (const LineSettings& line : kLines) {
-        const auto taken = listen(device, line, Duration::zero());
-        if (!taken && !is_refusal_of_settings(taken.error())) {
-            visit.failure = taken.error();
+        if (!add_trial(device, line, visit)) {
             return visit;
         }
-        visit.trials.push_back({line, taken ? std::string() : taken.error()});
     }
     std::vector<LineSettings> lines;
     for (const Trial& trial : visit.trials) {

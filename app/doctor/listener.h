@@ -31,4 +31,7 @@ struct Visit {
 Visit visit_port(const std::string& device, Duration time,
                  const std::function<void(std::string_view)>& says);
 
+/// Opens the port with these settings and closes it again: one trial, no story. Never writes.
+Visit try_port(const std::string& device, const LineSettings& line);
+
 }  // namespace tribus::doctor

@@ -6,6 +6,7 @@
 
 #include "app/doctor/line_advice.h"
 #include "app/doctor/report.h"
+#include "app/paragraph.h"
 #include "app/screen_parts.h"
 
 namespace tribus::doctor {
@@ -21,27 +22,9 @@ class Page {
 
     /// `first` begins the first line; the others are indented by its length.
     void paragraph(std::string_view first, std::string_view text, std::string_view tint = {}) {
-        const std::size_t indent = first.size();
+        const std::string indent(first.size(), ' ');
         add(first, tint);
-        std::size_t width = indent;
-        bool begun = false;
-        for (std::size_t at = 0; at < text.size();) {
-            const std::size_t end = std::min(text.find(' ', at), text.size());
-            const std::string_view word = text.substr(at, end - at);
-            if (begun && width + 1 + word.size() > columns_) {
-                text_ += '\n';
-                text_.append(indent, ' ');
-                width = indent;
-                begun = false;
-            }
-            text_ += begun ? " " : "";
-            width += begun ? 1 : 0;
-            text_ += word;
-            width += word.size();
-            begun = true;
-            at = end + 1;
-        }
-        text_ += '\n';
+        text_ += tribus::paragraph(first, indent, text, columns_).substr(first.size());
     }
     void line(std::string_view text, std::string_view tint = {}) {
         add(text, tint);
