@@ -38,6 +38,8 @@ struct CommandOption {
     char delimiter = 0;
     /// Number of values that follow; 0: as the type of the value says.
     int count = 0;
+    /// A list takes one value each time the option is given, not all words that follow it.
+    bool one_each = false;
     /// Other options of this command that it requires, and that it excludes.
     std::vector<std::string> needs{};
     std::vector<std::string> excludes{};

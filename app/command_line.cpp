@@ -116,6 +116,9 @@ void add_option(CLI::App& app, const CommandOption& option) {
     if (option.count != 0) {
         added->expected(option.count);
     }
+    if (option.one_each) {
+        added->allow_extra_args(false);
+    }
 }
 
 /// Call it when all options of the command are added.

@@ -14,6 +14,7 @@
 #include "app/encode.h"
 #include "app/exit_status.h"
 #include "app/graph.h"
+#include "app/init/init.h"
 #include "app/learn.h"
 #include "app/monitor.h"
 #include "app/record.h"
@@ -27,11 +28,11 @@ namespace {
 /// In the order in which help lists them.
 std::vector<tribus::Command> commands() {
     using namespace tribus;
-    return {run_command(),    monitor_command(),  reload_command(), check_command(),
-            diff_command(),   graph_command(),    demo_command(),   decode_command(),
-            encode_command(), simulate_command(), record_command(), replay_command(),
-            learn_command(),  doctor_command(),   dbc_command(),    bench_command(),
-            schema_command()};
+    return {init_command(),   run_command(),    monitor_command(),  reload_command(),
+            check_command(),  diff_command(),   graph_command(),    demo_command(),
+            decode_command(), encode_command(), simulate_command(), record_command(),
+            replay_command(), learn_command(),  doctor_command(),   dbc_command(),
+            bench_command(),  schema_command()};
 }
 
 }  // namespace

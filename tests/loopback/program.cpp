@@ -105,7 +105,7 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
         ::_exit(kCannotStart);
     }
     ::setsid();
-    redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
+    redirect(STDIN_FILENO, settings.input.empty() ? "/dev/null" : settings.input, O_RDONLY);
     redirect(STDERR_FILENO, errors_file_, O_WRONLY | O_TRUNC | O_APPEND);
     if (settings.terminal.empty()) {
         redirect(STDOUT_FILENO, output_file_, O_WRONLY | O_TRUNC);

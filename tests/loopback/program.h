@@ -40,6 +40,8 @@ struct ProgramSettings {
     std::string executable = TRIBUS_PROGRAM;
     /// A tty that becomes its controlling terminal, standard input and standard output.
     std::string terminal = {};
+    /// File that becomes standard input. If empty: the terminal, or /dev/null.
+    std::string input = {};
     /// Runtime directory, as from a service manager. If empty: the test's folder.
     std::string runtime_directory = {};
     /// Runs under an account without rights, with Debian's limits (8 MiB of locked memory and of

@@ -1,0 +1,259 @@
+#include "app/init/attachment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "tests/unit/app/init/examined_places.h"
+#include "transports/codecs/can_channels.h"
+#include "transports/codecs/dronecan/dronecan.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+#include "transports/registry/registry.h"
+
+namespace tribus::init::test::attachment_test {
+namespace {
+
+using doctor::LineSound;
+using doctor::LineStory;
+
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+bool tells(const Decision& decision, std::string_view id) {
+    return std::ranges::find(decision.findings, id, &doctor::Finding::id) !=
+           decision.findings.end();
+}
+
+std::string refusal_of(const Decision& decision) {
+    return decision.attachment ? "it was not refused" : decision.attachment.error();
+}
+
+std::string parse_error(std::string_view text, SettingScope way) {
+    const auto option = parse_place_option(text, way);
+    return option ? "it was not refused" : option.error();
+}
+
+TEST(InitPlace, may_name_a_protocol) {
+    const auto option = parse_place_option("/dev/ttyUSB0=ibus", SettingScope::input);
+    ASSERT_TRUE(option) << option.error();
+    EXPECT_EQ(option->place, "/dev/ttyUSB0");
+    EXPECT_EQ(option->protocol, &kIbusProtocol);
+}
+
+TEST(InitPlace, need_not_name_one) {
+    const auto option = parse_place_option("/dev/ttyUSB0", SettingScope::output);
+    ASSERT_TRUE(option) << option.error();
+    EXPECT_EQ(option->protocol, nullptr);
+}
+
+TEST(InitPlace, may_contain_an_equals_sign_if_the_protocol_is_named) {
+    const auto option = parse_place_option("/dev/serial/by-id/a=b=sbus", SettingScope::input);
+    ASSERT_TRUE(option) << option.error();
+    EXPECT_EQ(option->place, "/dev/serial/by-id/a=b");
+}
+
+TEST(InitPlace, with_a_misspelt_protocol_gets_the_nearest_name) {
+    EXPECT_TRUE(has(parse_error("can0=dronecam", SettingScope::output),
+                    "there is no protocol \"dronecam\"; did you mean \"dronecan\"?"));
+}
+
+TEST(InitPlace, must_not_be_missing) {
+    EXPECT_TRUE(has(parse_error("=ibus", SettingScope::input),
+                    "there must be a serial device or a CAN interface"));
+    EXPECT_TRUE(has(parse_error("", SettingScope::input),
+                    "there must be a serial device or a CAN interface"));
+}
+
+TEST(InitPlace, accepts_every_protocol_without_required_keys_and_refuses_the_others_with_a_reason) {
+    for (const SettingScope way : {SettingScope::input, SettingScope::output}) {
+        const auto offered = offered_protocols(way);
+        for (const Protocol* protocol : protocols()) {
+            const std::string text = "x=" + std::string(protocol->name);
+            const bool is_offered = std::ranges::find(offered, protocol) != offered.end();
+            EXPECT_EQ(parse_place_option(text, way).has_value(), is_offered) << text;
+        }
+    }
+    EXPECT_TRUE(
+        has(parse_error("can0=dbc", SettingScope::output),
+            "dbc needs the keys dbc and signals, which only you know; allowed here: ibus, "));
+    EXPECT_TRUE(has(parse_error("can0=sensors", SettingScope::input),
+                    "sensors cannot be an input; allowed: ibus"));
+}
+
+TEST(InitInput, has_the_protocol_that_was_heard) {
+    const Decision decision = decide_input(with_story(free_port("0"), heard_ibus(18)), nullptr);
+    ASSERT_TRUE(decision.attachment) << decision.attachment.error();
+    EXPECT_EQ(decision.attachment->protocol, &kIbusProtocol);
+    EXPECT_EQ(decision.attachment->name, "/dev/serial/by-id/usb-FTDI_0");
+    EXPECT_EQ(decision.attachment->channels, 18U);
+    ASSERT_EQ(decision.attachment->remarks.size(), 1U);
+    EXPECT_TRUE(has(decision.attachment->remarks[0], "Heard: i.Bus, 18 channels, 115200 baud 8N1"));
+    EXPECT_TRUE(decision.findings.empty());
+}
+
+/// The line.scale_unknown of doctor says what to do.
+TEST(InitInput, has_no_remark_about_a_scale_that_is_not_known) {
+    LineStory story = heard_ibus();
+    story.scale.reason = "the scale cannot be determined from these values";
+    const Decision decision = decide_input(with_story(free_port("0"), story), nullptr);
+    ASSERT_TRUE(decision.attachment) << decision.attachment.error();
+    EXPECT_EQ(decision.attachment->remarks.size(), 1U);
+}
+
+TEST(InitInput, has_the_keys_whose_defaults_do_not_fit_the_line) {
+    LineStory story = heard_sbus();
+    story.line = doctor::kFastSbusLine;
+    story.scale = {"futaba", "it rests at 1024"};
+    story.period = std::chrono::milliseconds(80);
+    const Decision decision = decide_input(with_story(free_port("0"), story), nullptr);
+    ASSERT_TRUE(decision.attachment) << decision.attachment.error();
+    std::string keys;
+    for (const doctor::HeardKey& heard : decision.attachment->keys) {
+        keys += std::string(heard.key) + "=" + heard.value + " ";
+    }
+    EXPECT_EQ(keys, "baud=200000 scale=\"futaba\" timeout=\"240ms\" ");
+    EXPECT_EQ(decision.attachment->remarks.back(), "Scale: it rests at 1024");
+}
+
+TEST(InitInput, that_only_lacks_an_inverter_or_parity_is_accepted_with_a_finding) {
+    for (const LineSound sound : {LineSound::inverted, LineSound::wrong_parity}) {
+        LineStory story = heard_sbus();
+        story.sound = sound;
+        const Decision decision = decide_input(
+            with_problem(with_story(free_port("0"), story), "line.inverted", "inverted"), nullptr);
+        ASSERT_TRUE(decision.attachment) << decision.attachment.error();
+        EXPECT_EQ(decision.attachment->protocol, &kSbusProtocol);
+        EXPECT_TRUE(tells(decision, "line.inverted"));
+    }
+}
+
+TEST(InitInput, that_is_silent_is_accepted_only_if_its_protocol_is_named) {
+    const LineStory silence;
+    const ExaminedPlace examined =
+        with_problem(with_story(free_port("0"), silence), "line.silence", "silent");
+    EXPECT_EQ(refusal_of(decide_input(examined, nullptr)), "nothing was heard");
+    const Decision named = decide_input(examined, &kIbusProtocol);
+    ASSERT_TRUE(named.attachment) << named.attachment.error();
+    EXPECT_TRUE(tells(named, "line.silence"));
+    EXPECT_TRUE(named.attachment->remarks.empty());
+}
+
+TEST(InitInput, that_carries_noise_is_refused) {
+    LineStory story;
+    story.sound = LineSound::unknown;
+    EXPECT_EQ(refusal_of(decide_input(with_story(free_port("0"), story), nullptr)),
+              "no known protocol was heard");
+}
+
+TEST(InitInput, that_is_in_use_is_accepted_only_if_its_protocol_is_named) {
+    const ExaminedPlace examined =
+        with_problem(free_port("0"), "port.in_use", "it is in use by cat");
+    const Decision decision = decide_input(examined, nullptr);
+    EXPECT_EQ(refusal_of(decision), "tribus could not listen to it");
+    EXPECT_TRUE(tells(decision, "port.in_use"));
+    EXPECT_TRUE(decide_input(examined, &kSbusProtocol).attachment);
+}
+
+TEST(InitInput, on_the_sensor_bus_is_refused) {
+    LineStory story = heard_ibus();
+    story.protocol = "ibus-sensor";
+    EXPECT_TRUE(has(refusal_of(decide_input(with_story(free_port("0"), story), nullptr)),
+                    "has no channels; connect the receiver's SERVO output"));
+}
+
+TEST(InitInput, that_carries_another_protocol_than_was_named_gets_a_finding) {
+    const Decision decision =
+        decide_input(with_story(free_port("0"), heard_ibus()), &kSbusProtocol);
+    ASSERT_TRUE(decision.attachment) << decision.attachment.error();
+    EXPECT_EQ(decision.attachment->protocol, &kSbusProtocol);
+    EXPECT_TRUE(decision.attachment->keys.empty());
+    EXPECT_EQ(decision.attachment->channels, 0U);
+    EXPECT_TRUE(tells(decision, "line.other_protocol"));
+}
+
+TEST(InitInput, on_an_interface_has_the_native_format_unless_a_protocol_is_named) {
+    const Decision usual = decide_input(interface_named("can0"), nullptr);
+    ASSERT_TRUE(usual.attachment) << usual.attachment.error();
+    EXPECT_EQ(usual.attachment->protocol, &kCanProtocol);
+    const Decision named = decide_input(interface_named("can0"), &kDroneCanProtocol);
+    ASSERT_TRUE(named.attachment) << named.attachment.error();
+    EXPECT_EQ(named.attachment->protocol, &kDroneCanProtocol);
+}
+
+TEST(InitPort, that_does_not_exist_is_accepted_only_with_a_protocol_of_can) {
+    ExaminedPlace examined =
+        with_problem(interface_named("can7"), "can.unknown", "no such interface");
+    examined.known = false;
+    EXPECT_TRUE(has(refusal_of(decide_output(examined, nullptr, "")), "a serial device is a path"));
+    EXPECT_TRUE(has(refusal_of(decide_input(examined, nullptr)), "a serial device is a path"));
+    EXPECT_TRUE(
+        has(refusal_of(decide_input(examined, &kIbusProtocol)), "a serial device is a path"));
+    EXPECT_TRUE(decide_input(examined, &kCanProtocol).attachment);
+    EXPECT_TRUE(decide_output(examined, &kCanProtocol, "").attachment);
+}
+
+TEST(InitPort, must_have_the_kind_of_link_of_its_protocol) {
+    EXPECT_TRUE(has(refusal_of(decide_input(free_port("0"), &kCanProtocol)),
+                    "can runs on a CAN interface"));
+    EXPECT_TRUE(has(refusal_of(decide_output(interface_named("can0"), &kSbusProtocol, "")),
+                    "sbus runs on a serial device"));
+}
+
+TEST(InitPort, that_is_not_a_serial_device_is_refused_with_any_protocol) {
+    const ExaminedPlace examined =
+        with_problem(free_port("0"), "port.not_serial", "this is not a serial device");
+    EXPECT_EQ(refusal_of(decide_input(examined, &kIbusProtocol)), "this is not a serial device");
+    EXPECT_EQ(refusal_of(decide_output(examined, nullptr, "")), "this is not a serial device");
+}
+
+TEST(InitPort, gets_a_note_only_if_it_explains_a_refusal) {
+    ExaminedPlace examined = mini_uart();
+    examined.findings.push_back({doctor::Severity::note, "port.mini_uart", "", "mini", "", ""});
+    examined.findings.push_back(
+        {doctor::Severity::note, "port.receive_trigger", "", "later", "", ""});
+    EXPECT_TRUE(decide_output(examined, &kIbusProtocol, "").findings.empty());
+    const Decision refused = decide_output(examined, &kSbusProtocol, "");
+    EXPECT_TRUE(tells(refused, "port.mini_uart"));
+    EXPECT_FALSE(tells(refused, "port.receive_trigger"));
+}
+
+TEST(InitOutput, has_sbus_or_the_native_format_unless_a_protocol_is_named) {
+    const Decision serial = decide_output(free_port("1"), nullptr, "");
+    ASSERT_TRUE(serial.attachment) << serial.attachment.error();
+    EXPECT_EQ(serial.attachment->protocol, &kSbusProtocol);
+    const Decision can = decide_output(interface_named("can0"), nullptr, "");
+    ASSERT_TRUE(can.attachment) << can.attachment.error();
+    EXPECT_EQ(can.attachment->protocol, &kCanProtocol);
+}
+
+TEST(InitOutput, whose_port_can_never_run_it_is_refused) {
+    EXPECT_EQ(refusal_of(decide_output(mini_uart(), nullptr, "")), "it has no parity bit");
+    EXPECT_TRUE(decide_output(mini_uart(), &kIbusProtocol, "").attachment);
+    EXPECT_EQ(refusal_of(decide_output(free_port("1"), nullptr, "asked for 100000 baud")),
+              "asked for 100000 baud");
+}
+
+TEST(InitOutput, whose_port_is_in_use_is_accepted_with_a_finding) {
+    const ExaminedPlace examined =
+        with_problem(free_port("1"), "port.login", "a login waits on it");
+    const Decision decision = decide_output(examined, nullptr, "");
+    ASSERT_TRUE(decision.attachment) << decision.attachment.error();
+    EXPECT_TRUE(tells(decision, "port.login"));
+}
+
+TEST(InitOutput, on_the_port_of_an_input_must_have_the_same_rate) {
+    const Attachment input = *decide_input(free_port("0"), &kIbusProtocol).attachment;
+    EXPECT_TRUE(has(port_conflict({input}, *decide_output(free_port("0"), nullptr, "").attachment),
+                    "a port has one rate and parity, and those of ibus and sbus differ"));
+    EXPECT_EQ(port_conflict({input}, *decide_output(free_port("0"), &kIbusProtocol, "").attachment),
+              "");
+    EXPECT_EQ(port_conflict({input}, *decide_output(free_port("1"), nullptr, "").attachment), "");
+}
+
+}  // namespace
+}  // namespace tribus::init::test::attachment_test

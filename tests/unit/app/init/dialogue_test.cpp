@@ -1,0 +1,234 @@
+#include "app/init/dialogue.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/unit/app/init/examined_places.h"
+#include "transports/codecs/can_channels.h"
+#include "transports/codecs/dronecan/dronecan.h"
+#include "transports/codecs/ibus.h"
+#include "transports/codecs/sbus.h"
+
+namespace tribus::init::test::dialogue_test {
+namespace {
+
+/// Ports that a test describes. `listen` returns the stories of a port in turn, then always the
+/// last.
+class DescribedPorts : public Ports {
+  public:
+    std::vector<ExaminedPlace> ports;
+    std::map<std::string, std::vector<doctor::LineStory>> stories;  ///< by node
+    std::map<std::string, std::string> refusals;                    ///< by node
+    std::size_t listened = 0;
+
+    std::vector<ExaminedPlace> all() override { return ports; }
+    ExaminedPlace look(const std::string& place) override {
+        for (const ExaminedPlace& examined : ports) {
+            if (examined.name == place || examined.node == place) {
+                return examined;
+            }
+        }
+        ExaminedPlace examined = interface_named(place);
+        examined.known = place.find('/') != std::string::npos;
+        examined.link = examined.known ? LinkKind::serial : LinkKind::can;
+        return examined;
+    }
+    ExaminedPlace listen(const std::string& place) override {
+        ExaminedPlace examined = look(place);
+        const auto& heard = stories[examined.node];
+        if (!heard.empty()) {
+            examined.story = heard[std::min(listened, heard.size() - 1)];
+        }
+        ++listened;
+        return examined;
+    }
+    std::string try_line(ExaminedPlace& examined, const LineSettings& /*line*/) override {
+        return refusals[examined.node];
+    }
+};
+
+class InitDialogue : public testing::Test {
+  protected:
+    InitDialogue() { ports.ports = {free_port("0"), free_port("1"), interface_named("can0")}; }
+
+    /// Answers the questions with these lines.
+    Dialogue& answers(const std::string& lines) {
+        in_.clear();
+        in_.str(lines);
+        return dialogue_;
+    }
+    /// Whether this was printed; line breaks do not matter.
+    bool said(const std::string& text) const {
+        std::istringstream words(out_.str());
+        std::string all;
+        for (std::string word; words >> word;) {
+            all += word + " ";
+        }
+        return all.find(text) != std::string::npos;
+    }
+    std::string all_said() const { return out_.str(); }
+    bool all_answers_read() { return in_.peek() == std::istringstream::traits_type::eof(); }
+
+    DescribedPorts ports;
+
+  private:
+    std::istringstream in_;
+    std::ostringstream out_;
+    Messages messages_{out_, 40, false};
+    Dialogue dialogue_{in_, true, messages_, ports};
+};
+
+Attachment taken(const std::string& number) {
+    return *decide_input(free_port(number), &kIbusProtocol).attachment;
+}
+
+TEST_F(InitDialogue, enter_takes_the_first_free_port_and_what_is_heard_there) {
+    ports.ports[0] = with_problem(free_port("0"), "port.in_use", "it is in use by cat");
+    ports.stories["/dev/ttyUSB1"] = {heard_ibus()};
+    const auto input = answers("\n").ask_input();
+    ASSERT_TRUE(input) << all_said();
+    EXPECT_EQ(input->node, "/dev/ttyUSB1");
+    EXPECT_EQ(input->protocol, &kIbusProtocol);
+    EXPECT_TRUE(said("it is in use by cat")) << all_said();
+    EXPECT_TRUE(said("Heard: i.Bus, 14 channels")) << all_said();
+}
+
+TEST_F(InitDialogue, a_port_is_chosen_by_number_name_or_path) {
+    for (const std::string answer : {"2", "/dev/ttyUSB1", "/dev/serial/by-id/usb-FTDI_1"}) {
+        ports.stories["/dev/ttyUSB1"] = {heard_sbus()};
+        const auto input = answers(answer + "\n").ask_input();
+        ASSERT_TRUE(input) << answer;
+        EXPECT_EQ(input->name, "/dev/serial/by-id/usb-FTDI_1") << answer;
+        EXPECT_EQ(input->protocol, &kSbusProtocol) << answer;
+    }
+}
+
+TEST_F(InitDialogue, a_wrong_answer_is_asked_for_again_with_what_is_allowed) {
+    ports.stories["/dev/ttyUSB1"] = {heard_ibus()};
+    const auto input = answers("7\nttyUSB9\n 2 \r\n").ask_input();
+    ASSERT_TRUE(input) << all_said();
+    EXPECT_EQ(input->node, "/dev/ttyUSB1");
+    EXPECT_TRUE(said("There is no serial device and no CAN interface \"7\"")) << all_said();
+    EXPECT_TRUE(said("There is no serial device and no CAN interface \"ttyUSB9\"")) << all_said();
+    EXPECT_TRUE(said("allowed: 1 to 3, a path such as")) << all_said();
+    EXPECT_TRUE(all_answers_read());
+}
+
+TEST_F(InitDialogue, after_silence_enter_listens_again) {
+    ports.stories["/dev/ttyUSB0"] = {doctor::LineStory(), heard_ibus()};
+    const auto input = answers("1\n\n").ask_input();
+    ASSERT_TRUE(input) << all_said();
+    EXPECT_EQ(ports.listened, 2U);
+    EXPECT_TRUE(said("nothing was heard")) << all_said();
+}
+
+TEST_F(InitDialogue, after_silence_another_port_can_be_chosen) {
+    ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
+    ports.stories["/dev/ttyUSB1"] = {heard_ibus()};
+    const auto input = answers("1\nother\n2\n").ask_input();
+    ASSERT_TRUE(input) << all_said();
+    EXPECT_EQ(input->node, "/dev/ttyUSB1");
+}
+
+TEST_F(InitDialogue, after_silence_the_protocol_can_be_named) {
+    ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
+    const auto input = answers("1\nsbus\n").ask_input();
+    ASSERT_TRUE(input) << all_said();
+    EXPECT_EQ(input->protocol, &kSbusProtocol);
+}
+
+TEST_F(InitDialogue, a_protocol_that_the_port_cannot_run_is_refused) {
+    ports.ports = {mini_uart()};
+    ports.stories["/dev/ttyS0"] = {doctor::LineStory()};
+    const auto input = answers("1\nsbus\nibus\n").ask_input();
+    ASSERT_TRUE(input) << all_said();
+    EXPECT_EQ(input->protocol, &kIbusProtocol);
+    EXPECT_TRUE(said("it has no parity bit")) << all_said();
+}
+
+TEST_F(InitDialogue, the_protocol_of_an_interface_is_asked_for) {
+    const auto native = answers("can0\n\n").ask_input();
+    ASSERT_TRUE(native) << all_said();
+    EXPECT_EQ(native->protocol, &kCanProtocol);
+    const auto dronecan = answers("3\ndronecan\n").ask_input();
+    ASSERT_TRUE(dronecan) << all_said();
+    EXPECT_EQ(dronecan->protocol, &kDroneCanProtocol);
+    EXPECT_EQ(ports.listened, 0U);
+}
+
+TEST_F(InitDialogue, enter_takes_sbus_at_a_port_other_than_that_of_the_input) {
+    const auto output = answers("\n\n").ask_output({taken("0")});
+    ASSERT_TRUE(output) << all_said();
+    EXPECT_EQ(output->node, "/dev/ttyUSB1");
+    EXPECT_EQ(output->protocol, &kSbusProtocol);
+}
+
+TEST_F(InitDialogue, protocols_that_the_port_cannot_run_are_not_offered) {
+    ports.ports = {mini_uart()};
+    const auto output = answers("1\n2\n1\n").ask_output({});
+    ASSERT_TRUE(output) << all_said();
+    EXPECT_EQ(output->protocol, &kIbusProtocol);
+    EXPECT_TRUE(said("sbus is impossible at this port: it has no parity bit")) << all_said();
+    EXPECT_TRUE(said("\"2\" is not one of them")) << all_said();
+}
+
+TEST_F(InitDialogue, an_output_that_its_port_refuses_is_asked_for_again) {
+    ports.refusals["/dev/ttyUSB0"] = "asked for 100000 baud, it made 115200";
+    const auto output = answers("1\nsbus\n2\nsbus\n").ask_output({});
+    ASSERT_TRUE(output) << all_said();
+    EXPECT_EQ(output->node, "/dev/ttyUSB1");
+    EXPECT_TRUE(said("asked for 100000 baud")) << all_said();
+}
+
+TEST_F(InitDialogue, an_output_on_the_port_of_an_input_must_have_the_same_rate) {
+    const auto output = answers("1\nsbus\n1\nibus\n").ask_output({taken("0")});
+    ASSERT_TRUE(output) << all_said();
+    EXPECT_EQ(output->node, "/dev/ttyUSB0");
+    EXPECT_EQ(output->protocol, &kIbusProtocol);
+    EXPECT_TRUE(said("a port has one rate and parity")) << all_said();
+}
+
+TEST_F(InitDialogue, without_a_port_enter_looks_again) {
+    ports.ports.clear();
+    EXPECT_FALSE(answers("\n\n").ask_output({}));
+    EXPECT_TRUE(said("No serial port and no CAN interface was found")) << all_said();
+}
+
+TEST_F(InitDialogue, the_throttle_is_low_centred_or_a_pulse) {
+    EXPECT_EQ(answers("\n").ask_throttle(), 988);
+    EXPECT_EQ(answers("2\n").ask_throttle(), 1500);
+    EXPECT_EQ(answers("1100\n").ask_throttle(), 1100);
+    EXPECT_EQ(answers("1100 us\n").ask_throttle(), 1100);
+    EXPECT_EQ(answers("3\n2501\nlow\n500us\n").ask_throttle(), 500);
+    EXPECT_TRUE(said("\"2501\" is not allowed")) << all_said();
+}
+
+TEST_F(InitDialogue, every_question_returns_nothing_if_the_answers_end) {
+    ports.stories["/dev/ttyUSB0"] = {doctor::LineStory()};
+    EXPECT_FALSE(answers("").ask_input());
+    EXPECT_FALSE(answers("1\n").ask_input());
+    EXPECT_FALSE(answers("can0\n").ask_input());
+    EXPECT_FALSE(answers("").ask_output({}));
+    EXPECT_FALSE(answers("1\n").ask_output({}));
+    EXPECT_FALSE(answers("x\n").ask_throttle());
+}
+
+TEST_F(InitDialogue, keeps_to_40_columns) {
+    ports.ports = {with_problem(free_port("0"), "port.in_use", "it is in use by cat"), mini_uart()};
+    ports.stories["/dev/ttyS0"] = {doctor::LineStory()};
+    answers("x\n\nibus\n").ask_input();
+    answers("x\n2\n").ask_output({});
+    answers("x\n").ask_throttle();
+    std::istringstream lines(all_said());
+    for (std::string line; std::getline(lines, line);) {
+        EXPECT_LE(line.size(), 40U) << line;
+    }
+}
+
+}  // namespace
+}  // namespace tribus::init::test::dialogue_test

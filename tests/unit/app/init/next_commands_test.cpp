@@ -1,0 +1,54 @@
+#include "app/init/next_commands.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace tribus::init::test::next_commands_test {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+TEST(InitNext, words_are_quoted_for_the_shell_where_they_need_it) {
+    EXPECT_EQ(shell_word("/etc/tribus/a-b_1.toml"), "/etc/tribus/a-b_1.toml");
+    EXPECT_EQ(shell_word("my rover.toml"), "'my rover.toml'");
+    EXPECT_EQ(shell_word("it's; rm"), "'it'\\''s; rm'");
+    EXPECT_EQ(shell_word(""), "''");
+}
+
+TEST(InitNext, comments_name_only_files_that_they_can_hold) {
+    EXPECT_EQ(name_in_comments("servos.toml"), "servos.toml");
+    EXPECT_EQ(name_in_comments("-"), "FILE");
+    EXPECT_EQ(name_in_comments("a\nb.toml"), "FILE");
+    EXPECT_EQ(name_in_comments("f\xc3\xbc.toml"), "FILE");
+}
+
+TEST(InitNext, commands_check_run_and_learn) {
+    EXPECT_EQ(next_commands("servos.toml", "receiver"),
+              (Lines{"tribus check servos.toml", "tribus run servos.toml",
+                     "tribus learn servos.toml:receiver"}));
+}
+
+TEST(InitNext, service_runs_the_file_by_its_name) {
+    EXPECT_EQ(service_commands("servos.toml"),
+              (Lines{"sudo cp servos.toml /etc/tribus/ && "
+                     "sudo systemctl enable --now tribus@servos"}));
+}
+
+TEST(InitNext, a_file_that_is_in_its_place_is_not_copied) {
+    EXPECT_EQ(service_commands("/etc/tribus/servos.toml"),
+              (Lines{"sudo systemctl enable --now tribus@servos"}));
+}
+
+TEST(InitNext, names_that_no_service_can_have_get_another) {
+    EXPECT_EQ(service_commands("/tmp/my rover.toml"),
+              (Lines{"sudo cp '/tmp/my rover.toml' /etc/tribus/rc.toml && "
+                     "sudo systemctl enable --now tribus@rc"}));
+    EXPECT_EQ(service_commands("servos.conf"),
+              (Lines{"sudo cp servos.conf /etc/tribus/servos.toml && "
+                     "sudo systemctl enable --now tribus@servos"}));
+}
+
+}  // namespace
+}  // namespace tribus::init::test::next_commands_test
