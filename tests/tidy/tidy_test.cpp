@@ -34,7 +34,7 @@ std::vector<SourceLine> lines_of(const std::vector<std::string_view>& folders) {
             std::ifstream file(path);
             std::string text;
             for (std::size_t number = 1; std::getline(file, text); ++number) {
-                lines.push_back({fs::relative(path, root).string(), number, text});
+                lines.push_back({path.lexically_relative(root).string(), number, text});
             }
         }
     }
