@@ -36,15 +36,27 @@ first_tier() {
     run_tests --label-exclude 'lab|long' "$@"
 }
 
-# laboratory TIER CTEST_ARGUMENT...: guests reserve their processors themselves.
+# laboratory TIER TARGETS CTEST_ARGUMENT...: guests reserve their processors themselves.
 laboratory() {
     tests/lab/prepare.sh "$1" build/lab ||
         echo "The laboratory could not be prepared: its tests will fail, the others run." >&2
-    shift
     # After prepare.sh, because CMake looks whether libgpiod 2 is there.
-    prepare_and_build all second_tier
+    # shellcheck disable=SC2086 # a list of words
+    prepare_and_build $2
+    shift 2
     step 3 "Testing in emulated machines (up to 10 minutes)"
     ctest --test-dir build --output-on-failure --parallel "$(nproc)" "$@"
+}
+
+# Prints the targets that groups need.
+programs_of() {
+    echo "tribus installed_texts heap_trap_preload"
+    for group in "$@"; do
+        case $group in
+            lab_can_on_host) echo lab_can_tests ;;
+            lab_*) echo "${group}_tests" ;;
+        esac
+    done
 }
 
 # Prints the regular expression for groups of the laboratory and for their tests.
@@ -55,8 +67,8 @@ groups() {
 part() {
     case $1 in
         first) first_tier ;;
-        laboratory) laboratory full --label-regex 'lab_fast|lab_full|long' ;;
-        service) laboratory service --label-regex lab_service ;;
+        laboratory) laboratory full 'all second_tier' --label-regex 'lab_fast|lab_full|long' ;;
+        service) laboratory service 'all second_tier' --label-regex lab_service ;;
         tidy) .ci/clang_tidy ;;
         addresses | threads) tests/sanitize.sh "$1" ;;
         simulation) tests/sim/run.sh 200 ;;
@@ -101,7 +113,7 @@ case ${1:-} in
             *gpio* | *modules* | *realtime* | *package*) tier=full ;;
             *) tier=fast ;;
         esac
-        laboratory $tier -R "$(groups "$@")"
+        laboratory $tier "$(programs_of "$@")" -R "$(groups "$@")"
         ;;
     --help) sed -n '2,/^cd /s/^# \{0,1\}//p' "$0" ;;
     *) first_tier "$@" ;;
