@@ -30,7 +30,7 @@ namespace tribus {
 /// main thread, unless a function says otherwise.
 class Appliance {
   public:
-    /// What happens to devices that cannot be opened at the start. `reopen_devices` opens those
+    /// Policy for devices that cannot be opened at the start. `reopen_devices` opens those
     /// that the appliance waits for.
     enum class MissingDevices : std::uint8_t {
         refuse,           ///< each one is an error
@@ -72,7 +72,7 @@ class Appliance {
     void end();
 
     const Configuration& configuration() const { return configuration_; }
-    /// What is missing for real time, in sentences.
+    /// Missing prerequisites of real time, in sentences.
     const std::vector<std::string>& missing_realtime() const { return missing_realtime_; }
     /// Devices that did not exist at the start and are waited for, in sentences. Only with
     /// `wait_for_absent`.

@@ -99,7 +99,7 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     if (auto prepared = next->loop_->prepare(); !prepared) {
         return tl::unexpected(std::vector{prepared.error()});
     }
-    // What cannot be locked was already reported at the start.
+    // Memory that cannot be locked was already reported at the start.
     if (next->configuration_.runtime.realtime != Realtime::off) {
         std::ignore = lock_new_memory();
     }

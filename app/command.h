@@ -11,7 +11,7 @@
 /// The command line of the program, described without the library that reads it.
 namespace tribus {
 
-/// Where the value of an option is stored. A bool is a flag; a function gets each value as text.
+/// Target of the value of an option. A bool is a flag; a function gets each value as text.
 using OptionValue =
     std::variant<bool*, std::string*, std::optional<std::string>*, std::vector<std::string>*, int*,
                  std::uint64_t*, std::optional<std::int64_t>*, double*, std::optional<double>*,

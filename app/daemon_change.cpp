@@ -135,7 +135,7 @@ ReloadOutcome Daemon::finish_going_back(Change& change) {
     if (outcome.taken || !appliance_) {
         return outcome;
     }
-    // What ran before the trial must run, whatever has been unplugged since.
+    // The configuration before the trial must run, whatever has been unplugged since.
     log_warning("starting it anyway, with a stop: outputs go into failsafe");
     appliance_.reset();
     std::vector<std::string> errors;

@@ -8,11 +8,12 @@
 #include "config/manual.h"
 #include "config/manual_sections.h"
 #include "config/manual_text.h"
+#include "config/paragraph.h"
 
 namespace tribus {
 namespace {
 
-/// As the other pages of docs/ have it.
+/// Width of the other pages of docs/.
 constexpr std::size_t kPageWidth = 120;
 
 constexpr std::string_view kPageHead =
@@ -20,7 +21,7 @@ constexpr std::string_view kPageHead =
     "# Configuration: every key\n\n"
     "The same in a terminal: `man tribus.toml`.\n";
 
-/// As GitHub makes it of a heading.
+/// The anchor that GitHub gives a heading.
 std::string anchor_of(std::string_view heading) {
     std::string anchor;
     for (const char c : heading) {
@@ -52,9 +53,8 @@ void append_markdown_block(std::string& page, const ManualBlock& block) {
         return;
     }
     for (const std::string& text : block.texts) {
-        page += block.kind == BlockKind::list ? "- " + wrapped(text, kPageWidth - 2, 2)
-                                              : wrapped(text, kPageWidth);
-        page += '\n';
+        page += block.kind == BlockKind::list ? paragraph("- ", "  ", text, kPageWidth)
+                                              : paragraph("", "", text, kPageWidth);
     }
 }
 
@@ -64,7 +64,7 @@ std::string_view scope_word(SettingScope scope) {
                                            : "both";
 }
 
-/// A bar would end the cell.
+/// Escapes bars, which would end the cell.
 std::string cell(std::string_view text) {
     return replaced(std::string(text), "|", "\\|");
 }

@@ -7,6 +7,7 @@
 #include "config/manual.h"
 #include "config/manual_sections.h"
 #include "config/manual_text.h"
+#include "config/paragraph.h"
 
 namespace tribus {
 namespace {
@@ -39,7 +40,7 @@ The schema for editors.
 .Xr tribus 1
 )";
 
-/// Signs that mean something else to roff.
+/// Escapes the characters that roff would interpret.
 std::string escaped_for_roff(std::string_view text) {
     std::string roff;
     for (const char c : text) {
@@ -66,7 +67,7 @@ std::string escaped_for_roff(std::string_view text) {
     return roff;
 }
 
-/// Of a link its text.
+/// Replaces each link by its text.
 std::string without_links(std::string text) {
     for (std::size_t end = text.find("]("); end != std::string::npos; end = text.find("](")) {
         const std::size_t begin = text.rfind('[', end);
@@ -76,7 +77,7 @@ std::string without_links(std::string text) {
     return text;
 }
 
-/// Code becomes bold. A line must not begin with what roff takes for a request.
+/// Prints code in bold. No line begins with a dot, which roff would take for a request.
 std::string roff_text(std::string_view marked) {
     std::string roff;
     bool code = false;
@@ -88,9 +89,9 @@ std::string roff_text(std::string_view marked) {
             roff += escaped_for_roff(std::string_view(&c, 1));
         }
     }
-    std::string lines = wrapped(roff, kLineWidth);
+    std::string lines = paragraph("", "", roff, kLineWidth);
     lines = replaced(std::move(lines), "\n.", "\n\\&.");
-    return (lines.starts_with('.') ? "\\&" : "") + lines + '\n';
+    return (lines.starts_with('.') ? "\\&" : "") + lines;
 }
 
 void append_mdoc_block(std::string& page, const ManualBlock& block) {

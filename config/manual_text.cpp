@@ -55,29 +55,6 @@ std::vector<ManualBlock> blocks_of(std::string_view text) {
     return blocks;
 }
 
-std::string wrapped(std::string_view text, std::size_t width, std::size_t indent) {
-    std::string lines;
-    std::size_t column = 0;
-    while (!text.empty()) {
-        const std::size_t end = std::min(text.find(' '), text.size());
-        const std::string_view word = text.substr(0, end);
-        text.remove_prefix(std::min(end + 1, text.size()));
-        if (lines.empty()) {
-            lines = word;
-            column = word.size();
-        } else if (column + 1 + word.size() > width) {
-            lines += '\n' + std::string(indent, ' ');
-            lines += word;
-            column = indent + word.size();
-        } else {
-            lines += ' ';
-            lines += word;
-            column += 1 + word.size();
-        }
-    }
-    return lines;
-}
-
 std::string replaced(std::string text, std::string_view from, std::string_view to) {
     for (std::size_t at = text.find(from); at != std::string::npos;
          at = text.find(from, at + to.size())) {

@@ -14,7 +14,7 @@
 
 namespace tribus::bench {
 
-/// What must come out at the far end for each i.Bus frame that goes in.
+/// The frame expected at the far end for each i.Bus frame that goes in.
 enum class Carries : std::uint8_t {
     same,  ///< the same frame, byte by byte
     sbus,  ///< the same channels as SBUS

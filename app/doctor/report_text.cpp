@@ -6,8 +6,8 @@
 
 #include "app/doctor/line_advice.h"
 #include "app/doctor/report.h"
-#include "app/paragraph.h"
 #include "app/screen_parts.h"
+#include "config/paragraph.h"
 
 namespace tribus::doctor {
 namespace {

@@ -9,9 +9,9 @@
 #include <fmt/ranges.h>
 
 #include "app/init/next_commands.h"
-#include "app/paragraph.h"
 #include "app/protocol_use.h"
 #include "config/keys.h"
+#include "config/paragraph.h"
 #include "config/values.h"
 #include "core/channel_frame.h"
 #include "core/quotes.h"
@@ -254,9 +254,11 @@ std::string configuration_text(const Plan& plan, std::string_view file_name) {
         "# ", "# ",
         "All keys: man tribus.toml. All values, with the defaults: tribus check " + file, kColumns);
     text += "#\n# Before anything moves, with the propellers off:\n";
-    text += paragraph("# 1. ", "#    ", "Set `preset` at the end to what is safe on your machine.",
-                      kColumns);
-    text += paragraph("# 2. ", "#    ",
+    if (sends_presets(plan)) {
+        text += paragraph("# - ", "#   ",
+                          "Set `preset` at the end to what is safe on your machine.", kColumns);
+    }
+    text += paragraph("# - ", "#   ",
                       fmt::format("Run `tribus learn {}:{}`: it finds out what the receiver does "
                                   "without its transmitter.",
                                   file, input_names(plan).front()),

@@ -6,7 +6,7 @@
 
 #include "app/doctor/report.h"
 #include "app/journal.h"
-#include "app/paragraph.h"
+#include "config/paragraph.h"
 
 namespace tribus::init {
 

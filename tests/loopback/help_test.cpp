@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/fences.h"
+#include "tests/support/pages.h"
 #include "tests/support/shell.h"
 
 namespace tribus::test::help_test {
@@ -64,7 +64,7 @@ std::string typed_text_in(const std::filesystem::path& page) {
         text += fence.language.empty() || fence.language == "sh" ? fence.text : "";
     }
     static const std::regex inline_code("`([^`\n]+)`");
-    const std::string all = page_text(page);
+    const std::string all = text_of_file(page);
     for (std::sregex_iterator match(all.begin(), all.end(), inline_code), none; match != none;
          ++match) {
         text += (*match)[1].str() + "\n";

@@ -76,7 +76,7 @@ std::vector<std::string> paths_in(const std::string& text) {
     for (std::sregex_iterator match(text.begin(), text.end(), form), none; match != none; ++match) {
         std::string path = match->str();
         path.erase(path.find_last_not_of(".-/") + 1);
-        // Of `80-can*` the folder.
+        // `80-can*` stands for files; their folder must exist.
         const bool pattern =
             text[static_cast<std::size_t>(match->position() + match->length()) % text.size()] ==
             '*';

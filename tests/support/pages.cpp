@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <regex>
+#include <sstream>
 
 namespace tribus::test {
 
@@ -13,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Without what stands in fences, where nothing is a heading or a link.
+/// Removes fenced blocks, in which nothing is a heading or a link.
 std::string without_fences(const std::string& page) {
     std::string text;
     bool fenced = false;
@@ -32,7 +33,7 @@ std::string without_fences(const std::string& page) {
     return text;
 }
 
-/// As a reader sees it: of a link its text, and no marks.
+/// Removes the markup; a link becomes its text.
 std::string plain(const std::string& markdown) {
     static const std::regex link_form(R"(\[([^\]]*)\]\([^)]*\))");
     std::string text = std::regex_replace(markdown, link_form, "$1");
@@ -40,7 +41,8 @@ std::string plain(const std::string& markdown) {
     return text;
 }
 
-/// As GitHub makes it: small letters, digits, hyphens; other signs vanish.
+/// The anchor that GitHub gives a heading: lower case, digits, hyphens; other characters are left
+/// out.
 std::string anchor_of(std::string_view heading) {
     std::string anchor;
     for (std::size_t i = 0; i < heading.size(); ++i) {
@@ -62,6 +64,47 @@ std::string anchor_of(std::string_view heading) {
 std::string text_of_file(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+fs::path readme() {
+    return fs::path(TRIBUS_SOURCE_DIR) / "README.md";
+}
+
+std::vector<fs::path> manual_pages() {
+    std::vector<fs::path> pages;
+    const auto docs = fs::path(TRIBUS_SOURCE_DIR) / "docs";
+    for (const auto& entry : fs::recursive_directory_iterator(docs)) {
+        if (entry.path().extension() == ".md") {
+            pages.push_back(entry.path());
+        }
+    }
+    std::ranges::sort(pages);
+    pages.insert(pages.begin(), readme());
+    return pages;
+}
+
+std::vector<Fence> fences_of(const fs::path& page) {
+    std::istringstream lines(text_of_file(page));
+    std::vector<Fence> fences;
+    bool inside = false;
+    std::string title;
+    std::size_t number = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        const std::size_t mark = line.find_first_not_of(' ');
+        if (mark != std::string::npos && line.compare(mark, 3, "```") == 0) {
+            inside = !inside;
+            if (inside) {
+                const std::string where = page.filename().string() + ":" + std::to_string(number);
+                fences.push_back({where, line.substr(mark + 3), title, ""});
+            }
+        } else if (inside) {
+            fences.back().text += line + "\n";
+        } else if (mark != std::string::npos) {
+            title = line;
+        }
+    }
+    return fences;
 }
 
 std::vector<std::string> headings_in(const std::string& page) {

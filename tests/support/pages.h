@@ -7,15 +7,31 @@
 #include <string_view>
 #include <vector>
 
-/// What pages in Markdown have, and whether their links lead somewhere.
+/// Contents and links of pages in Markdown, such as README.md and docs/. Needs the compile
+/// definition TRIBUS_SOURCE_DIR.
 namespace tribus::test {
 
 std::string text_of_file(const std::filesystem::path& path);
 
-/// As a reader sees them.
+std::filesystem::path readme();
+
+/// README.md first, then docs/ by name.
+std::vector<std::filesystem::path> manual_pages();
+
+/// A block of a page between two lines of ```.
+struct Fence {
+    std::string where;     ///< name of the page, and line of the first ```
+    std::string language;  ///< "toml", "sh", ...; empty for plain text
+    std::string title;     ///< the last line before it that is not empty
+    std::string text;
+};
+
+std::vector<Fence> fences_of(const std::filesystem::path& page);
+
+/// The headings without markup.
 std::vector<std::string> headings_in(const std::string& page);
 
-/// Of headings as GitHub makes them, and those that the page sets itself: `<a id="name"></a>`.
+/// Anchors that GitHub gives the headings, and anchors of the page itself: `<a id="name"></a>`.
 std::set<std::string> anchors_in(const std::string& page);
 
 /// Targets of the links `[text](target)` and `[text](target#anchor)`; not those in code.

@@ -27,13 +27,13 @@ namespace {
 using Cells = std::vector<std::string>;
 
 struct ExampleTable {
-    std::string section;  ///< the heading that it stands under
+    std::string section;  ///< the heading above it
     std::string toml;     ///< the block before it
     Cells head;
     std::vector<Cells> rows;
 };
 
-/// Of `| a | b |`.
+/// Returns "a" and "b" for `| a | b |`.
 Cells cells_of(const std::string& line) {
     Cells cells;
     std::istringstream text(line.substr(1));

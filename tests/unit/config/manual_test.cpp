@@ -103,9 +103,5 @@ TEST(ManualText, IsParagraphsListsAndCode) {
     EXPECT_EQ(blocks[2].texts, (std::vector<std::string>{"d = 1", "", "e = 2"}));
 }
 
-TEST(ManualText, IsWrappedBetweenWords) {
-    EXPECT_EQ(wrapped("ab cd efghijk l", 5, 2), "ab cd\n  efghijk\n  l");
-}
-
 }  // namespace
 }  // namespace tribus::test::manual_test

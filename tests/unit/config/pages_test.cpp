@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/support/fences.h"
+#include "tests/support/pages.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/config/main_job.h"
 

@@ -239,6 +239,16 @@ TEST(InitText, falls_silent_if_the_protocol_has_no_mark_for_failsafe) {
 }
 
 /// Names come from the command line and may hold anything that a file name may.
+TEST(InitText, asks_for_a_safe_preset_first_only_if_one_is_sent) {
+    const std::string step = "\n# - Set `preset` at the end to what is safe on your machine.\n";
+    EXPECT_TRUE(has(
+        configuration_text(plan_of(input_of(kIbusProtocol), output_of(kSbusProtocol)), "rc.toml"),
+        step));
+    EXPECT_FALSE(has(
+        configuration_text(plan_of(input_of(kSbusProtocol), output_of(kIbusProtocol)), "rc.toml"),
+        step));
+}
+
 TEST(InitText, keeps_names_out_of_comments_that_would_break_them) {
     Plan plan = plan_of(input_of(kIbusProtocol), output_of(kSbusProtocol));
     plan.inputs[0].node = "/dev/\n[runtime]\ncpu = 99";

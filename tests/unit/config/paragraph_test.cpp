@@ -1,4 +1,4 @@
-#include "app/paragraph.h"
+#include "config/paragraph.h"
 
 #include <gtest/gtest.h>
 
