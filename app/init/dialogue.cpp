@@ -58,6 +58,14 @@ bool is_taken(const ExaminedPlace& examined, const std::vector<Attachment>& take
 
 }  // namespace
 
+std::vector<Dialogue::Choice> Dialogue::choices_of(const std::vector<const Protocol*>& offered) {
+    std::vector<Choice> choices;
+    std::ranges::transform(offered, std::back_inserter(choices), [](const Protocol* protocol) {
+        return Choice{std::string(protocol->name), std::string(protocol->description)};
+    });
+    return choices;
+}
+
 std::optional<std::string> Dialogue::answer() {
     messages_.prompt();
     std::string line;
@@ -123,9 +131,9 @@ std::optional<std::string> Dialogue::choose_place(std::string_view question,
     while (true) {
         const std::vector<ExaminedPlace> all = ports_.all();
         std::vector<Choice> choices;
-        for (const ExaminedPlace& examined : all) {
-            choices.push_back({examined.node, port_text(examined)});
-        }
+        std::ranges::transform(all, std::back_inserter(choices), [](const ExaminedPlace& examined) {
+            return Choice{examined.node, port_text(examined)};
+        });
         const auto free = std::ranges::find_if(all, [&](const ExaminedPlace& examined) {
             return examined.usable() && !is_taken(examined, taken);
         });
@@ -155,10 +163,7 @@ std::optional<std::string> Dialogue::choose_place(std::string_view question,
 const Protocol* Dialogue::choose_protocol(std::string_view question,
                                           const std::vector<const Protocol*>& offered,
                                           const Protocol& usual) {
-    std::vector<Choice> choices;
-    for (const Protocol* protocol : offered) {
-        choices.push_back({std::string(protocol->name), std::string(protocol->description)});
-    }
+    const std::vector<Choice> choices = choices_of(offered);
     const auto proposed = std::ranges::find(offered, &usual);
     const auto chosen = choose(
         question, choices,
@@ -169,9 +174,7 @@ const Protocol* Dialogue::choose_protocol(std::string_view question,
 Dialogue::Step Dialogue::ask_what_now(const ExaminedPlace& examined, Attachment& input) {
     std::vector<Choice> choices{{"again", "listen once more"}, {"other", "choose another port"}};
     const auto offered = offered_protocols(SettingScope::input, examined.link);
-    for (const Protocol* protocol : offered) {
-        choices.push_back({std::string(protocol->name), std::string(protocol->description)});
-    }
+    std::ranges::copy(choices_of(offered), std::back_inserter(choices));
     while (true) {
         const auto chosen = choose("What now?", choices, 0);
         if (!chosen) {

@@ -37,6 +37,7 @@ class Dialogue {
     };
     enum class Step : std::uint8_t { done, again, other_place, ended };
 
+    static std::vector<Choice> choices_of(const std::vector<const Protocol*>& offered);
     std::optional<std::string> answer();
     void list(const std::vector<Choice>& choices);
     /// Returns the index of the choice; `proposed` for an empty answer.

@@ -1,6 +1,8 @@
 #include "app/init/options.h"
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,9 +37,9 @@ OrFailure<std::vector<PlaceOption>> read_places(const std::vector<std::string>& 
 std::string options_with_protocols(const std::string& place, SettingScope way,
                                    const std::vector<const Protocol*>& offered) {
     std::vector<std::string> ways;
-    for (const Protocol* protocol : offered) {
-        ways.push_back(fmt::format("{} {}={}", option_of(way), place, protocol->name));
-    }
+    std::ranges::transform(offered, std::back_inserter(ways), [&](const Protocol* protocol) {
+        return fmt::format("{} {}={}", option_of(way), place, protocol->name);
+    });
     return fmt::format("{}", fmt::join(ways, ", "));
 }
 
