@@ -25,9 +25,9 @@ prepare_and_build() {
     build ON "$@"
 }
 
-# The tests wait about as much as they compute, so twice as many run as there are processors.
+# Many tests wait more than they compute, so three times as many run as there are processors.
 run_tests() {
-    ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 2)) "$@"
+    ctest --test-dir build --output-on-failure --parallel $(($(nproc) * 3)) "$@"
 }
 
 first_tier() {

@@ -328,9 +328,12 @@ TEST_F(Recorded, AReplayIsRecordedAsItWas) {
 }
 
 /// A mistyped name must not destroy somebody else's link.
+/// A replay of it still runs when the test ends it.
+constexpr std::string_view kForAMinute = "# t_us  bytes\n0 20 40 dc 05\n60000000 20 40 dc 05\n";
+
 TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
     const fs::path sent = folder() / "sent.txt";
-    std::ofstream(sent) << "# t_us  bytes\n0 20 40 dc 05\n";
+    std::ofstream(sent) << kForAMinute;
     const fs::path link = folder() / "mine";
     fs::create_symlink("/elsewhere", link);
     Program& refused = start({"replay", sent, "--to", "pty", "--link", link});
@@ -354,7 +357,7 @@ TEST_F(Recorded, AReplayLeavesAloneWhatItDidNotMake) {
 /// A new file may get the inode of the removed link.
 TEST_F(Recorded, AReplayLeavesAloneAFileThatTookThePlaceOfItsLink) {
     const fs::path sent = folder() / "sent.txt";
-    std::ofstream(sent) << "# t_us  bytes\n0 20 40 dc 05\n";
+    std::ofstream(sent) << kForAMinute;
     const fs::path link = folder() / "mine";
     Program& replay = start({"replay", sent, "--to", "pty", "--link", link});
     ASSERT_TRUE(eventually([&] { return !replay.output().empty(); }));

@@ -36,16 +36,23 @@ std::vector<std::string> mistakes_in(const std::string& text) {
 /// 45 kB of such keys overflowed a stack of 8 MiB.
 constexpr std::size_t kDeep = 22'800;
 
+/// `before`, then `parts` times `part`, then `after`. The test puts it together, because every run
+/// of this program makes the parameters of all tests.
 struct DeepText {
     std::string name;
-    std::string text;
+    std::string before;
+    std::string part;
+    std::size_t parts;
+    std::string after;
     std::string place;  ///< of the first part beyond the limit
+
+    [[nodiscard]] std::string text() const { return before + repeated(part, parts) + after; }
 };
 
 class KeyOfManyParts : public ::testing::TestWithParam<DeepText> {};
 
 TEST_P(KeyOfManyParts, IsAMistakeWithItsPlace) {
-    const auto mistakes = mistakes_in(GetParam().text);
+    const auto mistakes = mistakes_in(GetParam().text());
     EXPECT_EQ(
         std::ranges::count(mistakes, "t.toml:" + GetParam().place +
                                          ": this key has too many parts; allowed: at most 16"),
@@ -55,17 +62,16 @@ TEST_P(KeyOfManyParts, IsAMistakeWithItsPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     Each, KeyOfManyParts,
-    ::testing::Values(DeepText{"dotted", "\n" + repeated("a.", kDeep) + "a = 1\n", "2:33"},
-                      DeepText{"header", "[" + repeated("a.", kDeep) + "a]\n", "1:34"},
-                      DeepText{"header_of_tables", "[[" + repeated("a.", kDeep) + "a]]\n", "1:35"},
-                      DeepText{"inline", "x = { " + repeated("a.", kDeep) + "a = 1 }\n", "1:39"},
-                      DeepText{"quoted", repeated("\"a.#\".", kDeep) + "a = 1\n", "1:97"},
-                      DeepText{"with_blanks", repeated("'a' . ", kDeep) + "a = 1\n", "1:96"},
+    ::testing::Values(DeepText{"dotted", "\n", "a.", kDeep, "a = 1\n", "2:33"},
+                      DeepText{"header", "[", "a.", kDeep, "a]\n", "1:34"},
+                      DeepText{"header_of_tables", "[[", "a.", kDeep, "a]]\n", "1:35"},
+                      DeepText{"inline", "x = { ", "a.", kDeep, "a = 1 }\n", "1:39"},
+                      DeepText{"quoted", "", "\"a.#\".", kDeep, "a = 1\n", "1:97"},
+                      DeepText{"with_blanks", "", "'a' . ", kDeep, "a = 1\n", "1:96"},
                       DeepText{"behind_text_of_several_lines",
-                               "x = \"\"\"\n\"\" \\\"\"\" .\n\"\"\"\"\n" + repeated("a.", kDeep) +
-                                   "a = 1\n",
+                               "x = \"\"\"\n\"\" \\\"\"\" .\n\"\"\"\"\n", "a.", kDeep, "a = 1\n",
                                "4:33"},
-                      DeepText{"seventeen", repeated("a.", 16) + "a = 1\n", "1:33"}),
+                      DeepText{"seventeen", "", "a.", 16, "a = 1\n", "1:33"}),
     [](const auto& deep) { return deep.param.name; });
 
 TEST(Depth, OfSixteenPartsIsNoMistakeOfItsOwn) {
