@@ -18,9 +18,9 @@
 #include "app/bench/report.h"
 #include "app/bench/requirement.h"
 #include "app/bench/tester.h"
-#include "app/complain.h"
-#include "app/exit_status.h"
-#include "app/streams.h"
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/streams.h"
 #include "config/mistakes.h"
 #include "pipelines/realtime/scheduling.h"
 

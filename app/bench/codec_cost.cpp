@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "app/bench/lane.h"
-#include "app/protocol_use.h"
+#include "app/cli/protocol_use.h"
 #include "core/can_frame.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/codecs/can_codec.h"

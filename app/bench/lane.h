@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-#include "app/pty.h"
+#include "app/cli/pty.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "transports/codecs/codec.h"

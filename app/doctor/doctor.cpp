@@ -15,15 +15,15 @@
 
 #include <fmt/format.h>
 
-#include "app/complain.h"
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/streams.h"
+#include "app/cli/terminal.h"
 #include "app/doctor/can_judge.h"
 #include "app/doctor/examine.h"
 #include "app/doctor/kernel_files.h"
 #include "app/doctor/machine_judge.h"
 #include "app/doctor/report.h"
-#include "app/exit_status.h"
-#include "app/streams.h"
-#include "app/terminal.h"
 #include "config/values.h"
 #include "core/quotes.h"
 

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "app/cli/protocol_use.h"
 #include "app/doctor/line_inversion.h"
-#include "app/frame_finder.h"
-#include "app/protocol_use.h"
-#include "app/sensor_frame_finder.h"
+#include "app/wire/frames/frame_finder.h"
+#include "app/wire/sensors/sensor_frame_finder.h"
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"
 

@@ -7,7 +7,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "app/machine_values.h"
+#include "app/appliance/machine_values.h"
 #include "pipelines/machine_facts.h"
 
 namespace tribus::doctor {

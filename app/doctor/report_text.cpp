@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/screen_parts.h"
 #include "app/doctor/line_advice.h"
 #include "app/doctor/report.h"
-#include "app/screen_parts.h"
 #include "config/paragraph.h"
 
 namespace tribus::doctor {

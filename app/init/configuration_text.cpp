@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/cli/protocol_use.h"
 #include "app/init/next_commands.h"
-#include "app/protocol_use.h"
 #include "config/keys.h"
 #include "config/paragraph.h"
 #include "config/values.h"

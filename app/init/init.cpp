@@ -13,8 +13,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/complain.h"
-#include "app/exit_status.h"
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/streams.h"
+#include "app/cli/terminal.h"
 #include "app/init/attachment.h"
 #include "app/init/configuration_text.h"
 #include "app/init/dialogue.h"
@@ -23,8 +25,6 @@
 #include "app/init/options.h"
 #include "app/init/ports.h"
 #include "app/init/write_file.h"
-#include "app/streams.h"
-#include "app/terminal.h"
 #include "config/keys.h"
 #include "config/load.h"
 #include "config/machine_mistakes.h"

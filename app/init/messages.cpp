@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/doctor/report.h"
-#include "app/journal.h"
+#include "app/journal/journal.h"
 #include "config/paragraph.h"
 
 namespace tribus::init {

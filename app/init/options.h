@@ -8,7 +8,7 @@
 
 #include <tl/expected.hpp>
 
-#include "app/exit_status.h"
+#include "app/cli/exit_status.h"
 #include "app/init/attachment.h"
 #include "core/setting.h"
 #include "core/time.h"

@@ -23,7 +23,7 @@
 
 #include "app/bench/process.h"
 #include "app/bench/tester.h"
-#include "app/pty.h"
+#include "app/cli/pty.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus::test {

@@ -12,10 +12,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/decode.h"
-#include "app/encode.h"
-#include "app/exit_status.h"
-#include "app/protocol_use.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/protocol_use.h"
+#include "app/wire/decode.h"
+#include "app/wire/encode.h"
 #include "tests/support/captures.h"
 #include "transports/links/recording.h"
 

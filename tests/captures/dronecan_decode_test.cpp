@@ -14,8 +14,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/decode_dronecan.h"
-#include "app/exit_status.h"
+#include "app/cli/exit_status.h"
+#include "app/wire/decode_dronecan.h"
 #include "tests/support/captures.h"
 #include "tests/support/outcome.h"
 

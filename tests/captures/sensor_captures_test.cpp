@@ -12,9 +12,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/decode_sensor.h"
-#include "app/exit_status.h"
-#include "app/sensor_frame_finder.h"
+#include "app/cli/exit_status.h"
+#include "app/wire/decode_sensor.h"
+#include "app/wire/sensors/sensor_frame_finder.h"
 #include "tests/support/captures.h"
 #include "transports/links/recording.h"
 

@@ -5,8 +5,9 @@
 #include <memory>
 #include <string>
 
-#include "app/control_server.h"
-#include "app/metrics_server.h"
+#include "app/cli/object_text.h"
+#include "app/daemon/control_server.h"
+#include "app/daemon/metrics_server.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace tribus::fuzz {

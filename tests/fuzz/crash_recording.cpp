@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "app/capture_text.h"
-#include "app/recording_plan.h"
+#include "app/recorder/recording_plan.h"
+#include "app/replay/capture_text.h"
 #include "tests/fuzz/fuzz.h"
 #include "transports/links/recording.h"
 

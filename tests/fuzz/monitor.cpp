@@ -2,10 +2,10 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/control_server.h"
-#include "app/live_difference.h"
-#include "app/monitor_keys.h"
-#include "app/monitor_screen.h"
+#include "app/daemon/control_server.h"
+#include "app/inspect/live_difference.h"
+#include "app/monitor/monitor_keys.h"
+#include "app/monitor/monitor_screen.h"
 #include "config/load.h"
 #include "tests/fuzz/fuzz.h"
 

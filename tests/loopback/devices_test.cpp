@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/ask_daemon.h"
-#include "app/monitor_fields.h"
+#include "app/client/ask_daemon.h"
+#include "app/client/status_fields.h"
 #include "tests/loopback/loopback.h"
 
 namespace tribus::test::devices_test {

@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/control_socket.h"
+#include "app/client/control_socket.h"
 #include "tests/loopback/loopback.h"
 
 namespace tribus::test::monitor_test {

@@ -105,6 +105,8 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
         ::_exit(kCannotStart);
     }
     ::setsid();
+    // A shell that runs the tests in the background makes them ignore it.
+    ::signal(SIGINT, SIG_DFL);
     redirect(STDIN_FILENO, settings.input.empty() ? "/dev/null" : settings.input, O_RDONLY);
     redirect(STDERR_FILENO, errors_file_, O_WRONLY | O_TRUNC | O_APPEND);
     if (settings.terminal.empty()) {

@@ -17,7 +17,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/ask_daemon.h"
+#include "app/client/ask_daemon.h"
 #include "tests/loopback/first_channel.h"
 
 namespace tribus::test::reload_test {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/ask_daemon.h"
+#include "app/client/ask_daemon.h"
 #include "tests/loopback/first_channel.h"
 
 namespace tribus::test::trial_test {

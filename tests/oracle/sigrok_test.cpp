@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "app/encode.h"
-#include "app/exit_status.h"
-#include "app/protocol_use.h"
-#include "app/waveform.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/protocol_use.h"
+#include "app/wire/encode.h"
+#include "app/wire/frames/waveform.h"
 #include "tests/support/shell.h"
 
 /// Compares with an independent reader: the uart decoder of sigrok reads the waveform of `encode

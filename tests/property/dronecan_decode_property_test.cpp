@@ -12,8 +12,8 @@
 #include <rapidcheck/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "app/decode_dronecan.h"
-#include "app/dronecan_explainer.h"
+#include "app/wire/decode_dronecan.h"
+#include "app/wire/dronecan/dronecan_explainer.h"
 #include "transports/codecs/dronecan/known_payloads.h"
 #include "transports/codecs/dronecan/transfer.h"
 

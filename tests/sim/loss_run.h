@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/loss_study.h"
+#include "app/learn/loss_study.h"
 #include "config/build.h"
 #include "pipelines/virtual_loop.h"
 #include "tests/sim/simulation.h"

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "app/frame_collector.h"
+#include "app/learn/frame_collector.h"
 #include "transports/links/recording.h"
 
 /// Repeated recordings of real receivers, with a simulated loss in each of the known ways. The

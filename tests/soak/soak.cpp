@@ -16,8 +16,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "app/ask_daemon.h"
-#include "app/monitor_fields.h"
+#include "app/client/ask_daemon.h"
+#include "app/client/status_fields.h"
 #include "tests/loopback/program.h"
 #include "tests/soak/bare_timer.h"
 #include "tests/soak/line.h"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/loss_study.h"
+#include "app/learn/loss_study.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
 

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "app/protocol_use.h"
+#include "app/cli/protocol_use.h"
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "transports/codecs/can_codec.h"

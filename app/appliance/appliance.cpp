@@ -1,0 +1,243 @@
+#include "app/appliance/appliance.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace tribus {
+namespace {
+
+std::string device_name(const PortConfig& config) {
+    return (config.link == LinkKind::can ? "interface " : "device ") + config.device;
+}
+
+std::string device_name(const LineConfig& config) {
+    return "line " + config.name + " (" + to_text(config.place) + ")";
+}
+
+}  // namespace
+
+Appliance::Appliance(Configuration configuration)
+    : configuration_(std::move(configuration)),
+      plans_(plan_ports(configuration_)),
+      missing_(plans_.size(), false),
+      engine_(build_engine(configuration_, machine_id())) {
+    values_ = build_value_engine(configuration_, *engine_);
+}
+
+std::unique_ptr<Appliance> Appliance::build(Configuration configuration) {
+    return std::unique_ptr<Appliance>(new Appliance(std::move(configuration)));
+}
+
+bool Appliance::restart_wanted() const {
+    for (std::size_t node = 0; node < engine_->node_count(); ++node) {
+        if (node_report(node).restart_wanted) {
+            return true;
+        }
+    }
+    return false;
+}
+
+std::size_t Appliance::reject_cause_count(std::size_t input) const {
+    return std::min(engine_->inputs()[input].decoder().rejected().size(), kMostRejectCauses);
+}
+
+std::string_view Appliance::reject_cause(std::size_t input, std::size_t cause) const {
+    return engine_->inputs()[input].decoder().rejected()[cause].name;
+}
+
+void Appliance::look_at_machine(Instant now, bool watches) {
+    constexpr Duration kPeriod = std::chrono::seconds(1);
+    if (!(values_ || watches) || now < next_machine_look_) {
+        return;
+    }
+    next_machine_look_ = later(now, kPeriod);
+    machine_.set(machine_watch_.look(), now);
+}
+
+std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
+    std::vector<std::string> errors;
+    std::vector<PortWiring> wiring;
+    std::vector<std::unique_ptr<Link>> links;
+    // Lines come first: one may select an inverter, which must be set before its port opens.
+    auto lines = open_lines(missing, errors);
+    for (std::size_t port = 0; port < plans_.size(); ++port) {
+        links.push_back(open_or_wait(port, missing, errors));
+        wiring.push_back(plans_[port].wiring);
+    }
+    if (errors.empty()) {
+        errors = make_threads(std::move(wiring), std::move(links), std::move(lines));
+    }
+    return errors;
+}
+
+std::unique_ptr<Link> Appliance::open_or_wait(std::size_t port, MissingDevices missing,
+                                              std::vector<std::string>& errors) {
+    auto link = open_port(configuration_, *engine_, values_.get(), plans_[port]);
+    missing_[port] = !link;
+    if (link) {
+        return std::move(*link);
+    }
+    if (missing == MissingDevices::wait_for_absent && is_missing(plans_[port].config)) {
+        waits_for_.push_back(link.error());
+    } else if (missing != MissingDevices::wait_for) {
+        errors.push_back(link.error());
+    }
+    return nullptr;
+}
+
+std::vector<std::unique_ptr<HeldLine>> Appliance::open_lines(MissingDevices missing,
+                                                             std::vector<std::string>& errors) {
+    std::vector<std::unique_ptr<HeldLine>> lines;
+    for (const LineConfig& config : configuration_.lines) {
+        auto line = open_line(configuration_, config);
+        if (!line && missing != MissingDevices::wait_for) {
+            errors.push_back(line.error());
+        }
+        missing_lines_.push_back(!line);
+        lines.push_back(line ? std::move(*line) : nullptr);
+    }
+    return lines;
+}
+
+std::vector<std::string> Appliance::make_threads(std::vector<PortWiring> wiring,
+                                                 std::vector<std::unique_ptr<Link>> links,
+                                                 std::vector<std::unique_ptr<HeldLine>> lines) {
+    const RuntimeConfig& runtime = configuration_.runtime;
+    if (!lines.empty()) {
+        line_exchange_ = std::make_unique<LineExchange>(engine_->outputs().size());
+        if (auto prepared = line_exchange_->prepare(); !prepared) {
+            return {prepared.error()};
+        }
+        // One priority below the data thread, which it must never delay.
+        const bool first = runtime.realtime != Realtime::off && runtime.priority > 1;
+        gpio_thread_ = std::make_unique<GpioThread>(
+            *line_exchange_, line_tasks(configuration_), std::move(lines),
+            GpioThreadSettings{first ? std::optional(runtime.priority - 1) : std::nullopt});
+        line_exchange_->set_states(engine_->shown_on_lines());
+    }
+    loop_ = std::make_unique<Loop>(*engine_, std::move(wiring), std::move(links),
+                                   loop_settings(line_exchange_.get()));
+    if (auto prepared = loop_->prepare(); !prepared) {
+        return {prepared.error()};
+    }
+    return {};
+}
+
+LoopSettings Appliance::loop_settings(LineExchange* lines) {
+    return {.spin = configuration_.runtime.spin,
+            .lines = lines,
+            .values = values_.get(),
+            .machine = &machine_};
+}
+
+tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
+    Configuration configuration, MissingDevices missing) {
+    return start(build(std::move(configuration)), missing);
+}
+
+tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::start(
+    std::unique_ptr<Appliance> appliance, MissingDevices missing) {
+    handle_sigcont();
+    const auto recorder = appliance->make_recorder(nullptr);
+    std::vector<std::string> errors = appliance->open_devices(missing);
+    if (!recorder) {
+        errors.push_back(recorder.error());
+    }
+    if (!errors.empty()) {
+        return tl::unexpected(std::move(errors));
+    }
+    appliance->update_recorder();
+    // Must precede `prepare`, where the data thread locks all memory, including the stacks.
+    if (appliance->gpio_thread_) {
+        if (auto started = appliance->gpio_thread_->start(); !started) {
+            return tl::unexpected(std::vector{started.error()});
+        }
+    }
+    const RuntimeConfig& runtime = appliance->configuration_.runtime;
+    appliance->thread_ = std::make_unique<DataThread>(
+        *appliance->loop_, SchedulingSettings{.priority = runtime.priority,
+                                              .cpu = runtime.cpu,
+                                              .realtime = runtime.realtime != Realtime::off});
+    auto missing_realtime = appliance->thread_->prepare();
+    if (!missing_realtime) {
+        return tl::unexpected(std::vector{missing_realtime.error()});
+    }
+    if (runtime.realtime == Realtime::require && !missing_realtime->empty()) {
+        return tl::unexpected(std::move(*missing_realtime));
+    }
+    appliance->missing_realtime_ = std::move(*missing_realtime);
+    appliance->thread_->run();
+    return appliance;
+}
+
+std::vector<Appliance::DeviceEvent> Appliance::devices() const {
+    std::vector<DeviceEvent> all;
+    for (std::size_t port = 0; port < plans_.size(); ++port) {
+        all.push_back({device_name(plans_[port].config), port_present(port)});
+    }
+    for (std::size_t line = 0; line < missing_lines_.size(); ++line) {
+        all.push_back({device_name(configuration_.lines[line]), line_present(line)});
+    }
+    return all;
+}
+
+std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
+    std::vector<DeviceEvent> events;
+    for (std::size_t port = 0; port < plans_.size(); ++port) {
+        const std::string name = device_name(plans_[port].config);
+        if (loop_->take_lost(port)) {
+            missing_[port] = true;
+            events.push_back({name, false});
+        }
+        if (missing_[port]) {
+            if (auto link = open_port(configuration_, *engine_, values_.get(), plans_[port])) {
+                loop_->give(port, std::move(*link));
+                missing_[port] = false;
+                events.push_back({name, true});
+            }
+        }
+    }
+    reopen_lines(events);
+    return events;
+}
+
+void Appliance::reopen_lines(std::vector<DeviceEvent>& events) {
+    // Finding a line queries all lines of all chips; about once a second is enough.
+    constexpr int kCallsPerOpening = 5;
+    calls_until_opening_ = calls_until_opening_ == 0 ? kCallsPerOpening : calls_until_opening_ - 1;
+    for (std::size_t i = 0; i < missing_lines_.size(); ++i) {
+        const LineConfig& config = configuration_.lines[i];
+        const std::string name = device_name(config);
+        if (gpio_thread_->take_lost(i)) {
+            missing_lines_[i] = true;
+            events.push_back({name, false});
+        }
+        if (missing_lines_[i] && calls_until_opening_ == 0) {
+            if (auto line = open_line(configuration_, config)) {
+                gpio_thread_->give(i, std::move(*line));
+                missing_lines_[i] = false;
+                events.push_back({name, true});
+            }
+        }
+    }
+}
+
+bool Appliance::uses_fd(const PortWiring& wiring) const {
+    const auto fd_input = [this](std::size_t i) { return engine_->inputs()[i].uses_fd(); };
+    const auto fd_output = [this](std::size_t i) { return engine_->outputs()[i].uses_fd(); };
+    const auto fd_message = [this](std::size_t i) { return values_->uses_fd(i); };
+    return std::ranges::any_of(wiring.inputs, fd_input) ||
+           std::ranges::any_of(wiring.outputs, fd_output) ||
+           std::ranges::any_of(wiring.value_messages, fd_message);
+}
+
+void Appliance::end() {
+    loop_->request_end();
+    thread_->join();
+    if (gpio_thread_) {
+        gpio_thread_->end();
+    }
+}
+
+}  // namespace tribus

@@ -1,0 +1,122 @@
+#include "app/cli/cause_text.h"
+
+#include <algorithm>
+#include <bit>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace tribus {
+namespace {
+
+std::string_view sign_text(RadioLossSign sign) {
+    switch (sign) {
+        case RadioLossSign::none:
+            break;
+        case RadioLossSign::failsafe_flag:
+            return "the receiver says failsafe";
+        case RadioLossSign::value_rule:
+            return "a failsafe_when rule says so";
+        case RadioLossSign::frame_lost_run:
+            return "only frames marked frame-lost";
+        case RadioLossSign::frame_lost_ratio:
+            return "too many frames marked frame-lost";
+    }
+    return "";
+}
+
+std::string_view how_it_shows(const LinkState& state) {
+    switch (state.cause) {
+        case LinkCause::good:
+        case LinkCause::never_seen:
+            break;
+        case LinkCause::wire_silent:
+            return "no bytes any more";
+        case LinkCause::garbled:
+            return "bytes, but no frames";
+        case LinkCause::radio_lost:
+            return sign_text(state.sign);
+        case LinkCause::stale:
+            return "frames that do not change";
+        case LinkCause::implausible:
+            return "values that no transmitter sends";
+        case LinkCause::channels_missing:
+            return "channels that were there are missing";
+    }
+    return "";
+}
+
+std::string_view obstacle_text(SendObstacle obstacle) {
+    switch (obstacle) {
+        case SendObstacle::none:
+            break;
+        case SendObstacle::device:
+            return "its device is gone";
+        case SendObstacle::bus:
+            return "the bus takes nothing";
+        case SendObstacle::busy:
+            return "the port still has earlier frames";
+    }
+    return "";
+}
+
+}  // namespace
+
+std::string as_word(std::string_view name) {
+    std::string word(name);
+    std::ranges::replace(word, ' ', '_');
+    return word;
+}
+
+std::string_view output_state_word(OutputStage stage, bool sends) {
+    switch (stage) {
+        case OutputStage::control:
+            return "control";
+        case OutputStage::holding:
+            return "hold";
+        case OutputStage::cannot_send:
+            return "cannot_send";
+        case OutputStage::failsafe:
+            break;
+    }
+    return sends ? "failsafe" : "silent";
+}
+
+std::string output_text(const OutputState& state, std::span<const std::string> inputs) {
+    switch (state.stage) {
+        case OutputStage::failsafe:
+            return state.forced           ? "in failsafe, forced"
+                   : state.awaits_release ? "in failsafe until release_when is true"
+                                          : "in failsafe";
+        case OutputStage::holding:
+            return state.marks_frame_lost
+                       ? "holding the last values, marked frame-lost"
+                       : "holding the last values, unmarked: its protocol has no frame-lost mark";
+        case OutputStage::cannot_send:
+            return "cannot send: " + std::string(obstacle_text(state.obstacle));
+        case OutputStage::control:
+            break;
+    }
+    return state.input == kNoInput ? "under control"
+                                   : fmt::format("under control of {}", inputs[state.input]);
+}
+
+std::string by_preset_text(std::uint32_t channels) {
+    const bool one = std::popcount(channels) == 1;
+    std::vector<int> numbers;
+    for (; channels != 0; channels &= channels - 1) {
+        numbers.push_back(std::countr_zero(channels) + 1);
+    }
+    return fmt::format(
+        "channel{} {} {}", one ? "" : "s", fmt::join(numbers, ", "),
+        one ? "sends its preset: the channel that it is mapped from is absent"
+            : "send their presets: the channels that they are mapped from are absent");
+}
+
+std::string cause_text(const LinkState& state) {
+    const std::string_view shown = how_it_shows(state);
+    return shown.empty() ? std::string(name_of(state.cause))
+                         : fmt::format("{} ({})", name_of(state.cause), shown);
+}
+
+}  // namespace tribus

@@ -1,0 +1,29 @@
+#include "app/cli/load_or_explain.h"
+
+#include <cstdio>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/journal/journal.h"
+#include "config/load.h"
+
+namespace tribus {
+
+void explain_mistakes(const std::vector<Mistake>& mistakes) {
+    for (const Mistake& mistake : mistakes) {
+        fmt::print(stderr, "{}{}\n", stderr_is_journal() ? "<3>" : "",
+                   without_control_characters(format_mistake(mistake)));
+    }
+}
+
+std::optional<Configuration> load_or_explain(const std::string& path) {
+    auto configuration = load_configuration_file(path);
+    if (!configuration) {
+        explain_mistakes(configuration.error());
+        return std::nullopt;
+    }
+    return std::move(*configuration);
+}
+
+}  // namespace tribus

@@ -1,0 +1,269 @@
+#include "app/cli/protocol_use.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "app/cli/command_line.h"
+#include "config/document.h"
+#include "config/key_words.h"
+#include "config/mistakes.h"
+#include "config/parse_toml.h"
+#include "config/read_value.h"
+#include "config/values.h"
+#include "core/quotes.h"
+#include "transports/registry/registry.h"
+
+namespace tribus {
+namespace {
+
+/// Keys of the device, which recorded bytes do not have.
+constexpr std::array<std::string_view, 1> kDeviceKeys{"inverted"};
+
+using Refused = tl::unexpected<std::string>;
+
+/// Value of a text as in the configuration, but words need no quotation marks.
+Value as_value(const Setting& setting, std::string_view text) {
+    const bool bare = setting.type == SettingType::boolean ||
+                      setting.type == SettingType::integer || setting.type == SettingType::number ||
+                      setting.type == SettingType::pulse;
+    const bool table = (setting.type == SettingType::scale || setting.type == SettingType::tree) &&
+                       text.starts_with('{');
+    if (bare || table) {
+        const auto document = parse_toml(fmt::format("value = {}", text));
+        const Entry* const entry = document ? document->find("value") : nullptr;
+        if (entry != nullptr) {
+            return entry->value;
+        }
+    }
+    return {.where = {}, .content = std::string(text)};
+}
+
+bool applies(const Setting& setting, SettingScope direction) {
+    const bool device =
+        std::find(kDeviceKeys.begin(), kDeviceKeys.end(), setting.key) != kDeviceKeys.end();
+    return !device && (setting.scope == SettingScope::both || setting.scope == direction);
+}
+
+const Setting* find_setting(const Protocol& protocol, SettingScope direction,
+                            std::string_view key) {
+    for (const Setting& setting : protocol.settings) {
+        if (setting.key == key && applies(setting, direction)) {
+            return &setting;
+        }
+    }
+    return nullptr;
+}
+
+std::vector<std::string_view> known_protocols() {
+    std::vector<std::string_view> names;
+    for (const Protocol* protocol : protocols()) {
+        names.push_back(protocol->name);
+    }
+    return names;
+}
+
+/// Turns a message about a key, which begins with the quoted key or does not name it, into one
+/// about an option.
+std::string as_option_message(const Setting& setting, const Mistakes& mistakes) {
+    const std::string option = fmt::format("--{}", setting.key);
+    const std::string key = in_quotes(setting.key);
+    if (mistakes.empty()) {
+        return option + ": allowed: " + allowed_values(setting);
+    }
+    const std::string text = mistakes.sorted().front().text;
+    return text.starts_with(key) ? option + text.substr(key.size()) : option + ": " + text;
+}
+
+/// The first mistake that the protocol finds between values that are each valid; else empty.
+std::string mistake_between(const Protocol& protocol, SettingScope direction,
+                            const SettingValues& settings) {
+    if (protocol.check == nullptr) {
+        return {};
+    }
+    const std::vector<SettingMistake> mistakes = protocol.check(settings, direction);
+    if (mistakes.empty()) {
+        return {};
+    }
+    const SettingMistake& first = mistakes.front();
+    if (first.path.empty()) {
+        return fmt::format("--protocol {}: {}", protocol.name, first.text);
+    }
+    return fmt::format("--{}: {}", fmt::join(first.path, "."), first.text);
+}
+
+std::string choices_of(const Setting& setting) {
+    if (setting.type == SettingType::boolean) {
+        return "true,false";
+    }
+    return fmt::format("{}", fmt::join(setting.choices, ","));
+}
+
+/// Adds the choices of another protocol; no choices if one of them allows anything.
+void add_choices(std::string& choices, const std::string& more) {
+    if (choices.empty() || more.empty()) {
+        choices.clear();
+    } else if (choices != more) {
+        choices += "," + more;
+    }
+}
+
+}  // namespace
+
+tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
+                                                          std::string_view text) {
+    Mistakes mistakes("");
+    auto value = read_value(setting, as_value(setting, text), mistakes);
+    if (!value) {
+        return Refused(as_option_message(setting, mistakes));
+    }
+    return std::move(*value);
+}
+
+std::vector<ProtocolUse> of_link(std::span<const ProtocolUse> uses, LinkKind link) {
+    std::vector<ProtocolUse> found;
+    std::ranges::copy_if(uses, std::back_inserter(found),
+                         [link](const ProtocolUse& use) { return use.protocol->link == link; });
+    return found;
+}
+
+Duration usual_period(const ProtocolUse& use) {
+    const Protocol& protocol = *use.protocol;
+    const auto own =
+        protocol.own_period == nullptr ? std::nullopt : protocol.own_period(use.settings);
+    return own.value_or(protocol.default_period);
+}
+
+std::string protocol_list(LinkKind link) {
+    std::vector<std::string_view> names;
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->link == link) {
+            names.push_back(protocol->name);
+        }
+    }
+    return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string protocol_list() {
+    return fmt::format("{}", fmt::join(known_protocols(), ", "));
+}
+
+std::vector<SettingOption> setting_options(SettingScope direction) {
+    std::vector<SettingOption> options;
+    for (const Protocol* protocol : protocols()) {
+        for (const Setting& setting : protocol->settings) {
+            if (!applies(setting, direction)) {
+                continue;
+            }
+            const std::string help =
+                fmt::format("{}: {} ({})", protocol->name,
+                            without_backticks(help_with_default(setting)), allowed_values(setting));
+            const auto same = [&](const SettingOption& option) {
+                return option.key == setting.key;
+            };
+            const auto option = std::find_if(options.begin(), options.end(), same);
+            if (option == options.end()) {
+                options.push_back({std::string(setting.key), help, choices_of(setting)});
+            } else {
+                option->help += "; " + help;
+                add_choices(option->choices, choices_of(setting));
+            }
+        }
+    }
+    return options;
+}
+
+void append_setting_options(std::vector<CommandOption>& options, SettingScope direction,
+                            GivenSettings& given) {
+    for (SettingOption& option : setting_options(direction)) {
+        const auto keep = [&given, key = option.key](const std::string& text) {
+            given.insert_or_assign(key, text);
+        };
+        options.push_back(
+            {.name = "--" + option.key,
+             .value = keep,
+             .help = std::move(option.help),
+             .type_name = option.choices.empty() ? "TEXT" : choices_type(option.choices)});
+    }
+}
+
+tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
+                                                    SettingScope direction,
+                                                    const GivenSettings& given) {
+    for (const auto& [key, text] : given) {
+        if (find_setting(protocol, direction, key) == nullptr) {
+            return Refused(
+                fmt::format("--{}: {} has no such setting; leave it out", key, protocol.name));
+        }
+    }
+    ProtocolUse use{.protocol = &protocol, .settings = {}, .line = protocol.line};
+    for (const Setting& setting : protocol.settings) {
+        const auto text = given.find(setting.key);
+        if (text != given.end()) {
+            auto value = setting_from_text(setting, text->second);
+            if (!value) {
+                return Refused(std::move(value.error()));
+            }
+            use.settings.set(setting.key, std::move(*value));
+        } else if (!setting.fallback.empty()) {
+            use.settings.set(setting.key, default_of(setting));
+        } else if (setting.required && applies(setting, direction)) {
+            return Refused(fmt::format("--{}: {} requires it: {}; allowed: {}", setting.key,
+                                       protocol.name, without_backticks(setting.help),
+                                       allowed_values(setting)));
+        }
+    }
+    if (auto mistake = mistake_between(protocol, direction, use.settings); !mistake.empty()) {
+        return Refused(std::move(mistake));
+    }
+    use.line.baud =
+        static_cast<std::uint32_t>(use.settings.get_or<std::int64_t>("baud", protocol.line.baud));
+    return use;
+}
+
+tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string_view name,
+                                                                     SettingScope direction,
+                                                                     const GivenSettings& given) {
+    const Protocol* const named = find_protocol(name);
+    if (named == nullptr && name != "auto") {
+        return Refused(fmt::format("--protocol: {} is not a known protocol; {}", in_quotes(name),
+                                   suggestion(name, known_protocols())));
+    }
+    std::vector<ProtocolUse> uses;
+    std::string refused;
+    for (const Protocol* protocol : protocols()) {
+        if (named == nullptr ? !protocol->goes(direction) : named != protocol) {
+            continue;
+        }
+        GivenSettings own = given;
+        if (named == nullptr) {
+            std::erase_if(own, [&](const auto& entry) {
+                return find_setting(*protocol, direction, entry.first) == nullptr;
+            });
+        }
+        auto use = use_protocol(*protocol, direction, own);
+        if (use) {
+            uses.push_back(std::move(*use));
+        } else if (refused.empty() || !own.empty()) {
+            refused = std::move(use.error());
+        }
+    }
+    // A setting that only a refused protocol has must not be ignored.
+    const bool all_used = std::ranges::all_of(given, [&](const auto& entry) {
+        return std::ranges::any_of(uses, [&](const ProtocolUse& use) {
+            return find_setting(*use.protocol, direction, entry.first) != nullptr;
+        });
+    });
+    if (uses.empty() || !all_used) {
+        return Refused(std::move(refused));
+    }
+    return uses;
+}
+
+}  // namespace tribus

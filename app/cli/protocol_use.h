@@ -1,0 +1,79 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/cli/command.h"
+#include "core/line_settings.h"
+#include "core/setting.h"
+#include "core/time.h"
+#include "pipelines/settings.h"
+#include "transports/codecs/protocol.h"
+
+/// Protocols on the command line: the settings of the protocol tables become options.
+namespace tribus {
+
+/// A protocol with checked settings and defaults filled in.
+struct ProtocolUse {
+    const Protocol* protocol = nullptr;
+    SettingValues settings;
+    LineSettings line;
+    /// Loss detection of the configured input; empty without a configuration.
+    std::optional<SupervisionSettings> supervision{};
+};
+
+/// The uses whose protocol runs on that kind of link.
+std::vector<ProtocolUse> of_link(std::span<const ProtocolUse> uses, LinkKind link);
+
+/// Usual time from one frame to the next: the protocol's default, which its settings may change.
+Duration usual_period(const ProtocolUse& use);
+
+/// Values from the command line, by key.
+using GivenSettings = std::map<std::string, std::string, std::less<>>;
+
+/// Parses a value from the command line: as in the configuration, but without quotation marks. The
+/// error says what is allowed.
+tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
+                                                          std::string_view text);
+
+/// Names of all protocols: `ibus, sbus`.
+std::string protocol_list();
+/// Names of the protocols on one kind of link.
+std::string protocol_list(LinkKind link);
+
+/// An option for a setting key of one or more protocols that applies to recorded bytes.
+struct SettingOption {
+    std::string key;
+    std::string help;
+    /// Allowed words, `a,b`; empty if a protocol allows anything else.
+    std::string choices;
+};
+/// The options of all protocols for that direction, without duplicates.
+std::vector<SettingOption> setting_options(SettingScope direction);
+
+/// Appends the settings as options of a command. Their values go to `given`, which must outlive
+/// them.
+void append_setting_options(std::vector<CommandOption>& options, SettingScope direction,
+                            GivenSettings& given);
+
+/// Checks the settings: `given` may hold only keys of the protocol in that direction, required keys
+/// must be there, and the values must fit together. The error says what is allowed.
+tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
+                                                    SettingScope direction,
+                                                    const GivenSettings& given);
+
+/// The protocol `name`, or for "auto" all protocols that accept those of the `given` settings that
+/// they have and require no others. Each given setting must be used. The error says what is
+/// allowed.
+tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string_view name,
+                                                                     SettingScope direction,
+                                                                     const GivenSettings& given);
+
+}  // namespace tribus

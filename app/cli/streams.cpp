@@ -1,0 +1,95 @@
+#include "app/cli/streams.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <iostream>
+#include <utility>
+
+#include "app/cli/exit_status.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::size_t kReadSize = std::size_t{64} * 1024;
+
+tl::unexpected<std::string> failure(std::string_view name, int error) {
+    return tl::unexpected<std::string>(fmt::format("{}: {}", name, std::strerror(error)));
+}
+
+}  // namespace
+
+tl::expected<InputFile, std::string> InputFile::open(std::string_view name) {
+    if (name.empty() || name == "-") {
+        return InputFile(UniqueFd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)), "standard input");
+    }
+    return open_path(name);
+}
+
+tl::expected<InputFile, std::string> InputFile::open_path(std::string_view path) {
+    std::string name(path);
+    UniqueFd descriptor(::open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY));
+    if (!descriptor.valid()) {
+        return failure(name, errno);
+    }
+    return InputFile(std::move(descriptor), std::move(name));
+}
+
+bool InputFile::is_whole() const {
+    struct stat about {};
+    return ::fstat(descriptor_.get(), &about) == 0 && S_ISREG(about.st_mode);
+}
+
+tl::expected<std::string, std::string> InputFile::read_some() {
+    std::string bytes(kReadSize, '\0');
+    ssize_t count = 0;
+    do {
+        count = ::read(descriptor_.get(), bytes.data(), bytes.size());
+    } while (count < 0 && errno == EINTR);
+    if (count < 0) {
+        return failure(name_, errno);
+    }
+    bytes.resize(static_cast<std::size_t>(count));
+    return bytes;
+}
+
+tl::expected<std::string, std::string> InputFile::read_all() {
+    std::string content;
+    while (true) {
+        auto bytes = read_some();
+        if (!bytes || bytes->empty()) {
+            return bytes ? tl::expected<std::string, std::string>(std::move(content))
+                         : std::move(bytes);
+        }
+        content += *bytes;
+    }
+}
+
+std::optional<std::size_t> terminal_columns() {
+    winsize size{};
+    const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+    return known ? std::optional<std::size_t>(size.ws_col) : std::nullopt;
+}
+
+int finish_standard_output(int status) {
+    std::cout.flush();
+    if (std::cout.good()) {
+        return status;
+    }
+    pollfd output{.fd = STDOUT_FILENO, .events = POLLOUT, .revents = 0};
+    const bool reader_gone = ::poll(&output, 1, 0) == 1 && (output.revents & POLLERR) != 0;
+    if (reader_gone) {
+        return status;
+    }
+    std::cerr << "tribus: cannot write to standard output\n";
+    return kExitFailed;
+}
+
+}  // namespace tribus

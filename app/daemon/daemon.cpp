@@ -1,0 +1,194 @@
+#include "app/daemon/daemon.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/journal/log.h"
+#include "config/carry_over.h"
+#include "core/counted.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+std::string summary(const Configuration& configuration) {
+    const std::size_t buses = configuration.sensor_buses.size();
+    return fmt::format("{}: {}, {}, {}{}", configuration.file,
+                       counted(configuration.inputs.size(), "input"),
+                       counted(configuration.outputs.size(), "output"),
+                       counted(configuration.pipelines.size(), "pipeline"),
+                       buses == 0 ? "" : ", " + counted(buses, "sensor bus", "sensor buses"));
+}
+
+void log_all(const std::vector<std::string>& errors) {
+    for (const std::string& error : errors) {
+        log_error("{}", error);
+    }
+}
+
+}  // namespace
+
+/// Reports an appliance that has just started.
+void Daemon::show_started() {
+    if (!appliance_) {
+        sockets_.hide();
+        return;
+    }
+    const Instant now = monotonic_now();
+    log_ = std::make_unique<StateLog>(*appliance_, now);
+    log_->log_interfaces(*appliance_);
+    sockets_.show(*appliance_);
+    service_.started(*appliance_, now);
+}
+
+/// Reports an appliance that replaced another one, which had `ports_before`.
+void Daemon::show_successor(const std::vector<PortPlan>& ports_before,
+                            const CarryOver& carry_over) {
+    const Instant now = monotonic_now();
+    auto log = std::make_unique<StateLog>(*appliance_, now);
+    log->go_on_from(*log_, *appliance_, carry_over);
+    log_ = std::move(log);
+    const bool new_port = std::ranges::any_of(appliance_->ports(), [&](const PortPlan& port) {
+        return std::ranges::none_of(ports_before, [&](const PortPlan& before) {
+            return same_device(before.config, port.config);
+        });
+    });
+    if (new_port) {
+        log_->log_interfaces(*appliance_);
+    }
+    // Opens the devices that got other line settings.
+    log_->look(*appliance_, now);
+    sockets_.show(*appliance_);
+    service_.started(*appliance_, now);
+}
+
+bool Daemon::start_or_log(std::unique_ptr<Appliance> built, Appliance::MissingDevices missing,
+                          std::vector<std::string>& errors) {
+    auto appliance = Appliance::start(std::move(built), missing);
+    if (!appliance) {
+        errors = std::move(appliance.error());
+        log_all(errors);
+        return false;
+    }
+    appliance_ = std::move(*appliance);
+    for (const std::string& lack : appliance_->missing_realtime()) {
+        log_warning("no full real time: {}", lack);
+    }
+    for (const std::string& absent : appliance_->waits_for()) {
+        log_warning("{}; waiting for it", absent);
+    }
+    log_info("started {}", summary(appliance_->configuration()));
+    return true;
+}
+
+void Daemon::start(Configuration configuration) {
+    std::vector<std::string> errors;
+    start_or_log(Appliance::build(std::move(configuration)),
+                 Appliance::MissingDevices::wait_for_absent, errors);
+    show_started();
+}
+
+/// For changes that need a stop. If devices of the new configuration cannot be opened, the old one
+/// starts again, even if one of its own devices is unplugged now.
+ReloadOutcome Daemon::take_with_a_stop(std::unique_ptr<Appliance> fresh,
+                                       std::vector<std::string> obstacles) {
+    for (const std::string& obstacle : obstacles) {
+        log_warning("reload with a stop, outputs go into failsafe: {}", obstacle);
+    }
+    Configuration old = configuration();
+    appliance_.reset();
+    ReloadOutcome outcome;
+    outcome.taken =
+        start_or_log(std::move(fresh), Appliance::MissingDevices::refuse, outcome.lines);
+    if (outcome.taken) {
+        outcome.lines = std::move(obstacles);
+    } else {
+        log_error("reload failed; back to the old configuration");
+        std::vector<std::string> ignored;
+        start_or_log(Appliance::build(std::move(old)), Appliance::MissingDevices::wait_for,
+                     ignored);
+    }
+    show_started();
+    return outcome;
+}
+
+ReloadOutcome Daemon::take_between_frames(std::unique_ptr<Appliance> fresh,
+                                          const CarryOver& carry_over) {
+    const std::string file = fresh->configuration().file;
+    const std::vector<PortPlan> ports_before = appliance_->ports();
+    auto next = Appliance::succeed(appliance_, std::move(fresh), carry_over);
+    if (!next) {
+        log_all(next.error());
+        log_error("reload refused: {} cannot be set up; the old configuration runs on", file);
+        service_.started(*appliance_, monotonic_now());
+        return {.lines = std::move(next.error())};
+    }
+    appliance_ = std::move(*next);
+    log_info("reloaded {}", summary(configuration()));
+    show_successor(ports_before, carry_over);
+    return {.taken = true};
+}
+
+ReloadOutcome Daemon::take(std::unique_ptr<Appliance> fresh) {
+    const CarryOver carry_over = plan_carry_over(configuration(), fresh->configuration());
+    return carry_over.obstacles.empty() ? take_between_frames(std::move(fresh), carry_over)
+                                        : take_with_a_stop(std::move(fresh), carry_over.obstacles);
+}
+
+std::optional<Instant> Daemon::trial_end() const {
+    return trial_ ? std::optional(trial_->end) : std::nullopt;
+}
+
+std::optional<std::uint64_t> Daemon::trial() const {
+    return trial_ ? std::optional(trial_->number) : std::nullopt;
+}
+
+void Daemon::set_trial(std::optional<Trial> trial) {
+    trial_ = std::move(trial);
+    sockets_.show_trial(trial_end());
+}
+
+void Daemon::confirm() {
+    log_info("confirmed: the configuration stays");
+    set_trial(std::nullopt);
+}
+
+/// Another DroneCAN node asked for it.
+void Daemon::restart() {
+    service_.reloading();
+    log_info("restarting because another DroneCAN node asked for it");
+    Configuration same = configuration();
+    appliance_->end();
+    appliance_.reset();
+    std::vector<std::string> errors;
+    start_or_log(Appliance::build(std::move(same)), Appliance::MissingDevices::wait_for, errors);
+    show_started();
+}
+
+void Daemon::look(Instant now) {
+    if (trial_ && now >= trial_->end) {
+        log_warning("the trial was not confirmed");
+        begin_going_back();
+    }
+    if (appliance_ && appliance_->restart_wanted()) {
+        restart();
+    }
+    if (!appliance_) {
+        return;
+    }
+    log_->look(*appliance_, now);
+    appliance_->look_at_machine(now, sockets_.watched());
+    sockets_.look();
+    service_.look(*appliance_, now);
+    appliance_->look_at_recorder(now);
+}
+
+void Daemon::end() {
+    service_.stopping();
+    appliance_->end();
+    log_info("stopped");
+}
+
+}  // namespace tribus

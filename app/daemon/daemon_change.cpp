@@ -1,0 +1,148 @@
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "app/cli/load_or_explain.h"
+#include "app/daemon/daemon.h"
+#include "app/journal/log.h"
+#include "pipelines/realtime/clock.h"
+
+/// The daemon's way from one configuration to the next. Slow work runs on another thread.
+namespace tribus {
+namespace {
+
+/// A file that takes longer is on a disk that does not answer.
+constexpr Duration kLongestReading = std::chrono::minutes(1);
+/// Least time from one reload by SIGHUP to the next.
+constexpr Duration kHangUpPause = std::chrono::milliseconds(100);
+/// Upper limit of the remembered outcomes.
+constexpr std::size_t kRememberedOutcomes = 16;
+
+}  // namespace
+
+std::uint64_t Daemon::begin(Change change) {
+    const Instant now = monotonic_now();
+    service_.reloading();
+    change.number = ++changes_;
+    change.latest_end = later(now, kLongestReading);
+    change_.emplace(std::move(change));
+    return changes_;
+}
+
+void Daemon::remember(std::uint64_t change, ReloadOutcome outcome) {
+    outcomes_.insert_or_assign(change, std::move(outcome));
+    if (outcomes_.size() > kRememberedOutcomes) {
+        outcomes_.erase(outcomes_.begin());
+    }
+}
+
+std::optional<std::uint64_t> Daemon::begin_reload(std::optional<Duration> trial) {
+    if (change_) {
+        return std::nullopt;
+    }
+    return begin({.kind = ChangeKind::reload,
+                  .trial = trial,
+                  .before = {},
+                  .preparation = Preparation::of_file(path_)});
+}
+
+std::uint64_t Daemon::begin_going_back() {
+    if (change_) {
+        remember(change_->number,
+                 {.lines = {"abandoned: the daemon went back from the trial before it"}});
+    }
+    log_warning("going back to the configuration before; {} still holds the one that was on trial",
+                path_);
+    Configuration before = std::move(trial_->before);
+    set_trial(std::nullopt);
+    auto preparation = Preparation::of(before);
+    return begin({.kind = ChangeKind::back,
+                  .trial = {},
+                  .before = std::move(before),
+                  .preparation = std::move(preparation)});
+}
+
+std::optional<ReloadOutcome> Daemon::outcome_of(std::uint64_t change) const {
+    const auto outcome = outcomes_.find(change);
+    return outcome == outcomes_.end() ? std::nullopt : std::optional(outcome->second);
+}
+
+Instant Daemon::due() const {
+    if (change_) {
+        return change_->kind == ChangeKind::back ? kNever : change_->latest_end;
+    }
+    return hung_up_ ? next_hang_up_ : kNever;
+}
+
+void Daemon::go_on(Instant now) {
+    if (change_ && change_->preparation->done()) {
+        Change change = std::move(*change_);
+        change_.reset();
+        remember(change.number, change.kind == ChangeKind::back ? finish_going_back(change)
+                                                                : finish_reload(change));
+        next_hang_up_ = later(now, kHangUpPause);
+    } else if (change_ && change_->kind != ChangeKind::back && now >= change_->latest_end) {
+        const std::uint64_t number = change_->number;
+        change_.reset();
+        remember(number, refuse({{path_, {}, "was not read within a minute", true}}));
+    }
+    if (hung_up_ && !change_ && appliance_ && now >= next_hang_up_) {
+        hung_up_ = false;
+        begin({.kind = ChangeKind::hang_up,
+               .trial = {},
+               .before = {},
+               .preparation = Preparation::of_file(path_)});
+    }
+}
+
+ReloadOutcome Daemon::refuse(const std::vector<Mistake>& mistakes) {
+    explain_mistakes(mistakes);
+    log_error("reload refused: {} {}; the old configuration runs on", path_,
+              may_be_temporary(mistakes) ? "cannot be read as a whole" : "has mistakes");
+    service_.started(*appliance_, monotonic_now());
+    ReloadOutcome outcome;
+    for (const Mistake& mistake : mistakes) {
+        outcome.lines.push_back(format_mistake(mistake));
+    }
+    return outcome;
+}
+
+ReloadOutcome Daemon::finish_reload(Change& change) {
+    auto fresh = change.preparation->take();
+    if (!fresh) {
+        return refuse(fresh.error());
+    }
+    Configuration before = trial_ ? trial_->before : configuration();
+    ReloadOutcome outcome = take(std::move(*fresh));
+    if (!outcome.taken) {
+        return outcome;
+    }
+    if (change.trial) {
+        log_info("on trial for {} s: without confirmation the daemon goes back",
+                 std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
+        set_trial(Trial{std::move(before), later(monotonic_now(), *change.trial), ++trials_});
+    } else if (trial_ && change.kind == ChangeKind::hang_up) {
+        log_info("still on trial: SIGHUP does not confirm it");
+    } else {
+        set_trial(std::nullopt);
+    }
+    outcome.trial = trial();
+    return outcome;
+}
+
+ReloadOutcome Daemon::finish_going_back(Change& change) {
+    ReloadOutcome outcome = take(std::move(*change.preparation->take()));
+    if (outcome.taken || !appliance_) {
+        return outcome;
+    }
+    // The configuration before the trial must run, whatever has been unplugged since.
+    log_warning("starting it anyway, with a stop: outputs go into failsafe");
+    appliance_.reset();
+    std::vector<std::string> errors;
+    outcome.taken = start_or_log(Appliance::build(std::move(change.before)),
+                                 Appliance::MissingDevices::wait_for, errors);
+    show_started();
+    return outcome;
+}
+
+}  // namespace tribus

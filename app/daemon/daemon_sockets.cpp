@@ -1,0 +1,108 @@
+#include "app/daemon/daemon_sockets.h"
+
+#include <algorithm>
+
+#include "app/cli/object_text.h"
+#include "app/client/control_socket.h"
+#include "app/journal/log.h"
+#include "app/status/metrics_text.h"
+#include "app/status/status_json.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+
+tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
+    const std::string& config, const std::optional<std::string>& socket) {
+    std::unique_ptr<DaemonSockets> sockets(new DaemonSockets(monotonic_now()));
+    const auto path =
+        socket ? socket : default_socket(SocketDirectories::of_this_process(), config);
+    if (!path) {
+        log_info(
+            "no control socket: neither RUNTIME_DIRECTORY nor XDG_RUNTIME_DIR is set; set its path "
+            "with --socket");
+        return sockets;
+    }
+    auto control = ControlServer::open(*path);
+    if (!control && socket) {
+        return tl::unexpected(control.error());
+    }
+    if (!control) {
+        log_info("no control socket: {}", control.error());
+        return sockets;
+    }
+    sockets->control_ = std::move(*control);
+    sockets->control_->add("status", [self = sockets.get()](auto) { return self->status(); });
+    sockets->control_->add("record",
+                           [self = sockets.get()](auto words) { return self->record(words); });
+    return sockets;
+}
+
+void DaemonSockets::show(const Appliance& appliance) {
+    appliance_ = &appliance;
+    keeper_.emplace(appliance, started_);
+}
+
+void DaemonSockets::look() {
+    keeper_->look(*appliance_);
+}
+
+std::vector<int> DaemonSockets::descriptors() const {
+    std::vector<int> descriptors;
+    if (control_) {
+        descriptors.push_back(control_->descriptor());
+    }
+    if (metrics_) {
+        descriptors.push_back(metrics_->descriptor());
+    }
+    return descriptors;
+}
+
+Instant DaemonSockets::due() const {
+    return std::min(control_ ? control_->due() : kNever, metrics_ ? metrics_->due() : kNever);
+}
+
+void DaemonSockets::serve(Instant now) {
+    if (control_ && keeper_) {
+        control_->serve(now);
+    }
+    if (metrics_ && keeper_) {
+        metrics_->serve(now);
+    }
+}
+
+tl::expected<void, std::string> DaemonSockets::serve_metrics(const std::string& address,
+                                                             MetricsReach reach) {
+    auto metrics = MetricsServer::open(address, reach, [this] { return metrics_text(report()); });
+    if (!metrics) {
+        return tl::unexpected(metrics.error());
+    }
+    metrics_ = std::move(*metrics);
+    log_info("metrics at {}{}", address,
+             reach == MetricsReach::network ? ", for everybody who can reach it" : "");
+    return {};
+}
+
+StatusReport DaemonSockets::report() const {
+    const Instant now = monotonic_now();
+    StatusReport report = keeper_->report(*appliance_, now, wall_time_now());
+    if (trial_end_) {
+        report.trial_left = std::max(*trial_end_ - now, Duration::zero());
+    }
+    return report;
+}
+
+std::string DaemonSockets::status() const {
+    return keeper_ ? status_json(report()) : error_object("nothing runs any more");
+}
+
+std::string DaemonSockets::record(std::span<const std::string> words) const {
+    if (!keeper_) {
+        return error_object("nothing runs any more");
+    }
+    FlightRecorder* recorder = appliance_->recorder();
+    return recorder == nullptr
+               ? error_object("the configuration has no [recorder]; add that table and reload")
+               : recorder->answer(words, monotonic_now(), wall_time_now());
+}
+
+}  // namespace tribus

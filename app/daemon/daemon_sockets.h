@@ -1,0 +1,68 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/appliance/appliance.h"
+#include "app/daemon/control_server.h"
+#include "app/daemon/metrics_server.h"
+#include "app/status/status.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// What a running daemon shows to its clients: the control socket and the metrics. Thread-bound to
+/// the main thread, which waits for `descriptors` and `due`; no function here waits.
+class DaemonSockets {
+  public:
+    /// Opens the control socket of the daemon that runs `config`, at `socket` or in the default
+    /// place. An error, a sentence, can only come from a given `socket`. If there is no default
+    /// place or it is in use, the daemon runs without a control socket, and the log says so.
+    static tl::expected<std::unique_ptr<DaemonSockets>, std::string> open(
+        const std::string& config, const std::optional<std::string>& socket);
+    DaemonSockets(const DaemonSockets&) = delete;
+    DaemonSockets& operator=(const DaemonSockets&) = delete;
+
+    /// Serves metrics at `address`, see `MetricsServer`. The error is a sentence.
+    tl::expected<void, std::string> serve_metrics(const std::string& address, MetricsReach reach);
+
+    /// From now on it shows `appliance`, which must live until the next `show` or `hide`.
+    void show(const Appliance& appliance);
+    /// Call it when no appliance runs any more.
+    void hide() { keeper_.reset(); }
+    /// End of the trial; nothing while no configuration is on trial.
+    void show_trial(std::optional<Instant> end) { trial_end_ = end; }
+    /// Updates the rates. Call it a few times a second.
+    void look();
+
+    /// Readable when a client must be served.
+    std::vector<int> descriptors() const;
+    /// When `serve` must be called at the latest.
+    Instant due() const;
+    /// Serves all clients, without waiting.
+    void serve(Instant now);
+    /// True if somebody may read measurements of the machine.
+    bool watched() const { return metrics_ || (control_ && control_->watched()); }
+    /// Null if the daemon runs without a control socket.
+    ControlServer* control() { return control_.get(); }
+
+  private:
+    explicit DaemonSockets(Instant started) : started_(started) {}
+    std::string status() const;
+    StatusReport report() const;
+    std::string record(std::span<const std::string> words) const;
+
+    Instant started_;
+    const Appliance* appliance_ = nullptr;
+    std::optional<StatusKeeper> keeper_;
+    std::optional<Instant> trial_end_;
+    std::unique_ptr<ControlServer> control_;
+    std::unique_ptr<MetricsServer> metrics_;
+};
+
+}  // namespace tribus

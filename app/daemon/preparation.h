@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "app/appliance/appliance.h"
+#include "config/mistakes.h"
+#include "config/schema.h"
+
+namespace tribus {
+
+/// Reads a configuration and builds an appliance from it on another thread, so that neither a file
+/// of 11 MB nor a disk that does not answer stops the main thread. Thread-bound to the main thread.
+class Preparation {
+  public:
+    using Result = tl::expected<std::unique_ptr<Appliance>, std::vector<Mistake>>;
+
+    /// Reads the file as it is now.
+    static std::unique_ptr<Preparation> of_file(const std::string& path);
+    /// Builds an appliance from a configuration that was read before.
+    static std::unique_ptr<Preparation> of(const Configuration& configuration);
+    Preparation(const Preparation&) = delete;
+    Preparation& operator=(const Preparation&) = delete;
+    /// Does not wait for its thread, which then goes on and discards its result.
+    ~Preparation();
+
+    /// Readable once `done` is true.
+    int descriptor() const;
+    bool done() const;
+    /// The result. Call it once, when `done` is true.
+    Result take();
+
+    /// True if a thread still runs whose result nobody takes. The process must then end without
+    /// destroying global objects, which that thread may use.
+    static bool any_abandoned();
+
+  private:
+    struct Work;
+    explicit Preparation(std::shared_ptr<Work> work) : work_(std::move(work)) {}
+    static std::unique_ptr<Preparation> begin(std::function<Result()> prepare);
+    static void* main(void* given);
+
+    std::shared_ptr<Work> work_;
+};
+
+}  // namespace tribus

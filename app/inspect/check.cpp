@@ -1,0 +1,81 @@
+#include "app/inspect/check.h"
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "app/cli/exit_status.h"
+#include "app/cli/load_or_explain.h"
+#include "config/absent_channels.h"
+#include "config/effective.h"
+#include "config/json_schema.h"
+#include "config/manual.h"
+
+namespace tribus {
+
+namespace {
+
+int check(const std::string& path, bool json) {
+    const auto configuration = load_or_explain(path);
+    if (!configuration) {
+        return kExitWrongUse;
+    }
+    for (const Mistake& remark : maps_of_absent_channels(*configuration)) {
+        fmt::print(stderr, "{}:{}:{}: warning: {}\n", remark.file, remark.where.line,
+                   remark.where.column, remark.text);
+    }
+    fmt::print("{}", json ? effective_json(*configuration) : effective_toml(*configuration));
+    return kExitFine;
+}
+
+}  // namespace
+
+Command check_command() {
+    struct Options {
+        std::string path;
+        std::string format = "toml";
+    };
+    auto options = std::make_shared<Options>();
+    return {
+        .name = "check",
+        .help = "Validate a configuration; print it with every default, or all its mistakes",
+        .options = {{.name = "CONFIG",
+                     .value = &options->path,
+                     .help = "Configuration file",
+                     .required = true},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "Form of the effective configuration",
+                     .shows_value = true,
+                     .choices = {"toml", "json"}}},
+        .run = [options] { return check(options->path, options->format == "json"); },
+    };
+}
+
+Command schema_command() {
+    auto format = std::make_shared<std::string>("json");
+    return {
+        .name = "schema",
+        .help = "Print every key of configurations: a schema for editors, or the manual",
+        .footer =
+            "Editors that know the JSON schema complete keys and underline mistakes. Save it "
+            "beside the configuration and start that with the line\n"
+            "  #:schema ./tribus.schema.json",
+        .options = {{.name = "--format",
+                     .value = format.get(),
+                     .help = "json: JSON schema; markdown, man: every key with its meaning",
+                     .shows_value = true,
+                     .choices = {"json", "markdown", "man"}}},
+        .run =
+            [format] {
+                fmt::print("{}", *format == "man"        ? manual_mdoc()
+                                 : *format == "markdown" ? manual_markdown()
+                                                         : json_schema());
+                return kExitFine;
+            },
+    };
+}
+
+}  // namespace tribus

@@ -1,0 +1,155 @@
+#include "app/inspect/reload.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/main_wait.h"
+#include "app/client/ask_daemon.h"
+#include "app/client/status_fields.h"
+#include "core/quantity.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+/// Time to open devices and to send the last frames of outputs that are removed.
+constexpr Duration kReloadPatience = std::chrono::seconds(20);
+
+struct ReloadOptions {
+    std::string name;
+    std::optional<std::string> socket;
+    std::string trial;
+    bool confirm = false;
+    bool back = false;
+};
+
+/// Prints what the daemon did. `told`: receives its answer.
+int ask_and_tell(const std::string& socket, const std::string& request, const char* taken,
+                 nlohmann::json* told = nullptr) {
+    const auto answer = ask_daemon(socket, request, kReloadPatience);
+    if (!answer) {
+        return complain(answer.error(), kExitFailed);
+    }
+    if (told != nullptr) {
+        *told = *answer;
+    }
+    const bool done = monitor::flag(*answer, "taken");
+    for (const auto& line : monitor::list(*answer, "lines")) {
+        fmt::print(stderr, "{}{}\n", done ? "outputs stopped for it: " : "",
+                   monitor::shown(line.is_string() ? line.get<std::string>() : line.dump()));
+    }
+    fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before stays");
+    return done ? kExitFine : kExitFailed;
+}
+
+enum class Choice : std::uint8_t { keep, back, too_late };
+
+/// Waits for Enter, a signal, or `end`.
+Choice ask_person(MainWait& wait, Instant end) {
+    while (monotonic_now() < end) {
+        if (wait.until(end, std::array{STDIN_FILENO})) {
+            return Choice::back;
+        }
+        pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+        if (::poll(&input, 1, 0) > 0) {
+            char key = 0;
+            return ::read(STDIN_FILENO, &key, 1) == 1 ? Choice::keep : Choice::back;
+        }
+    }
+    return Choice::too_late;
+}
+
+/// `number`: " 7", the number of the daemon's trial; empty if the daemon does not number trials.
+int watch_trial(const std::string& socket, const ReloadOptions& options, Duration trial,
+                const std::string& number) {
+    if (::isatty(STDIN_FILENO) == 0) {
+        fmt::print(stderr, "tribus: goes back in {}; `tribus reload{}{} --confirm` keeps it\n",
+                   options.trial, options.name.empty() ? "" : " ", options.name);
+        return kExitFine;
+    }
+    const Instant end = later(monotonic_now(), trial);
+    auto wait = MainWait::for_signals({SIGINT, SIGTERM, SIGHUP});
+    fmt::print(stderr,
+               "Enter keeps it; Ctrl-C, or no answer within {}, goes back: ", options.trial);
+    std::fflush(stderr);
+    switch (wait ? ask_person(*wait, end) : Choice::back) {
+        case Choice::keep:
+            return ask_and_tell(socket, "confirm" + number, "confirmed");
+        case Choice::back:
+            fmt::print(stderr, "\n");
+            return ask_and_tell(socket, "back" + number, "the configuration before is back");
+        case Choice::too_late:
+            break;
+    }
+    fmt::print(stderr, "\ntribus: not confirmed; the configuration before is back\n");
+    return kExitFailed;
+}
+
+int reload(const ReloadOptions& options) {
+    const auto trial = parse_duration(options.trial);
+    if (!options.trial.empty() && !trial) {
+        return complain("--trial must be a duration such as \"30s\"", kExitWrongUse);
+    }
+    const auto socket = find_daemon(options.name, options.socket);
+    if (!socket) {
+        return complain(socket.error(), kExitFailed);
+    }
+    if (options.confirm) {
+        return ask_and_tell(*socket, "confirm", "confirmed");
+    }
+    if (options.back) {
+        return ask_and_tell(*socket, "back", "the configuration before is back");
+    }
+    nlohmann::json told;
+    const int status = ask_and_tell(*socket, "reload " + options.trial,
+                                    trial ? "taken, on trial" : "taken", &told);
+    const bool numbered = told.is_object() && told.contains("trial") && told["trial"].is_number();
+    const std::string number = numbered ? " " + told["trial"].dump() : "";
+    return status == kExitFine && trial ? watch_trial(*socket, options, *trial, number) : status;
+}
+
+}  // namespace
+
+Command reload_command() {
+    auto options = std::make_shared<ReloadOptions>();
+    return {
+        .name = "reload",
+        .help = "Make a running daemon read its configuration again, optionally on trial",
+        .footer =
+            "The daemon takes the file between two frames, or refuses it, says why, and goes on "
+            "with the old one. In a terminal a trial asks: Enter keeps it, Ctrl-C goes back.",
+        .options = {{.name = "NAME",
+                     .value = &options->name,
+                     .help = "Name of the daemon's configuration file; needed if several run"},
+                    {.name = "--socket",
+                     .value = &options->socket,
+                     .help = "Its control socket, if it is not in the default place"},
+                    {.name = "--trial",
+                     .value = &options->trial,
+                     .help = "Go back after this time, such as \"30s\", to the configuration "
+                             "before, unless confirmed"},
+                    {.name = "--confirm",
+                     .value = &options->confirm,
+                     .help = "Keep the configuration on trial",
+                     .excludes = {"--trial", "--back"}},
+                    {.name = "--back",
+                     .value = &options->back,
+                     .help = "Go back from a trial at once",
+                     .excludes = {"--trial"}}},
+        .run = [options] { return reload(*options); },
+    };
+}
+
+}  // namespace tribus

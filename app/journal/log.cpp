@@ -1,0 +1,29 @@
+#include "app/journal/log.h"
+
+#include <memory>
+#include <utility>
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "app/journal/journal.h"
+
+namespace tribus {
+
+void log_to_journal_or_terminal() {
+    auto logger = stderr_is_journal() ? std::make_shared<spdlog::logger>("tribus", journal_sink())
+                                      : spdlog::stderr_color_st("tribus");
+    logger->set_formatter(terminal_formatter());
+    spdlog::set_default_logger(std::move(logger));
+}
+
+void log_text(LogLevel level, std::string_view text) {
+    const auto library_level = level == LogLevel::info      ? spdlog::level::info
+                               : level == LogLevel::warning ? spdlog::level::warn
+                                                            : spdlog::level::err;
+    // With a single argument spdlog does not format, so braces in the text stay.
+    spdlog::default_logger_raw()->log(library_level,
+                                      spdlog::string_view_t(text.data(), text.size()));
+}
+
+}  // namespace tribus

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "app/learn/loss_rules.h"
+#include "config/schema.h"
+#include "core/can_frame.h"
+#include "transports/codecs/can_codec.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/line_pauses.h"
+
+namespace tribus {
+
+/// Decodes what one input receives and keeps every frame. Thread-bound.
+class FrameCollector {
+  public:
+    explicit FrameCollector(const InputConfig& input);
+
+    template <class DamagedMarks>
+    void receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant at) {
+        look_for_pause(bytes.size(), at);
+        for (std::size_t i = 0; i < bytes.size(); ++i) {
+            if (damaged[i]) {
+                decoder_->damaged_byte();
+            }
+            decode(bytes.subspan(i, damaged[i] ? 0 : 1), at);
+        }
+    }
+    /// Decodes one CAN frame that arrived `at`.
+    void receive(const CanFrame& frame, Instant at);
+
+    const std::vector<StudiedFrame>& frames() const { return frames_; }
+
+  private:
+    void look_for_pause(std::size_t count, Instant at);
+    void decode(std::span<const std::uint8_t> bytes, Instant at);
+    void keep(const DecodedFrame& found, Instant at);
+
+    std::unique_ptr<Decoder> decoder_;
+    std::unique_ptr<CanDecoder> can_decoder_;
+    LinePauses pauses_;
+    Instant latest_read_{};
+    std::vector<StudiedFrame> frames_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,185 @@
+#include "app/learn/learn.h"
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <fmt/format.h>
+#include <tl/expected.hpp>
+
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/load_or_explain.h"
+#include "app/learn/frame_collector.h"
+#include "app/learn/learn_live.h"
+#include "app/learn/loss_study.h"
+#include "app/replay/simulate_inputs.h"
+#include "config/mistakes.h"
+#include "config/values.h"
+#include "core/quotes.h"
+
+namespace tribus {
+namespace {
+
+struct LearnOptions {
+    std::string file_and_name;
+    std::string recording;
+    std::string off_at;
+    std::string back_at;
+};
+
+using Refused = tl::unexpected<std::string>;
+
+tl::expected<std::size_t, std::string> input_named(const Configuration& configuration,
+                                                   std::string_view name) {
+    std::vector<std::string_view> names;
+    for (const InputConfig& input : configuration.inputs) {
+        names.push_back(input.name);
+    }
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+        return Refused(fmt::format("the configuration has no input {}; {}", in_quotes(name),
+                                   suggestion(name, names)));
+    }
+    return static_cast<std::size_t>(found - names.begin());
+}
+
+/// When the transmitter was switched, from the options.
+tl::expected<LossStudyTimes, std::string> times_of(const LearnOptions& options) {
+    const auto time = [](std::string_view option,
+                         const std::string& text) -> tl::expected<Instant, std::string> {
+        const auto duration = parse_duration(text);
+        if (!duration) {
+            return Refused(fmt::format("{} {}: must be a time of the recording, such as 12s",
+                                       option, in_quotes(text)));
+        }
+        return Instant(*duration);
+    };
+    const auto off = time("--off-at", options.off_at);
+    const auto back = time("--back-at", options.back_at);
+    if (!off || !back) {
+        return Refused(!off ? off.error() : back.error());
+    }
+    if (*off >= *back) {
+        return Refused(
+            std::string("the transmitter is switched off before it is on again; --off-at must be "
+                        "earlier than --back-at"));
+    }
+    return LossStudyTimes{.off = *off, .back = *back};
+}
+
+tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions& options,
+                                                             const Configuration& configuration,
+                                                             std::size_t input) {
+    const auto times = times_of(options);
+    if (!times) {
+        return Refused(times.error());
+    }
+    const auto arrivals =
+        load_arrivals({{input, options.recording}}, simulated_sources(configuration));
+    if (!arrivals) {
+        return Refused(arrivals.error());
+    }
+    FrameCollector collector(configuration.inputs[input]);
+    LearnedFrames learned{.frames = {}, .times = *times};
+    for (const Arrival& arrival : arrivals->in_order) {
+        if (const auto* frame = std::get_if<ArrivedCanFrame>(&arrival.what)) {
+            collector.receive(arrivals->can_frames[frame->index], arrival.at);
+        } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
+            collector.receive(std::span(&byte->value, 1), std::array{byte->damaged}, arrival.at);
+        }
+    }
+    learned.frames = collector.frames();
+    return learned;
+}
+
+void print(const LossStudyResult& study, std::string_view file, std::string_view input) {
+    for (const std::string& finding : study.findings) {
+        fmt::print(stderr, "- {}\n", finding);
+    }
+    for (const std::string& advice : study.advice) {
+        fmt::print(stderr, "\n{}\n", advice);
+    }
+    if (!study.recognised) {
+        fmt::print(stderr, "\nThe loss of this link is not recognised.\n");
+        return;
+    }
+    fmt::print(stderr, "\nThe loss of this link is recognised");
+    if (study.lines.empty()) {
+        fmt::print(stderr, " with this configuration; add nothing.\n");
+        return;
+    }
+    fmt::print(stderr, " with these lines in [input.{}] of {}:\n\n", input, file);
+    for (const std::string& line : study.lines) {
+        fmt::print("{}\n", line);
+    }
+}
+
+int learn(const LearnOptions& options) {
+    const std::size_t colon = options.file_and_name.rfind(':');
+    if (colon == std::string::npos) {
+        return complain(fmt::format("learn {}: must be CONFIG:INPUT, such as servos.toml:receiver",
+                                    options.file_and_name),
+                        kExitWrongUse);
+    }
+    const std::string file = options.file_and_name.substr(0, colon);
+    const std::string name = options.file_and_name.substr(colon + 1);
+    const auto configuration = load_or_explain(file);
+    if (!configuration) {
+        return kExitWrongUse;
+    }
+    const auto input = input_named(*configuration, name);
+    if (!input) {
+        return complain(input.error(), kExitWrongUse);
+    }
+    const auto learned = options.recording.empty()
+                             ? watch_with_a_person(*configuration, *input)
+                             : frames_of_recording(options, *configuration, *input);
+    if (!learned) {
+        return complain(learned.error(), kExitFailed);
+    }
+    const LossStudyResult study =
+        study_loss(configuration->inputs[*input], learned->frames, learned->times);
+    print(study, file, name);
+    return study.recognised ? kExitFine : kExitFailed;
+}
+
+}  // namespace
+
+Command learn_command() {
+    auto options = std::make_shared<LearnOptions>();
+    return {
+        .name = "learn",
+        .help = "Find out how a receiver loses its link, and which detectors recognise it",
+        .footer =
+            "Guides you through moving the sticks, letting go, switching the transmitter off and "
+            "on again, and prints the lines that recognise this receiver's loss, or what to set "
+            "on the transmitter. Take the propellers off first. Exit status: 0 recognised, 1 not.",
+        // Newer versions of CLI11 do not allow a colon in a name.
+        .options = {{.name = "INPUT",
+                     .value = &options->file_and_name,
+                     .help =
+                         "An input of a configuration: CONFIG:INPUT, such as servos.toml:receiver",
+                     .required = true},
+                    {.name = "--recording",
+                     .value = &options->recording,
+                     .help = "Study recorded bytes instead of the live device",
+                     .needs = {"--off-at", "--back-at"}},
+                    {.name = "--off-at",
+                     .value = &options->off_at,
+                     .help = "When the transmitter was switched off in the recording",
+                     .needs = {"--recording"}},
+                    {.name = "--back-at",
+                     .value = &options->back_at,
+                     .help = "When it was switched on again, or the recording ends",
+                     .needs = {"--recording"}}},
+        .run = [options] { return learn(*options); },
+    };
+}
+
+}  // namespace tribus

@@ -1,0 +1,143 @@
+#include "app/learn/learn_live.h"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "app/learn/frame_collector.h"
+#include "config/build.h"
+#include "pipelines/realtime/clock.h"
+#include "transports/links/can_link.h"
+#include "transports/links/link.h"
+
+namespace tribus {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kHandsOffTime = 5s;
+/// Receivers need up to two seconds to notice; their failsafe must be seen for some time after
+/// that.
+constexpr Duration kOffTime = 8s;
+constexpr Duration kBackTime = 3s;
+constexpr int kPollMilliseconds = 20;
+
+/// Waits for the receiver and the person at the same time.
+class Watch {
+  public:
+    Watch(const InputConfig& input, std::unique_ptr<Link> link)
+        : collector_(input), link_(std::move(link)) {}
+
+    /// Returns false if the device or the terminal is gone.
+    bool until_enter() {
+        bool entered = false;
+        while (fine_ && !entered) {
+            entered = wait(true);
+        }
+        return fine_;
+    }
+    bool for_time(Duration time) {
+        const Instant until = monotonic_now() + time;
+        while (fine_ && monotonic_now() < until) {
+            wait(false);
+        }
+        return fine_;
+    }
+    const FrameCollector& collector() const { return collector_; }
+
+  private:
+    /// Receives from the device; returns true if the person pressed Enter.
+    bool wait(bool for_person) {
+        std::array<pollfd, 2> watched{
+            {{link_->descriptor(), POLLIN, 0}, {for_person ? STDIN_FILENO : -1, POLLIN, 0}}};
+        ::poll(watched.data(), watched.size(), kPollMilliseconds);
+        if (watched[0].revents != 0) {
+            take();
+        }
+        if (watched[1].revents == 0) {
+            return false;
+        }
+        std::array<char, 256> line{};
+        fine_ = fine_ && ::read(STDIN_FILENO, line.data(), line.size()) > 0;
+        return true;
+    }
+    void take() {
+        const Instant now = monotonic_now();
+        if (ByteLink* bytes = link_->as_bytes()) {
+            fine_ = bytes->read(reception_) != ReadStatus::lost && fine_;
+            if (fine_) {
+                collector_.receive(reception_.view(), reception_.damaged, now);
+            }
+            return;
+        }
+        fine_ = link_->as_can()->read(can_reception_, now, wall_time_now()) != ReadStatus::lost;
+        for (const ReceivedCanFrame& received : can_reception_.view()) {
+            collector_.receive(received.frame, received.at);
+        }
+    }
+
+    FrameCollector collector_;
+    std::unique_ptr<Link> link_;
+    Reception reception_;
+    CanReception can_reception_;
+    bool fine_ = true;
+};
+
+void print_step(std::string_view text) {
+    fmt::print(stderr, "{}\n", text);
+}
+
+}  // namespace
+
+tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration& configuration,
+                                                             std::size_t input) {
+    if (::isatty(STDIN_FILENO) == 0) {
+        return tl::unexpected(std::string(
+            "a person must switch the transmitter off and on, so this needs a terminal; without "
+            "one give a recording: --recording FILE --off-at 12s --back-at 20s"));
+    }
+    const auto engine = build_engine(configuration);
+    const auto values = build_value_engine(configuration, *engine);
+    const auto plans = plan_ports(configuration);
+    const auto plan = std::ranges::find_if(plans, [&](const PortPlan& candidate) {
+        return std::ranges::find(candidate.wiring.inputs, input) != candidate.wiring.inputs.end();
+    });
+    auto link = open_port(configuration, *engine, values.get(), *plan);
+    if (!link) {
+        return tl::unexpected(link.error());
+    }
+    Watch watch(configuration.inputs[input], std::move(*link));
+    LearnedFrames learned;
+    print_step(
+        "1/4  Transmitter and receiver on. Move every stick and every switch to both of its ends,\n"
+        "     twice. Then press Enter.");
+    bool fine = watch.until_enter();
+    if (fine && watch.collector().frames().empty()) {
+        return tl::unexpected(std::string(
+            "no frame came; `tribus run` with this configuration says what it receives instead"));
+    }
+    print_step("2/4  Throttle low, hands off the sticks for five seconds ...");
+    fine = fine && watch.for_time(kHandsOffTime);
+    learned.times.off = monotonic_now();
+    print_step("3/4  Switch the transmitter OFF, then press Enter and wait eight seconds.");
+    fine = fine && watch.until_enter();
+    print_step("     ...");
+    fine = fine && watch.for_time(kOffTime);
+    learned.times.back = monotonic_now();
+    print_step("4/4  Switch the transmitter ON again. When it is connected, press Enter.");
+    fine = fine && watch.until_enter() && watch.for_time(kBackTime);
+    if (!fine) {
+        return tl::unexpected(fmt::format("{}: the device or the terminal is gone; nothing learned",
+                                          configuration.inputs[input].port.device));
+    }
+    learned.frames = watch.collector().frames();
+    return learned;
+}
+
+}  // namespace tribus

@@ -1,0 +1,151 @@
+#include "app/log/sensor_bus_log.h"
+
+#include <algorithm>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/journal/log.h"
+#include "app/journal/log_fields.h"
+
+namespace tribus {
+namespace {
+
+/// Receivers and sensors that are on have sent by then; a receiver needs 0.6 s to start.
+constexpr Duration kFirstWait = std::chrono::seconds(3);
+/// A single collision or late reply costs one slot, which the receiver repeats.
+constexpr std::uint64_t kWorthLogging = 10;
+/// A receiver that is on sends a request each 7.7 ms.
+constexpr Duration kRequestTimeout = std::chrono::seconds(1);
+
+template <class... Arguments>
+void log_limited(RateLimit& limit, Instant now, LogLevel level,
+                 fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    if (const auto swallowed = limit.pass(now)) {
+        log_at(level, "{}{}", fmt::format(format, std::forward<Arguments>(arguments)...),
+               swallowed_note(*swallowed));
+    }
+}
+
+std::string places_text(std::size_t first, std::size_t count) {
+    return count == 1 ? fmt::format("a sensor at address {}", first)
+                      : fmt::format("sensors at addresses {} to {}", first, first + count - 1);
+}
+
+}  // namespace
+
+SensorBusLog::SensorBusLog(const Appliance& appliance, Instant start) {
+    const Configuration& configuration = appliance.configuration();
+    for (const SensorBusConfig& bus : configuration.sensor_buses) {
+        buses_.push_back({.name = bus.name,
+                          .sensors = bus.sensors.size(),
+                          .types = SensorTypes(bus.dialect, configuration.sensor_types),
+                          .start = start});
+    }
+}
+
+void SensorBusLog::go_on_from(const SensorBusLog& before, std::span<const CarriedFrom> from) {
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+        if (from[i]) {
+            buses_[i] = before.buses_[*from[i]];
+        }
+    }
+}
+
+std::string SensorBusLog::type_name(const Memory& memory, std::uint8_t type) {
+    const SensorType* known = memory.types.find(type);
+    if (known == nullptr) {
+        return fmt::format("a sensor of the unknown type {:02x}", type);
+    }
+    std::string name = known->name;
+    std::ranges::replace(name, '_', ' ');
+    return name;
+}
+
+void SensorBusLog::look_at_sensor(const SensorBusState& state, Memory& memory, Instant now) {
+    const bool asked = state.latest_request && now - *state.latest_request < kRequestTimeout;
+    if (const auto swallowed = memory.asked.look(asked, memory.limit, now)) {
+        const std::string note = swallowed_note(*swallowed);
+        if (asked && state.first_address == 0) {
+            log_info("sensor bus {}: a receiver sends requests; waiting for an address{}",
+                     memory.name, note);
+        } else if (asked) {
+            log_info("sensor bus {}: a receiver sends requests; {}{}", memory.name,
+                     places_text(state.first_address, memory.sensors), note);
+        } else {
+            log_warning("sensor bus {}: the receiver sends no more requests{}", memory.name, note);
+        }
+    }
+    if (!memory.missing_signal_logged && state.sensor.requests == 0 &&
+        now - memory.start >= kFirstWait) {
+        memory.missing_signal_logged = true;
+        log_warning(
+            "sensor bus {}: no request yet; check wire, ground and power, and that it is the "
+            "receiver's SENS port",
+            memory.name);
+    }
+}
+
+void SensorBusLog::look_at_address(const std::optional<FoundSensor>& found, std::size_t address,
+                                   Memory& memory, Instant now) {
+    auto& [sensor, limit] = memory.found[address - 1];
+    const std::optional<FoundSensor> before = sensor.reported();
+    const auto swallowed = sensor.look(found, limit, now);
+    if (!swallowed) {
+        return;
+    }
+    if (before) {
+        log_warning("sensor bus {}: address {}, {}, is gone{}", memory.name, address,
+                    type_name(memory, before->type), swallowed_note(*swallowed));
+    }
+    if (found) {
+        log_info("sensor bus {}: address {} is {}{}", memory.name, address,
+                 type_name(memory, found->type), before ? "" : swallowed_note(*swallowed));
+    }
+}
+
+void SensorBusLog::look_at_receiver(const SensorBusState& state, Memory& memory, Instant now) {
+    for (std::size_t i = 0; i < kMostSensors; ++i) {
+        look_at_address(i < state.found_count ? std::optional(state.found[i]) : std::nullopt, i + 1,
+                        memory, now);
+    }
+    if (!memory.missing_signal_logged && state.found_count == 0 &&
+        now - memory.start >= kFirstWait) {
+        memory.missing_signal_logged = true;
+        log_warning(
+            "sensor bus {}: no sensor replies yet; check wire, ground and power{}", memory.name,
+            state.echo.returned == 0 ? ", and that TX and RX are joined if it is one wire" : "");
+    }
+}
+
+void SensorBusLog::look_at_troubles(const SensorBusState& state, Memory& memory, Instant now) {
+    if (state.echo.collisions >= memory.collisions + kWorthLogging) {
+        log_limited(memory.limit, now, LogLevel::warning,
+                    "sensor bus {}: {} of its frames came back altered; two devices send at the "
+                    "same time, perhaps with the same address, or the wire is disturbed",
+                    memory.name, state.echo.collisions - memory.collisions);
+        memory.collisions = state.echo.collisions;
+    }
+    if (state.sensor.late >= memory.late + kWorthLogging) {
+        log_limited(memory.limit, now, LogLevel::warning,
+                    "sensor bus {}: {} replies not sent because they were late; `tribus bench` "
+                    "shows what delays this board",
+                    memory.name, state.sensor.late - memory.late);
+        memory.late = state.sensor.late;
+    }
+}
+
+void SensorBusLog::look(const Appliance& appliance, Instant now) {
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+        const SensorBusState state = appliance.bus_state(i);
+        const LogFields fields({"TRIBUS_SENSOR_BUS", buses_[i].name});
+        if (state.is_receiver) {
+            look_at_receiver(state, buses_[i], now);
+        } else {
+            look_at_sensor(state, buses_[i], now);
+        }
+        look_at_troubles(state, buses_[i], now);
+    }
+}
+
+}  // namespace tribus

@@ -1,0 +1,222 @@
+#include "app/log/state_log.h"
+
+#include <fmt/format.h>
+
+#include "app/journal/log.h"
+#include "app/journal/log_fields.h"
+#include "core/counted.h"
+
+namespace tribus {
+namespace {
+
+/// A receiver that is on has sent hundreds of frames by then.
+constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
+
+}  // namespace
+
+StateLog::StateLog(const Appliance& appliance, Instant start)
+    : can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
+    const Configuration& configuration = appliance.configuration();
+    for (const InputConfig& input : configuration.inputs) {
+        const bool on_can = input.port.link == LinkKind::can;
+        input_names_.push_back(input.name);
+        inputs_.push_back({.on_can = on_can, .start = start});
+    }
+    outputs_.resize(configuration.outputs.size());
+    for (const Appliance::DeviceEvent& device : appliance.devices()) {
+        // The start itself reports the devices that it waits for.
+        const bool told = !device.back && !appliance.waits_for().empty();
+        devices_[device.name] = {
+            .present = device.back, .ever = !told, .word = ChangeReport(!told)};
+    }
+}
+
+void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
+                          const CarryOver& carry_over) {
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        if (const CarriedFrom from = carry_over.engine.inputs[i].from) {
+            inputs_[i] = before.inputs_[*from];
+        }
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        if (const CarriedFrom from = carry_over.engine.outputs[i].from) {
+            outputs_[i] = before.outputs_[*from];
+        }
+    }
+    for (auto& [name, memory] : devices_) {
+        if (const auto known = before.devices_.find(name); known != before.devices_.end()) {
+            memory.word = known->second.word;
+            memory.ever = known->second.ever;
+            memory.limit = known->second.limit;
+        }
+    }
+    absences_ = before.absences_;
+    absence_limit_ = before.absence_limit_;
+    can_.go_on_from(before.can_, appliance);
+    sensor_buses_.go_on_from(before.sensor_buses_, carry_over.values.buses);
+    nodes_.go_on_from(before.nodes_, carry_over.engine.nodes);
+}
+
+void StateLog::look_at_input(const std::string& name, const InputStatus& status,
+                             InputMemory& memory, Instant now) {
+    if (status.two_senders && !std::exchange(memory.two_senders_logged, true)) {
+        const LogFields fields({"TRIBUS_INPUT", name});
+        log_warning("input {}: {}", name, kTwoSendersText);
+    }
+    const auto swallowed = memory.cause.look(status.state.cause, memory.limit, now);
+    if (!swallowed) {
+        return;
+    }
+    const std::string cause = as_word(name_of(status.state.cause));
+    const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
+    const bool good = status.state.cause == LinkCause::good;
+    log_at(good ? LogLevel::info : LogLevel::warning, "input {}: {}{}", name,
+           cause_text(status.state), swallowed_note(*swallowed));
+}
+
+/// No signal at the start is the most frequent problem; the received bytes show its cause.
+void StateLog::log_missing_signal(const std::string& name, const InputStatus& status,
+                                  InputMemory& memory, Instant now) {
+    if (memory.missing_signal_logged || status.ever_good || now - memory.start < kFirstFrameWait) {
+        return;
+    }
+    memory.missing_signal_logged = true;
+    const std::string cause = as_word(name_of(status.state.cause));
+    const LogFields fields({"TRIBUS_INPUT", name}, {"TRIBUS_CAUSE", cause});
+    if (status.counts.bytes == 0 && memory.on_can) {
+        log_warning(
+            "input {}: no frame with its ids yet; check the ids, the bit rate and whether the "
+            "sender is on (candump shows what is on the bus)",
+            name);
+    } else if (status.counts.frames == 0 && memory.on_can) {
+        log_warning(
+            "input {}: {} with its ids rejected; sender and receiver must agree on format, id, fd "
+            "and checksum (tribus decode shows why)",
+            name, counted(status.rejected, "frame"));
+    } else if (status.counts.bytes == 0) {
+        log_warning("input {}: no byte yet; check wire, ground and power of the receiver", name);
+    } else if (status.counts.frames == 0) {
+        log_warning(
+            "input {}: {} but no frame yet; check protocol and rate, and the inverter: SBUS needs "
+            "one, i.Bus must not have one",
+            name, counted(status.counts.bytes, "byte"));
+    } else {
+        log_warning("input {}: frames arrive, but {}; is the transmitter on?", name,
+                    cause_text(status.state));
+    }
+}
+
+/// Names of the outvoted inputs; bit i of `outvoted` stands for `places[i]`.
+std::string StateLog::outvoted_names(std::uint32_t outvoted,
+                                     std::span<const std::size_t> places) const {
+    std::string text;
+    for (std::size_t place = 0; place < places.size(); ++place) {
+        if ((outvoted >> place & 1U) != 0) {
+            text += fmt::format("{}{}", text.empty() ? "" : ", ", input_names_[places[place]]);
+        }
+    }
+    return text;
+}
+
+void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
+                              std::span<const std::size_t> places, OutputMemory& memory,
+                              Instant now) {
+    const LogFields fields({"TRIBUS_OUTPUT", name},
+                           {"TRIBUS_STATE", output_state_word(status.state.stage, status.sends)});
+    const OutputWord word{.state = output_text(status.state, input_names_),
+                          .outvoted = outvoted_names(status.state.outvoted, places)};
+    const bool same_votes = word.outvoted == memory.word.reported().outvoted;
+    if (const auto swallowed = memory.word.look(word, memory.limit, now)) {
+        const bool fine = status.state.stage == OutputStage::control && word.outvoted.empty();
+        const std::string votes = same_votes ? ""
+                                  : word.outvoted.empty()
+                                      ? "; its inputs agree again"
+                                      : "; outvoted by the others: " + word.outvoted;
+        log_at(fine ? LogLevel::info : LogLevel::warning, "output {}: {}{}{}", name, word.state,
+               votes, swallowed_note(*swallowed));
+    }
+    if ((status.state.by_preset & ~memory.presets_logged) != 0) {
+        log_warning("output {}: {}", name, by_preset_text(status.state.by_preset));
+        memory.presets_logged |= status.state.by_preset;
+    }
+    look_at_drops(name, status, memory, now);
+}
+
+void StateLog::look_at_drops(const std::string& name, const OutputStatus& status,
+                             OutputMemory& memory, Instant now) {
+    if (status.counts.foreign_frames != memory.foreign_frames) {
+        const std::uint64_t foreign = status.counts.foreign_frames - memory.foreign_frames;
+        if (memory.foreign_limit.pass(now)) {
+            log_warning(
+                "output {}: another node sends frames with its ids ({} since the last line); give "
+                "one of the two different ids",
+                name, foreign);
+            memory.foreign_frames = status.counts.foreign_frames;
+        }
+    }
+    if (status.counts.busy_drops != memory.busy_drops) {
+        const std::uint64_t dropped = status.counts.busy_drops - memory.busy_drops;
+        if (memory.drops_limit.pass(now)) {
+            log_warning("output {}: {} dropped because the port still had the frame before", name,
+                        counted(dropped, "frame"));
+            memory.busy_drops = status.counts.busy_drops;
+        }
+    }
+}
+
+/// Logged before its consequences: an input that was lost meanwhile is not at fault.
+void StateLog::look_at_absence(const AbsenceStatus& absence, Instant now) {
+    if (absence.count == absences_) {
+        return;
+    }
+    if (const auto swallowed = absence_limit_.pass(now)) {
+        log_warning(
+            "this program did not run for {:.1f} s (stopped, suspended, or without processor "
+            "time): inputs with a shorter timeout count as lost{}",
+            std::chrono::duration<double>(absence.latest).count(), swallowed_note(*swallowed));
+        absences_ = absence.count;
+    }
+}
+
+void StateLog::look_at_devices(Appliance& appliance, Instant now) {
+    const auto look = [now](const std::string& name, DeviceMemory& memory) {
+        const bool back = memory.present;
+        if (const auto swallowed = memory.word.look(back, memory.limit, now)) {
+            const LogFields fields({"TRIBUS_DEVICE", name});
+            const std::string_view word = !back         ? "is gone; waiting for it"
+                                          : memory.ever ? "is back"
+                                                        : "is there";
+            log_at(back ? LogLevel::info : LogLevel::warning, "{}: {}{}", name, word,
+                   swallowed_note(*swallowed));
+        }
+        memory.ever = memory.ever || back;
+    };
+    // A device that was gone and is back within one round is reported as gone, too.
+    for (const Appliance::DeviceEvent& event : appliance.reopen_devices()) {
+        devices_[event.name].present = event.back;
+        look(event.name, devices_[event.name]);
+    }
+    for (auto& [name, memory] : devices_) {
+        look(name, memory);
+    }
+}
+
+void StateLog::look(Appliance& appliance, Instant now) {
+    look_at_absence(appliance.absence(), now);
+    look_at_devices(appliance, now);
+    can_.look(appliance, now);
+    sensor_buses_.look(appliance, now);
+    nodes_.look(appliance, now);
+    const Configuration& configuration = appliance.configuration();
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        const InputStatus status = appliance.input_status(i);
+        look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
+        log_missing_signal(configuration.inputs[i].name, status, inputs_[i], now);
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        look_at_output(configuration.outputs[i].name, appliance.output_status(i),
+                       appliance.inputs_of(i), outputs_[i], now);
+    }
+}
+
+}  // namespace tribus

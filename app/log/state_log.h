@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/appliance/appliance.h"
+#include "app/cli/cause_text.h"
+#include "app/journal/log_limit.h"
+#include "app/log/can_report.h"
+#include "app/log/node_log.h"
+#include "app/log/sensor_bus_log.h"
+#include "config/carry_over.h"
+#include "core/change_report.h"
+#include "core/rate_limit.h"
+#include "core/time.h"
+
+namespace tribus {
+
+/// Logs changes of state; logs nothing while nothing changes. Thread-bound to the main thread.
+class StateLog {
+  public:
+    StateLog(const Appliance& appliance, Instant start);
+
+    /// Logs how each CAN interface is configured.
+    void log_interfaces(const Appliance& appliance) { can_.start(appliance); }
+    /// After a reload: does not repeat what `before` said about the parts that go on, and still
+    /// logs the changes for which its rate limit left no line.
+    void go_on_from(const StateLog& before, const Appliance& appliance,
+                    const CarryOver& carry_over);
+
+    /// Logs each change since the last call, at most a few lines per time for each input, output
+    /// and device. Reopens devices.
+    void look(Appliance& appliance, Instant now);
+
+  private:
+    struct InputMemory {
+        bool on_can = false;
+        Instant start;
+        ChangeReport<LinkCause> cause{LinkCause::never_seen};
+        bool missing_signal_logged = false;
+        bool two_senders_logged = false;
+        RateLimit limit = log_limit();
+    };
+    /// Holds names, not indices: another configuration may number the inputs differently.
+    struct OutputWord {
+        std::string state;
+        std::string outvoted;
+        bool operator==(const OutputWord&) const = default;
+    };
+    struct OutputMemory {
+        ChangeReport<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
+        /// The bits of `OutputState::by_preset` that were logged already.
+        std::uint32_t presets_logged = 0;
+        std::uint64_t busy_drops = 0;
+        std::uint64_t foreign_frames = 0;
+        RateLimit limit = log_limit();
+        /// Continuous events have their own limits and leave the lines for changes of state.
+        RateLimit drops_limit = log_limit();
+        RateLimit foreign_limit = log_limit();
+    };
+    struct DeviceMemory {
+        bool present = true;
+        bool ever = true;
+        ChangeReport<bool> word{true};
+        RateLimit limit = log_limit();
+    };
+
+    void look_at_absence(const AbsenceStatus& absence, Instant now);
+    void look_at_devices(Appliance& appliance, Instant now);
+    void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
+                       Instant now);
+    void look_at_output(const std::string& name, const OutputStatus& status,
+                        std::span<const std::size_t> places, OutputMemory& memory, Instant now);
+    std::string outvoted_names(std::uint32_t outvoted, std::span<const std::size_t> places) const;
+    void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
+                       Instant now);
+    void log_missing_signal(const std::string& name, const InputStatus& status, InputMemory& memory,
+                            Instant now);
+
+    std::vector<std::string> input_names_;
+    std::vector<InputMemory> inputs_;
+    std::vector<OutputMemory> outputs_;
+    std::map<std::string, DeviceMemory> devices_;
+    std::uint64_t absences_ = 0;
+    RateLimit absence_limit_ = log_limit();
+    CanReport can_;
+    SensorBusLog sensor_buses_;
+    NodeLog nodes_;
+};
+
+}  // namespace tribus

@@ -1,0 +1,319 @@
+#include "app/monitor/monitor_screen.h"
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/screen_parts.h"
+#include "app/client/status_fields.h"
+#include "app/monitor/monitor_lines.h"
+#include "core/channel_frame.h"
+#include "core/counted.h"
+
+namespace tribus {
+namespace {
+
+using namespace screen;
+using namespace monitor;
+
+/// A daemon sends at least once in this time; older figures are out of date.
+constexpr Duration kFresh = std::chrono::seconds(1);
+
+/// Age of the figures: their age in the daemon and the time since they came.
+Duration figures_age(const MonitorView& view) {
+    return view.age + us_of(view.status, "figures_age_us");
+}
+
+bool stale(const MonitorView& view) {
+    return figures_age(view) > kFresh || !view.connected;
+}
+
+using Lines = std::vector<std::string>;
+
+std::string title(std::string_view text, const ScreenStyle& style) {
+    Line line(style);
+    line.add(text, kDim);
+    return line.take();
+}
+
+template <class Draw>
+void add_part(Lines& lines, std::string_view name, const Json& items, const ScreenStyle& style,
+              Draw draw) {
+    if (!items.empty()) {
+        lines.push_back(title(name, style));
+    }
+    for (const Json& item : items) {
+        lines.push_back(draw(item));
+    }
+}
+
+/// Breaks lines at blanks, so that a narrow screen shows all text.
+Lines wrapped(std::string_view text, std::string_view colour, const ScreenStyle& style) {
+    const std::size_t columns = std::max<std::size_t>(style.columns, 1);
+    Lines lines;
+    while (!text.empty()) {
+        std::size_t end = text.size();
+        if (end > columns) {
+            const std::size_t blank = text.rfind(' ', columns);
+            end = blank == std::string_view::npos || blank == 0 ? columns : blank;
+        }
+        Line line(style);
+        line.add(text.substr(0, end), colour);
+        lines.push_back(line.take());
+        text.remove_prefix(std::min(text.find_first_not_of(' ', end), text.size()));
+    }
+    return lines;
+}
+
+/// First lines of the screen: whether the figures below are current.
+Lines trust_lines(const MonitorView& view, const ScreenStyle& style) {
+    const std::string then = "; the figures are from " + short_duration(figures_age(view)) + " ago";
+    if (view.status.is_null()) {
+        return wrapped(view.notice.empty() ? "waiting for the daemon" : view.notice, kYellow,
+                       style);
+    }
+    if (view.paused) {
+        return wrapped("PAUSED" + then, kYellow, style);
+    }
+    if (!view.connected) {
+        return wrapped(view.notice + then, kRed, style);
+    }
+    if (view.age > kFresh) {
+        return wrapped("THE DAEMON DOES NOT ANSWER" + then, kRed, style);
+    }
+    if (stale(view)) {
+        return wrapped("THE DATA THREAD STANDS STILL" + then, kRed, style);
+    }
+    Line line(style);
+    line.add(fmt::format("live, {} old", short_duration(figures_age(view))), kGreen);
+    const std::size_t missing = list(view.status, "missing_realtime").size();
+    line.add(missing == 0 ? ""
+                          : fmt::format("  {} missing for real time; see the log",
+                                        counted(missing, "thing")),
+             kYellow);
+    return {line.take()};
+}
+
+std::string heading(const MonitorView& view, const ScreenStyle& style) {
+    Line line(style);
+    line.add("tribus ", kBold);
+    line.add(monitor::text(view.status, "name"), kBold);
+    line.add("  up " + short_duration(us_of(view.status, "uptime_us")));
+    if (monitor::number(view.status, "trial_left_us")) {
+        line.add("  on trial, " + short_duration(us_of(view.status, "trial_left_us")) + " left",
+                 kYellow);
+    }
+    line.add("  " + monitor::text(view.status, "file"), kDim);
+    return line.take();
+}
+
+/// What the bars show: an input alone, or an output beside the input that controls it.
+struct Compared {
+    const Json* before = nullptr;
+    const Json* after = nullptr;
+};
+
+Compared compared(const MonitorView& view) {
+    const Json& inputs = monitor::list(view.status, "inputs");
+    const Json& outputs = monitor::list(view.status, "outputs");
+    const std::size_t selected = selected_item(view);
+    if (selected < inputs.size()) {
+        return {&inputs[selected], nullptr};
+    }
+    const std::size_t index = selected - inputs.size();
+    if (index >= outputs.size()) {
+        return {};
+    }
+    const Json& output = outputs[index];
+    std::string wanted = monitor::text(output, "input");
+    const Json& own = monitor::list(output, "inputs");
+    if (wanted.empty() && !own.empty() && own.front().is_string()) {
+        wanted = own.front().get<std::string>();
+    }
+    for (const Json& input : inputs) {
+        if (monitor::text(input, "name") == wanted) {
+            return {&input, &output};
+        }
+    }
+    return {nullptr, &output};
+}
+
+std::optional<double> channel_of(const Json* item, std::size_t channel) {
+    if (item == nullptr) {
+        return std::nullopt;
+    }
+    const Json& channels = monitor::list(*item, "channels");
+    const bool there = channel < channels.size() && channels[channel].is_number();
+    return there ? std::optional(channels[channel].get<double>()) : std::nullopt;
+}
+
+std::string item_title(const Json* item) {
+    return item == nullptr ? "" : monitor::text(*item, "name");
+}
+
+void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& style) {
+    constexpr std::size_t kLabelWidth = 4;
+    constexpr std::size_t kGap = 2;
+    constexpr std::size_t kLeastBar = 10;
+    const auto [before, after] = compared(view);
+    if (before == nullptr && after == nullptr) {
+        return;
+    }
+    const std::size_t numbers = kLabelWidth + 2 * kPulseNumberWidth + kGap;
+    const bool both =
+        before != nullptr && after != nullptr && style.columns > numbers + 2 * kLeastBar;
+    const Json* single = after != nullptr ? after : before;
+    const std::size_t room = style.columns - std::min(style.columns, both ? numbers : numbers / 2);
+    const std::size_t width = both ? room / 2 : std::max<std::size_t>(room, 4) - 1;
+    lines.push_back(title(
+        both ? fmt::format("CHANNELS {:{}}{}", item_title(before), width + kGap, item_title(after))
+             : "CHANNELS " + item_title(single),
+        style));
+    Line ends(style);
+    ends.add(std::string(kLabelWidth, ' '));
+    for (int bars = 0; bars < (both ? 2 : 1); ++bars) {
+        ends.add(std::string(kPulseNumberWidth, ' ') + bar_scale(width) + std::string(kGap, ' '),
+                 kDim);
+    }
+    lines.push_back(ends.take());
+    std::size_t count = 0;
+    for (const Json* item : {before, after}) {
+        count = std::max(count, item == nullptr ? 0 : monitor::list(*item, "channels").size());
+    }
+    for (std::size_t channel = 0; channel < std::min(count, kChannelCount); ++channel) {
+        Line line(style);
+        line.add(fmt::format("{:2}  ", channel + 1), kDim);
+        for (const Json* item : both ? std::vector{before, after} : std::vector{single}) {
+            const auto pulse = channel_of(item, channel);
+            line.add(pulse_number(pulse));
+            line.add(bar(pulse, width, style.unicode),
+                     stale(view) ? kDim : colour_of(monitor::text(*item, "state")));
+            line.add(std::string(kGap, ' '));
+        }
+        lines.push_back(line.take());
+    }
+}
+
+Lines items(const MonitorView& view, const ScreenStyle& style) {
+    Lines lines;
+    std::size_t index = 0;
+    const std::size_t selected = selected_item(view);
+    const bool old = stale(view);
+    add_part(lines, "INPUTS", monitor::list(view.status, "inputs"), style,
+             [&](const Json& item) { return input_line(item, index++ == selected, old, style); });
+    add_part(lines, "OUTPUTS", monitor::list(view.status, "outputs"), style,
+             [&](const Json& item) { return output_line(item, index++ == selected, old, style); });
+    return lines;
+}
+
+Lines surroundings(const MonitorView& view, const ScreenStyle& style) {
+    Lines lines;
+    add_part(lines, "PORTS", monitor::list(view.status, "ports"), style,
+             [&](const Json& item) { return port_line(item, style); });
+    add_part(lines, "SENSOR BUSES", monitor::list(view.status, "sensor_buses"), style,
+             [&](const Json& item) { return bus_line(item, style); });
+    add_part(lines, "VALUES", monitor::list(view.status, "values"), style,
+             [&](const Json& item) { return value_line(item, style); });
+    return lines;
+}
+
+/// The rows of the screen: a fixed head, and a body that scrolls.
+struct ScreenLayout {
+    Lines head;
+    Lines body;
+    std::size_t room = 0;  ///< lines of the body that fit
+
+    std::size_t last_top() const { return body.size() - std::min(room, body.size()); }
+};
+
+ScreenLayout layout_of(const MonitorView& view, const ScreenStyle& style) {
+    // The last row shows the keys.
+    const std::size_t rows = std::max<std::size_t>(style.rows, 3) - 1;
+    ScreenLayout layout{.head = {heading(view, style)}, .body = items(view, style)};
+    const Lines trust = trust_lines(view, style);
+    layout.head.insert(layout.head.end(), trust.begin(), trust.end());
+    layout.head.resize(std::min(layout.head.size(), rows));
+    layout.room = rows - layout.head.size();
+    add_channels(layout.body, view, style);
+    const Lines below = surroundings(view, style);
+    layout.body.insert(layout.body.end(), below.begin(), below.end());
+    return layout;
+}
+
+std::string keys_line(const ScreenLayout& layout, std::size_t top, const ScreenStyle& style) {
+    Line keys(style);
+    keys.add("up/down selects  PgUp/PgDn scrolls  p pauses  q quits", kDim);
+    if (layout.last_top() > 0) {
+        keys.add(fmt::format("  {}-{} of {}", std::min(top + 1, top + layout.room),
+                             top + layout.room, layout.body.size()),
+                 kDim);
+    }
+    return keys.take();
+}
+
+}  // namespace
+
+std::size_t selectable(const Json& status) {
+    return list(status, "inputs").size() + list(status, "outputs").size();
+}
+
+std::size_t selected_item(const MonitorView& view) {
+    const bool outputs = !list(view.status, "outputs").empty();
+    return view.selected.value_or(outputs ? list(view.status, "inputs").size() : 0);
+}
+
+std::size_t top_after_pages(const MonitorView& view, const ScreenStyle& style, int pages) {
+    const ScreenLayout layout = layout_of(view, style);
+    const std::size_t page = std::max<std::size_t>(layout.room, 1);
+    const std::size_t top = std::min(view.top, layout.last_top());
+    return pages < 0 ? top - std::min(page, top) : std::min(top + page, layout.last_top());
+}
+
+std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& style) {
+    const ScreenLayout layout = layout_of(view, style);
+    const std::size_t item = selected_item(view);
+    const std::size_t titles = item < list(view.status, "inputs").size() ? 1 : 2;
+    const std::size_t line = item + titles;
+    return line < layout.room ? 0 : std::min(line, layout.last_top());
+}
+
+std::string draw_monitor(const MonitorView& view, const ScreenStyle& style) {
+    const ScreenLayout layout = layout_of(view, style);
+    const std::size_t top = std::min(view.top, layout.last_top());
+    std::string screen = "\x1b[H";
+    for (const std::string& line : layout.head) {
+        screen += line;
+        screen += kEraseRest;
+    }
+    for (std::size_t i = top; i < std::min(top + layout.room, layout.body.size()); ++i) {
+        screen += layout.body[i];
+        screen += kEraseRest;
+    }
+    // No line feed after the last row: it would scroll.
+    return screen + keys_line(layout, top, style) + "\x1b[K\x1b[J";
+}
+
+std::string monitor_line(const MonitorView& view) {
+    if (view.status.is_null() || !view.connected) {
+        return view.notice.empty() ? "waiting for the daemon" : view.notice;
+    }
+    std::string text = monitor::text(view.status, "name");
+    if (stale(view)) {
+        text += fmt::format("  STANDS STILL since {}", short_duration(figures_age(view)));
+    }
+    for (const Json& input : monitor::list(view.status, "inputs")) {
+        text += fmt::format("  {} {} {:.1f}/s", monitor::text(input, "name"), input_state(input),
+                            monitor::number(input, "rate_hz").value_or(0));
+    }
+    for (const Json& output : monitor::list(view.status, "outputs")) {
+        text += fmt::format("  {} {} {:.1f}/s late {}", monitor::text(output, "name"),
+                            output_state(output), monitor::number(output, "rate_hz").value_or(0),
+                            short_duration(us_of(monitor::field(output, "lateness"), "p99_us")));
+    }
+    return text;
+}
+
+}  // namespace tribus

@@ -1,0 +1,351 @@
+#include "app/recorder/flight_recorder.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/object_text.h"
+#include "app/client/control_socket.h"
+#include "app/journal/log.h"
+#include "app/recorder/left_recording.h"
+#include "config/carry_over.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kKib = 1024;
+constexpr std::uintmax_t kMib = std::uintmax_t{1024} * 1024;
+/// Time of 256 bytes on an i.Bus line: the first read may hold bytes that began so long ago.
+constexpr Duration kLongestBurst = std::chrono::milliseconds(23);
+/// Upper limit of the remembered outcomes of requests.
+constexpr std::size_t kRememberedOutcomes = 16;
+
+/// If the unit has several directories, the first one is its own.
+std::string state_directory() {
+    const char* given = std::getenv("STATE_DIRECTORY");
+    const std::string all = given == nullptr ? "" : given;
+    return all.substr(0, all.find(':'));
+}
+
+std::string ring_file(std::size_t number) {
+    return fmt::format("{}.ring", number);
+}
+
+}  // namespace
+
+FlightRecorder::FlightRecorder(RecorderConfig config, fs::path directory,
+                               std::optional<RingDirectory> ring_directory)
+    : config_(std::move(config)),
+      directory_(std::move(directory)),
+      ring_directory_(std::move(ring_directory)) {}
+
+tl::expected<std::unique_ptr<FlightRecorder>, std::string> FlightRecorder::make(
+    const Configuration& configuration) {
+    const RecorderConfig& config = *configuration.recorder;
+    const std::string directory = config.directory.empty() ? state_directory() : config.directory;
+    if (directory.empty()) {
+        return tl::unexpected(
+            fmt::format("{}:{}:{}: [recorder] has no directory for recordings, and "
+                        "$STATE_DIRECTORY is not set; add directory = \"/some/folder\"",
+                        configuration.file, config.where.line, config.where.column));
+    }
+    auto ring_directory =
+        RingDirectory::open(SocketDirectories::of_this_process().runtime_directory);
+    log_info("recorder: recordings go to {}{}", directory,
+             ring_directory ? ""
+                            : fmt::format("; a crash loses everything that is not written yet: {}",
+                                          ring_directory.error()));
+    std::unique_ptr<FlightRecorder> recorder(new FlightRecorder(
+        config, directory,
+        ring_directory ? std::optional(std::move(*ring_directory)) : std::nullopt));
+    remove_unfinished_recordings(directory);
+    recorder->write_left(monotonic_now(), wall_time_now());
+    return recorder;
+}
+
+/// Writes what the previous process had in memory, if it crashed or was killed.
+void FlightRecorder::write_left(Instant now, Duration wall_now) {
+    const auto folder = ring_directory_ ? ring_directory_->take_left() : std::nullopt;
+    if (!folder) {
+        return;
+    }
+    const auto age = age_of_latest(directory_, "crash", wall_now);
+    auto left = age && *age < config_.pause
+                    ? tl::unexpected<std::string>("a crash was recorded a moment ago")
+                    : read_left_recording(*folder, now);
+    if (!left) {
+        log_warning(
+            "recorder: the process before this one crashed or was killed; nothing of it is "
+            "written: {}",
+            left.error());
+        ring_directory_->remove_left();
+        return;
+    }
+    plan_ = std::move(left->plan);
+    const Duration wall_offset = wall_now - now.time_since_epoch();
+    RecordingOrder crash = order({.kind = "crash",
+                                  .reason = "the process before this one crashed or was killed",
+                                  .wall = wall_offset + left->latest.time_since_epoch(),
+                                  .at = left->latest,
+                                  .due = left->latest},
+                                 wall_offset);
+    crash.end = now;
+    job_ = RecordingJob::start(std::move(crash), std::move(left->memories), std::move(left->rings));
+    job_number_ = 0;
+}
+
+FlightRecorder::~FlightRecorder() {
+    const Instant now = monotonic_now();
+    if (failsafe_) {
+        failsafe_->due = now;
+    }
+    for (int jobs = 0; jobs < 3 && (job_ || failsafe_ || request_); ++jobs) {
+        if (job_) {
+            end_job();
+        }
+        run_jobs(now, wall_time_now());
+    }
+}
+
+tl::expected<RingMemory, std::string> FlightRecorder::memory_for(const std::string& device,
+                                                                 fs::path& file,
+                                                                 std::size_t bytes) {
+    if (!ring_directory_) {
+        return RingMemory::anonymous(bytes);
+    }
+    auto memory = RingMemory::in_file(file, bytes);
+    if (memory) {
+        return memory;
+    }
+    auto anonymous = RingMemory::anonymous(bytes);
+    if (anonymous) {
+        log_warning("recorder: a crash loses the recording of {}: {}", device, memory.error());
+        file.clear();
+    }
+    return anonymous;
+}
+
+CaptureRing* FlightRecorder::ring_for(const PortPlan& port, const RecorderConfig& config) {
+    const std::size_t bytes = static_cast<std::size_t>(config.memory_kib) * kKib;
+    for (const auto& port_ring : port_rings_) {
+        if (port_ring->bytes == bytes && same_device(port_ring->device, port.config)) {
+            return &port_ring->ring;
+        }
+    }
+    fs::path file =
+        ring_directory_ ? ring_directory_->path() / ring_file(files_made_++) : fs::path();
+    auto memory = memory_for(port.config.device, file, bytes);
+    if (!memory) {
+        const std::string lack = fmt::format("{}: {}", port.config.device, memory.error());
+        log_warning("recorder: no {} KiB of memory for a port; not recorded: {}", config.memory_kib,
+                    lack);
+        lacks_[port.config.device] = lack;
+        return nullptr;
+    }
+    lacks_.erase(port.config.device);
+    CaptureRing ring = CaptureRing::create(memory->span());
+    port_rings_.push_back(
+        std::make_unique<PortRing>(PortRing{port.config, bytes, file, std::move(*memory), ring}));
+    return &port_rings_.back()->ring;
+}
+
+void FlightRecorder::record_ports(const Configuration& configuration,
+                                  const std::vector<PortPlan>& ports, Instant now) {
+    begin_ = begin_.value_or(now - kLongestBurst);
+    config_ = *configuration.recorder;
+    std::vector<PortPlan> recorded;
+    std::vector<std::string> lacks;
+    std::vector<std::unique_ptr<PortRing>> before = std::exchange(port_rings_, {});
+    for (const PortPlan& port : ports) {
+        const auto port_ring = std::ranges::find_if(before, [&](const auto& candidate) {
+            return candidate && &candidate->ring == port.wiring.capture;
+        });
+        if (port_ring != before.end()) {
+            port_rings_.push_back(std::move(*port_ring));
+            recorded.push_back(port);
+        } else {
+            lacks.push_back(lacks_[port.config.device]);
+        }
+    }
+    plan_ = plan_recording(configuration, recorded, *begin_);
+    plan_.lacks = std::move(lacks);
+    for (std::size_t i = 0; i < port_rings_.size(); ++i) {
+        plan_.ports[i].ring_file = port_rings_[i]->file.filename();
+    }
+    for (auto& port_ring : before) {
+        retire(std::move(port_ring));
+    }
+    write_plan();
+    output_names_.clear();
+    for (const OutputConfig& output : configuration.outputs) {
+        output_names_.push_back(output.name);
+    }
+    failsafe_entries_.clear();
+}
+
+void FlightRecorder::retire(std::unique_ptr<PortRing> port_ring) {
+    if (!port_ring) {
+        return;
+    }
+    std::error_code ignored;
+    if (!port_ring->file.empty()) {
+        fs::remove(port_ring->file, ignored);
+    }
+    if (job_) {
+        retired_.push_back(std::move(port_ring));
+    }
+}
+
+/// Writes the plan, which tells a process after a crash which ring belongs to which port.
+void FlightRecorder::write_plan() const {
+    if (!ring_directory_) {
+        return;
+    }
+    RecordingPlan outliving = plan_;
+    std::erase_if(outliving.ports, [](const RecordedPort& port) { return port.ring_file.empty(); });
+    std::error_code ignored;
+    const fs::path fresh = ring_directory_->path() / "plan.new";
+    std::ofstream(fresh, std::ios::binary) << plan_to_text(outliving);
+    fs::rename(fresh, ring_directory_->path() / kRecordingPlanFile, ignored);
+}
+
+RecordingOrder FlightRecorder::order(const Event& event, Duration wall_offset) const {
+    RecordingOrder order;
+    order.directory = directory_;
+    order.kind = event.kind;
+    order.reason = event.reason;
+    order.zero = std::max(plan_.begin, event.at - config_.before);
+    order.zero_wall = wall_offset + order.zero.time_since_epoch();
+    order.event_wall = event.wall;
+    order.ports = plan_.ports;
+    order.files = plan_.files;
+    order.replay = plan_.replay;
+    order.lacks = plan_.lacks;
+    order.keep = static_cast<std::size_t>(config_.keep);
+    order.space = static_cast<std::uintmax_t>(config_.space_mib) * kMib;
+    return order;
+}
+
+void FlightRecorder::note_failsafes(std::span<const std::uint64_t> entries, Instant now,
+                                    Duration wall_now) {
+    std::string names;
+    for (std::size_t i = 0; i < entries.size() && failsafe_entries_.size() == entries.size(); ++i) {
+        if (entries[i] > failsafe_entries_[i]) {
+            names += (names.empty() ? "" : ", ") + output_names_[i];
+        }
+    }
+    failsafe_entries_.assign(entries.begin(), entries.end());
+    if (names.empty() || !config_.on_failsafe || failsafe_ || now < quiet_until_) {
+        return;
+    }
+    failsafe_ = Event{.kind = "failsafe",
+                      .reason = "failsafe of output " + names,
+                      .wall = wall_now,
+                      .at = now,
+                      .due = later(now, config_.after)};
+    quiet_until_ = later(failsafe_->due, config_.pause);
+}
+
+void FlightRecorder::look(std::span<const std::uint64_t> failsafe_entries, Instant now,
+                          Duration wall_now) {
+    note_failsafes(failsafe_entries, now, wall_now);
+    run_jobs(now, wall_now);
+}
+
+void FlightRecorder::run_jobs(Instant now, Duration wall_now) {
+    if (job_ && job_->done()) {
+        end_job();
+    }
+    for (std::optional<Event>* waiting : {&request_, &failsafe_}) {
+        if (!job_ && *waiting && now >= (*waiting)->due) {
+            begin(*std::exchange(*waiting, std::nullopt), now, wall_now);
+        }
+    }
+}
+
+void FlightRecorder::begin(const Event& event, Instant now, Duration wall_now) {
+    if (plan_.ports.empty()) {
+        if (event.number != 0) {
+            outcomes_[event.number] = {
+                .done = true,
+                .result = tl::unexpected(
+                    fmt::format("no port is recorded ({})", fmt::join(plan_.lacks, "; ")))};
+        }
+        return;
+    }
+    job_ = RecordingJob::start(order(event, wall_now - now.time_since_epoch()));
+    job_number_ = event.number;
+}
+
+void FlightRecorder::end_job() {
+    const RecordingOrder& order = job_->order();
+    while (!job_->done()) {
+        const timespec pause{.tv_sec = 0, .tv_nsec = 1'000'000};
+        ::nanosleep(&pause, nullptr);
+    }
+    const RecordingJob::Result& result = job_->result();
+    if (result) {
+        log_info("recorder: wrote {}: {}", result->string(), order.reason);
+    } else {
+        log_error(
+            "recorder: cannot write the recording \"{}\": {}; everything else goes on, and so does "
+            "recording; free some space, or set another directory in [recorder]",
+            order.reason, result.error());
+    }
+    if (ring_directory_ && order.kind == "crash") {
+        result ? ring_directory_->remove_left() : ring_directory_->put_left_back();
+    }
+    if (job_number_ != 0) {
+        outcomes_[job_number_] = {.done = true, .result = result};
+    }
+    job_.reset();
+    retired_.clear();
+}
+
+std::string FlightRecorder::answer(std::span<const std::string> words, Instant now,
+                                   Duration wall_now) {
+    std::uint64_t number = 0;
+    if (words.empty()) {
+        if (!request_) {
+            request_ = Event{.kind = "request",
+                             .reason = "on request",
+                             .wall = wall_now,
+                             .at = now,
+                             .due = now,
+                             .number = ++requests_};
+            outcomes_[requests_] = {};
+            if (outcomes_.size() > kRememberedOutcomes) {
+                outcomes_.erase(outcomes_.begin());
+            }
+        }
+        number = request_->number;
+    } else {
+        const std::string& word = words.front();
+        std::from_chars(word.data(), word.data() + word.size(), number);
+    }
+    run_jobs(now, wall_now);
+    const auto outcome = outcomes_.find(number);
+    if (words.size() > 1 || outcome == outcomes_.end()) {
+        return error_object("\"record\" takes the number of a requested recording, or nothing");
+    }
+    const auto& [done, result] = outcome->second;
+    nlohmann::ordered_json json = {{"type", "recording"}, {"number", number}};
+    json["state"] = !done ? "writing" : result ? "written" : "failed";
+    if (done && result) {
+        json["folder"] = result->string();
+    } else if (done) {
+        json["reason"] = result.error();
+    }
+    return json_text(json);
+}
+
+}  // namespace tribus

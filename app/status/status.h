@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/appliance/appliance.h"
+#include "config/schema.h"
+#include "core/time.h"
+#include "core/value_board.h"
+#include "pipelines/realtime/histogram.h"
+#include "pipelines/realtime/loop.h"
+
+/// Everything that a running configuration knows about itself, for log, monitor, status and
+/// metrics.
+namespace tribus {
+
+struct InputReport {
+    InputStatus status;
+    std::vector<std::string_view> reject_causes;  ///< names of the counters in `status.rejected_by`
+    double rate_hz = 0;                           ///< frames received in the last second
+    HistogramReading frame_age;  ///< how old a frame was when the next one came, last minute
+};
+
+struct OutputReport {
+    OutputStatus status;
+    std::vector<std::size_t> inputs;  ///< inputs that may control it, in order of preference
+    double rate_hz = 0;               ///< frames sent in the last second
+    HistogramReading lateness;        ///< from due to taken, last minute
+    HistogramReading latency;         ///< from an input's frame to the output's, last minute
+    std::uint64_t deadline_misses = 0;
+};
+
+/// A serial device or CAN interface.
+struct PortReport {
+    std::string name;
+    bool present = true;
+    std::optional<CanLinkStatus> can;
+};
+
+struct NodeStatus {
+    std::string interface;
+    dronecan::NodeReport report;
+};
+
+struct ValueReport {
+    NamedValue value;
+    ValueStatus status;
+};
+
+/// State at `now`; the data thread published the figures at `figures_at`. The lists are in the
+/// order of `configuration`, which must outlive the report.
+struct StatusReport {
+    const Configuration* configuration = nullptr;
+    Instant now{};
+    Duration wall_time{};  ///< since 1970
+    Instant started{};
+    Instant figures_at{};
+    std::optional<Duration>
+        trial_left;  ///< time until the configuration on trial goes back by itself
+    std::vector<std::string> missing_realtime;
+    std::vector<InputReport> inputs;
+    std::vector<OutputReport> outputs;
+    std::vector<PortReport> ports;
+    std::vector<bool> lines_present;
+    std::vector<SensorBusState> sensor_buses;
+    std::vector<NodeStatus> nodes;
+    std::vector<ValueReport> values;
+    std::vector<std::optional<double>>
+        machine;  ///< in the order of `kMachineFacts`; empty: not read
+};
+
+/// Frames per second, from a counter that is read now and then. Pure.
+class RateWindow {
+  public:
+    /// `count` is the counter at `at`, an instant of the data thread, so that the rate is exact.
+    void look(std::uint64_t count, Instant at);
+    /// Zero if the last `look` is older than the window: a frozen data thread has no rate.
+    double rate_hz(Instant now) const;
+
+  private:
+    static constexpr Duration kWindow = std::chrono::seconds(1);
+
+    Instant begin_{};
+    Instant latest_{};
+    std::uint64_t begin_count_ = 0;
+    bool begun_ = false;
+    double rate_ = 0;
+};
+
+/// Gathers reports of one appliance. Thread-bound to the main thread.
+class StatusKeeper {
+  public:
+    StatusKeeper(const Appliance& appliance, Instant started);
+
+    /// Updates the rates. Call it a few times a second.
+    void look(const Appliance& appliance);
+    /// The present state; refers to the configuration of `appliance`.
+    StatusReport report(const Appliance& appliance, Instant now, Duration wall_time) const;
+
+  private:
+    Instant started_;
+    std::vector<RateWindow> inputs_;
+    std::vector<RateWindow> outputs_;
+    /// CAN interfaces of the DroneCAN nodes.
+    std::vector<std::string> nodes_;
+};
+
+}  // namespace tribus

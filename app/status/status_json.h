@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "app/status/status.h"
+
+/// What the control socket and `tribus monitor --format json` send: one object on one line. Pure.
+namespace tribus {
+
+/// Raised when a field changes its meaning or is removed; new fields may come at any time.
+inline constexpr int kStatusVersion = 1;
+
+/// Without a line end. docs/status.md describes each field.
+std::string status_json(const StatusReport& report);
+
+}  // namespace tribus

@@ -1,0 +1,108 @@
+#include "app/status/status_line.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/cli/cause_text.h"
+
+namespace tribus {
+namespace {
+
+/// Upper limit in bytes; `systemctl status` shows one line, the log has everything.
+constexpr std::size_t kLongestStatus = 400;
+
+std::string for_how_long(Duration time) {
+    struct Step {
+        std::chrono::seconds from;
+        std::string_view text;
+    };
+    using std::chrono::hours;
+    using std::chrono::minutes;
+    using std::chrono::seconds;
+    constexpr std::array<Step, 8> kSteps{{{hours(24), "a day"},
+                                          {hours(1), "an hour"},
+                                          {minutes(10), "10 min"},
+                                          {minutes(1), "1 min"},
+                                          {seconds(30), "30 s"},
+                                          {seconds(10), "10 s"},
+                                          {seconds(3), "3 s"},
+                                          {seconds(1), "1 s"}}};
+    for (const Step& step : kSteps) {
+        if (time >= step.from) {
+            return fmt::format(" for more than {}", step.text);
+        }
+    }
+    return "";
+}
+
+int urgency(OutputStage stage) {
+    switch (stage) {
+        case OutputStage::cannot_send:
+        case OutputStage::failsafe:
+            return 0;
+        case OutputStage::holding:
+            return 1;
+        case OutputStage::control:
+            break;
+    }
+    return 2;
+}
+
+/// Names come from the user and may contain anything; a line feed would end the line.
+std::string one_line(std::string text) {
+    std::ranges::replace_if(
+        text, [](char byte) { return static_cast<unsigned char>(byte) < ' '; }, ' ');
+    return text;
+}
+
+std::string joined(const std::vector<std::string>& parts) {
+    std::string text;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (text.size() + parts[i].size() > kLongestStatus) {
+            return text + fmt::format("; and {} more", parts.size() - i);
+        }
+        text += (text.empty() ? "" : "; ") + parts[i];
+    }
+    return text.empty() ? "running" : text;
+}
+
+}  // namespace
+
+StatusLine::StatusLine(std::vector<std::string> inputs, std::vector<std::string> outputs)
+    : input_names_(std::move(inputs)),
+      output_names_(std::move(outputs)),
+      since_(output_names_.size()) {}
+
+std::string StatusLine::text(std::span<const LinkState> inputs,
+                             std::span<const OutputState> outputs, Instant now) {
+    std::vector<std::pair<int, std::string>> parts;
+    for (std::size_t i = 0; i < outputs.size(); ++i) {
+        const OutputStage stage = outputs[i].stage;
+        if (since_[i].stage != stage) {
+            since_[i] = {stage, now};
+        }
+        const bool control = stage == OutputStage::control;
+        parts.emplace_back(
+            2 * urgency(stage),
+            fmt::format("{}: {}{}", output_names_[i], output_text(outputs[i], input_names_),
+                        control ? "" : for_how_long(now - since_[i].at)));
+    }
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+        const bool good = inputs[i].cause == LinkCause::good;
+        parts.emplace_back(good ? 5 : 1,
+                           fmt::format("{}: {}", input_names_[i], cause_text(inputs[i])));
+    }
+    std::ranges::stable_sort(parts, {}, [](const auto& part) { return part.first; });
+    std::vector<std::string> texts;
+    texts.reserve(parts.size());
+    for (auto& part : parts) {
+        texts.push_back(one_line(std::move(part.second)));
+    }
+    return joined(texts);
+}
+
+}  // namespace tribus

@@ -1,0 +1,219 @@
+#include "app/wire/decode.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <ostream>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/cli/exit_status.h"
+#include "app/wire/fitting_protocols.h"
+#include "core/counted.h"
+
+namespace tribus {
+namespace {
+
+Burst raw_burst(std::string_view bytes) {
+    return {.start = std::nullopt, .bytes = {bytes.begin(), bytes.end()}, .damaged = {}};
+}
+
+/// Which protocol decodes which burst of a recording.
+struct Allotment {
+    std::size_t best = 0;
+    std::uint64_t frames_of_best = 0;
+    /// For each burst that is a frame of another protocol and not touched by a frame of the best:
+    /// the index of that protocol.
+    std::vector<std::optional<std::size_t>> alone;
+};
+
+struct Coverage {
+    std::uint64_t frames = 0;
+    std::vector<bool> touched;  ///< for each burst: a frame contains a byte of it
+};
+
+Coverage coverage_of(const Recording& recording, const ProtocolUse& use) {
+    Coverage coverage{.frames = 0, .touched = std::vector<bool>(recording.bursts.size())};
+    FrameFinder finder(use, [&](const FoundFrame& found) {
+        ++coverage.frames;
+        std::size_t end = found.place.byte + found.frame.length;
+        for (std::size_t burst = found.place.burst; burst < recording.bursts.size(); ++burst) {
+            const std::size_t size = recording.bursts[burst].bytes.size();
+            coverage.touched[burst] = true;
+            if (end <= size) {
+                break;
+            }
+            end -= size;
+        }
+    });
+    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
+        finder.feed(burst, recording.bursts[burst]);
+    }
+    finder.finish();
+    return coverage;
+}
+
+bool is_one_frame_of(const Burst& burst, const ProtocolUse& use) {
+    bool whole = false;
+    FrameFinder finder(
+        use, [&](const FoundFrame& found) { whole = found.frame.length == burst.bytes.size(); });
+    finder.feed(0, burst);
+    finder.finish();
+    return whole;
+}
+
+Allotment allot(const Recording& recording, std::span<const ProtocolUse> uses) {
+    Allotment allotment;
+    std::vector<bool> touched(recording.bursts.size());
+    for (std::size_t index = 0; index < uses.size(); ++index) {
+        Coverage coverage = coverage_of(recording, uses[index]);
+        if (coverage.frames > allotment.frames_of_best) {
+            allotment.best = index;
+            allotment.frames_of_best = coverage.frames;
+            touched = std::move(coverage.touched);
+        }
+    }
+    allotment.alone.resize(recording.bursts.size());
+    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
+        for (std::size_t index = 0; !touched[burst] && index < uses.size(); ++index) {
+            if (is_one_frame_of(recording.bursts[burst], uses[index])) {
+                allotment.alone[burst] = index;
+                break;
+            }
+        }
+    }
+    return allotment;
+}
+
+void add(Tally& total, const Tally& part) {
+    total.bytes += part.bytes;
+    total.frames += part.frames;
+    total.skipped_bytes += part.skipped_bytes;
+}
+
+struct PrintedFrame {
+    FramePlace place;
+    std::string line;
+};
+
+int decode_allotted(const Recording& recording, std::span<const ProtocolUse> uses,
+                    const Allotment& allotment, FramePrinter& printer) {
+    std::vector<PrintedFrame> frames;
+    const auto collect = [&](const FoundFrame& found) {
+        frames.push_back({found.place, printer.line(found)});
+    };
+    FrameFinder best(uses[allotment.best], collect);
+    Tally others;
+    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
+        const auto owner = allotment.alone[burst];
+        if (!owner) {
+            best.feed(burst, recording.bursts[burst]);
+            continue;
+        }
+        FrameFinder other(uses[*owner], collect);
+        other.feed(burst, recording.bursts[burst]);
+        other.finish();
+        add(others, other.tally());
+    }
+    best.finish();
+    std::stable_sort(frames.begin(), frames.end(),
+                     [](const auto& a, const auto& b) { return a.place < b.place; });
+    printer.heading();
+    for (const PrintedFrame& frame : frames) {
+        printer.line(frame.line);
+    }
+    Tally tally = best.tally();
+    add(tally, others);
+    printer.summary(tally);
+    return kExitFine;
+}
+
+int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses,
+                   FramePrinter& printer, std::ostream& messages) {
+    Tally tally;
+    for (const Burst& burst : recording.bursts) {
+        tally.bytes += burst.bytes.size();
+    }
+    tally.skipped_bytes = tally.bytes;
+    printer.heading();
+    printer.summary(tally);
+    if (tally.bytes == 0) {
+        return kExitFine;
+    }
+    std::vector<std::string_view> names;
+    for (const ProtocolUse& use : uses) {
+        names.push_back(use.protocol->name);
+    }
+    messages << fmt::format("tribus: no frame of {} in {}\n", fmt::join(names, " or "),
+                            counted(tally.bytes, "byte"));
+    return kExitFailed;
+}
+
+/// `recording` holds the bytes in which the protocol found no frame.
+void explain_no_frame(const Recording& recording, const ProtocolUse& use, const Tally& tally,
+                      std::ostream& messages) {
+    if (tally.frames == 0 && tally.bytes > 0) {
+        messages << no_frame_text(recording, use.protocol->name);
+    }
+}
+
+int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinter& printer,
+                 std::ostream& messages) {
+    printer.heading();
+    FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
+    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
+        finder.feed(burst, recording.bursts[burst]);
+    }
+    finder.finish();
+    printer.summary(finder.tally());
+    explain_no_frame(recording, use, finder.tally(), messages);
+    return kExitFine;
+}
+
+}  // namespace
+
+int decode_recording(const Recording& recording, std::span<const ProtocolUse> uses,
+                     FramePrinter& printer, std::ostream& messages) {
+    const std::vector<ProtocolUse> serial = of_link(uses, LinkKind::serial);
+    if (serial.size() == 1) {
+        return decode_known(recording, serial.front(), printer, messages);
+    }
+    const Allotment allotment = allot(recording, serial);
+    if (allotment.frames_of_best == 0) {
+        return decode_unknown(recording, serial, printer, messages);
+    }
+    return decode_allotted(recording, serial, allotment, printer);
+}
+
+int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
+                  FramePrinter& printer, std::ostream& results, std::ostream& messages) {
+    printer.heading();
+    FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
+    /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
+    constexpr std::size_t kMostKept = std::size_t{64} * 1024;
+    std::string kept;
+    while (results.good()) {
+        const std::string bytes = read();
+        if (bytes.empty()) {
+            break;
+        }
+        finder.feed(0, raw_burst(bytes));
+        results.flush();
+        if (finder.tally().frames == 0 && kept.size() < kMostKept) {
+            kept += bytes;
+        }
+    }
+    finder.finish();
+    printer.summary(finder.tally());
+    Recording without_frame;
+    without_frame.bursts.push_back(raw_burst(kept));
+    explain_no_frame(without_frame, use, finder.tally(), messages);
+    return kExitFine;
+}
+
+}  // namespace tribus

@@ -1,0 +1,398 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "app/cli/command_line.h"
+#include "app/cli/configured_use.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/streams.h"
+#include "app/wire/decode.h"
+#include "app/wire/decode_can.h"
+#include "app/wire/decode_dronecan.h"
+#include "app/wire/decode_sensor.h"
+#include "app/wire/sensors/sensor_frame_finder.h"
+#include "core/quotes.h"
+#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/registry/registry.h"
+
+namespace tribus {
+namespace {
+
+/// Two frames of any serial protocol: enough to tell raw bytes from text before the input ends.
+constexpr std::size_t kEnoughToTell = 64;
+
+const std::map<std::string, DecodeFormat> kFormats{
+    {"text", DecodeFormat::text}, {"json", DecodeFormat::json}, {"csv", DecodeFormat::csv}};
+const std::map<std::string, RecordingKind> kInputFormats{{"raw", RecordingKind::raw},
+                                                         {"hex", RecordingKind::hex},
+                                                         {"timed", RecordingKind::timed},
+                                                         {"saleae", RecordingKind::saleae},
+                                                         {"candump", RecordingKind::candump}};
+
+struct DecodeArguments {
+    std::string file;
+    std::string protocol = "auto";
+    std::string format = "text";
+    std::string input_format;
+    std::string interface;
+    std::string as;
+    std::string dialect;
+    GivenSettings given;
+
+    DecodeFormat decode_format() const { return kFormats.at(format); }
+    std::optional<RecordingKind> kind() const {
+        const auto named = kInputFormats.find(input_format);
+        return named == kInputFormats.end() ? std::nullopt : std::optional(named->second);
+    }
+    SensorDialect sensor_dialect() const {
+        const auto* const named = std::ranges::find(kSensorDialectNames, dialect);
+        return named == kSensorDialectNames.end()
+                   ? SensorDialect::flysky
+                   : SensorDialect(named - kSensorDialectNames.begin());
+    }
+    /// With settings, or as an input of a configuration, only the channels of DroneCAN are decoded.
+    bool explains_dronecan() const {
+        return protocol == kDroneCanName && as.empty() && given.empty();
+    }
+    /// True if the recording may also be one of the sensor bus.
+    bool any_protocol() const { return protocol == "auto" && as.empty() && given.empty(); }
+};
+
+constexpr std::string_view kKindHint = "--input-format raw, hex, timed or saleae";
+
+int fail(std::string_view message, int status) {
+    std::cerr << "tribus: " << message << '\n';
+    return status;
+}
+
+bool starts_as_candump(std::string_view beginning) {
+    const std::size_t first = beginning.find_first_not_of(" \t\r\n");
+    return first != std::string_view::npos && beginning[first] == '(';
+}
+
+/// The format, if the first characters already show it.
+std::optional<RecordingKind> early_kind(std::string_view beginning) {
+    if (looks_raw(beginning)) {
+        return RecordingKind::raw;
+    }
+    return starts_as_candump(beginning) ? std::optional(RecordingKind::candump) : std::nullopt;
+}
+
+bool only_can(std::span<const ProtocolUse> uses) {
+    return std::ranges::all_of(
+        uses, [](const ProtocolUse& use) { return use.protocol->link == LinkKind::can; });
+}
+
+/// The protocols that the kind of recording allows. The error says what is wrong.
+tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const ProtocolUse> uses,
+                                                              RecordingKind kind,
+                                                              std::string_view file_name,
+                                                              std::string_view interface) {
+    const LinkKind link = kind == RecordingKind::candump ? LinkKind::can : LinkKind::serial;
+    if (link == LinkKind::serial && !interface.empty()) {
+        return tl::unexpected(
+            fmt::format("--interface: {} is not a candump log, and only such a log has interfaces; "
+                        "leave it out",
+                        file_name));
+    }
+    std::vector<ProtocolUse> suited = of_link(uses, link);
+    if (!suited.empty()) {
+        return suited;
+    }
+    const std::string_view asked = uses.front().protocol->name;
+    const std::string allowed = protocol_list(link);
+    return tl::unexpected(
+        link == LinkKind::can
+            ? fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
+                          file_name, asked, allowed)
+            : fmt::format("{}: bytes of a serial line, but {} is read from CAN frames: lines such "
+                          "as (1436509052.249713) can0 123#1122, as candump -L writes them",
+                          file_name, asked));
+}
+
+/// Reads `file` piece by piece, starting with the `beginning` that was already read.
+std::function<std::string()> reader_of(InputFile& file, std::string& beginning,
+                                       std::string& failed) {
+    return [&] {
+        if (!beginning.empty()) {
+            return std::exchange(beginning, {});
+        }
+        auto bytes = file.read_some();
+        failed = bytes ? std::string() : bytes.error();
+        return bytes.value_or(std::string());
+    };
+}
+
+TransferPrinter transfer_printer(const DecodeArguments& arguments) {
+    return {arguments.decode_format(), terminal_columns(), std::cout, std::cerr};
+}
+
+int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse& use,
+                       const DecodeArguments& arguments) {
+    std::string failed;
+    const auto read = reader_of(file, beginning, failed);
+    int status = kExitFine;
+    const CanLogSource source{read, file.name(), arguments.interface};
+    if (arguments.explains_dronecan()) {
+        TransferPrinter printer = transfer_printer(arguments);
+        status = decode_dronecan_stream(source, printer, std::cout, std::cerr);
+    } else if (use.protocol->link == LinkKind::can) {
+        FramePrinter printer(arguments.decode_format(), RecordingKind::candump, std::cout,
+                             std::cerr);
+        status = decode_can_stream(source, use, printer, std::cout, std::cerr);
+    } else {
+        FramePrinter printer(arguments.decode_format(), RecordingKind::raw, std::cout, std::cerr);
+        status = decode_stream(read, use, printer, std::cout, std::cerr);
+    }
+    return failed.empty() ? status : fail(failed, kExitFailed);
+}
+
+int decode_sensor_parsed(const Recording& recording, const DecodeArguments& arguments) {
+    const SensorTypes types(arguments.sensor_dialect());
+    SensorPrinter printer(arguments.decode_format(), recording.kind, types, std::cout, std::cerr);
+    return decode_sensor_recording(recording, printer, std::cerr);
+}
+
+int decode_can_parsed(const Recording& recording, std::span<const ProtocolUse> uses,
+                      const DecodeArguments& arguments) {
+    const bool told = arguments.any_protocol() && only_dronecan(recording, uses);
+    if (told || arguments.explains_dronecan()) {
+        TransferPrinter printer = transfer_printer(arguments);
+        return decode_dronecan_recording(recording, printer);
+    }
+    FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
+    return decode_can_recording(recording, uses, printer, std::cerr);
+}
+
+int decode_parsed(Recording recording, const std::string& name, std::span<const ProtocolUse> uses,
+                  const DecodeArguments& arguments) {
+    if (arguments.any_protocol() && is_sensor_bus(recording)) {
+        return decode_sensor_parsed(recording, arguments);
+    }
+    if (recording.kind != RecordingKind::candump) {
+        FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
+        return decode_recording(recording, uses, printer, std::cerr);
+    }
+    const auto taken = take_interface(std::move(recording), name, arguments.interface);
+    return taken ? decode_can_parsed(*taken, uses, arguments) : fail(taken.error(), kExitFailed);
+}
+
+/// `uses` are all CAN or all serial, unless the kind is not known yet.
+int decode_whole(std::string_view content, const std::string& name, std::vector<ProtocolUse> uses,
+                 std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
+    if (!kind) {
+        const auto told = detect_recording_kind(content, name);
+        if (!told) {
+            return fail(fmt::format("{} ({})", told.error(), kKindHint), kExitFailed);
+        }
+        // For CAN protocols any text is parsed as a log, whose parser reports best what is wrong.
+        kind = only_can(uses) && *told != RecordingKind::raw ? RecordingKind::candump : *told;
+        auto suited = suited_to(uses, *kind, name, arguments.interface);
+        if (!suited) {
+            return fail(suited.error(), kExitWrongUse);
+        }
+        uses = std::move(*suited);
+    }
+    auto recording = parse_recording(content, name, *kind);
+    if (!recording && *kind == RecordingKind::candump) {
+        return fail(recording.error(), kExitFailed);
+    }
+    if (!recording) {
+        return fail(fmt::format("{} (read as {}; {} selects another format)", recording.error(),
+                                recording_kind_name(*kind), kKindHint),
+                    kExitFailed);
+    }
+    return decode_parsed(std::move(*recording), name, uses, arguments);
+}
+
+/// Reads as much of the file as is needed to recognise its format.
+tl::expected<std::string, std::string> read_beginning(InputFile& file) {
+    std::string beginning;
+    while (beginning.size() < kEnoughToTell && !starts_as_candump(beginning)) {
+        auto bytes = file.read_some();
+        if (!bytes || bytes->empty()) {
+            return bytes ? std::move(beginning) : std::move(bytes);
+        }
+        beginning += *bytes;
+    }
+    return beginning;
+}
+
+/// The protocols that the options allow.
+tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArguments& arguments) {
+    if (arguments.protocol != "auto" && find_protocol(arguments.protocol) == nullptr) {
+        return tl::unexpected(
+            fmt::format("--protocol: {} is not a known protocol; allowed: auto, {}, {}",
+                        in_quotes(arguments.protocol), protocol_list(), kSensorProtocol));
+    }
+    if (arguments.as.empty()) {
+        return choose_protocols(arguments.protocol, SettingScope::input, arguments.given);
+    }
+    if (arguments.protocol != "auto" || !arguments.given.empty()) {
+        return tl::unexpected(std::string(kAsAlone));
+    }
+    return configured_use(arguments.as, SettingScope::input).map([](ProtocolUse use) {
+        return std::vector{std::move(use)};
+    });
+}
+
+/// Why the options do not fit the sensor bus; empty if they do.
+std::string mistake_with_sensors(const DecodeArguments& arguments) {
+    if (!arguments.as.empty()) {
+        return kAsAlone;
+    }
+    if (!arguments.given.empty()) {
+        return fmt::format("--{}: {} has no such setting; leave it out",
+                           arguments.given.begin()->first, kSensorProtocol);
+    }
+    if (!arguments.interface.empty() || arguments.kind() == RecordingKind::candump) {
+        return fmt::format("{} is read from bytes of a serial line, not from a candump log",
+                           kSensorProtocol);
+    }
+    return {};
+}
+
+int decode_sensor_file(InputFile& file, std::string beginning, const DecodeArguments& arguments) {
+    const auto given = arguments.kind();
+    const auto kind = given ? given : early_kind(beginning);
+    if (kind == RecordingKind::raw) {
+        const SensorTypes types(arguments.sensor_dialect());
+        SensorPrinter printer(arguments.decode_format(), *kind, types, std::cout, std::cerr);
+        std::string failed;
+        const int status =
+            decode_sensor_stream(reader_of(file, beginning, failed), printer, std::cout);
+        return failed.empty() ? status : fail(failed, kExitFailed);
+    }
+    const auto rest = file.read_all();
+    if (!rest) {
+        return fail(rest.error(), kExitFailed);
+    }
+    const std::string content = beginning + *rest;
+    const auto recording =
+        kind ? parse_recording(content, file.name(), *kind) : parse_recording(content, file.name());
+    if (!recording) {
+        return fail(fmt::format("{} ({})", recording.error(), kKindHint), kExitFailed);
+    }
+    if (recording->kind == RecordingKind::candump) {
+        return fail(
+            fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
+                        file.name(), kSensorProtocol, protocol_list(LinkKind::can)),
+            kExitWrongUse);
+    }
+    return decode_sensor_parsed(*recording, arguments);
+}
+
+int run_sensor_decode(const DecodeArguments& arguments) {
+    const std::string mistake = mistake_with_sensors(arguments);
+    if (!mistake.empty()) {
+        return fail(mistake, kExitWrongUse);
+    }
+    auto file = InputFile::open(arguments.file);
+    if (!file) {
+        return fail(file.error(), kExitFailed);
+    }
+    auto beginning = read_beginning(*file);
+    return beginning ? decode_sensor_file(*file, std::move(*beginning), arguments)
+                     : fail(beginning.error(), kExitFailed);
+}
+
+int run_decode(const DecodeArguments& arguments) {
+    if (arguments.protocol == kSensorProtocol) {
+        return run_sensor_decode(arguments);
+    }
+    if (!arguments.dialect.empty()) {
+        return fail(fmt::format("--dialect: only --protocol {} has dialects", kSensorProtocol),
+                    kExitWrongUse);
+    }
+    auto uses = asked_for(arguments);
+    if (!uses) {
+        return fail(uses.error(), kExitWrongUse);
+    }
+    auto file = InputFile::open(arguments.file);
+    if (!file) {
+        return fail(file.error(), kExitFailed);
+    }
+    auto beginning = read_beginning(*file);
+    if (!beginning) {
+        return fail(beginning.error(), kExitFailed);
+    }
+    const auto given = arguments.kind();
+    const auto kind = given ? given : early_kind(*beginning);
+    if (kind) {
+        uses = suited_to(*uses, *kind, file->name(), arguments.interface);
+    }
+    if (!uses) {
+        return fail(uses.error(), kExitWrongUse);
+    }
+    const bool log = kind == RecordingKind::candump;
+    // A complete log is judged as a whole before anything is printed.
+    const bool flows = kind == RecordingKind::raw || (log && !file->is_whole());
+    if (flows && log && arguments.protocol == "auto") {
+        uses = without_dronecan(*uses);
+    }
+    if (flows && uses->size() == 1) {
+        return decode_as_it_comes(*file, std::move(*beginning), uses->front(), arguments);
+    }
+    const auto rest = file->read_all();
+    if (!rest) {
+        return fail(rest.error(), kExitFailed);
+    }
+    return decode_whole(*beginning + *rest, file->name(), std::move(*uses), kind, arguments);
+}
+
+}  // namespace
+
+Command decode_command() {
+    const auto arguments = std::make_shared<DecodeArguments>();
+    std::vector<CommandOption> options{
+        {.name = "file",
+         .value = &arguments->file,
+         .help = "Raw bytes, hex lines, timed hex lines, the CSV of a Saleae serial decoder, or a "
+                 "candump log; the content shows which. Absent or -: standard input; raw bytes of "
+                 "a named protocol and the lines of candump -L are decoded as they arrive"},
+        {.name = "--protocol",
+         .value = &arguments->protocol,
+         .help =
+             "auto: the protocol that finds the most frames; single lines may be frames of another",
+         .shows_value = true,
+         .type_name = choices_type("auto," + protocol_list() + "," + kSensorProtocol)},
+        {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
+        {.name = "--dialect",
+         .value = &arguments->dialect,
+         .help = "For ibus-sensor: the dialect of the disputed types; default: flysky",
+         .choices = {kSensorDialectNames.begin(), kSensorDialectNames.end()}},
+        {.name = "--format",
+         .value = &arguments->format,
+         .help = "text shows whole microseconds",
+         .shows_value = true,
+         .choices = {"csv", "json", "text"}},
+        {.name = "--input-format",
+         .value = &arguments->input_format,
+         .help = "Format of the input, if its content does not show it",
+         .choices = {"candump", "hex", "raw", "saleae", "timed"}},
+        {.name = "--interface",
+         .value = &arguments->interface,
+         .help = "For a candump log: the interface whose frames are decoded; needed if it has "
+                 "several"}};
+    append_setting_options(options, SettingScope::input, arguments->given);
+    return {
+        .name = "decode",
+        .help = "Decode bytes or CAN frames of a protocol to channel frames, one a line",
+        .options = std::move(options),
+        .run = [arguments] { return finish_standard_output(run_decode(*arguments)); },
+    };
+}
+
+}  // namespace tribus

@@ -1,0 +1,69 @@
+#include "app/wire/fitting_protocols.h"
+
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "app/cli/protocol_use.h"
+#include "app/wire/decode_sensor.h"
+#include "app/wire/frames/can_frame_finder.h"
+#include "app/wire/frames/frame_finder.h"
+#include "app/wire/sensors/sensor_frame_finder.h"
+#include "core/counted.h"
+
+namespace tribus {
+namespace {
+
+std::uint64_t frames_of(const ProtocolUse& use, const Recording& recording) {
+    if (use.protocol->link == LinkKind::can) {
+        CanFrameFinder finder(use, [](const FoundFrame&) {});
+        for (const RecordedCanFrame& frame : recording.can_frames) {
+            finder.feed(frame);
+        }
+        return finder.tally().frames;
+    }
+    FrameFinder finder(use, [](const FoundFrame&) {});
+    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
+        finder.feed(burst, recording.bursts[burst]);
+    }
+    finder.finish();
+    return finder.tally().frames;
+}
+
+std::uint64_t sensor_frames(const Recording& recording) {
+    SensorFrameFinder finder([](const ReceivedSensorFrame&) {});
+    for (const Burst& burst : recording.bursts) {
+        finder.feed(burst);
+    }
+    return finder.tally().frames.frames;
+}
+
+}  // namespace
+
+std::string no_frame_text(const Recording& recording, std::string_view asked) {
+    const bool can = recording.kind == RecordingKind::candump;
+    const auto uses = choose_protocols("auto", SettingScope::input, {});
+    std::string fitting;
+    const auto add = [&](std::string_view protocol, std::uint64_t frames) {
+        if (frames > 0 && protocol != asked) {
+            fitting += fmt::format("{}{} ({})", fitting.empty() ? "" : ", ", protocol,
+                                   counted(frames, "frame"));
+        }
+    };
+    for (const ProtocolUse& use : of_link(uses.value(), can ? LinkKind::can : LinkKind::serial)) {
+        add(use.protocol->name, frames_of(use, recording));
+    }
+    std::uint64_t bytes = 0;
+    for (const Burst& burst : recording.bursts) {
+        bytes += burst.bytes.size();
+    }
+    if (!can) {
+        add(kSensorProtocol, sensor_frames(recording));
+    }
+    return fmt::format(
+        "tribus: no frame of {} in {}; {}\n", asked,
+        can ? counted(recording.can_frames.size(), "CAN frame") : counted(bytes, "byte"),
+        fitting.empty() ? "no other protocol finds any" : "protocols that find frames: " + fitting);
+}
+
+}  // namespace tribus

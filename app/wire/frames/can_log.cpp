@@ -1,0 +1,168 @@
+#include "app/wire/frames/can_log.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <ostream>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "config/mistakes.h"
+#include "core/quotes.h"
+#include "transports/links/recording_candump.h"
+
+namespace tribus {
+namespace {
+
+/// With so many unusable lines, the input is something else.
+constexpr unsigned kMostMistakes = 20;
+/// The longest line of a log, 64 bytes of CAN FD, takes less than 200 characters.
+constexpr std::size_t kLongestLine = 4096;
+
+std::string several_interfaces(std::string_view file_name, std::span<const std::string> names) {
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    return fmt::format("{}: frames of several interfaces, {}; select one with --interface NAME",
+                       file_name, in_quotes_all(views));
+}
+
+std::string no_such_interface(std::string_view file_name, std::string_view asked,
+                              std::span<const std::string> names) {
+    const std::vector<std::string_view> views(names.begin(), names.end());
+    return fmt::format("{}: no frame of the interface {}; {}", file_name, in_quotes(asked),
+                       suggestion(asked, views));
+}
+
+/// Splits text that arrives in pieces into lines.
+class LineCutter {
+  public:
+    void add(std::string_view text) {
+        text_.erase(0, std::exchange(at_, 0));
+        text_ += text;
+    }
+    /// Nothing if the next line is not complete yet.
+    std::optional<std::string_view> next() {
+        const std::size_t end = text_.find('\n', at_);
+        if (end == std::string::npos) {
+            return std::nullopt;
+        }
+        const std::size_t begin = std::exchange(at_, end + 1);
+        return std::string_view(text_).substr(begin, end - begin);
+    }
+    /// The text after the last line end.
+    std::string_view rest() const { return std::string_view(text_).substr(at_); }
+
+  private:
+    std::string text_;
+    std::size_t at_ = 0;
+};
+
+/// Parses a log line by line.
+class LogReader {
+  public:
+    LogReader(const CanLogSource& source, const std::function<void(const RecordedCanFrame&)>& take,
+              std::ostream& messages)
+        : source_(source), reader_(source.name), take_(take), messages_(messages) {}
+
+    /// Returns false when reading must stop.
+    bool take(std::string_view line) {
+        const auto read = reader_.next(line);
+        if (!read) {
+            messages_ << read.error() << '\n';
+            return ++mistakes_ < kMostMistakes || stop("too many lines cannot be used");
+        }
+        if (!*read) {
+            return true;
+        }
+        const RecordedCanFrame& frame = **read;
+        if (std::find(interfaces_.begin(), interfaces_.end(), frame.interface) ==
+            interfaces_.end()) {
+            interfaces_.push_back(frame.interface);
+        }
+        if (source_.interface.empty() && interfaces_.size() > 1) {
+            return stop(several_interfaces(source_.name, interfaces_));
+        }
+        if (source_.interface.empty() || source_.interface == frame.interface) {
+            take_(frame);
+        }
+        return true;
+    }
+    bool stop(std::string_view reason) {
+        messages_ << "tribus: stopped, " << reason << '\n';
+        failed_ = true;
+        return false;
+    }
+    CanLogEnd finish() {
+        const bool missing = !interfaces_.empty() && !source_.interface.empty() &&
+                             std::find(interfaces_.begin(), interfaces_.end(), source_.interface) ==
+                                 interfaces_.end();
+        if (missing) {
+            messages_ << "tribus: "
+                      << no_such_interface(source_.name, source_.interface, interfaces_) << '\n';
+        }
+        return {.error_frames = reader_.error_frames(),
+                .log_start = reader_.log_start(),
+                .failed = missing || failed_ || mistakes_ > 0};
+    }
+
+  private:
+    const CanLogSource& source_;
+    CandumpReader reader_;
+    const std::function<void(const RecordedCanFrame&)>& take_;
+    std::ostream& messages_;
+    std::vector<std::string> interfaces_;
+    unsigned mistakes_ = 0;
+    bool failed_ = false;
+};
+
+}  // namespace
+
+tl::expected<Recording, std::string> take_interface(Recording recording, std::string_view file_name,
+                                                    std::string_view interface) {
+    const std::vector<std::string> names = interfaces_in(recording);
+    if (interface.empty() && names.size() > 1) {
+        return tl::unexpected(several_interfaces(file_name, names));
+    }
+    if (interface.empty() || names.empty()) {
+        return recording;
+    }
+    if (std::find(names.begin(), names.end(), interface) == names.end()) {
+        return tl::unexpected(no_such_interface(file_name, interface, names));
+    }
+    std::erase_if(recording.can_frames,
+                  [&](const RecordedCanFrame& frame) { return frame.interface != interface; });
+    return recording;
+}
+
+CanLogEnd read_can_log(const CanLogSource& source,
+                       const std::function<void(const RecordedCanFrame&)>& take,
+                       std::ostream& results, std::ostream& messages) {
+    LogReader reader(source, take, messages);
+    LineCutter cutter;
+    bool going = true;
+    while (going && results.good()) {
+        const std::string text = source.read();
+        if (text.empty()) {
+            break;
+        }
+        cutter.add(text);
+        while (const auto line = cutter.next()) {
+            if (going = reader.take(*line); !going) {
+                break;
+            }
+        }
+        results.flush();
+        if (going && cutter.rest().size() > kLongestLine) {
+            going = reader.stop(fmt::format(
+                "a line of more than {} characters is not a line of candump -L", kLongestLine));
+        }
+    }
+    if (going && !cutter.rest().empty()) {
+        reader.take(cutter.rest());
+    }
+    return reader.finish();
+}
+
+}  // namespace tribus

@@ -1,0 +1,120 @@
+#include "app/wire/frames/frame_text.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <span>
+#include <string_view>
+
+#include "app/cli/cause_text.h"
+#include "app/wire/frames/frame_json.h"
+#include "core/counted.h"
+
+namespace tribus {
+namespace {
+
+std::string_view link_text(const ChannelFrame& frame) {
+    if (frame.good()) {
+        return "ok";
+    }
+    if (!frame.failsafe) {
+        return "frame-lost";
+    }
+    return frame.frame_lost ? "frame-lost failsafe" : "failsafe";
+}
+
+/// Appends `, rejected: 3 checksum, 1 damaged`.
+void append_rejected_text(std::string& text, std::span<const NamedCount> rejected) {
+    text += ", rejected:";
+    bool any = false;
+    for (const NamedCount& cause : rejected) {
+        if (cause.count > 0) {
+            text += fmt::format("{} {} {}", any ? "," : "", cause.count, cause.name);
+            any = true;
+        }
+    }
+    text += any ? "" : " none";
+}
+
+}  // namespace
+
+void append_text_heading(std::string& text) {
+    text += fmt::format("{:>12} {:<8}", "t_us", "protocol");
+    for (std::size_t channel = 1; channel <= kChannelCount; ++channel) {
+        text += fmt::format("{:>5}", channel);
+    }
+    text += "  link\n";
+}
+
+void append_frame_text(std::string& text, const FoundFrame& found) {
+    if (found.start) {
+        text += fmt::format("{:>12} ", whole_microseconds(*found.start));
+    } else {
+        text += fmt::format("{:>12} ", "-");
+    }
+    text += fmt::format("{:<8}", found.protocol->name);
+    const ChannelFrame& frame = found.frame.channels;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        if (const auto pulse = frame.channel(channel)) {
+            text += fmt::format("{:>5}", pulse->whole_microseconds());
+        } else {
+            text += fmt::format("{:>5}", "-");
+        }
+    }
+    text += fmt::format("  {}", link_text(frame));
+    for (const FrameDetail& detail : found.details) {
+        if (!detail.list && !detail.values.empty()) {
+            text += fmt::format("  {}={:#04x}", detail.name, detail.values.front());
+        }
+    }
+    if (found.judged && found.judged->lost_before) {
+        text += fmt::format("  (lost before: {})", cause_text(*found.judged->lost_before));
+    }
+    if (found.judged && found.judged->state.cause != LinkCause::good) {
+        text += fmt::format("  {}", cause_text(found.judged->state));
+    }
+    text += '\n';
+}
+
+void append_summary_text(std::string& text, const Tally& tally) {
+    text += fmt::format("{} in {}, {} skipped", counted(tally.frames, "frame"),
+                        counted(tally.bytes, "byte"), counted(tally.skipped_bytes, "byte"));
+    append_rejected_text(text, tally.rejected);
+    text += '\n';
+}
+
+void append_can_summary_text(std::string& text, const CanTally& tally) {
+    text += fmt::format("{} in {} of {}, {}, {}", counted(tally.frames, "frame"),
+                        counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
+                        counted(tally.other_can_frames, "other CAN frame"),
+                        counted(tally.error_frames, "error frame"));
+    append_rejected_text(text, tally.rejected);
+    const std::int64_t start = whole_microseconds(tally.log_start);
+    text += fmt::format("; 0 is {}.{:06} of the log\n", start / 1'000'000, start % 1'000'000);
+}
+
+void append_csv_heading(std::string& text) {
+    text += "t_us";
+    for (std::size_t channel = 1; channel <= kChannelCount; ++channel) {
+        text += fmt::format(",ch{}", channel);
+    }
+    text += ",frame_lost,failsafe\n";
+}
+
+void append_frame_csv(std::string& text, const FoundFrame& found) {
+    if (found.start) {
+        text += fmt::format("{}", whole_microseconds(*found.start));
+    }
+    const ChannelFrame& frame = found.frame.channels;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        text += ',';
+        if (const auto pulse = frame.channel(channel)) {
+            append_pulse(text, *pulse);
+        }
+    }
+    text += fmt::format(",{:d},{:d}\n", frame.frame_lost, frame.failsafe);
+}
+
+}  // namespace tribus

@@ -1,0 +1,120 @@
+#include "app/daemon/watchdog.h"
+
+#include <chrono>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace tribus::test::watchdog_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration kLook = 200ms;
+
+/// A data thread with outputs of 10 ms, checked five times a second. The watchdog fires after 4 s,
+/// so the program must notify it every 2 s.
+class WatchdogTest : public testing::Test {
+  protected:
+    explicit WatchdogTest() { outputs_.assign(2, {.due = now_, .period = 10ms, .overruns = 0}); }
+
+    /// Lets time pass. Returns the number of notifications.
+    int go_on(Duration time, bool publishes = true, std::uint64_t missed_each_look = 0) {
+        int words = 0;
+        for (const Instant end = now_ + time; now_ < end;) {
+            now_ += kLook;
+            if (publishes) {
+                published_ = now_ - 50ms;
+                outputs_[0].due = published_ + 3ms;
+                outputs_[1].due = published_ + 3ms;
+                outputs_[1].overruns += missed_each_look;
+            }
+            words += watchdog_.look(now_, published_, outputs_) ? 1 : 0;
+        }
+        return words;
+    }
+
+    Instant now_{1000s};
+    Instant published_{};
+    std::vector<OutputProgress> outputs_;
+    Watchdog watchdog_{4s};
+};
+
+TEST_F(WatchdogTest, is_fed_at_the_first_look_and_each_half_of_its_time) {
+    EXPECT_EQ(go_on(200ms), 1);
+    EXPECT_EQ(go_on(1800ms), 0);
+    EXPECT_EQ(go_on(200ms), 1);
+    EXPECT_EQ(go_on(20s), 10);
+}
+
+TEST_F(WatchdogTest, is_not_fed_before_the_data_thread_has_told_anything) {
+    EXPECT_EQ(go_on(10s, false), 0);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
+}
+
+TEST_F(WatchdogTest, is_not_fed_once_the_data_thread_stands) {
+    go_on(10s);
+    go_on(1s, false);
+    EXPECT_EQ(go_on(60s, false), 0);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::data_thread_stands);
+}
+
+TEST_F(WatchdogTest, a_pause_shorter_than_a_second_does_not_matter) {
+    go_on(10s);
+    go_on(800ms, false);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::on_time);
+}
+
+TEST_F(WatchdogTest, is_fed_again_at_once_when_a_thread_that_stood_goes_on) {
+    go_on(10s);
+    go_on(3s, false);
+    EXPECT_EQ(go_on(200ms), 1);
+}
+
+TEST_F(WatchdogTest, is_fed_while_an_output_misses_fewer_than_half_of_its_turns) {
+    go_on(200ms);
+    EXPECT_EQ(go_on(20s, true, 9), 10);
+}
+
+TEST_F(WatchdogTest, is_not_fed_while_an_output_misses_more_than_half_of_its_turns) {
+    go_on(200ms);
+    EXPECT_EQ(go_on(20s, true, 11), 0);
+    EXPECT_EQ(watchdog_.punctuality(), Punctuality::output_late);
+    EXPECT_EQ(watchdog_.late_output(), 1U);
+}
+
+TEST_F(WatchdogTest, is_not_fed_while_the_turn_of_an_output_is_forgotten) {
+    go_on(2s);
+    now_ += 5s;
+    published_ = now_;
+    outputs_[0].due = published_ + 3ms;
+    outputs_[1].due = published_ - 11ms;
+    EXPECT_FALSE(watchdog_.look(now_, published_, outputs_));
+    EXPECT_EQ(watchdog_.late_output(), 1U);
+}
+
+TEST_F(WatchdogTest, an_output_that_waits_long_for_its_next_turn_is_on_time) {
+    outputs_[1].period = 10s;
+    go_on(200ms);
+    outputs_[1].due = now_ + 10s;
+    EXPECT_EQ(go_on(2s), 1);
+}
+
+TEST_F(WatchdogTest, counts_of_a_fresh_data_thread_are_not_compared_with_those_of_the_old_one) {
+    go_on(10s, true, 9);
+    watchdog_.restart();
+    outputs_[1].overruns = 0;
+    EXPECT_EQ(go_on(20s, true, 9), 10);
+    watchdog_.restart();
+    outputs_.resize(3, {.due = now_ + 100s, .period = 10ms, .overruns = 7});
+    EXPECT_EQ(go_on(20s), 10);
+}
+
+TEST_F(WatchdogTest, one_who_feeds_all_inputs_has_no_outputs_to_be_late) {
+    outputs_.clear();
+    published_ = now_;
+    EXPECT_TRUE(watchdog_.look(now_, published_, outputs_));
+}
+
+}  // namespace
+}  // namespace tribus::test::watchdog_test

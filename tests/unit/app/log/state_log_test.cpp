@@ -1,0 +1,286 @@
+#include "app/log/state_log.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include "config/load.h"
+#include "pipelines/realtime/clock.h"
+#include "tests/support/far_end.h"
+#include "tests/support/sbus_frames.h"
+#include "tests/support/temporary_folder.h"
+
+/// Messages of the log, also across a reload, for an appliance that runs at ptys. The test decides
+/// when the log looks and gives it the time.
+namespace tribus::test::state_log_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+const Bytes kGood = from_hex(kAll992);
+/// Request of docs/protocols/ibus.md, "Sensor bus: frames": is there a sensor at address 1?
+const Bytes kDiscover1{0x04, 0x81, 0x7A, 0xFF};
+
+/// A frame with the bits for frame lost and failsafe (docs/protocols/sbus.md, "Frame").
+Bytes radio_lost() {
+    Bytes frame = kGood;
+    frame[23] = 0x0C;
+    return frame;
+}
+
+class StateLogAtPtys : public testing::Test {
+  protected:
+    StateLogAtPtys() : logger_before_(spdlog::default_logger()) {
+        auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
+        sink->set_pattern("%v");
+        spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+        auto started = Appliance::start(configuration("receiver", "ibus"));
+        if (!started) {
+            throw std::runtime_error(started.error().front());
+        }
+        appliance_ = std::move(*started);
+        log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
+    }
+    ~StateLogAtPtys() override { spdlog::set_default_logger(logger_before_); }
+
+    /// Sends the frame until the program reports this cause; then the log looks.
+    void receive(const Bytes& frame, LinkCause cause, Instant now) {
+        until([&] {
+            receiver_.send(frame);
+            return appliance_->input_status(0).state.cause == cause;
+        });
+        log_->look(*appliance_, now);
+    }
+    void receive_until_control(Instant now) {
+        until([&] {
+            receiver_.send(kGood);
+            return appliance_->output_status(0).state.stage == OutputStage::control;
+        });
+        log_->look(*appliance_, now);
+    }
+    /// Lets the servos read so slowly that frames are dropped, with control in between. The log
+    /// looks when both have happened.
+    void drop_frames_under_control(Instant now) {
+        const std::uint64_t before = appliance_->output_status(0).counts.busy_drops;
+        until([&] {
+            receiver_.send(kGood);
+            const OutputStatus status = appliance_->output_status(0);
+            if (status.state.stage == OutputStage::cannot_send) {
+                std::array<char, 1024> some{};
+                EXPECT_GT(::read(servos_.descriptor(), some.data(), some.size()), 0);
+            }
+            return status.state.stage == OutputStage::control && status.counts.busy_drops > before;
+        });
+        log_->look(*appliance_, now);
+    }
+    void receive_until_failsafe(Instant now) {
+        until([&] {
+            receiver_.send(radio_lost());
+            servos_.receive();
+            return appliance_->output_status(0).state.stage == OutputStage::failsafe;
+        });
+        log_->look(*appliance_, now);
+    }
+    void ask_sensors(Instant now) {
+        until([&] {
+            sensors_.send(kDiscover1);
+            return appliance_->bus_state(0).sensor.requests > 0;
+        });
+        log_->look(*appliance_, now);
+    }
+    void reload(Instant now, const std::string& input = "receiver",
+                const std::string& output_protocol = "ibus") {
+        Configuration fresh = configuration(input, output_protocol);
+        const CarryOver carry_over = plan_carry_over(appliance_->configuration(), fresh);
+        appliance_ =
+            Appliance::succeed(appliance_, Appliance::build(std::move(fresh)), carry_over).value();
+        auto log = std::make_unique<StateLog>(*appliance_, now);
+        log->go_on_from(*log_, *appliance_, carry_over);
+        log_ = std::move(log);
+    }
+    /// Returns the messages since the last call that begin with `of`.
+    std::string said(std::string_view of) {
+        std::istringstream all(std::move(said_).str());
+        said_.str("");
+        std::string lines;
+        for (std::string line; std::getline(all, line);) {
+            lines += line.starts_with(of) ? line + "\n" : "";
+        }
+        return lines;
+    }
+    std::string said_at(Instant now, std::string_view of) {
+        log_->look(*appliance_, now);
+        return said(of);
+    }
+    /// Lets the log look at 1 s repeatedly until it has messages, and returns them.
+    std::string said_soon(std::string_view of) {
+        std::string lines;
+        until([&] {
+            lines = said_at(Instant(1s), of);
+            return !lines.empty();
+        });
+        return lines;
+    }
+    std::string device(const FarEnd& far_end) { return "device " + far_end.path() + ": "; }
+
+    TemporaryFolder folder_;
+    FarEnd receiver_{folder_ / "receiver"};
+    FarEnd servos_{folder_ / "servos"};
+    FarEnd sensors_{folder_ / "sensors"};
+
+  private:
+    Configuration configuration(const std::string& input,
+                                const std::string& output_protocol) const {
+        const std::string text =
+            "[input." + input + "]\nprotocol = \"sbus\"\ntimeout = \"10s\"\ndevice = \"" +
+            receiver_.path() + "\"\n[output.servos]\nprotocol = \"" + output_protocol +
+            "\"\ndevice = \"" + servos_.path() + "\"\n[pipeline.main]\nfrom = \"" + input +
+            "\"\nto = \"servos\"\n"
+            "[sensor_bus.telemetry]\nrole = \"sensor\"\nwires = \"two\"\n"
+            "device = \"" +
+            sensors_.path() +
+            "\"\n[[sensor_bus.telemetry.sensor]]\n"
+            "type = \"external_voltage\"\nvalue = \"cells\"\n"
+            "[values.cells]\nconstant = 1\nunit = \"V\"\n"
+            "[runtime]\nrealtime = \"off\"\n";
+        return load_configuration(text, "test.toml").value();
+    }
+    template <class Condition>
+    static void until(Condition condition) {
+        const Instant patience = monotonic_now() + 10s;
+        while (!condition()) {
+            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
+            std::this_thread::sleep_for(7ms);
+        }
+    }
+
+    std::ostringstream said_;
+    std::shared_ptr<spdlog::logger> logger_before_;
+    std::unique_ptr<Appliance> appliance_;
+    std::unique_ptr<StateLog> log_;
+};
+
+class StateLogOverAReload : public StateLogAtPtys {};
+class StateLogOfASensorBus : public StateLogAtPtys {};
+
+constexpr std::string_view kReceiver = "input receiver: ";
+constexpr std::string_view kServos = "output servos: ";
+constexpr std::string_view kTelemetry = "sensor bus telemetry: ";
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfAnInput) {
+    receive(kGood, LinkCause::good, Instant(1s));
+    receive(radio_lost(), LinkCause::radio_lost, Instant(2s));
+    EXPECT_NE(said(kReceiver), "");
+    reload(Instant(3s));
+    EXPECT_EQ(said_at(Instant(3s), kReceiver), "");
+}
+
+TEST_F(StateLogOverAReload, SaysWhatHadNoLineLeftBefore) {
+    // Six messages in 30 s.
+    for (auto second = 1s; second < 7s; second += 2s) {
+        receive(kGood, LinkCause::good, Instant(second));
+        receive(radio_lost(), LinkCause::radio_lost, Instant(second + 1s));
+    }
+    EXPECT_NE(said(kReceiver), "");
+    receive(kGood, LinkCause::good, Instant(8s));
+    EXPECT_EQ(said(kReceiver), "");
+    reload(Instant(9s));
+    EXPECT_EQ(said_at(Instant(29s), kReceiver), "") << "a reload gives no new lines";
+    EXPECT_EQ(said_at(Instant(60s), kReceiver), "input receiver: good\n");
+}
+
+TEST_F(StateLogOverAReload, CountsTheSilenceOfAnInputFromItsStart) {
+    EXPECT_EQ(said_at(Instant(1s), kReceiver), "");
+    reload(Instant(2s));
+    const std::string silent =
+        "input receiver: no byte yet; check wire, ground and power of the receiver\n";
+    EXPECT_EQ(said_at(Instant(3s), kReceiver), silent);
+    reload(Instant(4s));
+    EXPECT_EQ(said_at(Instant(8s), kReceiver), "") << "it has been said";
+}
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfAnOutput) {
+    receive_until_control(Instant(1s));
+    EXPECT_EQ(said(kServos), "output servos: under control of receiver\n");
+    reload(Instant(2s));
+    EXPECT_EQ(said_at(Instant(2s), kServos), "");
+}
+
+TEST_F(StateLogOverAReload, SaysWhoIsInControlWhenTheInputsAreOthers) {
+    receive_until_control(Instant(1s));
+    EXPECT_EQ(said(kServos), "output servos: under control of receiver\n");
+    reload(Instant(2s), "radio");
+    EXPECT_EQ(said_at(Instant(2s), kServos), "output servos: under control of radio\n");
+}
+
+/// Dropped frames are reported repeatedly, the state of the output once.
+TEST_F(StateLogAtPtys, SaysAStateAfterManyLinesOfDroppedFrames) {
+    receive_until_control(Instant(1s));
+    EXPECT_NE(said(kServos), "");
+    auto second = 2s;
+    for (int lines = 0; lines < 7; ++lines, second += 1s) {
+        drop_frames_under_control(Instant(second));
+    }
+    EXPECT_NE(said(kServos).find("dropped"), std::string::npos);
+    receive_until_failsafe(Instant(second));
+    EXPECT_NE(said(kServos).find("in failsafe"), std::string::npos);
+}
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfADeviceThatIsGone) {
+    receive_until_control(Instant(1s));
+    servos_.pull();
+    EXPECT_EQ(said_soon(device(servos_)), device(servos_) + "is gone; waiting for it\n");
+    reload(Instant(2s));
+    EXPECT_EQ(said_at(Instant(2s), device(servos_)), "");
+    servos_.plug_in();
+    EXPECT_EQ(said_at(Instant(3s), device(servos_)), device(servos_) + "is back\n");
+}
+
+TEST_F(StateLogOverAReload, SaysNothingOfADeviceThatIsOpenedWithOtherSettings) {
+    reload(Instant(1s), "receiver", "sbus");
+    EXPECT_EQ(said_at(Instant(1s), device(servos_)), "");
+}
+
+TEST_F(StateLogOverAReload, SaysThatADeviceWithOtherSettingsIsNotThere) {
+    servos_.pull();
+    reload(Instant(1s), "receiver", "sbus");
+    EXPECT_EQ(said_at(Instant(1s), device(servos_)), device(servos_) + "is gone; waiting for it\n");
+}
+
+TEST_F(StateLogOverAReload, SaysNothingAgainOfASensorBus) {
+    ask_sensors(Instant(1s));
+    EXPECT_EQ(said(kTelemetry),
+              "sensor bus telemetry: a receiver sends requests; a sensor at address 1\n");
+    reload(Instant(2s));
+    EXPECT_EQ(said_at(Instant(2s), kTelemetry), "");
+}
+
+TEST_F(StateLogOfASensorBus, SaysThatNobodyAsksWhereItsDeviceIsGone) {
+    ask_sensors(Instant(1s));
+    EXPECT_NE(said(kTelemetry), "");
+    sensors_.pull();
+    EXPECT_EQ(said_soon(kTelemetry), "sensor bus telemetry: the receiver sends no more requests\n");
+}
+
+TEST_F(StateLogOverAReload, CountsTheSilenceOfASensorBusFromItsStart) {
+    reload(Instant(2s));
+    EXPECT_NE(said_at(Instant(3s), kTelemetry), "");
+    reload(Instant(4s));
+    EXPECT_EQ(said_at(Instant(8s), kTelemetry), "") << "it has been said";
+}
+
+}  // namespace
+}  // namespace tribus::test::state_log_test

@@ -1,0 +1,101 @@
+#include "app/status/status_line.h"
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+namespace tribus::test::status_line_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Instant kStart{100s};
+const LinkState kGood{.cause = LinkCause::good};
+const LinkState kSilent{.cause = LinkCause::wire_silent};
+const OutputState kControl{.stage = OutputStage::control, .input = 0};
+const OutputState kHolding{.stage = OutputStage::holding};
+const OutputState kFailsafe{.stage = OutputStage::failsafe};
+
+std::string one(StatusLine& line, const LinkState& input, const OutputState& output,
+                Duration after = 0s) {
+    return line.text(std::vector{input}, std::vector{output}, kStart + after);
+}
+
+class StatusLineTest : public testing::Test {
+  protected:
+    StatusLine line_{{"receiver"}, {"servos"}};
+};
+
+TEST_F(StatusLineTest, tells_who_controls_an_output) {
+    EXPECT_EQ(one(line_, kGood, kControl), "servos: under control of receiver; receiver: good");
+}
+
+TEST_F(StatusLineTest, tells_why_an_output_is_in_failsafe) {
+    EXPECT_EQ(one(line_, kSilent, kFailsafe),
+              "servos: in failsafe; receiver: wire silent (no bytes any more)");
+}
+
+TEST_F(StatusLineTest, tells_why_an_output_cannot_send_whatever_its_input_says) {
+    const OutputState gone{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::device};
+    EXPECT_EQ(one(line_, kGood, gone), "servos: cannot send: its device is gone; receiver: good");
+    const OutputState off{.stage = OutputStage::cannot_send, .obstacle = SendObstacle::bus};
+    EXPECT_EQ(one(line_, kGood, off), "servos: cannot send: the bus takes nothing; receiver: good");
+}
+
+TEST_F(StatusLineTest, tells_in_steps_for_how_long) {
+    one(line_, kSilent, kFailsafe);
+    EXPECT_EQ(one(line_, kSilent, kFailsafe, 900ms),
+              "servos: in failsafe; receiver: wire silent (no bytes any more)");
+    EXPECT_EQ(one(line_, kSilent, kFailsafe, 9900ms),
+              "servos: in failsafe for more than 3 s; receiver: wire silent (no bytes any more)");
+    EXPECT_EQ(one(line_, kSilent, kFailsafe, 3h),
+              "servos: in failsafe for more than an hour; "
+              "receiver: wire silent (no bytes any more)");
+}
+
+TEST_F(StatusLineTest, a_new_failsafe_begins_to_count_anew) {
+    one(line_, kSilent, kFailsafe);
+    one(line_, kGood, kControl, 60s);
+    EXPECT_EQ(one(line_, kSilent, kFailsafe, 61s),
+              "servos: in failsafe; receiver: wire silent (no bytes any more)");
+}
+
+TEST(StatusLine, has_the_worst_first) {
+    StatusLine line({"main", "backup"}, {"lamp", "bus", "servos"});
+    EXPECT_EQ(
+        line.text(std::vector{kGood, kSilent}, std::vector{kControl, kHolding, kFailsafe}, kStart),
+        "servos: in failsafe; backup: wire silent (no bytes any more); "
+        "bus: holding the last values, marked frame-lost; "
+        "lamp: under control of main; main: good");
+}
+
+TEST(StatusLine, of_a_wire_that_cannot_mark_held_values_says_that_they_are_unmarked) {
+    StatusLine line({}, {"servos"});
+    OutputState holding = kHolding;
+    holding.marks_frame_lost = false;
+    EXPECT_EQ(line.text({}, std::vector{holding}, kStart),
+              "servos: holding the last values, unmarked: its protocol has no frame-lost mark");
+}
+
+TEST(StatusLine, leaves_out_what_does_not_fit_and_says_how_much) {
+    const std::vector<std::string> names(64, "output");
+    StatusLine line({}, names);
+    const std::string text = line.text({}, std::vector(64, kFailsafe), kStart);
+    EXPECT_LT(text.size(), 450U);
+    EXPECT_TRUE(text.ends_with("; and 45 more")) << text;
+}
+
+TEST(StatusLine, stays_one_line_whatever_the_names) {
+    StatusLine line({}, {"a\nREADY=1"});
+    EXPECT_EQ(line.text({}, std::vector{kFailsafe}, kStart), "a READY=1: in failsafe");
+}
+
+TEST(StatusLine, of_nothing_but_sensor_buses_says_that_it_runs) {
+    StatusLine line({}, {});
+    EXPECT_EQ(line.text({}, {}, kStart), "running");
+}
+
+}  // namespace
+}  // namespace tribus::test::status_line_test
