@@ -64,8 +64,8 @@ std::optional<double> cost(Machine machine, const Row& row, std::size_t from, st
 }
 
 std::optional<double> cost(Machine machine, const Row& row) {
-    return machine == Machine::x86 ? cost(machine, row, 100, 400, 512)
-                                   : cost(machine, row, 8, 32, 32);
+    return machine == Machine::x86 ? cost(machine, row, 200, 800, 1024)
+                                   : cost(machine, row, 16, 64, 64);
 }
 
 std::string missing(Machine machine) {

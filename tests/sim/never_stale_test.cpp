@@ -16,8 +16,7 @@
 namespace tribus::test::never_stale_test {
 namespace {
 
-/// Enough for each run; tests/sim/run.sh simulates thousands.
-constexpr std::uint64_t kSeeds = 300;
+constexpr std::uint64_t kSeeds = 600;
 
 /// Reloads and stalls of the program itself, spread over the time of the troubles.
 struct OwnTroubles {
@@ -58,21 +57,21 @@ TEST(NeverStale, no_random_world_breaks_a_promise) {
 }
 
 TEST(NeverStale, no_random_world_with_can_breaks_a_promise) {
-    constexpr std::uint64_t kSeedsWithCan = 150;
+    constexpr std::uint64_t kSeedsWithCan = 300;
     for_each_seed(kSeedsWithCan, [](std::uint64_t seed) {
         EXPECT_EQ(broken_in(seed, WorldKind::with_can), std::nullopt);
     });
 }
 
 TEST(NeverStale, no_reload_in_a_random_world_breaks_a_promise) {
-    constexpr std::uint64_t kReloadedSeeds = 100;
+    constexpr std::uint64_t kReloadedSeeds = 200;
     for_each_seed(kReloadedSeeds, [](std::uint64_t seed) {
         EXPECT_EQ(broken_in(seed, WorldKind::with_can, kReloads), std::nullopt);
     });
 }
 
 TEST(NeverStale, no_reader_that_stalls_in_a_random_world_breaks_a_promise) {
-    constexpr std::uint64_t kStalledSeeds = 150;
+    constexpr std::uint64_t kStalledSeeds = 300;
     for_each_seed(kStalledSeeds, [](std::uint64_t seed) {
         EXPECT_EQ(broken_in(seed, WorldKind::with_can, kStalls), std::nullopt);
     });

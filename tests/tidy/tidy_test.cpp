@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <iterator>
 #include <regex>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -83,6 +84,35 @@ TEST(Tidy, parser_and_port_do_not_know_each_other) {
                     const bool codec = line.file.starts_with("transports/codecs");
                     return line.text.starts_with("#include \"transports/") &&
                            has_any(line.text, {codec ? "transports/links" : "transports/codecs"});
+                });
+}
+
+/// Returns the rooms that the CMakeLists.txt of a layer lists behind ROOMS.
+std::vector<std::string> rooms_of(const std::string& layer) {
+    std::ifstream file(fs::path(TRIBUS_SOURCE_DIR) / layer / "CMakeLists.txt");
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    std::smatch listed;
+    if (!std::regex_search(text, listed, std::regex("ROOMS ([a-z_/\\s]+)\\)"))) {
+        return {};
+    }
+    std::istringstream words(listed[1].str());
+    return {std::istream_iterator<std::string>(words), {}};
+}
+
+TEST(Tidy, a_room_includes_only_rooms_before_it_in_the_list) {
+    const std::vector<std::string> rooms = rooms_of("app");
+    ASSERT_GT(rooms.size(), 10U);
+    const auto place_of = [&](const fs::path& file) {
+        return std::ranges::find(rooms, file.parent_path().lexically_relative("app").string());
+    };
+    const std::regex include("#include \"(app/.+)\"");
+    expect_none(lines_of({"app"}), "app/CMakeLists.txt lists the rooms from the lowest",
+                [&](const SourceLine& line) {
+                    std::smatch included;
+                    return line.file != "app/main.cpp" &&
+                           (place_of(line.file) == rooms.end() ||
+                            (std::regex_match(line.text, included, include) &&
+                             place_of(included[1].str()) > place_of(line.file)));
                 });
 }
 

@@ -91,12 +91,5 @@ TEST(DemoScreen, without_unicode_and_colour_it_is_plain_ascii) {
     EXPECT_EQ(screen.find("\x1b[3"), std::string::npos);
 }
 
-TEST(DemoScreen, durations_have_three_figures_at_most) {
-    EXPECT_EQ(short_duration(34us), "34 us");
-    EXPECT_EQ(short_duration(2400us), "2.4 ms");
-    EXPECT_EQ(short_duration(98ms), "98 ms");
-    EXPECT_EQ(short_duration(1250ms), "1.25 s");
-}
-
 }  // namespace
 }  // namespace tribus::demo_screen_test
