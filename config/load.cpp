@@ -7,15 +7,15 @@
 #include <string>
 #include <utility>
 
-#include "config/cross_checks.h"
-#include "config/machine_mistakes.h"
-#include "config/read_dronecan.h"
-#include "config/read_line.h"
-#include "config/read_pipeline.h"
-#include "config/read_ports.h"
-#include "config/read_recorder.h"
-#include "config/read_table.h"
-#include "config/read_values.h"
+#include "config/build/machine_mistakes.h"
+#include "config/check/cross_checks.h"
+#include "config/read/dronecan.h"
+#include "config/read/line.h"
+#include "config/read/pipeline.h"
+#include "config/read/ports.h"
+#include "config/read/recorder.h"
+#include "config/read/table.h"
+#include "config/read/values.h"
 #include "core/quotes.h"
 
 namespace tribus {

@@ -5,9 +5,9 @@
 #include <tl/expected.hpp>
 #include <vector>
 
-#include "config/mistakes.h"
-#include "config/read_file.h"
-#include "config/schema.h"
+#include "config/language/mistakes.h"
+#include "config/language/read_file.h"
+#include "config/schema/schema.h"
 
 namespace tribus {
 

@@ -12,9 +12,9 @@
 
 #include "app/appliance/machine_values.h"
 #include "app/recorder/flight_recorder.h"
-#include "config/build.h"
-#include "config/carry_over.h"
-#include "config/schema.h"
+#include "config/build/build.h"
+#include "config/build/carry_over.h"
+#include "config/schema/schema.h"
 #include "core/time.h"
 #include "pipelines/engine.h"
 #include "pipelines/realtime/data_thread.h"

@@ -21,7 +21,7 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/streams.h"
-#include "config/mistakes.h"
+#include "config/language/mistakes.h"
 #include "pipelines/realtime/scheduling.h"
 
 namespace tribus {

@@ -11,9 +11,9 @@
 
 #include "app/bench/stamping_link.h"
 #include "app/bench/tester.h"
-#include "config/build.h"
+#include "config/build/build.h"
+#include "config/language/mistakes.h"
 #include "config/load.h"
-#include "config/mistakes.h"
 #include "pipelines/realtime/clock.h"
 #include "pipelines/realtime/data_thread.h"
 #include "pipelines/realtime/loop.h"

@@ -13,7 +13,7 @@
 #include <CLI/CLI.hpp>
 
 #include "app/cli/exit_status.h"
-#include "config/mistakes.h"
+#include "config/language/mistakes.h"
 #include "core/quotes.h"
 
 namespace tribus {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "app/cli/load_or_explain.h"
-#include "config/mistakes.h"
-#include "config/schema.h"
+#include "config/language/mistakes.h"
+#include "config/schema/schema.h"
 #include "core/quotes.h"
 
 namespace tribus {

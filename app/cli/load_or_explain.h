@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "config/mistakes.h"
-#include "config/schema.h"
+#include "config/language/mistakes.h"
+#include "config/schema/schema.h"
 
 namespace tribus {
 

@@ -11,12 +11,12 @@
 #include <utility>
 
 #include "app/cli/command_line.h"
-#include "config/document.h"
-#include "config/key_words.h"
-#include "config/mistakes.h"
-#include "config/parse_toml.h"
-#include "config/read_value.h"
-#include "config/values.h"
+#include "config/keys/words.h"
+#include "config/language/document.h"
+#include "config/language/mistakes.h"
+#include "config/language/parse_toml.h"
+#include "config/read/value.h"
+#include "config/schema/notation.h"
 #include "core/quotes.h"
 #include "transports/registry/registry.h"
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/object_text.h"
-#include "config/effective.h"
+#include "config/show/effective.h"
 #include "core/quantity.h"
 
 namespace tribus {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/journal/log.h"
-#include "config/carry_over.h"
+#include "config/build/carry_over.h"
 #include "core/counted.h"
 #include "pipelines/realtime/clock.h"
 

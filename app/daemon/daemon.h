@@ -12,7 +12,7 @@
 #include "app/daemon/preparation.h"
 #include "app/daemon/service_notify.h"
 #include "app/log/state_log.h"
-#include "config/schema.h"
+#include "config/schema/schema.h"
 #include "core/time.h"
 
 namespace tribus {

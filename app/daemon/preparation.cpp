@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "config/build/machine_mistakes.h"
 #include "config/load.h"
-#include "config/machine_mistakes.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {

@@ -8,8 +8,8 @@
 #include <tl/expected.hpp>
 
 #include "app/appliance/appliance.h"
-#include "config/mistakes.h"
-#include "config/schema.h"
+#include "config/language/mistakes.h"
+#include "config/schema/schema.h"
 
 namespace tribus {
 

@@ -23,8 +23,8 @@
 #include "app/daemon/preparation.h"
 #include "app/daemon/service_notify.h"
 #include "app/journal/log.h"
+#include "config/build/machine_mistakes.h"
 #include "config/load.h"
-#include "config/machine_mistakes.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {

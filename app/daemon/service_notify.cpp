@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 
 #include "app/journal/log.h"
-#include "config/configured_names.h"
+#include "config/schema/configured_names.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {

@@ -21,8 +21,8 @@
 #include "app/cli/terminal.h"
 #include "app/demo/demo_peers.h"
 #include "app/demo/demo_screen.h"
+#include "config/language/mistakes.h"
 #include "config/load.h"
-#include "config/mistakes.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {

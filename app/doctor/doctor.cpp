@@ -24,7 +24,7 @@
 #include "app/doctor/kernel_files.h"
 #include "app/doctor/machine_judge.h"
 #include "app/doctor/report.h"
-#include "config/values.h"
+#include "config/schema/notation.h"
 #include "core/quotes.h"
 
 namespace tribus {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/doctor/line_heard.h"
-#include "config/values.h"
+#include "config/schema/notation.h"
 #include "core/quotes.h"
 
 namespace tribus::doctor {

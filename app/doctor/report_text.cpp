@@ -7,7 +7,7 @@
 #include "app/cli/screen_parts.h"
 #include "app/doctor/line_advice.h"
 #include "app/doctor/report.h"
-#include "config/paragraph.h"
+#include "config/show/paragraph.h"
 
 namespace tribus::doctor {
 namespace {

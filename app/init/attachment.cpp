@@ -10,7 +10,7 @@
 
 #include "app/doctor/examine.h"
 #include "app/doctor/port_kind.h"
-#include "config/mistakes.h"
+#include "config/language/mistakes.h"
 #include "core/quotes.h"
 #include "transports/codecs/can_channels.h"
 #include "transports/codecs/sbus.h"

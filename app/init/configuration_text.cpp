@@ -10,9 +10,9 @@
 
 #include "app/cli/protocol_use.h"
 #include "app/init/next_commands.h"
-#include "config/keys.h"
-#include "config/paragraph.h"
-#include "config/values.h"
+#include "config/keys/keys.h"
+#include "config/schema/notation.h"
+#include "config/show/paragraph.h"
 #include "core/channel_frame.h"
 #include "core/quotes.h"
 #include "pipelines/settings.h"

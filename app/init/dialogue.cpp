@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/init/configuration_text.h"
-#include "config/keys.h"
+#include "config/keys/keys.h"
 #include "core/quantity.h"
 #include "core/quotes.h"
 #include "transports/codecs/can_channels.h"

@@ -25,10 +25,10 @@
 #include "app/init/options.h"
 #include "app/init/ports.h"
 #include "app/init/write_file.h"
-#include "config/keys.h"
+#include "config/build/machine_mistakes.h"
+#include "config/keys/keys.h"
 #include "config/load.h"
-#include "config/machine_mistakes.h"
-#include "config/values.h"
+#include "config/schema/notation.h"
 
 namespace tribus {
 namespace init {

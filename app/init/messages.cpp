@@ -6,7 +6,7 @@
 
 #include "app/doctor/report.h"
 #include "app/journal/journal.h"
-#include "config/paragraph.h"
+#include "config/show/paragraph.h"
 
 namespace tribus::init {
 

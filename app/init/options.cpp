@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "config/values.h"
+#include "config/schema/notation.h"
 #include "core/quantity.h"
 #include "core/quotes.h"
 

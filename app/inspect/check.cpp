@@ -8,10 +8,10 @@
 
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
-#include "config/absent_channels.h"
-#include "config/effective.h"
-#include "config/json_schema.h"
-#include "config/manual.h"
+#include "config/check/absent_channels.h"
+#include "config/show/effective.h"
+#include "config/show/json_schema.h"
+#include "config/show/manual.h"
 
 namespace tribus {
 

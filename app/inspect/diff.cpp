@@ -16,9 +16,9 @@
 #include "app/client/ask_daemon.h"
 #include "app/client/status_fields.h"
 #include "app/inspect/live_difference.h"
-#include "config/carry_over.h"
-#include "config/effective.h"
+#include "config/build/carry_over.h"
 #include "config/load.h"
+#include "config/show/effective.h"
 
 namespace tribus {
 namespace {

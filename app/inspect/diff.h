@@ -3,7 +3,7 @@
 #include <string>
 
 #include "app/cli/command.h"
-#include "config/schema.h"
+#include "config/schema/schema.h"
 
 namespace tribus {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "config/schema.h"
+#include "config/schema/schema.h"
 
 /// A configuration as boxes and arrows. Pure.
 namespace tribus {

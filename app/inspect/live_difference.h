@@ -6,7 +6,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "config/schema.h"
+#include "config/schema/schema.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "app/learn/loss_rules.h"
-#include "config/schema.h"
+#include "config/schema/schema.h"
 #include "core/can_frame.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"

@@ -19,8 +19,8 @@
 #include "app/learn/learn_live.h"
 #include "app/learn/loss_study.h"
 #include "app/replay/simulate_inputs.h"
-#include "config/mistakes.h"
-#include "config/values.h"
+#include "config/language/mistakes.h"
+#include "config/schema/notation.h"
 #include "core/quotes.h"
 
 namespace tribus {

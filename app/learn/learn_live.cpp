@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "app/learn/frame_collector.h"
-#include "config/build.h"
+#include "config/build/build.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/can_link.h"
 #include "transports/links/link.h"

@@ -7,7 +7,7 @@
 #include <tl/expected.hpp>
 
 #include "app/learn/loss_study.h"
-#include "config/schema.h"
+#include "config/schema/schema.h"
 
 namespace tribus {
 

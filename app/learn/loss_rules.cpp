@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "config/values.h"
+#include "config/schema/notation.h"
 
 namespace tribus {
 namespace {

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "app/learn/loss_rules.h"
-#include "config/values.h"
+#include "config/schema/notation.h"
 #include "pipelines/link_supervisor.h"
 
 namespace tribus {

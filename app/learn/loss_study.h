@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/learn/loss_rules.h"
-#include "config/schema.h"
+#include "config/schema/schema.h"
 #include "core/time.h"
 #include "pipelines/settings.h"
 

@@ -5,7 +5,7 @@
 #include "app/journal/log.h"
 #include "app/journal/log_fields.h"
 #include "app/journal/log_limit.h"
-#include "config/build_dronecan.h"
+#include "config/build/dronecan.h"
 
 namespace tribus {
 

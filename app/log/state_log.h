@@ -13,7 +13,7 @@
 #include "app/log/can_report.h"
 #include "app/log/node_log.h"
 #include "app/log/sensor_bus_log.h"
-#include "config/carry_over.h"
+#include "config/build/carry_over.h"
 #include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"

@@ -14,7 +14,7 @@
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
 #include "app/recorder/left_recording.h"
-#include "config/carry_over.h"
+#include "config/build/carry_over.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {

@@ -15,8 +15,8 @@
 #include "app/recorder/recording_job.h"
 #include "app/recorder/recording_plan.h"
 #include "app/recorder/ring_memory.h"
-#include "config/build.h"
-#include "config/schema.h"
+#include "config/build/build.h"
+#include "config/schema/schema.h"
 #include "core/time.h"
 #include "pipelines/realtime/capture_ring.h"
 

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/replay/simulate_inputs.h"
-#include "config/effective.h"
+#include "config/show/effective.h"
 
 namespace tribus {
 namespace {

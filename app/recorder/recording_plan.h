@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/recorder/recording_folder.h"
-#include "config/build.h"
-#include "config/schema.h"
+#include "config/build/build.h"
+#include "config/schema/schema.h"
 #include "core/time.h"
 
 /// The contents of a recording, except what passed the ports.

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/streams.h"
-#include "config/value_catalog.h"
+#include "config/schema/value_catalog.h"
 #include "core/quotes.h"
 #include "transports/links/recording.h"
 #include "transports/links/recording_candump.h"

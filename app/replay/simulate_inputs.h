@@ -11,7 +11,7 @@
 
 #include <tl/expected.hpp>
 
-#include "config/schema.h"
+#include "config/schema/schema.h"
 #include "core/can_frame.h"
 #include "core/time.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "config/build_dronecan.h"
+#include "config/build/dronecan.h"
 
 namespace tribus {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/appliance/appliance.h"
-#include "config/schema.h"
+#include "config/schema/schema.h"
 #include "core/time.h"
 #include "core/value_board.h"
 #include "pipelines/realtime/histogram.h"

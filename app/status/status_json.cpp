@@ -9,7 +9,7 @@
 
 #include "app/cli/cause_text.h"
 #include "app/cli/object_text.h"
-#include "config/effective_channels.h"
+#include "config/show/effective_channels.h"
 #include "core/link_cause.h"
 #include "pipelines/machine_facts.h"
 

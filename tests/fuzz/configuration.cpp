@@ -3,10 +3,10 @@
 #include <string_view>
 #include <vector>
 
-#include "config/build.h"
-#include "config/effective.h"
+#include "config/build/build.h"
+#include "config/language/read_document.h"
 #include "config/load.h"
-#include "config/read_document.h"
+#include "config/show/effective.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace {

@@ -13,7 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "app/learn/loss_study.h"
-#include "config/build.h"
+#include "config/build/build.h"
 #include "pipelines/virtual_loop.h"
 #include "tests/sim/simulation.h"
 #include "tests/support/known_receivers.h"

@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "config/build.h"
+#include "config/build/build.h"
 #include "pipelines/virtual_loop.h"
 #include "tests/sim/simulation.h"
 #include "tests/sim/stored_table.h"

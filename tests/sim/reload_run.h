@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "config/build.h"
-#include "config/carry_over.h"
+#include "config/build/build.h"
+#include "config/build/carry_over.h"
 #include "pipelines/virtual_loop.h"
 #include "tests/support/heap_trap.h"
 

@@ -9,10 +9,10 @@
 
 #include <gtest/gtest.h>
 
-#include "config/build.h"
-#include "config/carry_over.h"
+#include "config/build/build.h"
+#include "config/build/carry_over.h"
+#include "config/language/mistakes.h"
 #include "config/load.h"
-#include "config/mistakes.h"
 #include "tests/support/heap_trap.h"
 #include "tests/support/ibus_checksum.h"
 #include "transports/registry/registry.h"

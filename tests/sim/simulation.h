@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "config/schema.h"
+#include "config/schema/schema.h"
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/time.h"

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "config/parse_toml.h"
-#include "config/read_file.h"
+#include "config/language/parse_toml.h"
+#include "config/language/read_file.h"
 
 /// The list of tests/mutation stays true while the sources change.
 namespace tribus::test::mutation_list_test {

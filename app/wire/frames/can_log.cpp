@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "config/mistakes.h"
+#include "config/language/mistakes.h"
 #include "core/quotes.h"
 #include "transports/links/recording_candump.h"
 

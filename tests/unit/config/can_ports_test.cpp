@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "config/build.h"
-#include "config/effective.h"
+#include "config/build/build.h"
+#include "config/show/effective.h"
 #include "tests/support/can_snapshots.h"
 #include "tests/unit/config/main_job.h"
 #include "transports/codecs/can_channels.h"

@@ -11,8 +11,8 @@
 #include <system_error>
 #include <vector>
 
-#include "config/effective.h"
 #include "config/load.h"
+#include "config/show/effective.h"
 #include "tests/unit/config/examples.h"
 
 /// The keys of protocol "dbc" as a user writes them, with the file that they name.

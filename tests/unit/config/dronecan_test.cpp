@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "config/build.h"
-#include "config/build_dronecan.h"
-#include "config/effective.h"
+#include "config/build/build.h"
+#include "config/build/dronecan.h"
 #include "config/load.h"
+#include "config/show/effective.h"
 
 namespace tribus::dronecan_test {
 namespace {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "config/effective.h"
 #include "config/load.h"
+#include "config/show/effective.h"
 #include "tests/unit/config/main_job.h"
 
 /// Values of DroneCAN messages as a user writes them.

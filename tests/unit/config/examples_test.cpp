@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "config/effective.h"
+#include "config/show/effective.h"
 #include "tests/unit/config/examples.h"
 #include "tests/unit/config/main_job.h"
 

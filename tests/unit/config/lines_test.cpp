@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "config/build.h"
-#include "config/effective.h"
+#include "config/build/build.h"
+#include "config/show/effective.h"
 #include "tests/unit/config/main_job.h"
 
 /// [gpio.NAME]: its meaning and its mistakes. Its lines come after the nine lines of the main job,

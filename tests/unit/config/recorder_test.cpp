@@ -3,7 +3,7 @@
 #include <chrono>
 #include <string>
 
-#include "config/effective.h"
+#include "config/show/effective.h"
 #include "tests/unit/config/main_job.h"
 
 /// [recorder]

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "config/build.h"
-#include "config/effective.h"
+#include "config/build/build.h"
 #include "config/load.h"
+#include "config/show/effective.h"
 #include "tests/support/shell.h"
 #include "tests/unit/config/main_job.h"
 

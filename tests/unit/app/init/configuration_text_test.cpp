@@ -11,9 +11,9 @@
 #include <string_view>
 #include <vector>
 
-#include "config/keys.h"
+#include "config/keys/keys.h"
+#include "config/language/mistakes.h"
 #include "config/load.h"
-#include "config/mistakes.h"
 #include "tests/unit/app/init/examined_places.h"
 #include "transports/codecs/ibus.h"
 #include "transports/codecs/sbus.h"

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "config/build/dronecan.h"
+#include "config/schema/schema.h"
+#include "pipelines/engine.h"
+#include "pipelines/realtime/gpio_thread.h"
+#include "pipelines/realtime/loop.h"
+#include "pipelines/value_engine.h"
+#include "transports/links/can_socket.h"
+#include "transports/links/link.h"
+
+namespace tribus {
+
+/// One device or interface to open, and the inputs and outputs that use it.
+struct PortPlan {
+    PortConfig config;
+    PortWiring wiring;
+};
+
+/// Builds the engine of a configuration. Opens nothing.
+std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine = {});
+
+/// Builds the value engine: named values and sensor buses. Null if nothing needs it. Outputs of
+/// `engine` that send values read them from it, so it must outlive `engine`. Opens nothing.
+std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configuration, Engine& engine);
+
+/// The tasks of the GPIO lines, in the order of the configuration.
+std::vector<LineTask> line_tasks(const Configuration& configuration);
+
+/// The devices and interfaces of the configuration, each once.
+std::vector<PortPlan> plan_ports(const Configuration& configuration);
+
+/// The requirements of all users of one CAN interface.
+CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* values,
+                                      const PortPlan& plan);
+
+/// Whether no device or interface of that name exists (yet).
+bool is_missing(const PortConfig& port);
+
+/// Opens one device. Only this function and `open_line` open devices. Error: `file:line:column:
+/// ...`. A CAN interface receives and sends the ids of the engine's inputs and outputs and of the
+/// values.
+tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
+                                                           const Engine& engine,
+                                                           const ValueEngine* values,
+                                                           const PortPlan& plan);
+
+/// Opens one GPIO line. An output gets its level before the first frame. Error as above.
+tl::expected<std::unique_ptr<HeldLine>, std::string> open_line(const Configuration& configuration,
+                                                               const LineConfig& line);
+
+}  // namespace tribus

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+
+#include "config/keys/rows.h"
+
+/// Rows of the flight recorder.
+namespace tribus::key_rows {
+
+using enum SettingType;
+
+inline constexpr std::array kRecorderKeys{
+    Key{{.key = "directory",
+         .type = text,
+         .absent = "`/var/lib/tribus/NAME` as a service; required otherwise",
+         .help = "Folder for recordings, a path that begins with `/`",
+         .example = "\"/data/tribus\""}},
+    Key{{.key = "memory",
+         .type = integer,
+         .fallback = "1024",
+         .least = 16,
+         .most = 65536,
+         .unit = "KiB",
+         .help = "Memory for each port; 64 bytes hold one frame of i.Bus, SBUS or classic CAN",
+         .example = "4096"}},
+    Key{{.key = "before",
+         .type = duration,
+         .fallback = "\"30s\"",
+         .least = 1,
+         .most = 3600,
+         .help = "Time before the event that is written, as far as `memory` holds it",
+         .example = "\"60s\""}},
+    Key{{.key = "after",
+         .type = duration,
+         .fallback = "\"2s\"",
+         .least = 0,
+         .most = 60,
+         .help = "Time after the event that is written",
+         .example = "\"5s\""}},
+    Key{{.key = "on_failsafe",
+         .type = boolean,
+         .fallback = "true",
+         .help = "`true`: an output that goes into failsafe is an event; `false`: only crashes "
+                 "and requests are",
+         .example = "false"}},
+    Key{{.key = "pause",
+         .type = duration,
+         .fallback = "\"60s\"",
+         .least = 0,
+         .most = 3600,
+         .help = "Time after a recording in which no other one is made, unless it is requested",
+         .example = "\"10s\""}},
+    Key{{.key = "keep",
+         .type = integer,
+         .fallback = "20",
+         .least = 1,
+         .most = 1000,
+         .help = "Most recordings in the folder; the oldest are removed",
+         .example = "100"}},
+    Key{{.key = "space",
+         .type = integer,
+         .fallback = "100",
+         .least = 1,
+         .most = 100000,
+         .unit = "MiB",
+         .help = "Most space that all recordings together take; the oldest are removed",
+         .example = "500"}},
+};
+
+}  // namespace tribus::key_rows

@@ -1,0 +1,58 @@
+#include "config/read/dronecan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "core/quotes.h"
+#include "pipelines/dronecan/node_settings.h"
+
+namespace tribus {
+namespace {
+
+bool is_node_name(std::string_view name) {
+    return !name.empty() && name.size() <= dronecan::kLongestNodeName &&
+           std::ranges::all_of(name, [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
+                      c == '-';
+           });
+}
+
+}  // namespace
+
+DroneCanDraft read_dronecan(const Entry& entry, const Table& table, Reading reading) {
+    const std::string title = fmt::format("[dronecan.{}]", entry.key);
+    const TableContent content =
+        read_table({table, entry.value.where, title}, dronecan_keys(), reading);
+    const SettingValues& values = content.values();
+    DroneCanDraft draft;
+    draft.where = entry.where;
+    draft.config.name = entry.key;
+    draft.config.port.link = LinkKind::can;
+    draft.config.port.device = values.get_or("interface", std::string());
+    draft.config.port.where = content.where("interface");
+    draft.config.dynamic = values.get_or("dynamic", false);
+    draft.config.node_name = values.get_or("name", std::string());
+    draft.config.allow_restart = values.get_or("allow_restart", false);
+    draft.config.allow_writes = values.get_or("allow_writes", false);
+    if (const auto* id = values.find_as<std::int64_t>("node_id")) {
+        draft.config.node_id = static_cast<std::uint8_t>(*id);
+    }
+    if (content.given("node_id")) {
+        draft.node_id = content.where("node_id");
+    }
+    draft.sound = content.sound("interface") && content.given("interface") &&
+                  content.sound("node_id") && content.sound("dynamic");
+    if (content.sound("name") && !is_node_name(draft.config.node_name)) {
+        reading.mistakes.add(
+            content.where("name"),
+            fmt::format("{} is not a node name; allowed: 1 to {} small letters, digits, \".\", "
+                        "\"_\" and \"-\"",
+                        in_quotes(draft.config.node_name), dronecan::kLongestNodeName));
+    }
+    return draft;
+}
+
+}  // namespace tribus

@@ -1,0 +1,198 @@
+#include "config/read/failsafe.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "config/language/nearest.h"
+#include "config/read/rules.h"
+#include "core/quotes.h"
+
+namespace tribus {
+namespace {
+
+/// The content of one failsafe table.
+struct Given {
+    std::optional<Duration> hold;
+    std::optional<Duration> recover;
+    std::optional<Duration> power_on;
+    std::optional<double> slew_us_per_second;
+    std::optional<ValueRule> release_when;
+    std::optional<FailsafeAction> action;
+    std::optional<Presets> presets;
+    bool action_sound = true;
+    Location action_where;
+    Location preset_where;
+};
+
+std::optional<FailsafeAction> action_of(const TableContent& content) {
+    const auto* name = content.values().find_as<std::string>("action");
+    if (name == nullptr) {
+        return std::nullopt;
+    }
+    return *name == "preset" ? FailsafeAction::preset
+           : *name == "hold" ? FailsafeAction::hold
+                             : FailsafeAction::silence;
+}
+
+Given read_given(const TableContent& content, Reading reading) {
+    Given given;
+    const auto duration = [&content](std::string_view key) {
+        return content.given(key) && content.sound(key)
+                   ? std::optional(content.values().get_or(key, Duration::zero()))
+                   : std::nullopt;
+    };
+    given.hold = duration("hold");
+    given.recover = duration("recover");
+    given.power_on = duration("power_on");
+    if (const auto* slew = content.values().find_as<double>("slew")) {
+        given.slew_us_per_second = *slew;
+    }
+    if (const Entry* release = content.find("release_when")) {
+        given.release_when =
+            read_value_rule({release->value, "\"release_when\"", "{ channel = 3, below = 1050 }",
+                             "every value would release", release_rule_keys()},
+                            reading);
+    }
+    given.action = action_of(content);
+    given.action_sound = content.sound("action");
+    given.action_where = content.where("action");
+    if (const Entry* preset = content.find("preset")) {
+        given.presets = read_presets(preset->value, reading.mistakes);
+        given.preset_where = preset->where;
+    }
+    return given;
+}
+
+std::vector<std::string_view> output_names(const PipelineConfig& pipeline, const Draft& draft) {
+    std::vector<std::string_view> names;
+    for (const std::size_t output : pipeline.outputs) {
+        names.emplace_back(draft.outputs[output].config.name);
+    }
+    return names;
+}
+
+using GivenByOutput = std::map<std::string, Given, std::less<>>;
+
+/// Reads all tables [pipeline.NAME.failsafe.output.NAME].
+GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, const Draft& draft,
+                           Reading reading) {
+    GivenByOutput result;
+    const std::string path = fmt::format("pipeline.{}.failsafe.output", pipeline.name);
+    const auto* tables = value.as<Table>();
+    if (tables == nullptr) {
+        reading.mistakes.add(value.where,
+                             fmt::format("[{}] is {}; allowed: a table for each output that "
+                                         "differs, [{}.NAME]",
+                                         path, describe(value), path));
+        return result;
+    }
+    const auto names = output_names(pipeline, draft);
+    for (const Entry& entry : tables->entries) {
+        const bool known = std::find(names.begin(), names.end(), entry.key) != names.end();
+        if (!known && !draft.outputs_uncertain && !reading.lost.mentions(entry.key)) {
+            reading.mistakes.add(entry.where,
+                                 fmt::format("[pipeline.{}] has no output {}; {}", pipeline.name,
+                                             in_quotes(entry.key), suggestion(entry.key, names)));
+        }
+        const auto* table = entry.value.as<Table>();
+        if (table == nullptr) {
+            reading.mistakes.add(entry.value.where, fmt::format("{} in [{}] is {}; allowed: a "
+                                                                "table, [{}.NAME]",
+                                                                in_quotes(entry.key), path,
+                                                                describe(entry.value), path));
+            continue;
+        }
+        const TableContent content =
+            read_table({*table, entry.value.where, fmt::format("[{}.{}]", path, entry.key)},
+                       output_failsafe_keys(), reading);
+        result.emplace(entry.key, read_given(content, reading));
+    }
+    return result;
+}
+
+FailsafeAction default_action(const OutputConfig& output) {
+    return output.protocol != nullptr && output.protocol->signals_failsafe(output.settings)
+               ? FailsafeAction::preset
+               : FailsafeAction::silence;
+}
+
+FailsafeSettings combine(const Given& own, const Given& shared, const OutputConfig& output) {
+    FailsafeSettings settings;
+    settings.hold = own.hold ? *own.hold : shared.hold.value_or(settings.hold);
+    settings.recover = own.recover ? *own.recover : shared.recover.value_or(settings.recover);
+    settings.power_on = own.power_on ? *own.power_on : shared.power_on.value_or(settings.recover);
+    settings.slew_us_per_second =
+        own.slew_us_per_second ? own.slew_us_per_second : shared.slew_us_per_second;
+    settings.release_when = own.release_when ? own.release_when : shared.release_when;
+    settings.action = own.action ? *own.action : shared.action.value_or(default_action(output));
+    settings.presets = own.presets ? *own.presets : shared.presets.value_or(default_presets());
+    return settings;
+}
+
+/// Rule: an output is silent or says failsafe; it never repeats old values without a mark.
+void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistakes) {
+    if (given.action == FailsafeAction::hold && output.protocol != nullptr &&
+        !output.protocol->signals_failsafe(output.settings)) {
+        mistakes.add(given.action_where,
+                     fmt::format("\"action\" is \"hold\", but {} of output {} cannot say failsafe: "
+                                 "it would repeat old values unmarked; allowed there: \"preset\", "
+                                 "\"silence\"",
+                                 in_quotes(output.protocol->name), in_quotes(output.name)));
+    }
+}
+
+/// Reports presets that are written down but never sent, because the default action of the output
+/// is silence.
+void check_presets(const Given& given, bool used, Mistakes& mistakes) {
+    if (given.presets && !used) {
+        mistakes.add(given.preset_where,
+                     "\"preset\" is not sent in failsafe: without \"action\", an output whose "
+                     "protocol cannot say failsafe goes silent; add action = \"preset\", or action "
+                     "= \"silence\" if \"preset\" is only for channels that the input lacks");
+    }
+}
+
+}  // namespace
+
+std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineConfig& pipeline,
+                                            const Draft& draft, Reading reading) {
+    Given shared;
+    GivenByOutput own;
+    const auto* table = entry == nullptr ? nullptr : entry->value.as<Table>();
+    const std::string title = fmt::format("[pipeline.{}.failsafe]", pipeline.name);
+    if (table != nullptr) {
+        const TableContent content =
+            read_table({*table, entry->value.where, title}, failsafe_keys(), reading);
+        shared = read_given(content, reading);
+        if (const Entry* outputs = content.find("output")) {
+            own = read_outputs(outputs->value, pipeline, draft, reading);
+        }
+    } else if (entry != nullptr) {
+        reading.mistakes.add(entry->value.where, fmt::format("{} is {}; allowed: a table", title,
+                                                             describe(entry->value)));
+    }
+    std::vector<FailsafeSettings> result;
+    // Without certainty, no mistake is reported.
+    bool shared_used = shared.action || !shared.action_sound || draft.outputs_uncertain ||
+                       pipeline.outputs.empty();
+    for (const std::size_t index : pipeline.outputs) {
+        const OutputConfig& output = draft.outputs[index].config;
+        const Given& mine = own[output.name];
+        result.push_back(combine(mine, shared, output));
+        check_hold(mine.action ? mine : shared, output, reading.mistakes);
+        const bool presets_used = mine.action || !mine.action_sound || shared.action ||
+                                  output.protocol == nullptr ||
+                                  default_action(output) == FailsafeAction::preset;
+        check_presets(mine, presets_used, reading.mistakes);
+        shared_used = shared_used || (presets_used && !mine.presets);
+    }
+    check_presets(shared, shared_used, reading.mistakes);
+    return result;
+}
+
+}  // namespace tribus

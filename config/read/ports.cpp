@@ -1,0 +1,296 @@
+#include "config/read/ports.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include "config/language/nearest.h"
+#include "config/read/rules.h"
+#include "config/read/supervision.h"
+#include "config/schema/notation.h"
+#include "core/quotes.h"
+#include "transports/registry/registry.h"
+
+namespace tribus {
+namespace {
+
+/// The protocol that a table names, or the nearest name.
+const Protocol* meant_protocol(const Table& table, std::span<const Key> keys) {
+    for (const Entry& entry : table.entries) {
+        const Key* key = meant_key(entry.key, keys);
+        const auto* name = entry.value.as<std::string>();
+        if (key == nullptr || key->kind != KeyKind::protocol || name == nullptr) {
+            continue;
+        }
+        if (const Protocol* protocol = find_protocol(*name)) {
+            return protocol;
+        }
+        const auto near = nearest(*name, protocol_names());
+        return near ? find_protocol(*near) : nullptr;
+    }
+    return nullptr;
+}
+
+/// The keys of an input or output, which depend on its protocol.
+struct PortKeys {
+    const Protocol* protocol = nullptr;
+    std::vector<Key> keys;
+    /// If the protocol is unknown: the keys of all protocols, which are not reported.
+    std::vector<std::string_view> tolerated;
+};
+
+/// Order of the keys in messages: protocol, place, common keys, keys of the protocol.
+PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope scope) {
+    PortKeys port{meant_protocol(table, common), {common.begin(), common.end()}, {}};
+    for (const Protocol* protocol : protocols()) {
+        const auto own = protocol_keys(*protocol, scope);
+        if (protocol == port.protocol) {
+            port.keys.insert(port.keys.begin() + 1, own.front());
+            port.keys.insert(port.keys.end(), own.begin() + 1, own.end());
+        } else if (port.protocol == nullptr) {
+            std::ranges::move(names_of(own), std::back_inserter(port.tolerated));
+        }
+    }
+    return port;
+}
+
+std::string_view name_of(const Protocol* protocol) {
+    return protocol == nullptr ? std::string_view{} : protocol->name;
+}
+
+SettingValues own_settings(const PortKeys& port, const TableContent& content) {
+    SettingValues settings;
+    if (port.protocol != nullptr) {
+        for (const Setting& setting : port.protocol->settings) {
+            if (const SettingValue* value = content.values().find(setting.key)) {
+                settings.set(setting.key, *value);
+            }
+        }
+    }
+    return settings;
+}
+
+/// Place of the value at the end of a path of keys, or of the last part of the path that exists.
+Location where_of(const std::vector<std::string>& path, const TableContent& content) {
+    if (path.empty()) {
+        return content.where("protocol");
+    }
+    Location where = content.where(path.front());
+    const Entry* entry = content.find(path.front());
+    for (std::size_t i = 1; entry != nullptr && i < path.size(); ++i) {
+        const auto* table = entry->value.as<Table>();
+        entry = table == nullptr ? nullptr : table->find(path[i]);
+        where = entry == nullptr ? where : entry->value.where;
+    }
+    return where;
+}
+
+/// Runs the protocol's own check if each of its keys is valid. Returns whether all is valid.
+bool check_by_protocol(const PortKeys& port, const SettingValues& settings, SettingScope scope,
+                       const TableContent& content, Mistakes& mistakes) {
+    if (port.protocol == nullptr || !port.protocol->goes(scope)) {
+        return false;
+    }
+    for (const Setting& setting : port.protocol->settings) {
+        if (!content.sound(setting.key) || (setting.required && !content.given(setting.key))) {
+            return false;
+        }
+    }
+    if (port.protocol->check == nullptr) {
+        return true;
+    }
+    const auto found = port.protocol->check(settings, scope);
+    for (const SettingMistake& mistake : found) {
+        mistakes.add(where_of(mistake.path, content), mistake.text);
+    }
+    return found.empty();
+}
+
+/// No serial driver of Linux has a setting for inversion, so `inverted = true` is always a mistake.
+void check_inverted(const TableContent& content, Mistakes& mistakes) {
+    if (content.values().get_or("inverted", false)) {
+        mistakes.add(content.where("inverted"),
+                     "\"inverted\" is true, but Linux has no setting that inverts a serial port; "
+                     "invert the wire instead: with a transistor or a 74HC04, with the inversion "
+                     "bit in the EEPROM of an FTDI adapter, or with the device-tree flag that some "
+                     "UARTs have; then leave inverted = false");
+    }
+}
+
+PortConfig port_config(const PortKeys& port, const TableContent& content) {
+    PortConfig config;
+    if (port.protocol != nullptr) {
+        const std::string_view place = place_key(port.protocol->link).name();
+        config.link = port.protocol->link;
+        config.device = content.values().get_or(place, std::string());
+        config.where = content.where(place);
+        config.line = port.protocol->line;
+        const auto baud = content.values().get_or("baud", std::int64_t{config.line.baud});
+        config.line.baud = static_cast<std::uint32_t>(baud);
+    }
+    return config;
+}
+
+bool port_sound(const PortKeys& port, const TableContent& content) {
+    if (port.protocol == nullptr) {
+        return false;
+    }
+    const std::string_view place = place_key(port.protocol->link).name();
+    return content.given(place) && content.sound(place) && content.sound("baud") &&
+           content.sound("protocol");
+}
+
+/// The time of one frame on the wire and a pause of one byte.
+Duration wire_period(const OutputConfig& output) {
+    return output.port.line.bytes_time(output.protocol->longest_frame + 1);
+}
+
+/// `most`: upper limit of the protocol with its settings, if they are valid.
+void check_period(const OutputConfig& output, std::optional<Duration> most,
+                  const TableContent& content, Mistakes& mistakes) {
+    const Duration period = output.schedule.period;
+    const Duration wire = wire_period(output);
+    const Duration protocol = output.protocol->least_period;
+    const std::string longest = in_quotes(format_duration(most.value_or(kMostOutputPeriod)));
+    const Location where = content.where("period");
+    const std::string found =
+        in_quotes(format_duration(period)) + (content.given("period") ? "" : " by default");
+    const std::string name = in_quotes(output.protocol->name);
+    if (period < wire) {
+        const Duration least = output.force ? wire : std::max(wire, protocol);
+        mistakes.add(where, fmt::format("\"period\" is {}, shorter than a frame of {} takes on the "
+                                        "wire at {} baud; allowed: {} to {}",
+                                        found, name, output.port.line.baud,
+                                        in_quotes(format_duration(least)), longest));
+    } else if (period < protocol && !output.force) {
+        mistakes.add(where,
+                     fmt::format("\"period\" is {}, shorter than readers of {} can follow; "
+                                 "allowed: {} to {}, or add force = true",
+                                 found, name, in_quotes(format_duration(protocol)), longest));
+    } else if (most && period > *most) {
+        mistakes.add(where,
+                     fmt::format("\"period\" is {}, longer than readers of {} wait for the next "
+                                 "command; allowed: {} to {}",
+                                 found, name, in_quotes(format_duration(protocol)), longest));
+    }
+}
+
+/// The default period: that of the settings if they define one, else that of the protocol.
+Duration own_period(const Protocol& protocol, const SettingValues& settings, bool sound) {
+    const auto own =
+        sound && protocol.own_period != nullptr ? protocol.own_period(settings) : std::nullopt;
+    return own.value_or(protocol.default_period);
+}
+
+ScheduleSettings schedule_settings(const TableContent& content, Duration fallback) {
+    ScheduleSettings schedule;
+    const SettingValues& values = content.values();
+    schedule.kind = values.get_or<std::string>("schedule", {}) == "grid" ? ScheduleKind::grid
+                                                                         : ScheduleKind::follow;
+    schedule.phase =
+        values.get_or<std::string>("phase", {}) == "locked" ? Phase::locked : Phase::free;
+    schedule.period = values.get_or("period", fallback);
+    return schedule;
+}
+
+void check_phase(const OutputConfig& output, const TableContent& content, Mistakes& mistakes) {
+    if (output.schedule.phase == Phase::locked && output.schedule.kind != ScheduleKind::grid &&
+        content.sound("schedule")) {
+        mistakes.add(content.where("phase"),
+                     "\"phase\" is \"locked\", but \"schedule\" is \"follow\", which has no grid "
+                     "to lock; allowed: schedule = \"grid\", or leave phase out");
+    }
+}
+
+void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {
+    const SettingValues& settings = draft.config.settings;
+    draft.needs_pipeline = protocol.needs_pipeline == nullptr || protocol.needs_pipeline(settings);
+    if (protocol.value_names == nullptr) {
+        return;
+    }
+    for (const NamedUse& use : protocol.value_names(settings)) {
+        draft.used_values.push_back({use.name, where_of(use.path, content)});
+    }
+}
+
+}  // namespace
+
+InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
+    const PortKeys port = port_keys(table, input_keys(), SettingScope::input);
+    const std::string title = fmt::format("[input.{}]", entry.key);
+    const TableContent content =
+        read_table({table, entry.value.where, title, "input", name_of(port.protocol)}, port.keys,
+                   reading, port.tolerated);
+    check_inverted(content, reading.mistakes);
+    InputDraft draft;
+    draft.where = entry.where;
+    if (content.given("timeout")) {
+        draft.timeout = content.where("timeout");
+    }
+    draft.timeout_sound = content.sound("timeout");
+    draft.port_sound = port_sound(port, content);
+    draft.config.name = entry.key;
+    draft.config.protocol = port.protocol;
+    draft.config.settings = own_settings(port, content);
+    draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::input,
+                                             content, reading.mistakes);
+    draft.config.port = port_config(port, content);
+    draft.config.supervision = read_supervision(content, port.protocol, draft.config.settings,
+                                                draft.settings_sound, reading);
+    if (const Entry* map = content.find("map")) {
+        PlacedRules placed =
+            read_channels(map->value, fmt::format("[input.{}.map]", entry.key), nullptr, reading);
+        draft.config.channels = std::move(placed.rules);
+        draft.config.channels_where = std::move(placed.where);
+    }
+    return draft;
+}
+
+OutputDraft read_output(const Entry& entry, const Table& table, Reading reading) {
+    const PortKeys port = port_keys(table, output_keys(), SettingScope::output);
+    const std::string title = fmt::format("[output.{}]", entry.key);
+    const TableContent content =
+        read_table({table, entry.value.where, title, "output", name_of(port.protocol)}, port.keys,
+                   reading, port.tolerated);
+    check_inverted(content, reading.mistakes);
+    OutputDraft draft;
+    draft.where = entry.where;
+    draft.period = content.where("period");
+    draft.period_sound = content.sound("period");
+    draft.port_sound = port_sound(port, content);
+    draft.config.name = entry.key;
+    draft.config.protocol = port.protocol;
+    draft.config.settings = own_settings(port, content);
+    draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::output,
+                                             content, reading.mistakes);
+    if (draft.settings_sound) {
+        read_values_used(*port.protocol, content, draft);
+    } else if (port.protocol != nullptr && port.protocol->needs_pipeline != nullptr) {
+        // It may be an output for values only, which the other mistake hides.
+        draft.needs_pipeline = false;
+    }
+    draft.config.yield_to_foreign_sender =
+        content.values().get_or<std::string>("foreign_sender", {}) != "ignore";
+    draft.config.port = port_config(port, content);
+    const Duration period =
+        port.protocol == nullptr
+            ? ScheduleSettings{}.period
+            : own_period(*port.protocol, draft.config.settings, draft.settings_sound);
+    draft.config.schedule = schedule_settings(content, period);
+    draft.config.force = content.values().get_or("force", false);
+    const bool judged = port.protocol != nullptr && content.sound("protocol") &&
+                        content.sound("period") && content.sound("baud") && content.sound("force");
+    if (judged) {
+        const bool limited = draft.settings_sound && port.protocol->most_period != nullptr;
+        check_period(draft.config,
+                     limited ? port.protocol->most_period(draft.config.settings) : std::nullopt,
+                     content, reading.mistakes);
+    }
+    check_phase(draft.config, content, reading.mistakes);
+    return draft;
+}
+
+}  // namespace tribus

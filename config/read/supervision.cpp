@@ -1,0 +1,104 @@
+#include "config/read/supervision.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "config/read/rules.h"
+#include "config/schema/notation.h"
+#include "core/quotes.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::string_view kLossRuleExample = "[{ channel = 3, below = 950 }]";
+constexpr std::array<std::string_view, 4> kFlagKeys{"failsafe_flag", "frame_lost_flag",
+                                                    "frame_lost_run", "frame_lost_ratio"};
+
+std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* protocol,
+                                       Reading reading) {
+    std::vector<ValueRule> rules;
+    const auto* list = value.as<List>();
+    if (list == nullptr) {
+        reading.mistakes.add(value.where, fmt::format("\"failsafe_when\" is {}; allowed: a list of "
+                                                      "rules, such as {}",
+                                                      describe(value), kLossRuleExample));
+        return rules;
+    }
+    for (const Value& item : list->items) {
+        const auto rule = read_value_rule({item, "a rule of \"failsafe_when\"", kLossRuleExample,
+                                           "every value would mean loss", loss_rule_keys()},
+                                          reading);
+        if (!rule) {
+            continue;
+        }
+        if (rule->all_zero && protocol != nullptr && protocol->raw_zero == nullptr) {
+            reading.mistakes.add(item.where,
+                                 fmt::format("\"all_zero\" has no effect: {} has no zero that "
+                                             "means \"no value\"; allowed with \"sbus\"",
+                                             in_quotes(protocol->name)));
+        }
+        rules.push_back(*rule);
+    }
+    return rules;
+}
+
+/// Reports checks that do not apply to this protocol.
+void check_use(const TableContent& content, const Protocol& protocol, const SettingValues& settings,
+               Mistakes& mistakes) {
+    for (const std::string_view key : kFlagKeys) {
+        if (content.given(key) && !has_flags(protocol, settings)) {
+            mistakes.add(
+                content.find(key)->where,
+                fmt::format(
+                    "{} has no effect: {} cannot mark a frame as lost; use \"failsafe_when\" or "
+                    "\"frozen\" to detect what its receivers do instead",
+                    in_quotes(key), in_quotes(protocol.name)));
+        }
+    }
+    if (content.given("zero_guard") && protocol.raw_zero == nullptr) {
+        mistakes.add(content.find("zero_guard")->where,
+                     fmt::format("\"zero_guard\" has no effect: {} has no zero that means \"no "
+                                 "value\"; allowed with \"sbus\"",
+                                 in_quotes(protocol.name)));
+    }
+}
+
+}  // namespace
+
+bool has_flags(const Protocol& protocol, const SettingValues& settings) {
+    return protocol.link == LinkKind::can || protocol.signals_failsafe(settings);
+}
+
+SupervisionSettings read_supervision(const TableContent& content, const Protocol* protocol,
+                                     const SettingValues& settings, bool settings_sound,
+                                     Reading reading) {
+    const SettingValues& values = content.values();
+    SupervisionSettings supervision;
+    supervision.timeout = values.get_or("timeout", Duration::zero());
+    supervision.fewer_channels_after = supervision.timeout;
+    supervision.failsafe_flag = values.get_or("failsafe_flag", true);
+    supervision.frame_lost_flag = values.get_or("frame_lost_flag", true);
+    if (const auto* run = values.find_as<Duration>("frame_lost_run")) {
+        supervision.frame_lost_run = *run;
+    }
+    supervision.frame_lost_ratio = values.get_or("frame_lost_ratio", supervision.frame_lost_ratio);
+    supervision.frozen = values.get_or("frozen", Duration::zero());
+    supervision.plausible = pulses_of(content, "plausible");
+    supervision.zero_guard = values.get_or("zero_guard", Duration::zero());
+    if (const Entry* rules = content.find("failsafe_when")) {
+        supervision.failsafe_when = read_loss_rules(rules->value, protocol, reading);
+    }
+    if (protocol != nullptr && settings_sound) {
+        check_use(content, *protocol, settings, reading.mistakes);
+        if (protocol->raw_zero != nullptr) {
+            supervision.raw_zero = protocol->raw_zero(settings);
+        }
+    }
+    return supervision;
+}
+
+}  // namespace tribus

@@ -1,0 +1,207 @@
+#include "config/read/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "config/keys/homes.h"
+#include "config/keys/words.h"
+#include "config/language/nearest.h"
+#include "config/read/value.h"
+#include "config/schema/notation.h"
+#include "core/quotes.h"
+#include "transports/registry/registry.h"
+
+namespace tribus {
+namespace {
+
+const Key* exact_key(std::string_view name, std::span<const Key> keys) {
+    const auto key = std::find_if(keys.begin(), keys.end(),
+                                  [name](const Key& row) { return row.name() == name; });
+    return key == keys.end() ? nullptr : &*key;
+}
+
+/// If `name` is the place key of another kind of link, such as "device" on CAN: the right place
+/// key.
+const Key* place_instead(std::string_view name, const TableRef& ref, std::span<const Key> keys) {
+    const Protocol* own = find_protocol(ref.protocol);
+    const bool is_place = std::ranges::any_of(protocols(), [name](const Protocol* protocol) {
+        return place_key(protocol->link).name() == name;
+    });
+    return own != nullptr && is_place ? exact_key(place_key(own->link).name(), keys) : nullptr;
+}
+
+void report_other_link(const TableRef& ref, const Entry& entry, const Key& place,
+                       Mistakes& mistakes) {
+    mistakes.add(entry.where, fmt::format("unknown key {} in {}; protocol {} has {} instead: {}",
+                                          in_quotes(entry.key), ref.title, in_quotes(ref.protocol),
+                                          in_quotes(place.name()), place.setting.help));
+}
+
+void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
+                    Mistakes& mistakes) {
+    const auto names = names_of(keys);
+    const std::string home =
+        nearest(entry.key, names) ? "" : home_of_key(entry.key, ref.side, ref.protocol);
+    mistakes.add(entry.where, fmt::format("unknown {} {} in {}; {}{}",
+                                          entry.value.as<Table>() == nullptr ? "key" : "table",
+                                          in_quotes(entry.key), ref.title,
+                                          home.empty() ? "" : "it belongs in " + home + "; ",
+                                          suggestion(entry.key, names)));
+}
+
+/// Assigns entries to keys. An entry with a misspelt name counts as the key that was meant, so that
+/// its value is checked too and the key is not reported as missing.
+std::vector<TableContent::Item> match(const TableRef& ref, std::span<const Key> keys,
+                                      std::span<const std::string_view> tolerated,
+                                      Mistakes& mistakes) {
+    std::vector<TableContent::Item> items;
+    for (const Entry& entry : ref.table.entries) {
+        if (const Key* key = exact_key(entry.key, keys)) {
+            items.push_back({key, &entry});
+        }
+    }
+    for (const Entry& entry : ref.table.entries) {
+        const bool is_tolerated =
+            std::find(tolerated.begin(), tolerated.end(), entry.key) != tolerated.end();
+        if (is_tolerated || exact_key(entry.key, keys) != nullptr) {
+            continue;
+        }
+        const Key* place = place_instead(entry.key, ref, keys);
+        const Key* meant = place != nullptr ? place : meant_key(entry.key, keys);
+        const bool taken = std::any_of(items.begin(), items.end(),
+                                       [meant](const auto& item) { return item.key == meant; });
+        if (place != nullptr) {
+            report_other_link(ref, entry, *place, mistakes);
+        } else {
+            report_unknown(ref, entry, keys, mistakes);
+        }
+        if (meant != nullptr && !taken) {
+            items.push_back({meant, &entry, place == nullptr, place != nullptr});
+        }
+    }
+    return items;
+}
+
+SettingScope way_of(const TableRef& ref) {
+    return ref.side == "output" ? SettingScope::output : SettingScope::input;
+}
+
+std::optional<SettingValue> read_protocol_name(const TableRef& ref, const Value& value,
+                                               Mistakes& mistakes) {
+    const auto names = protocol_names(way_of(ref));
+    const Setting setting{.key = "protocol", .type = SettingType::choice, .choices = names};
+    return read_value(setting, value, mistakes);
+}
+
+bool has_value(const Key& key) {
+    return key.kind == KeyKind::value || key.kind == KeyKind::protocol;
+}
+
+/// The first sentence of its help, and the words that it may be.
+std::string meaning_of(const Setting& setting) {
+    const std::string_view sentence = setting.help.substr(0, setting.help.find(". "));
+    const std::string meaning = without_backticks(sentence);
+    return setting.choices.empty() ? meaning
+                                   : meaning + ": one of " + in_quotes_all(setting.choices);
+}
+
+void report_missing(const TableRef& ref, const Key& key, Reading reading) {
+    if (reading.lost.affects(ref.where)) {
+        return;
+    }
+    const std::string meaning = key.kind == KeyKind::protocol
+                                    ? "one of " + in_quotes_all(protocol_names(way_of(ref)))
+                                    : meaning_of(key.setting);
+    reading.mistakes.add(ref.where, fmt::format("{} lacks {}; required: {}", ref.title,
+                                                in_quotes(key.name()), meaning));
+}
+
+}  // namespace
+
+const TableContent::Item* TableContent::item(std::string_view key) const {
+    const auto item = std::find_if(items_.begin(), items_.end(), [key](const Item& candidate) {
+        return candidate.key->name() == key;
+    });
+    return item == items_.end() ? nullptr : &*item;
+}
+
+const Entry* TableContent::find(std::string_view key) const {
+    const Item* found = item(key);
+    return found == nullptr ? nullptr : found->entry;
+}
+
+bool TableContent::sound(std::string_view key) const {
+    const Item* found = item(key);
+    return found == nullptr || found->sound;
+}
+
+Location TableContent::where(std::string_view key) const {
+    const Item* found = item(key);
+    return found == nullptr ? where_ : found->entry->value.where;
+}
+
+TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading reading,
+                        std::span<const std::string_view> tolerated) {
+    auto items = match(ref, keys, tolerated, reading.mistakes);
+    SettingValues values;
+    for (const Key& key : keys) {
+        const auto item = std::find_if(items.begin(), items.end(), [&key](const auto& candidate) {
+            return candidate.key == &key;
+        });
+        if (item == items.end()) {
+            if (key.setting.required) {
+                report_missing(ref, key, reading);
+            } else if (!key.setting.fallback.empty()) {
+                values.set(key.name(), default_of(key.setting));
+            }
+        } else if (has_value(key) && !item->other_link) {
+            auto value = key.kind == KeyKind::protocol
+                             ? read_protocol_name(ref, item->entry->value, reading.mistakes)
+                             : read_value(key.setting, item->entry->value, reading.mistakes);
+            item->sound = value.has_value();
+            if (value) {
+                values.set(key.name(), std::move(*value));
+            } else if (!key.setting.fallback.empty()) {
+                values.set(key.name(), default_of(key.setting));
+            }
+        }
+    }
+    return {ref.where, std::move(items), std::move(values)};
+}
+
+std::optional<TableContent> read_only_table(std::string_view name, const Entry* entry,
+                                            std::span<const Key> keys, Reading reading) {
+    if (entry == nullptr) {
+        return std::nullopt;
+    }
+    const std::string title = fmt::format("[{}]", name);
+    const auto* table = entry->value.as<Table>();
+    if (table == nullptr) {
+        reading.mistakes.add(entry->value.where,
+                             fmt::format("{} is {}; allowed: a table, {}", in_quotes(name),
+                                         describe(entry->value), title));
+        return std::nullopt;
+    }
+    return read_table({*table, entry->value.where, title}, keys, reading);
+}
+
+const Key* meant_key(std::string_view name, std::span<const Key> keys) {
+    const auto names = names_of(keys);
+    if (const Key* key = exact_key(name, keys)) {
+        return key;
+    }
+    const auto near = nearest(name, names);
+    return near ? exact_key(*near, keys) : nullptr;
+}
+
+std::vector<std::string_view> names_of(std::span<const Key> keys) {
+    std::vector<std::string_view> names;
+    for (const Key& key : keys) {
+        names.push_back(key.name());
+    }
+    return names;
+}
+
+}  // namespace tribus

@@ -1,0 +1,240 @@
+#include "config/read/values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "config/language/nearest.h"
+#include "config/schema/notation.h"
+#include "config/schema/value_catalog.h"
+#include "core/quotes.h"
+#include "transports/codecs/dbc/value_reader.h"
+#include "transports/codecs/dronecan/value_reader.h"
+
+namespace tribus {
+namespace {
+
+constexpr Duration kDefaultTimeout = std::chrono::seconds(1);
+constexpr int kCyclesToStale = 3;
+
+/// A kind of [values.NAME]: the key that selects it, and its required and optional keys.
+struct ValuesKind {
+    std::string_view key;
+    std::span<const std::string_view> required;
+    std::span<const std::string_view> optional;
+};
+constexpr std::array<std::string_view, 1> kConstantNeeds{"constant"};
+constexpr std::array<std::string_view, 1> kConstantTakes{"unit"};
+constexpr std::array<std::string_view, 3> kDbcNeeds{"interface", "dbc", "message"};
+constexpr std::array<std::string_view, 2> kDbcTakes{"signals", "timeout"};
+constexpr std::array<std::string_view, 2> kDroneCanNeeds{"interface", "dronecan"};
+constexpr std::array<std::string_view, 5> kDroneCanTakes{"node", "instance", "fd", "signals",
+                                                         "timeout"};
+constexpr ValuesKind kConstant{"constant", kConstantNeeds, kConstantTakes};
+constexpr ValuesKind kDbc{"dbc", kDbcNeeds, kDbcTakes};
+constexpr ValuesKind kDroneCan{"dronecan", kDroneCanNeeds, kDroneCanTakes};
+
+const ValuesKind& kind_of(const TableContent& content) {
+    if (content.given(kConstant.key)) {
+        return kConstant;
+    }
+    return content.given(kDroneCan.key) ? kDroneCan : kDbc;
+}
+
+/// The message that the table names, from the DBC file.
+std::optional<DbcMessage> find_message(const TableContent& content, const SettingFile& dbc,
+                                       const std::string& name, Mistakes& mistakes) {
+    const auto file = parse_dbc(dbc.content);
+    if (!file) {
+        mistakes.add(content.where("dbc"), fmt::format("{}:{}:{}: {}", dbc.path, file.error().line,
+                                                       file.error().column, file.error().text));
+        return std::nullopt;
+    }
+    const auto reader = make_dbc_value_reader(*file, name);
+    if (!reader) {
+        mistakes.add(content.where("message"), fmt::format("{}: {}", dbc.path, reader.error()));
+        return std::nullopt;
+    }
+    return *file->find(name);
+}
+
+std::optional<DbcValueSource> read_dbc(const TableContent& content, Mistakes& mistakes) {
+    const auto* dbc = content.values().find_as<SettingFile>("dbc");
+    const auto* name = content.values().find_as<std::string>("message");
+    if (dbc == nullptr || name == nullptr) {
+        return std::nullopt;
+    }
+    const auto message = find_message(content, *dbc, *name, mistakes);
+    if (!message) {
+        return std::nullopt;
+    }
+    return DbcValueSource{.dbc = *dbc, .message = *name, .described = {.messages = {*message}}};
+}
+
+std::optional<DroneCanValueSource> read_dronecan_source(const TableContent& content,
+                                                        Mistakes& mistakes) {
+    const SettingValues& values = content.values();
+    const auto* message = values.find_as<std::string>("dronecan");
+    if (message == nullptr) {
+        return std::nullopt;
+    }
+    DroneCanValueSource source{.message = *message, .from = {}, .fd = values.get_or("fd", false)};
+    if (const auto* node = values.find_as<std::int64_t>("node")) {
+        source.from.node = static_cast<dronecan::NodeId>(*node);
+    }
+    if (const auto* instance = values.find_as<std::int64_t>("instance")) {
+        source.from.instance = static_cast<std::uint32_t>(*instance);
+    }
+    if (source.from.instance && dronecan::instance_field(*message).empty()) {
+        mistakes.add(content.find("instance")->where,
+                     fmt::format("a node has one {} only; leave \"instance\" out", *message));
+    }
+    return source;
+}
+
+std::string_view message_name(const ValueMessageConfig& config) {
+    return std::visit([](const auto& source) -> std::string_view { return source.message; },
+                      config.layout);
+}
+
+std::vector<std::pair<std::string, std::string>> read_own_names(const TableContent& content,
+                                                                const ValueMessageConfig& config,
+                                                                Mistakes& mistakes) {
+    std::vector<std::pair<std::string, std::string>> names;
+    const Entry* signals = content.find("signals");
+    if (signals == nullptr) {
+        return names;
+    }
+    const auto reader = make_reader(config);
+    std::vector<std::string_view> known;
+    for (const CanValueReader::Value& value : reader->values()) {
+        known.emplace_back(value.name);
+    }
+    const std::string_view message = message_name(config);
+    for (const NamedText& named : read_texts(*signals, "the name of a signal", mistakes)) {
+        if (std::ranges::find(known, named.text) == known.end()) {
+            mistakes.add(named.entry->value.where,
+                         fmt::format("message {} has no signal {}; {}", message,
+                                     in_quotes(named.text), suggestion(named.text, known)));
+        } else if (std::ranges::find(known, named.entry->key) != known.end() &&
+                   named.entry->key != named.text) {
+            mistakes.add(named.entry->where,
+                         fmt::format("{} is itself a signal of {}; give {} another name",
+                                     in_quotes(named.entry->key), message, in_quotes(named.text)));
+        } else {
+            names.emplace_back(named.entry->key, named.text);
+        }
+    }
+    return names;
+}
+
+Duration default_timeout(const ValueMessageConfig& config) {
+    const auto* dbc = std::get_if<DbcValueSource>(&config.layout);
+    if (dbc == nullptr) {
+        return dronecan::SourceWatch::kGone;
+    }
+    const Duration cycle = dbc->described.messages.front().cycle_time.value_or(Duration::zero());
+    return cycle > Duration::zero() ? kCyclesToStale * cycle : kDefaultTimeout;
+}
+
+std::optional<ValueMessageConfig> read_message(const TableContent& content, Mistakes& mistakes) {
+    ValueMessageConfig config;
+    bool sound = false;
+    if (&kind_of(content) == &kDroneCan) {
+        auto source = read_dronecan_source(content, mistakes);
+        sound = source.has_value();
+        config.layout = std::move(source).value_or(DroneCanValueSource{});
+    } else {
+        auto source = read_dbc(content, mistakes);
+        sound = source.has_value();
+        config.layout = std::move(source).value_or(DbcValueSource{});
+    }
+    const auto* interface = content.values().find_as<std::string>("interface");
+    if (!sound || interface == nullptr) {
+        return std::nullopt;
+    }
+    config.port.link = LinkKind::can;
+    config.port.device = *interface;
+    config.port.where = content.where("interface");
+    config.names = read_own_names(content, config, mistakes);
+    config.timeout = content.values().get_or<Duration>("timeout", default_timeout(config));
+    return config;
+}
+
+bool has(std::span<const std::string_view> keys, std::string_view key) {
+    return std::ranges::find(keys, key) != keys.end();
+}
+
+void check_kind(const TableContent& content, const std::string& title, Mistakes& mistakes) {
+    const ValuesKind& kind = kind_of(content);
+    for (const std::string_view key : names_of(values_keys())) {
+        if (content.given(key) && content.given(kind.key) && !has(kind.required, key) &&
+            !has(kind.optional, key)) {
+            mistakes.add(content.find(key)->where,
+                         fmt::format("{} has no effect together with {}; leave one of them out",
+                                     in_quotes(key), in_quotes(kind.key)));
+        }
+    }
+    for (const std::string_view key : kind.required) {
+        if (!content.given(key)) {
+            mistakes.add(content.where(key),
+                         fmt::format("{} lacks {}; required: \"constant\", or \"interface\" with "
+                                     "either \"dbc\" and \"message\" or \"dronecan\"",
+                                     title, in_quotes(key)));
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<NamedText> read_texts(const Entry& entry, std::string_view what, Mistakes& mistakes) {
+    const auto* table = entry.value.as<Table>();
+    if (table == nullptr) {
+        mistakes.add(entry.value.where,
+                     fmt::format("{} is {}; allowed: a table, {{ NAME = {} in quotes }}",
+                                 in_quotes(entry.key), describe(entry.value), what));
+        return {};
+    }
+    std::vector<NamedText> texts;
+    for (const Entry& item : table->entries) {
+        const auto* text = item.value.as<std::string>();
+        if (text == nullptr || text->empty()) {
+            mistakes.add(item.value.where,
+                         fmt::format("{} is {}; allowed: {} in quotes", in_quotes(item.key),
+                                     describe(item.value), what));
+        } else {
+            texts.push_back({&item, *text});
+        }
+    }
+    return texts;
+}
+
+ValuesDraft read_values(const Entry& entry, const Table& table, Reading reading) {
+    const std::string title = fmt::format("[values.{}]", entry.key);
+    const TableContent content =
+        read_table({table, entry.value.where, title}, values_keys(), reading);
+    ValuesDraft draft;
+    draft.config.name = entry.key;
+    draft.where = entry.where;
+    if (!reading.lost.affects(entry.value.where)) {
+        check_kind(content, title, reading.mistakes);
+    }
+    if (content.given("constant")) {
+        draft.config.source = ConstantConfig{content.values().get_or("constant", 0.0),
+                                             content.values().get_or<std::string>("unit", {})};
+        return draft;
+    }
+    auto message = read_message(content, reading.mistakes);
+    draft.sound = message.has_value();
+    draft.config.source = std::move(message).value_or(ValueMessageConfig{});
+    return draft;
+}
+
+}  // namespace tribus

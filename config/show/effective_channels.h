@@ -1,0 +1,28 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+
+#include "config/keys/keys.h"
+#include "config/schema/schema.h"
+#include "pipelines/settings.h"
+
+/// Parts of the effective configuration as JSON, written as in the file.
+namespace tribus {
+
+/// A number. Whole numbers have no decimal point.
+nlohmann::ordered_json number_json(double number);
+
+/// A value in the notation of its type.
+nlohmann::ordered_json value_json(SettingType type, const SettingValue& value);
+
+/// The values of `keys`, in that order and in the notation of their types.
+nlohmann::ordered_json values_json(const SettingValues& values, std::span<const Key> keys);
+
+/// A rule about channel values, as it is written in the file.
+nlohmann::ordered_json value_rule_json(const ValueRule& rule);
+
+/// The channel number if the channel is only mapped, else a table with all keys.
+nlohmann::ordered_json channel_json(const ChannelRule& rule, std::span<const LineConfig> lines);
+
+}  // namespace tribus
