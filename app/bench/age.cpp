@@ -15,7 +15,7 @@
 
 #include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/codecs/ibus.h"
+#include "transports/codecs/ibus/ibus.h"
 
 namespace tribus::bench {
 namespace {

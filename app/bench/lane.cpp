@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "pipelines/realtime/clock.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::bench {
 namespace {

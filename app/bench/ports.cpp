@@ -24,8 +24,8 @@
 #include "pipelines/realtime/data_thread.h"
 #include "pipelines/realtime/loop.h"
 #include "pipelines/realtime/scheduling.h"
-#include "transports/codecs/ibus.h"
-#include "transports/links/serial_port.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/links/serial/serial_port.h"
 
 namespace tribus::bench {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {

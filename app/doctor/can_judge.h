@@ -5,7 +5,7 @@
 
 #include "app/doctor/finding.h"
 #include "app/doctor/kernel_files.h"
-#include "transports/links/can_interface.h"
+#include "transports/links/can/can_interface.h"
 
 namespace tribus::doctor {
 

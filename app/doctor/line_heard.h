@@ -5,7 +5,7 @@
 
 #include "core/line_settings.h"
 #include "core/time.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus::doctor {
 

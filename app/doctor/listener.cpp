@@ -13,7 +13,7 @@
 
 #include "app/doctor/line_heard.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/serial_port.h"
+#include "transports/links/serial/serial_port.h"
 
 namespace tribus::doctor {
 namespace {

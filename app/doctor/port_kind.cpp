@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "app/doctor/line_heard.h"
-#include "transports/links/uart_rate.h"
+#include "transports/links/serial/uart_rate.h"
 
 namespace tribus::doctor {
 namespace {

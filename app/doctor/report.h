@@ -9,7 +9,7 @@
 #include "app/doctor/machine_facts.h"
 #include "app/doctor/serial_facts.h"
 #include "app/doctor/serial_judge.h"
-#include "transports/links/can_interface.h"
+#include "transports/links/can/can_interface.h"
 
 namespace tribus::doctor {
 

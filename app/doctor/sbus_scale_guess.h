@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "transports/codecs/sbus_scale.h"
+#include "transports/codecs/sbus/scale.h"
 
 namespace tribus::doctor {
 

@@ -12,8 +12,8 @@
 #include "app/doctor/port_kind.h"
 #include "config/language/mistakes.h"
 #include "core/quotes.h"
-#include "transports/codecs/can_channels.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/native_can/channels.h"
+#include "transports/codecs/sbus/sbus.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::init {

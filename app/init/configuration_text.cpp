@@ -17,7 +17,7 @@
 #include "core/quotes.h"
 #include "pipelines/settings.h"
 #include "transports/codecs/dronecan/dronecan.h"
-#include "transports/codecs/ibus.h"
+#include "transports/codecs/ibus/ibus.h"
 
 namespace tribus::init {
 namespace {

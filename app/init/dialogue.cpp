@@ -13,7 +13,7 @@
 #include "config/keys/keys.h"
 #include "core/quantity.h"
 #include "core/quotes.h"
-#include "transports/codecs/can_channels.h"
+#include "transports/codecs/native_can/channels.h"
 
 namespace tribus::init {
 namespace {

@@ -12,7 +12,7 @@
 #include "app/doctor/examine.h"
 #include "app/doctor/listener.h"
 #include "app/doctor/serial_judge.h"
-#include "transports/links/can_interface.h"
+#include "transports/links/can/can_interface.h"
 
 namespace tribus::init {
 namespace {

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/screen_parts.h"
-#include "transports/links/gpio_place.h"
+#include "transports/links/gpio/gpio_place.h"
 
 namespace tribus {
 namespace {

@@ -13,7 +13,7 @@
 #include "app/learn/frame_collector.h"
 #include "config/build/build.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/can_link.h"
+#include "transports/links/can/can_link.h"
 #include "transports/links/link.h"
 
 namespace tribus {

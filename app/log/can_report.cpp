@@ -7,7 +7,7 @@
 #include "app/journal/log_fields.h"
 #include "app/journal/log_limit.h"
 #include "core/counted.h"
-#include "transports/links/can_interface.h"
+#include "transports/links/can/can_interface.h"
 
 namespace tribus {
 namespace {

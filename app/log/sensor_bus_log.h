@@ -14,7 +14,7 @@
 #include "core/rate_limit.h"
 #include "core/time.h"
 #include "pipelines/carry_over.h"
-#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/codecs/ibus_sensor/types.h"
 
 namespace tribus {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "transports/links/recording_writer.h"
+#include "transports/recordings/writer.h"
 
 namespace tribus {
 namespace {

@@ -23,8 +23,8 @@
 #include "app/replay/capture_text.h"
 #include "pipelines/realtime/capture_ring.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/can_socket.h"
-#include "transports/links/serial_port.h"
+#include "transports/links/can/can_socket.h"
+#include "transports/links/serial/serial_port.h"
 
 namespace tribus {
 namespace {

@@ -23,7 +23,7 @@
 #include "app/replay/replay_target.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 namespace {

@@ -21,8 +21,8 @@
 #include "app/cli/line_use.h"
 #include "app/cli/pty.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/can_socket.h"
-#include "transports/links/serial_port.h"
+#include "transports/links/can/can_socket.h"
+#include "transports/links/serial/serial_port.h"
 
 namespace tribus {
 namespace {

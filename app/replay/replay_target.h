@@ -8,7 +8,7 @@
 
 #include "app/cli/main_wait.h"
 #include "core/time.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Destinations of `replay`.
 namespace tribus {

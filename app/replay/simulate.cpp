@@ -26,7 +26,7 @@
 #include "core/counted.h"
 #include "core/quotes.h"
 #include "pipelines/virtual_loop.h"
-#include "transports/links/recording_writer.h"
+#include "transports/recordings/writer.h"
 
 namespace tribus {
 namespace {

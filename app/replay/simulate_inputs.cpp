@@ -10,8 +10,8 @@
 #include "app/cli/streams.h"
 #include "config/schema/value_catalog.h"
 #include "core/quotes.h"
-#include "transports/links/recording.h"
-#include "transports/links/recording_candump.h"
+#include "transports/recordings/candump.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 namespace {

@@ -10,11 +10,11 @@
 #include "app/cli/exit_status.h"
 #include "core/can_frame.h"
 #include "core/setting.h"
-#include "transports/codecs/can_channels.h"
-#include "transports/codecs/can_channels_dbc.h"
+#include "transports/codecs/native_can/channels.h"
+#include "transports/codecs/native_can/channels_dbc.h"
+#include "transports/codecs/native_can/sensors.h"
+#include "transports/codecs/native_can/sensors_dbc.h"
 #include "transports/codecs/protocol.h"
-#include "transports/codecs/sensor_can.h"
-#include "transports/codecs/sensor_can_dbc.h"
 
 namespace tribus {
 namespace {

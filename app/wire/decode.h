@@ -8,7 +8,7 @@
 #include "app/cli/command.h"
 #include "app/cli/protocol_use.h"
 #include "app/wire/frames/frame_printer.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// The subcommand `decode`: decodes recorded bytes or CAN frames to channel frames.
 namespace tribus {

@@ -7,7 +7,7 @@
 #include "app/cli/protocol_use.h"
 #include "app/wire/frames/can_log.h"
 #include "app/wire/frames/frame_printer.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// `decode` for CAN protocols, from candump logs.
 namespace tribus {

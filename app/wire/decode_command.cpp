@@ -24,7 +24,7 @@
 #include "app/wire/decode_sensor.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/quotes.h"
-#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/codecs/ibus_sensor/types.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {

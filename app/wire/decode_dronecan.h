@@ -7,7 +7,7 @@
 #include "app/cli/protocol_use.h"
 #include "app/wire/dronecan/dronecan_printer.h"
 #include "app/wire/frames/can_log.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// `decode` for DroneCAN: all transfers of a bus, not only those with channels.
 namespace tribus {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "app/wire/sensors/sensor_printer.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// `decode` for the sensor bus, which has no channel frames but requests and replies.
 namespace tribus {

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 

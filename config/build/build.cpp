@@ -8,9 +8,9 @@
 
 #include "config/schema/value_catalog.h"
 #include "transports/codecs/dronecan/dronecan.h"
-#include "transports/links/can_socket.h"
-#include "transports/links/gpio_line.h"
-#include "transports/links/serial_port.h"
+#include "transports/links/can/can_socket.h"
+#include "transports/links/gpio/gpio_line.h"
+#include "transports/links/serial/serial_port.h"
 
 namespace tribus {
 namespace {

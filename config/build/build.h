@@ -14,7 +14,7 @@
 #include "pipelines/realtime/gpio_thread.h"
 #include "pipelines/realtime/loop.h"
 #include "pipelines/value_engine.h"
-#include "transports/links/can_socket.h"
+#include "transports/links/can/can_socket.h"
 #include "transports/links/link.h"
 
 namespace tribus {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/quotes.h"
-#include "transports/links/can_link.h"
+#include "transports/links/can/can_link.h"
 
 namespace tribus {
 namespace {

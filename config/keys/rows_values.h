@@ -5,7 +5,7 @@
 
 #include "config/keys/rows_ports.h"
 #include "transports/codecs/dronecan/value_reader.h"
-#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/codecs/ibus_sensor/types.h"
 
 /// Rows of sensor buses, their types, and named values.
 namespace tribus::key_rows {

@@ -11,7 +11,7 @@
 #include "config/language/nearest.h"
 #include "config/read/values.h"
 #include "core/quotes.h"
-#include "transports/codecs/ibus_sensor.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
 namespace {

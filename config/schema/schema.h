@@ -16,9 +16,9 @@
 #include "pipelines/settings.h"
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dronecan/source.h"
-#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/codecs/ibus_sensor/types.h"
 #include "transports/codecs/protocol.h"
-#include "transports/links/gpio_place.h"
+#include "transports/links/gpio/gpio_place.h"
 
 /// The configuration as plain values: a checked file with every default.
 namespace tribus {

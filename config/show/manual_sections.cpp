@@ -11,8 +11,8 @@
 #include "config/schema/notation.h"
 #include "pipelines/line_words.h"
 #include "pipelines/settings.h"
-#include "transports/codecs/ibus_sensor.h"
-#include "transports/links/can_link.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
+#include "transports/links/can/can_link.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {

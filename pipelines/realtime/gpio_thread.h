@@ -20,7 +20,7 @@
 #include "pipelines/line_words.h"
 #include "pipelines/realtime/line_exchange.h"
 #include "pipelines/settings.h"
-#include "transports/links/gpio_line.h"
+#include "transports/links/gpio/gpio_line.h"
 
 namespace tribus {
 

@@ -23,7 +23,7 @@
 #include "pipelines/realtime/snapshot.h"
 #include "pipelines/realtime/timing.h"
 #include "pipelines/value_engine.h"
-#include "transports/links/can_link.h"
+#include "transports/links/can/can_link.h"
 #include "transports/links/link.h"
 #include "transports/links/unique_fd.h"
 

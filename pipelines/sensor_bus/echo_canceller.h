@@ -6,7 +6,7 @@
 #include <span>
 
 #include "core/time.h"
-#include "transports/codecs/ibus_sensor.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
 

@@ -11,8 +11,8 @@
 #include "core/value_board.h"
 #include "pipelines/sensor_bus/echo_canceller.h"
 #include "pipelines/sensor_bus/role.h"
-#include "transports/codecs/ibus_sensor.h"
-#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
+#include "transports/codecs/ibus_sensor/types.h"
 
 namespace tribus {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "transports/codecs/codec.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// count_codecs WORKLOAD UNITS PREPARED [PATTERN]
 ///

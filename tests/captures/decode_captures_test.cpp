@@ -17,7 +17,7 @@
 #include "app/wire/decode.h"
 #include "app/wire/encode.h"
 #include "tests/support/captures.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Recordings of real receivers. The README of the recordings has the expected counts, which
 /// another program found.

@@ -9,7 +9,7 @@
 #include "tests/support/can_bits.h"
 #include "tests/support/captures.h"
 #include "tests/support/shell.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Load of a DroneCAN bus by a recorded 18-channel receiver. The program itself makes the frames,
 /// at the period of its output.

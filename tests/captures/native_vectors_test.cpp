@@ -17,8 +17,8 @@
 #include "tests/support/can_snapshots.h"
 #include "tests/support/captures.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/can_channels.h"
 #include "transports/codecs/e2e.h"
+#include "transports/codecs/native_can/channels.h"
 
 /// Published frames of the native format and of AUTOSAR's profiles. cantools decoded the values in
 /// them (README of the recordings).

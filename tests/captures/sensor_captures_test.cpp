@@ -16,7 +16,7 @@
 #include "app/wire/decode_sensor.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "tests/support/captures.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Recordings of a genuine receiver (FS-iA6B) with genuine sensors. The expected counts are those
 /// of the README of the recordings, which another program found, and of docs/protocols/ibus.md,

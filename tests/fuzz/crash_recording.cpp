@@ -7,7 +7,7 @@
 #include "app/recorder/recording_plan.h"
 #include "app/replay/capture_text.h"
 #include "tests/fuzz/fuzz.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace {
 

@@ -1,7 +1,7 @@
 #include <string>
 
 #include "tests/fuzz/fuzz.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// A recording of any kind is refused with a place in it, or its times never go back.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

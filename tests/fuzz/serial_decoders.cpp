@@ -3,7 +3,7 @@
 
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/ibus_checksum.h"
-#include "transports/codecs/ibus_sensor.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::fuzz {

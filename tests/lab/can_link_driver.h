@@ -19,7 +19,7 @@
 #include "core/time.h"
 #include "tests/lab/raw_can.h"
 #include "tests/loopback/program.h"
-#include "transports/links/can_socket.h"
+#include "transports/links/can/can_socket.h"
 
 namespace tribus::test {
 

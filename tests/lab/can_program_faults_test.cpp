@@ -13,7 +13,7 @@
 
 #include "core/time.h"
 #include "tests/lab/two_programs.h"
-#include "transports/codecs/can_channels.h"
+#include "transports/codecs/native_can/channels.h"
 
 /// The built program with faults of its own controller, of other senders and of the configuration.
 namespace tribus::test::can_program_faults_test {

@@ -10,7 +10,7 @@
 #include "tests/lab/candump.h"
 #include "tests/lab/shell.h"
 #include "tests/loopback/loopback.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// `record` and `replay` on a CAN bus.
 namespace tribus::test::can_recorder_test {

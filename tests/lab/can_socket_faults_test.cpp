@@ -10,7 +10,7 @@
 #include "pipelines/realtime/clock.h"
 #include "tests/lab/can_link_driver.h"
 #include "tests/lab/guest.h"
-#include "transports/links/can_socket.h"
+#include "transports/links/can/can_socket.h"
 
 /// The SocketCAN link during and after failures of its bus.
 namespace tribus::test::can_socket_faults_test {

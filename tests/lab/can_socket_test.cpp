@@ -1,4 +1,4 @@
-#include "transports/links/can_socket.h"
+#include "transports/links/can/can_socket.h"
 
 #include <linux/can.h>
 

@@ -8,7 +8,7 @@
 
 #include "tests/lab/gpio_bank.h"
 #include "tests/support/heap_trap.h"
-#include "transports/links/gpio_line.h"
+#include "transports/links/gpio/gpio_line.h"
 
 /// State and events that an input reports of its line.
 namespace tribus::test::gpio_input_test {

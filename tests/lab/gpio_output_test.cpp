@@ -7,7 +7,7 @@
 #include "tests/lab/gpio_trace.h"
 #include "tests/lab/shell.h"
 #include "tests/support/heap_trap.h"
-#include "transports/links/gpio_line.h"
+#include "transports/links/gpio/gpio_line.h"
 
 /// Effects of an output on its line.
 namespace tribus::test::gpio_output_test {

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/lab/gpio_bank.h"
-#include "transports/links/gpio_line.h"
+#include "transports/links/gpio/gpio_line.h"
 
 /// How a line is found, and the messages if it cannot be opened.
 namespace tribus::test::gpio_place_test {

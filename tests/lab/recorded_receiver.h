@@ -5,7 +5,7 @@
 
 #include "tests/loopback/wire.h"
 #include "tests/support/far_end.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus::test {
 

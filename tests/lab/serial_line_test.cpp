@@ -8,7 +8,7 @@
 
 #include "tests/lab/guest.h"
 #include "tests/loopback/program.h"
-#include "transports/links/serial_port.h"
+#include "transports/links/serial/serial_port.h"
 
 /// Line settings on real drivers, which a pty cannot show.
 namespace tribus::test::serial_line_test {

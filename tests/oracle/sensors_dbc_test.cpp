@@ -13,8 +13,8 @@
 
 #include "core/value_board.h"
 #include "tests/support/shell.h"
-#include "transports/codecs/sensor_can.h"
-#include "transports/codecs/sensor_can_dbc.h"
+#include "transports/codecs/native_can/sensors.h"
+#include "transports/codecs/native_can/sensors_dbc.h"
 
 /// canmatrix (Debian: python3-canmatrix) reads what the protocol "sensors" sends, with the DBC file
 /// that we ship: every type, at the limits and in the middle of its raw values.

@@ -9,7 +9,7 @@
 
 #include "tests/support/captures.h"
 #include "tests/support/shell.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Compares with an independent reader: tshark must find the ids, data and times in the logs of CAN
 /// frames.

@@ -13,8 +13,8 @@
 
 #include "tests/support/can_snapshots.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/can_channels.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/native_can/channels.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::can_channels_test {
 namespace {

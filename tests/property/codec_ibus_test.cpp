@@ -8,7 +8,7 @@
 
 #include "tests/support/ibus_frames.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/ibus.h"
+#include "transports/codecs/ibus/ibus.h"
 
 namespace tribus::codec_ibus_test {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/reference/side_by_side.h"
 #include "tests/support/ibus_frames.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/ibus.h"
+#include "transports/codecs/ibus/ibus.h"
 
 namespace tribus::reference::codec_plain_ibus_test {
 namespace {

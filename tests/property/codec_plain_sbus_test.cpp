@@ -12,7 +12,7 @@
 #include "tests/reference/side_by_side.h"
 #include "tests/support/sbus_streams.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::reference::codec_plain_sbus_test {
 namespace {

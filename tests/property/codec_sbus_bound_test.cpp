@@ -16,7 +16,7 @@
 #include "tests/support/sbus_streams.h"
 #include "tests/support/streams.h"
 #include "tests/support/timed_line.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// Number of good and of invented frames on a faulty line, compared with the decoders of flight
 /// controllers on the same bytes.

@@ -10,7 +10,7 @@
 
 #include "tests/support/sbus_streams.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::codec_sbus_resync_test {
 namespace {

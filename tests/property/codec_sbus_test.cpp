@@ -11,7 +11,7 @@
 
 #include "tests/support/sbus_streams.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::codec_sbus_test {
 namespace {

@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "tests/support/streams.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::codec_translation_test {
 namespace {

@@ -10,8 +10,8 @@
 #include "tests/support/ibus_frames.h"
 #include "tests/support/sbus_streams.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// An input knows when the last byte of a frame was read, no matter how long the decoder holds the
 /// frame back and what makes it return the frame.

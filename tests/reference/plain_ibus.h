@@ -9,7 +9,7 @@
 #include "core/channel_frame.h"
 #include "tests/reference/plain_line_buffer.h"
 #include "transports/codecs/codec.h"
-#include "transports/codecs/ibus.h"
+#include "transports/codecs/ibus/ibus.h"
 
 /// The plain form of the i.Bus codec. Tests compare the fast codec with it.
 namespace tribus::reference {

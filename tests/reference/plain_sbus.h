@@ -10,8 +10,8 @@
 #include "core/channel_frame.h"
 #include "tests/reference/plain_line_buffer.h"
 #include "transports/codecs/codec.h"
-#include "transports/codecs/sbus.h"
-#include "transports/codecs/sbus_scale.h"
+#include "transports/codecs/sbus/sbus.h"
+#include "transports/codecs/sbus/scale.h"
 
 /// The plain form of the SBUS codec. Tests compare the fast codec with it.
 namespace tribus::reference {

@@ -8,8 +8,8 @@
 
 #include "core/time.h"
 #include "tests/sim/simulation.h"
-#include "transports/links/can_link.h"
-#include "transports/links/faulty_link.h"
+#include "transports/links/can/can_link.h"
+#include "transports/links/twins/faulty_link.h"
 
 /// The chain i.Bus -> tribus A -> CAN -> tribus B -> SBUS under virtual time.
 namespace tribus::test {

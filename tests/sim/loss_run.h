@@ -17,7 +17,7 @@
 #include "pipelines/virtual_loop.h"
 #include "tests/sim/simulation.h"
 #include "tests/support/known_receivers.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// Receivers that lose their transmitter, run through `learn` and the whole engine.
 namespace tribus::test {

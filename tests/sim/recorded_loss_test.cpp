@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "app/learn/frame_collector.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Repeated recordings of real receivers, with a simulated loss in each of the known ways. The
 /// configuration has the lines that `learn` printed for that way.

@@ -19,7 +19,7 @@
 #include "pipelines/virtual_loop.h"
 #include "tests/sim/simulation.h"
 #include "tests/sim/stored_table.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// Three receivers get the same sticks; their calibrations are 5 us apart. One of them fails in one
 /// way.

@@ -8,8 +8,8 @@
 
 #include "tests/sim/reload_run.h"
 #include "tests/support/can_snapshots.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// A new configuration replaces the running one; outputs are compared frame by frame.
 namespace tribus::test::reload_test {

@@ -15,7 +15,7 @@
 #include "tests/support/captures.h"
 #include "tests/support/heap_trap.h"
 #include "tests/support/ibus_checksum.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Both roles of a sensor bus under virtual time: with a recorded receiver, with simulated sensors,
 /// and with each other.

@@ -19,7 +19,7 @@
 #include "pipelines/virtual_loop.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
-#include "transports/links/faulty_link.h"
+#include "transports/links/twins/faulty_link.h"
 
 namespace tribus::test {
 

@@ -12,7 +12,7 @@
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
-#include "transports/codecs/can_channels.h"
+#include "transports/codecs/native_can/channels.h"
 
 /// Snapshots of channels on their way over a CAN bus in the native format.
 namespace tribus::test {

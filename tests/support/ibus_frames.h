@@ -9,7 +9,7 @@
 #include "core/channel_frame.h"
 #include "tests/support/ibus_checksum.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/ibus.h"
+#include "transports/codecs/ibus/ibus.h"
 
 /// i.Bus frames that are quoted in public, with their origin.
 namespace tribus::test {

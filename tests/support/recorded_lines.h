@@ -10,7 +10,7 @@
 #include "tests/support/captures.h"
 #include "tests/support/shell.h"
 #include "tests/support/uart_wire.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Recordings of real receivers, replayed on a simulated wire and read by simulated ports.
 namespace tribus::test {

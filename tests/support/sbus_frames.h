@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/support/streams.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// SBUS frames from public sources, with their origin.
 namespace tribus::test {

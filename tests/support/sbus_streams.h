@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "tests/support/streams.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// SBUS streams whose payloads hide where a frame starts.
 namespace tribus::test {

@@ -10,7 +10,7 @@
 
 #include "core/time.h"
 #include "tests/support/ibus_checksum.h"
-#include "transports/codecs/ibus_sensor.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 /// Bytes of a sensor bus with their times, for the tests of its parser.
 namespace tribus {

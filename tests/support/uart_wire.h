@@ -10,7 +10,7 @@
 
 #include "core/line_settings.h"
 #include "core/time.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// The level of a serial wire, bit by bit, and the bytes that a UART with given settings reads from
 /// it.

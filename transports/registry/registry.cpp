@@ -2,12 +2,12 @@
 
 #include <array>
 
-#include "transports/codecs/can_channels.h"
 #include "transports/codecs/dbc/dbc.h"
 #include "transports/codecs/dronecan/dronecan.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
-#include "transports/codecs/sensor_can.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/native_can/channels.h"
+#include "transports/codecs/native_can/sensors.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus {
 

@@ -13,7 +13,7 @@
 #include "core/time.h"
 #include "transports/codecs/dronecan/known_payloads.h"
 #include "transports/codecs/dronecan/transfer.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Transfers in the frames of a DroneCAN bus, and why some of them are broken.
 namespace tribus {

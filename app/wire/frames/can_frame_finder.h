@@ -8,7 +8,7 @@
 #include "app/wire/frames/frame_finder.h"
 #include "core/time.h"
 #include "transports/codecs/can_codec.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 

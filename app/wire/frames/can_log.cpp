@@ -12,7 +12,7 @@
 
 #include "config/language/mistakes.h"
 #include "core/quotes.h"
-#include "transports/links/recording_candump.h"
+#include "transports/recordings/candump.h"
 
 namespace tribus {
 namespace {

@@ -9,7 +9,7 @@
 #include <tl/expected.hpp>
 
 #include "core/time.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 /// Candump logs for `decode`: one interface at a time, as a whole or while lines arrive.
 namespace tribus {

@@ -14,7 +14,7 @@
 #include "core/time.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/line_pauses.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 

@@ -7,7 +7,7 @@
 
 #include "app/wire/frames/can_frame_finder.h"
 #include "app/wire/frames/frame_finder.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 

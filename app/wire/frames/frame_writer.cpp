@@ -14,7 +14,7 @@
 #include "core/counted.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
-#include "transports/links/recording_writer.h"
+#include "transports/recordings/writer.h"
 
 namespace tribus {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/time.h"
-#include "transports/codecs/ibus_sensor.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 /// Pairs the frames of an i.Bus sensor bus into requests and replies.
 namespace tribus {

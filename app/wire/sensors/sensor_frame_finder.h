@@ -10,8 +10,8 @@
 #include "app/wire/frames/frame_finder.h"
 #include "app/wire/sensors/sensor_conversation.h"
 #include "core/time.h"
-#include "transports/codecs/ibus_sensor.h"
-#include "transports/links/recording.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 

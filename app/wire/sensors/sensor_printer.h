@@ -6,8 +6,8 @@
 #include "app/wire/frames/frame_printer.h"
 #include "app/wire/sensors/sensor_conversation.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
-#include "transports/codecs/ibus_sensor_types.h"
-#include "transports/links/recording.h"
+#include "transports/codecs/ibus_sensor/types.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus {
 

@@ -9,7 +9,7 @@
 #include "app/wire/sensors/sensor_conversation.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/time.h"
-#include "transports/codecs/ibus_sensor_types.h"
+#include "transports/codecs/ibus_sensor/types.h"
 
 /// Exchanges of a sensor bus as lines of text, CSV or JSON.
 namespace tribus {

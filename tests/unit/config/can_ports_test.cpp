@@ -12,7 +12,7 @@
 #include "config/show/effective.h"
 #include "tests/support/can_snapshots.h"
 #include "tests/unit/config/main_job.h"
-#include "transports/codecs/can_channels.h"
+#include "transports/codecs/native_can/channels.h"
 
 /// Inputs and outputs with protocol "can" as a user writes them.
 namespace tribus::test::can_ports_test {

@@ -10,8 +10,8 @@
 #include "pipelines/engine.h"
 #include "pipelines/virtual_loop.h"
 #include "tests/support/can_snapshots.h"
-#include "transports/codecs/can_channels.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/native_can/channels.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// A bench for tests of the engine with CAN.
 namespace tribus::test::on_can {

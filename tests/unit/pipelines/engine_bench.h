@@ -11,8 +11,8 @@
 
 #include "pipelines/engine.h"
 #include "pipelines/virtual_loop.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 /// A bench for tests of the engine with serial inputs and an SBUS output every 10 ms.
 namespace tribus::test::serial {

@@ -23,7 +23,7 @@ struct NamedFlag {
     std::string_view name;
     DbcFlagMeaning meaning;
 };
-constexpr std::array kFlags{
+constexpr std::array kNamedFlags{
     NamedFlag{"failsafe", DbcFlagMeaning::failsafe},
     NamedFlag{"frame_lost", DbcFlagMeaning::frame_lost},
     NamedFlag{"good", DbcFlagMeaning::good},
@@ -196,13 +196,13 @@ std::optional<DbcRole> read_channel(RoleTable& table) {
 }
 
 std::optional<DbcRole> read_flag(RoleTable& table) {
-    const std::string name = table.text("flag", names(kFlags));
+    const std::string name = table.text("flag", names(kNamedFlags));
     table.refuse_others();
-    const auto* row = std::ranges::find(kFlags, name, &NamedFlag::name);
-    if (row == kFlags.end()) {
+    const auto* row = std::ranges::find(kNamedFlags, name, &NamedFlag::name);
+    if (row == kNamedFlags.end()) {
         if (!name.empty()) {
-            table.complain("flag",
-                           "there is no flag " + in_quotes(name) + "; allowed: " + names(kFlags));
+            table.complain(
+                "flag", "there is no flag " + in_quotes(name) + "; allowed: " + names(kNamedFlags));
         }
         return std::nullopt;
     }

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/support/recorded_lines.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::doctor::line_judge_test {
 namespace {

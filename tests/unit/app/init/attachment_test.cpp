@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "tests/unit/app/init/examined_places.h"
-#include "transports/codecs/can_channels.h"
 #include "transports/codecs/dronecan/dronecan.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/native_can/channels.h"
+#include "transports/codecs/sbus/sbus.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::init::test::attachment_test {

@@ -15,8 +15,8 @@
 #include "config/language/mistakes.h"
 #include "config/load.h"
 #include "tests/unit/app/init/examined_places.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::init::test::configuration_text_test {
 namespace {

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "tests/unit/app/init/examined_places.h"
-#include "transports/codecs/can_channels.h"
 #include "transports/codecs/dronecan/dronecan.h"
-#include "transports/codecs/ibus.h"
-#include "transports/codecs/sbus.h"
+#include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/native_can/channels.h"
+#include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::init::test::dialogue_test {
 namespace {

@@ -18,7 +18,7 @@
 #include "app/recorder/recording_folder.h"
 #include "app/replay/capture_text.h"
 #include "tests/support/temporary_folder.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus::test::left_recording_test {
 namespace {

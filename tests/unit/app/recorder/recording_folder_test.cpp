@@ -15,7 +15,7 @@
 
 #include "app/recorder/recording_plan.h"
 #include "tests/support/temporary_folder.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus::test::recording_folder_test {
 namespace {

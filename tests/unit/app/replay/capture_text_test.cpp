@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus::capture_text_test {
 namespace {

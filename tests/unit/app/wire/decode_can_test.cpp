@@ -11,7 +11,7 @@
 #include "app/cli/exit_status.h"
 #include "tests/support/outcome.h"
 #include "tests/support/tiny_can.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus::decode_can_test {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/streams.h"
-#include "transports/links/recording.h"
+#include "transports/recordings/recording.h"
 
 namespace tribus::dronecan_explainer_test {
 namespace {

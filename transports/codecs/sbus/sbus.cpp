@@ -1,0 +1,158 @@
+#include "transports/codecs/sbus/sbus.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <string_view>
+
+#include "transports/codecs/sbus/wire.h"
+
+namespace tribus {
+
+using namespace sbus_wire;
+
+namespace {
+
+/// Fills the absent channels.
+ChannelFrame filled_sbus(const ChannelFrame& frame) {
+    ChannelFrame full = frame;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        const Pulse absent = channel < kSbusChannels ? kCentrePulse : kSwitchOffPulse;
+        full.set(channel, frame.channel_or(channel, absent));
+    }
+    return full;
+}
+
+inline unsigned wire_flags(bool channel_17, bool channel_18, bool frame_lost, bool failsafe) {
+    return unsigned{channel_17} * kChannel17Flag + unsigned{channel_18} * kChannel18Flag +
+           unsigned{frame_lost} * kFrameLostFlag + unsigned{failsafe} * kFailsafeFlag;
+}
+
+/// `frame` must have all channels.
+inline void write_frame(const SbusRaw& raw, const ChannelFrame& frame,
+                        std::span<std::uint8_t, kSbusFrameLength> wire) {
+    const bool channel_17 = frame.pulses()[16] > kCentrePulse;
+    const bool channel_18 = frame.pulses()[17] > kCentrePulse;
+    pack(raw, wire_flags(channel_17, channel_18, frame.frame_lost, frame.failsafe), 0, wire);
+}
+
+}  // namespace
+
+SbusFrame parse_sbus(std::span<const std::uint8_t, kSbusFrameLength> wire) {
+    SbusFrame frame;
+    frame.raw = from_lanes(unpack(wire));
+    const std::uint8_t flags = wire[kFlagsAt];
+    frame.channel_17 = (flags & kChannel17Flag) != 0;
+    frame.channel_18 = (flags & kChannel18Flag) != 0;
+    frame.frame_lost = (flags & kFrameLostFlag) != 0;
+    frame.failsafe = (flags & kFailsafeFlag) != 0;
+    frame.footer = wire[kFooterAt];
+    return frame;
+}
+
+void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength> wire) {
+    SbusRaw raw = frame.raw;
+    for (std::uint16_t& value : raw) {
+        value &= kSbusRawMost;
+    }
+    const unsigned flags =
+        wire_flags(frame.channel_17, frame.channel_18, frame.frame_lost, frame.failsafe);
+    pack(raw, flags, frame.footer, wire);
+}
+
+std::size_t SbusEncoder::encode(const ChannelFrame& frame,
+                                std::span<std::uint8_t, kLongestSerialFrame> wire) const {
+    if (frame.has_first(kChannelCount) && scale_.whole_steps()) {
+        write_frame(scale_.encode_whole(frame), frame, wire.first<kSbusFrameLength>());
+        return kSbusFrameLength;
+    }
+    return encode_any(frame, wire);
+}
+
+[[gnu::noinline]] std::size_t SbusEncoder::encode_any(
+    const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
+    const ChannelFrame full = filled_sbus(frame);
+    write_frame(scale_.encode_each(full), full, wire.first<kSbusFrameLength>());
+    return kSbusFrameLength;
+}
+
+namespace {
+
+constexpr std::array<std::string_view, 2> kBaudChoices{"100000", "200000"};
+constexpr std::array<std::string_view, 5> kScaleChoices{"betaflight", "ardupilot", "px4", "frsky",
+                                                        "futaba"};
+constexpr std::array kSbusSettings{
+    Setting{.key = "baud",
+            .type = SettingType::integer,
+            .fallback = "100000",
+            .unit = "baud",
+            .choices = kBaudChoices,
+            .help = "Bit rate of the line: 100000, or 200000 for the fast variant (DJI)",
+            .example = "200000"},
+    Setting{.key = "scale",
+            .type = SettingType::scale,
+            .fallback = "\"betaflight\"",
+            .choices = kScaleChoices,
+            .help = "How raw values become microseconds: a maker's scale, or two points",
+            .example = "{ raw = [172, 1811], us = [988, 2012] }"},
+    Setting{.key = "inverted",
+            .type = SettingType::boolean,
+            .fallback = "false",
+            .help = "Must be false: Linux has no setting that inverts a serial line. Use an "
+                    "inverter",
+            .example = "false"},
+};
+
+std::unique_ptr<Decoder> make_sbus_decoder(const SettingValues& settings) {
+    return std::make_unique<SbusDecoder>(SbusScale::from_setting(settings.find("scale")));
+}
+
+std::unique_ptr<Encoder> make_sbus_encoder(const SettingValues& settings) {
+    return std::make_unique<SbusEncoder>(SbusScale::from_setting(settings.find("scale")));
+}
+
+Pulse raw_zero(const SettingValues& settings) {
+    return SbusScale::from_setting(settings.find("scale")).decode(0);
+}
+
+}  // namespace
+
+// 14 ms is Futaba's normal mode, which analogue servos tolerate. Below 7 ms a frame leaves less
+// than the 4 ms of silence that ArduPilot waits for (docs/protocols/sbus.md, "Periods" and
+// "Synchronisation").
+const Protocol kSbusProtocol{
+    .name = "sbus",
+    .description = "Futaba SBUS, and SBUS2 frames as input",
+    .line = {.baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true},
+    .settings = kSbusSettings,
+    .longest_frame = kSbusFrameLength,
+    .default_period = std::chrono::milliseconds(14),
+    .least_period = std::chrono::milliseconds(7),
+    .signals_failsafe = always_signals_failsafe,
+    .raw_zero = raw_zero,
+    .sure_channels = always_has_first<kChannelCount>,
+    .make_decoder = make_sbus_decoder,
+    .make_encoder = make_sbus_encoder,
+};
+
+/// Number of bytes in which the frame at `start` equals the last one that is beyond doubt. The
+/// footer does not count, since it cycles in SBUS2.
+int SbusDecoder::likeness(std::size_t start) const {
+    const auto bytes = buffer_.view(start, kFooterAt);
+    return std::inner_product(bytes.begin(), bytes.end(), trusted().begin(), 0, std::plus<>{},
+                              std::equal_to<>{});
+}
+
+[[gnu::noinline]] void SbusDecoder::scale_each(ChannelFrame& channels) const {
+    scale_.decode_each(from_lanes(unpack(latest())), channels);
+}
+
+std::span<const FrameDetail> SbusDecoder::details() const {
+    raw_ = from_lanes(unpack(latest()));
+    footer_[0] = latest()[kFooterAt];
+    return details_;
+}
+
+}  // namespace tribus

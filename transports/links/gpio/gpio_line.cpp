@@ -1,0 +1,149 @@
+#include "transports/links/gpio/gpio_line.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "transports/links/gpio/gpio_library.h"
+#include "transports/links/gpio/gpio_search.h"
+
+namespace tribus {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Size of an edge event in version 2 of the kernel's interface, the larger one; and number of
+/// events that the kernel keeps for a line before it drops the oldest.
+constexpr std::size_t kEdgeBytes = 48;
+constexpr std::size_t kMostEdges = 16;
+
+/// Paths of all GPIO chips, in the order of their numbers.
+std::vector<std::string> gpio_chip_paths() {
+    std::vector<std::string> paths;
+    std::error_code error;
+    for (fs::directory_iterator entry("/dev", error); !error && entry != fs::directory_iterator();
+         entry.increment(error)) {
+        std::error_code unknown;
+        // Some systems have a symbolic link with a chip's former name. It is not another chip.
+        if (entry->path().filename().string().starts_with("gpiochip") &&
+            entry->symlink_status(unknown).type() == fs::file_type::character) {
+            paths.push_back(entry->path().string());
+        }
+    }
+    std::sort(paths.begin(), paths.end(), [](const std::string& a, const std::string& b) {
+        return a.size() != b.size() ? a.size() < b.size() : a < b;
+    });
+    return paths;
+}
+
+std::vector<GpioChip> gpio_chips() {
+    std::vector<GpioChip> chips;
+    for (const std::string& path : gpio_chip_paths()) {
+        GpioChip chip{path, 0, {}};
+        if (auto lines = read_gpio_lines(path)) {
+            chip.lines = std::move(*lines);
+        } else {
+            chip.error = lines.error();
+        }
+        chips.push_back(std::move(chip));
+    }
+    return chips;
+}
+
+/// Path of the chip with symbolic links resolved, if it exists; empty for any chip.
+std::string followed_chip_path(const GpioPlace& place) {
+    if (place.chip.empty()) {
+        return "";
+    }
+    std::error_code error;
+    const fs::path path = fs::canonical(chip_path(place), error);
+    return error ? chip_path(place) : path.string();
+}
+
+/// Requests the line. `request` needs no offset.
+tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold(const GpioPlace& place,
+                                                              GpioRequest request) {
+    const auto failed = [&place](const std::string& why) {
+        return tl::unexpected(to_text(place) + ": " + why);
+    };
+    const std::vector<GpioChip> chips = gpio_chips();
+    const auto found = find_gpio_line(place, followed_chip_path(place), chips);
+    if (!found) {
+        return failed(found.error());
+    }
+    request.offset = found->offset;
+    auto line = request_gpio_line(found->chip.path, request);
+    if (!line) {
+        const GpioLineFacts& facts = found->chip.lines[found->offset];
+        return failed(gpio_refusal(line.error(), facts, request.use, request.bias));
+    }
+    return std::move(*line);
+}
+
+}  // namespace
+
+GpioOutput::GpioOutput(std::unique_ptr<GpioHeldLine> line) : line_(std::move(line)) {}
+GpioOutput::~GpioOutput() = default;
+
+tl::expected<std::unique_ptr<GpioOutput>, std::string> GpioOutput::open(const GpioPlace& place,
+                                                                        bool active_low,
+                                                                        bool active_at_start) {
+    GpioRequest request;
+    request.use = GpioUse::output;
+    request.active_low = active_low;
+    request.active_at_start = active_at_start;
+    auto line = hold(place, request);
+    if (!line) {
+        return tl::unexpected(line.error());
+    }
+    return std::unique_ptr<GpioOutput>(new GpioOutput(std::move(*line)));
+}
+
+bool GpioOutput::set(bool active) {
+    return line_->set(active);
+}
+
+GpioInput::GpioInput(std::unique_ptr<GpioHeldLine> line) : line_(std::move(line)) {}
+GpioInput::~GpioInput() = default;
+
+tl::expected<std::unique_ptr<GpioInput>, std::string> GpioInput::open(const GpioPlace& place,
+                                                                      bool active_low,
+                                                                      GpioBias bias) {
+    GpioRequest request;
+    request.use = GpioUse::input;
+    request.active_low = active_low;
+    request.bias = bias;
+    auto line = hold(place, request);
+    if (!line) {
+        return tl::unexpected(line.error());
+    }
+    std::unique_ptr<GpioInput> input(new GpioInput(std::move(*line)));
+    // The library leaves it blocking: a read without an edge would wait for one.
+    ::fcntl(input->descriptor(), F_SETFL, O_NONBLOCK);
+    return input;
+}
+
+int GpioInput::descriptor() const {
+    return line_->descriptor();
+}
+
+std::optional<bool> GpioInput::read() {
+    // Reads edges before the level: an edge in between is then still there for the next wake-up.
+    std::array<char, kMostEdges * kEdgeBytes> edges;
+    if (::read(descriptor(), edges.data(), edges.size()) < 0 && errno != EAGAIN && errno != EINTR) {
+        return std::nullopt;
+    }
+    return line_->get();
+}
+
+}  // namespace tribus

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <tl/expected.hpp>
+
+#include "transports/links/gpio/gpio_place.h"
+
+/// GPIO lines, used by this program alone. `open` blocks as long as the driver needs; its error
+/// begins with the place and says what to do. The other calls are one or two system calls without
+/// heap. On an I2C or USB expander they wait for its bus, so they are not for the data thread.
+/// Thread-bound.
+///
+/// A released line, also after the death of the process, keeps its level or falls back to its
+/// resistor, depending on the chip. A chip that is unplugged while one of its lines is held returns
+/// with another number, so only a place by name finds it again.
+namespace tribus {
+
+class GpioHeldLine;
+
+/// An output line.
+class GpioOutput {
+  public:
+    /// The line has the level of `active_at_start` as soon as it is an output.
+    static tl::expected<std::unique_ptr<GpioOutput>, std::string> open(const GpioPlace& place,
+                                                                       bool active_low,
+                                                                       bool active_at_start);
+    ~GpioOutput();
+
+    /// Returns false if the line did not change: the chip is gone, or its bus does not answer. A
+    /// line of a chip that returned must be opened again.
+    bool set(bool active);
+
+  private:
+    explicit GpioOutput(std::unique_ptr<GpioHeldLine> line);
+    std::unique_ptr<GpioHeldLine> line_;
+};
+
+/// An input line that reports its edges.
+class GpioInput {
+  public:
+    static tl::expected<std::unique_ptr<GpioInput>, std::string> open(const GpioPlace& place,
+                                                                      bool active_low,
+                                                                      GpioBias bias);
+    ~GpioInput();
+
+    /// Readable from an edge until the next `read`, for poll and epoll. Also readable if the chip
+    /// is gone, but Linux 6.1 does not wake a waiting program then: wait with a timeout.
+    int descriptor() const;
+    /// Clears the edges so far and returns the present level; nothing if the chip is gone or its
+    /// bus does not answer.
+    std::optional<bool> read();
+
+  private:
+    explicit GpioInput(std::unique_ptr<GpioHeldLine> line);
+    std::unique_ptr<GpioHeldLine> line_;
+};
+
+}  // namespace tribus

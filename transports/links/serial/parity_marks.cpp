@@ -1,0 +1,72 @@
+#include "transports/links/serial/parity_marks.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace tribus {
+
+namespace {
+
+constexpr std::uint8_t kMark = 0xFF;
+constexpr std::uint8_t kDamageFollows = 0x00;
+
+void append_byte(std::uint8_t byte, bool damaged, Reception& reception) {
+    reception.bytes[reception.count] = byte;
+    reception.damaged.set(reception.count, damaged);
+    ++reception.count;
+}
+
+}  // namespace
+
+void ParityMarks::take(std::span<const std::uint8_t> raw, Reception& reception) {
+    raw = raw.first(std::min(raw.size(), reception.bytes.size() - reception.count));
+    while (!raw.empty()) {
+        if (place_ == Place::plain) {
+            raw = take_until_mark(raw, reception);
+        }
+        if (!raw.empty()) {
+            take_byte(raw.front(), reception);
+            raw = raw.subspan(1);
+        }
+    }
+}
+
+std::span<const std::uint8_t> ParityMarks::take_until_mark(std::span<const std::uint8_t> raw,
+                                                           Reception& reception) {
+    const void* mark = std::memchr(raw.data(), kMark, raw.size());
+    const std::size_t plain =
+        mark != nullptr
+            ? static_cast<std::size_t>(static_cast<const std::uint8_t*>(mark) - raw.data())
+            : raw.size();
+    std::memcpy(reception.bytes.data() + reception.count, raw.data(), plain);
+    reception.count += plain;
+    return raw.subspan(plain);
+}
+
+void ParityMarks::take_byte(std::uint8_t byte, Reception& reception) {
+    switch (place_) {
+        case Place::plain:
+            if (byte == kMark) {
+                place_ = Place::after_mark;
+            } else {
+                append_byte(byte, false, reception);
+            }
+            return;
+        case Place::after_mark:
+            if (byte == kDamageFollows) {
+                place_ = Place::before_damaged;
+                return;
+            }
+            // The kernel puts only FF or 00 here. Before any other byte, one is missing, so it is
+            // marked as damaged.
+            append_byte(byte, byte != kMark, reception);
+            place_ = Place::plain;
+            return;
+        case Place::before_damaged:
+            append_byte(byte, true, reception);
+            place_ = Place::plain;
+            return;
+    }
+}
+
+}  // namespace tribus

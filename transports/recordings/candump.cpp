@@ -1,0 +1,295 @@
+#include "transports/recordings/candump.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <utility>
+
+#include "core/can_frame.h"
+#include "transports/recordings/text.h"
+
+namespace tribus {
+namespace {
+
+using recording_text::Line;
+using recording_text::Lines;
+using recording_text::Mistake;
+using recording_text::mistake_at;
+using recording_text::quoted;
+using recording_text::Token;
+using recording_text::Tokens;
+using recording_text::trimmed;
+
+constexpr Duration kMostStepBack = std::chrono::milliseconds(100);
+
+constexpr std::string_view kWhatALineIs =
+    "; a line is (1436509052.249713) can0 123#1122, as candump -L and candump -l write it";
+
+/// Set in the id of a line that is an error frame of the kernel (CAN_ERR_FLAG).
+constexpr std::uint32_t kErrorFlag = 0x2000'0000;
+constexpr std::size_t kStandardDigits = 3;
+constexpr std::size_t kExtendedDigits = 8;
+
+/// Flags after "##". 4 also marks FD, 8 has no meaning.
+constexpr unsigned kBitRateSwitch = 1;
+constexpr unsigned kErrorStateIndicator = 2;
+
+/// Names of interfaces have at most 15 characters in Linux.
+constexpr std::size_t kLongestInterface = 15;
+
+/// 10 digits of seconds reach to the year 2286; in nanoseconds they fit.
+constexpr std::size_t kMostSecondDigits = 10;
+constexpr std::uint64_t kMostUnixSeconds = 9'000'000'000;
+constexpr std::size_t kMostFractionDigits = 9;
+
+/// An error in a word, and its position in the word.
+struct Flaw {
+    std::size_t at = 0;
+    std::string text;
+};
+using FlawFound = tl::unexpected<Flaw>;
+
+template <class Number>
+std::optional<Number> parse_number(std::string_view text, int base) {
+    Number number = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, number, base);
+    return error == std::errc{} && stop == end ? std::optional(number) : std::nullopt;
+}
+
+/// `(1436509052.249713)`: seconds with up to 9 decimals.
+std::optional<Duration> parse_time(std::string_view word) {
+    if (word.size() < 2 || word.front() != '(' || word.back() != ')') {
+        return std::nullopt;
+    }
+    word = word.substr(1, word.size() - 2);
+    const std::size_t point = std::min(word.find('.'), word.size());
+    const std::string_view whole = word.substr(0, point);
+    const std::string_view decimals = word.substr(std::min(point + 1, word.size()));
+    if (whole.size() > kMostSecondDigits || decimals.size() > kMostFractionDigits) {
+        return std::nullopt;
+    }
+    std::string padded(decimals);
+    padded.resize(kMostFractionDigits, '0');
+    const auto seconds = parse_number<std::uint64_t>(whole, 10);
+    const auto nanoseconds = parse_number<std::uint64_t>(padded, 10);
+    if (!seconds || !nanoseconds || *seconds > kMostUnixSeconds) {
+        return std::nullopt;
+    }
+    return Duration(static_cast<std::int64_t>(*seconds * 1'000'000'000 + *nanoseconds));
+}
+
+std::optional<std::uint32_t> parse_hex(std::string_view digits) {
+    return parse_number<std::uint32_t>(digits, 16);
+}
+
+bool is_error_frame(std::string_view word) {
+    const auto id = parse_hex(word.substr(0, kExtendedDigits));
+    return word.size() > kExtendedDigits && word[kExtendedDigits] == '#' && id &&
+           (*id & kErrorFlag) != 0;
+}
+
+tl::expected<void, Flaw> read_id(std::string_view digits, CanFrame& frame) {
+    const auto id = parse_hex(digits);
+    const bool right_size = digits.size() == kStandardDigits || digits.size() == kExtendedDigits;
+    if (!id || !right_size) {
+        return FlawFound(
+            {0, quoted(digits) + " is not an id; an 11-bit id is 3 hex digits, a 29-bit id is 8"});
+    }
+    frame.extended = digits.size() == kExtendedDigits;
+    frame.id = *id;
+    if (*id > (frame.extended ? kMostExtendedId : kMostStandardId)) {
+        return FlawFound({0, quoted(digits) + " is above the highest id, " +
+                                 (frame.extended ? "1FFFFFFF" : "7FF")});
+    }
+    return {};
+}
+
+/// Removes bytes from the front of `text`; points may separate them.
+tl::expected<void, Flaw> read_data(std::string_view& text, std::size_t offset, CanFrame& frame) {
+    const std::size_t most = frame.fd ? kMostFdBytes : kMostClassicBytes;
+    const std::size_t size = text.size();
+    while (!text.empty() && text.front() != '_') {
+        const std::size_t at = offset + size - text.size();
+        if (frame.length > 0 && text.front() == '.') {
+            text.remove_prefix(1);
+        }
+        const auto byte = parse_number<std::uint8_t>(text.substr(0, 2), 16);
+        if (!byte || text.size() < 2) {
+            return FlawFound(
+                {at, quoted(text.substr(0, 2)) + " is not a byte; a byte is two hex digits"});
+        }
+        if (frame.length == most) {
+            return FlawFound({at, "more than " + std::to_string(most) + " bytes in one frame" +
+                                      (frame.fd ? "" : "; FD frames have ## after the id")});
+        }
+        frame.data[frame.length++] = *byte;
+        text.remove_prefix(2);
+    }
+    return {};
+}
+
+tl::expected<void, Flaw> read_fd(std::string_view text, std::size_t offset, CanFrame& frame) {
+    const auto flags = parse_hex(text.substr(0, 1));
+    if (!flags) {
+        return FlawFound({offset, "## is followed by one hex digit of flags, then the data"});
+    }
+    frame.fd = true;
+    frame.bit_rate_switch = (*flags & kBitRateSwitch) != 0;
+    frame.error_state_indicator = (*flags & kErrorStateIndicator) != 0;
+    text.remove_prefix(1);
+    if (auto read = read_data(text, offset + 1, frame); !read) {
+        return read;
+    }
+    if (!text.empty() || !valid_can_length(frame.length, true)) {
+        return FlawFound({offset,
+                          "an FD frame has 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes of "
+                          "data, this one has " +
+                              std::to_string(frame.length) + std::string(text)});
+    }
+    return {};
+}
+
+tl::expected<void, Flaw> read_classic(std::string_view text, std::size_t offset, CanFrame& frame) {
+    const std::size_t size = text.size();
+    frame.remote = text.starts_with('R') || text.starts_with('r');
+    if (frame.remote) {
+        text.remove_prefix(1);
+        const auto length = parse_hex(text.substr(0, 1));
+        frame.length = length && *length <= kMostClassicBytes ? static_cast<std::uint8_t>(*length)
+                                                              : std::uint8_t{0};
+        text.remove_prefix(length && *length <= kMostClassicBytes ? 1 : 0);
+    } else if (auto read = read_data(text, offset, frame); !read) {
+        return read;
+    }
+    // The length code as sent; 9 to F also mean 8 bytes.
+    const auto code =
+        text.size() == 2 && text.front() == '_' ? parse_hex(text.substr(1)) : std::nullopt;
+    if (text.empty() || (code && *code > kMostClassicBytes && frame.length == kMostClassicBytes)) {
+        return {};
+    }
+    return FlawFound({offset + size - text.size(),
+                      quoted(text) + " is not allowed here; 8 bytes may be followed by _9 to _F"});
+}
+
+/// `123#1122`, `12345678#R5`, `123##1` followed by up to 64 bytes.
+tl::expected<CanFrame, Flaw> parse_frame(std::string_view word) {
+    const std::size_t mark = word.find('#');
+    if (mark == std::string_view::npos) {
+        return FlawFound({0, quoted(word) + " is not a frame" + std::string(kWhatALineIs)});
+    }
+    CanFrame frame;
+    if (auto read = read_id(word.substr(0, mark), frame); !read) {
+        return FlawFound(std::move(read.error()));
+    }
+    const bool fd = word.substr(mark).starts_with("##");
+    const std::size_t offset = mark + (fd ? 2 : 1);
+    const auto read = fd ? read_fd(word.substr(offset), offset, frame)
+                         : read_classic(word.substr(offset), offset, frame);
+    if (!read) {
+        return FlawFound(read.error());
+    }
+    return frame;
+}
+
+/// Newer versions of candump append whether the frame was received or sent.
+bool is_direction(std::string_view word) {
+    return word == "R" || word == "T";
+}
+
+}  // namespace
+
+tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
+    std::string_view line) {
+    ++line_;
+    const auto mistake = [&](unsigned column, std::string_view text) {
+        return mistake_at(file_, line_, column, text);
+    };
+    Tokens tokens(line);
+    Token time;
+    if (!tokens.next(time) || time.text.starts_with('#')) {
+        if (!log_start_ && line.starts_with(recording_text::kCandumpZero)) {
+            log_start_ = parse_time(trimmed(line.substr(recording_text::kCandumpZero.size())));
+            latest_ = log_start_.value_or(latest_);
+        }
+        return std::nullopt;
+    }
+    auto logged = parse_time(time.text);
+    if (!logged) {
+        return mistake(time.column,
+                       quoted(time.text) + " is not a time" + std::string(kWhatALineIs));
+    }
+    if (log_start_ && *logged < latest_ - kMostStepBack) {
+        return mistake(time.column,
+                       "the time " + std::string(time.text) +
+                           " is more than 100 ms before that of the line above (sort -s -k1,1 puts "
+                           "a whole log in order)");
+    }
+    if (log_start_) {
+        logged = std::max(*logged, latest_);
+    }
+    Token interface;
+    Token word;
+    if (!tokens.next(interface) || !tokens.next(word)) {
+        return mistake(time.column,
+                       "a time without an interface and a frame" + std::string(kWhatALineIs));
+    }
+    if (interface.text.size() > kLongestInterface) {
+        return mistake(
+            interface.column,
+            quoted(interface.text) + " is not an interface; names have at most 15 characters");
+    }
+    const bool error_frame = is_error_frame(word.text);
+    const auto frame = error_frame ? tl::expected<CanFrame, Flaw>() : parse_frame(word.text);
+    if (!frame) {
+        return mistake(word.column + static_cast<unsigned>(frame.error().at), frame.error().text);
+    }
+    Token further;
+    if (tokens.next(further) && (!is_direction(further.text) || tokens.next(further))) {
+        return mistake(further.column,
+                       quoted(further.text) + " after the frame" + std::string(kWhatALineIs));
+    }
+    latest_ = *logged;
+    log_start_ = log_start_.value_or(*logged);
+    if (error_frame) {
+        ++error_frames_;
+        return std::nullopt;
+    }
+    return RecordedCanFrame{*logged - *log_start_, std::string(interface.text), *frame};
+}
+
+tl::expected<Recording, std::string> parse_candump(std::string_view content,
+                                                   std::string_view file_name) {
+    Recording recording;
+    recording.kind = RecordingKind::candump;
+    recording.timed = true;
+    CandumpReader reader(file_name);
+    Lines lines(content);
+    Line line;
+    while (lines.next(line)) {
+        // In this format '#' starts the data, not a comment.
+        const std::string_view whole(line.text.data(), line.text.size() + line.comment.size());
+        auto frame = reader.next(whole);
+        if (!frame) {
+            return Mistake(std::move(frame.error()));
+        }
+        if (*frame) {
+            recording.can_frames.push_back(std::move(**frame));
+        }
+    }
+    recording.log_start = reader.log_start();
+    recording.error_frames = reader.error_frames();
+    return recording;
+}
+
+std::vector<std::string> interfaces_in(const Recording& recording) {
+    std::vector<std::string> names;
+    for (const RecordedCanFrame& frame : recording.can_frames) {
+        if (std::find(names.begin(), names.end(), frame.interface) == names.end()) {
+            names.push_back(frame.interface);
+        }
+    }
+    return names;
+}
+
+}  // namespace tribus

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "core/time.h"
+#include "transports/recordings/recording.h"
+
+/// Logs of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"): one CAN
+/// frame per line.
+namespace tribus {
+
+/// Reads the lines of one log in order, as they arrive. Thread-bound.
+class CandumpReader {
+  public:
+    explicit CandumpReader(std::string_view file_name) : file_(file_name) {}
+
+    /// Takes the next line, without its line end. The kernel stamps a frame when it is sent or
+    /// taken from the controller, and delivers it later, so frames of two senders may change
+    /// places, by a few milliseconds on a busy machine. A step back of at most 100 ms is therefore
+    /// corrected: the frame gets the time of the one before. Returns nothing for a blank line, a
+    /// comment and an error frame. The error is `file:line:column: text`; that line is skipped, and
+    /// reading may continue.
+    tl::expected<std::optional<RecordedCanFrame>, std::string> next(std::string_view line);
+
+    /// Time of the log's zero: that of its first line, or of a comment `# zero (1436509052.249713)`
+    /// above it, as the flight recorder writes it.
+    Duration log_start() const { return log_start_.value_or(Duration::zero()); }
+    std::uint64_t error_frames() const { return error_frames_; }
+
+  private:
+    std::string file_;
+    unsigned line_ = 0;
+    std::optional<Duration> log_start_;
+    Duration latest_{};
+    std::uint64_t error_frames_ = 0;
+};
+
+tl::expected<Recording, std::string> parse_candump(std::string_view content,
+                                                   std::string_view file_name);
+
+/// The interfaces in a log, in the order in which they first appear.
+std::vector<std::string> interfaces_in(const Recording& recording);
+
+}  // namespace tribus
