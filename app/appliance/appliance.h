@@ -16,13 +16,13 @@
 #include "config/build/carry_over.h"
 #include "config/schema/schema.h"
 #include "core/time.h"
-#include "pipelines/engine.h"
+#include "pipelines/engine/engine.h"
 #include "pipelines/realtime/data_thread.h"
 #include "pipelines/realtime/gpio_thread.h"
 #include "pipelines/realtime/line_exchange.h"
 #include "pipelines/realtime/loop.h"
 #include "pipelines/realtime/machine_numbers.h"
-#include "pipelines/value_engine.h"
+#include "pipelines/values/value_engine.h"
 
 namespace tribus {
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "pipelines/machine_facts.h"
+#include "pipelines/engine/machine_facts.h"
 
 /// Measurements of this machine, from files of the Linux kernel.
 namespace tribus {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/time.h"
-#include "pipelines/output.h"
+#include "pipelines/engine/output.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/link.h"
 

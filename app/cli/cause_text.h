@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "pipelines/link_supervisor.h"
-#include "pipelines/output.h"
+#include "pipelines/engine/output.h"
+#include "pipelines/rules/link_supervisor.h"
 
 namespace tribus {
 

@@ -14,7 +14,7 @@
 #include "core/line_settings.h"
 #include "core/setting.h"
 #include "core/time.h"
-#include "pipelines/settings.h"
+#include "pipelines/rules/settings.h"
 #include "transports/codecs/protocol.h"
 
 /// Protocols on the command line: the settings of the protocol tables become options.

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "app/appliance/machine_values.h"
-#include "pipelines/machine_facts.h"
+#include "pipelines/engine/machine_facts.h"
 
 namespace tribus::doctor {
 namespace {

@@ -15,7 +15,7 @@
 #include "config/show/paragraph.h"
 #include "core/channel_frame.h"
 #include "core/quotes.h"
-#include "pipelines/settings.h"
+#include "pipelines/rules/settings.h"
 #include "transports/codecs/dronecan/dronecan.h"
 #include "transports/codecs/ibus/ibus.h"
 

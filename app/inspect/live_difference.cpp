@@ -19,8 +19,8 @@
 #include "config/build/carry_over.h"
 #include "config/schema/configured_names.h"
 #include "core/can_frame.h"
-#include "pipelines/engine.h"
-#include "pipelines/virtual_loop.h"
+#include "pipelines/engine/engine.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 

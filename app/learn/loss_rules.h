@@ -7,7 +7,7 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
-#include "pipelines/settings.h"
+#include "pipelines/rules/settings.h"
 
 /// Rules that tell values of a lost link from values of a flown one. Pure.
 namespace tribus {

@@ -7,7 +7,7 @@
 
 #include "app/learn/loss_rules.h"
 #include "config/schema/notation.h"
-#include "pipelines/link_supervisor.h"
+#include "pipelines/rules/link_supervisor.h"
 
 namespace tribus {
 namespace {

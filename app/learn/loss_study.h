@@ -7,7 +7,7 @@
 #include "app/learn/loss_rules.h"
 #include "config/schema/schema.h"
 #include "core/time.h"
-#include "pipelines/settings.h"
+#include "pipelines/rules/settings.h"
 
 /// Studies how a receiver behaves when its transmitter is switched off, and which detectors
 /// recognise it. Pure.

@@ -9,8 +9,8 @@
 #include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
-#include "pipelines/carry_over.h"
 #include "pipelines/dronecan/node.h"
+#include "pipelines/engine/carry_over.h"
 
 namespace tribus {
 

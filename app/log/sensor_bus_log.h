@@ -13,7 +13,7 @@
 #include "core/change_report.h"
 #include "core/rate_limit.h"
 #include "core/time.h"
-#include "pipelines/carry_over.h"
+#include "pipelines/engine/carry_over.h"
 #include "transports/codecs/ibus_sensor/types.h"
 
 namespace tribus {

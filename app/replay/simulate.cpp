@@ -25,7 +25,7 @@
 #include "config/schema/notation.h"
 #include "core/counted.h"
 #include "core/quotes.h"
-#include "pipelines/virtual_loop.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 #include "transports/recordings/writer.h"
 
 namespace tribus {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/time.h"
-#include "pipelines/engine.h"
-#include "pipelines/link_supervisor.h"
+#include "pipelines/engine/engine.h"
+#include "pipelines/rules/link_supervisor.h"
 
 namespace tribus {
 

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/link_cause.h"
-#include "pipelines/machine_facts.h"
+#include "pipelines/engine/machine_facts.h"
 
 namespace tribus {
 namespace {

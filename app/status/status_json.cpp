@@ -11,7 +11,7 @@
 #include "app/cli/object_text.h"
 #include "config/show/effective_channels.h"
 #include "core/link_cause.h"
-#include "pipelines/machine_facts.h"
+#include "pipelines/engine/machine_facts.h"
 
 namespace tribus {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/time.h"
-#include "pipelines/link_supervisor.h"
-#include "pipelines/output.h"
+#include "pipelines/engine/output.h"
+#include "pipelines/rules/link_supervisor.h"
 
 namespace tribus {
 

@@ -10,10 +10,10 @@
 
 #include "config/build/dronecan.h"
 #include "config/schema/schema.h"
-#include "pipelines/engine.h"
+#include "pipelines/engine/engine.h"
 #include "pipelines/realtime/gpio_thread.h"
 #include "pipelines/realtime/loop.h"
-#include "pipelines/value_engine.h"
+#include "pipelines/values/value_engine.h"
 #include "transports/links/can/can_socket.h"
 #include "transports/links/link.h"
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "config/schema/schema.h"
-#include "pipelines/carry_over.h"
+#include "pipelines/engine/carry_over.h"
 
 namespace tribus {
 

@@ -9,7 +9,7 @@
 
 #include "config/schema/notation.h"
 #include "core/quotes.h"
-#include "pipelines/line_words.h"
+#include "pipelines/rules/line_words.h"
 
 namespace tribus {
 namespace {

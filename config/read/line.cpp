@@ -15,7 +15,7 @@
 #include "config/language/nearest.h"
 #include "config/read/rules.h"
 #include "core/quotes.h"
-#include "pipelines/output.h"
+#include "pipelines/engine/output.h"
 
 namespace tribus {
 namespace {

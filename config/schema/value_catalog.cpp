@@ -6,7 +6,7 @@
 #include <utility>
 #include <variant>
 
-#include "pipelines/machine_facts.h"
+#include "pipelines/engine/machine_facts.h"
 #include "transports/codecs/dbc/value_reader.h"
 #include "transports/codecs/dronecan/value_reader.h"
 

@@ -11,7 +11,7 @@
 
 #include "config/schema/schema.h"
 #include "core/value_board.h"
-#include "pipelines/value_engine.h"
+#include "pipelines/values/value_engine.h"
 #include "transports/codecs/can_value_reader.h"
 
 namespace tribus {

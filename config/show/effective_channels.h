@@ -5,7 +5,7 @@
 
 #include "config/keys/keys.h"
 #include "config/schema/schema.h"
-#include "pipelines/settings.h"
+#include "pipelines/rules/settings.h"
 
 /// Parts of the effective configuration as JSON, written as in the file.
 namespace tribus {

@@ -15,11 +15,11 @@
 #include <tl/expected.hpp>
 
 #include "core/time.h"
-#include "pipelines/debouncer.h"
-#include "pipelines/line_wave.h"
-#include "pipelines/line_words.h"
 #include "pipelines/realtime/line_exchange.h"
-#include "pipelines/settings.h"
+#include "pipelines/rules/debouncer.h"
+#include "pipelines/rules/line_wave.h"
+#include "pipelines/rules/line_words.h"
+#include "pipelines/rules/settings.h"
 #include "transports/links/gpio/gpio_line.h"
 
 namespace tribus {

@@ -10,7 +10,7 @@
 #include <tl/expected.hpp>
 
 #include "core/time.h"
-#include "pipelines/line_words.h"
+#include "pipelines/rules/line_words.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {

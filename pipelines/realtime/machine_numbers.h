@@ -10,7 +10,7 @@
 #include <span>
 
 #include "core/time.h"
-#include "pipelines/machine_facts.h"
+#include "pipelines/engine/machine_facts.h"
 
 namespace tribus {
 

@@ -8,7 +8,7 @@
 #include "config/build/build.h"
 #include "config/build/carry_over.h"
 #include "config/load.h"
-#include "pipelines/virtual_loop.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/heap_trap.h"
 #include "transports/codecs/line_pauses.h"

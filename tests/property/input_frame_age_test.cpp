@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "pipelines/input.h"
+#include "pipelines/engine/input.h"
 #include "tests/support/ibus_frames.h"
 #include "tests/support/sbus_streams.h"
 #include "tests/support/streams.h"

@@ -14,7 +14,7 @@
 
 #include "app/learn/loss_study.h"
 #include "config/build/build.h"
-#include "pipelines/virtual_loop.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 #include "tests/sim/simulation.h"
 #include "tests/support/known_receivers.h"
 #include "transports/codecs/sbus/sbus.h"

@@ -18,7 +18,7 @@
 #include <fmt/format.h>
 
 #include "config/build/build.h"
-#include "pipelines/virtual_loop.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 #include "tests/sim/simulation.h"
 #include "transports/codecs/codec.h"
 

@@ -16,7 +16,7 @@
 #include <gtest/gtest.h>
 
 #include "config/build/build.h"
-#include "pipelines/virtual_loop.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 #include "tests/sim/simulation.h"
 #include "tests/sim/stored_table.h"
 #include "transports/codecs/sbus/sbus.h"

@@ -11,7 +11,7 @@
 
 #include "config/build/build.h"
 #include "config/build/carry_over.h"
-#include "pipelines/virtual_loop.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 #include "tests/support/heap_trap.h"
 
 namespace tribus::test {

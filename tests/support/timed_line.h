@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/time.h"
-#include "pipelines/input.h"
+#include "pipelines/engine/input.h"
 #include "tests/support/streams.h"
 #include "transports/codecs/codec.h"
 

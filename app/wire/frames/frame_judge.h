@@ -5,8 +5,8 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
-#include "pipelines/link_supervisor.h"
-#include "pipelines/settings.h"
+#include "pipelines/rules/link_supervisor.h"
+#include "pipelines/rules/settings.h"
 
 namespace tribus {
 

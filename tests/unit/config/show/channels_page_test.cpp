@@ -14,7 +14,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "pipelines/channel_map.h"
+#include "pipelines/rules/channel_map.h"
 #include "tests/support/shell.h"
 #include "tests/unit/config/main_job.h"
 

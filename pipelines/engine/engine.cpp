@@ -1,0 +1,165 @@
+#include "pipelines/engine/engine.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tribus {
+
+Engine::Engine(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs,
+               std::vector<LineTask> lines, std::vector<dronecan::NodeSettings> nodes)
+    : line_roles_(std::move(lines)) {
+    for (dronecan::NodeSettings& settings : nodes) {
+        nodes_.push_back(std::make_unique<dronecan::Node>(std::move(settings)));
+    }
+    inputs_.reserve(inputs.size());
+    for (InputSettings& settings : inputs) {
+        inputs_.emplace_back(std::move(settings), static_cast<std::uint8_t>(inputs_.size()));
+    }
+    outputs_.reserve(outputs.size());
+    for (OutputSettings& settings : outputs) {
+        node_of_.push_back(settings.node);
+        outputs_.emplace_back(std::move(settings));
+        if (node_of_.back()) {
+            outputs_.back().send_as(nodes_[*node_of_.back()]->identity());
+        }
+    }
+    fed_by_.resize(inputs_.size());
+    for (std::size_t output = 0; output < outputs_.size(); ++output) {
+        for (const std::size_t input : outputs_[output].inputs()) {
+            fed_by_[input].push_back(output);
+        }
+    }
+    due_.assign(outputs_.size(), kNever);
+    ran_.reserve(outputs_.size());
+}
+
+void Engine::start(Instant now) {
+    for (const auto& node : nodes_) {
+        node->start(now);
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        outputs_[i].start(now);
+        due_[i] = outputs_[i].due();
+    }
+}
+
+void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now) {
+    for (std::size_t i = 0; i < inputs_.size(); ++i) {
+        if (const CarriedFrom from = carry.inputs[i].from) {
+            inputs_[i].continue_from(before.inputs_[*from], carry.inputs[i].same_channels, now);
+        }
+    }
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (const CarriedFrom from = carry.nodes[i]) {
+            nodes_[i]->continue_from(*before.nodes_[*from]);
+        }
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        if (const CarriedFrom from = carry.outputs[i].from) {
+            outputs_[i].continue_from(before.outputs_[*from], carry.outputs[i], carry.inputs, now);
+            due_[i] = outputs_[i].due();
+        }
+    }
+}
+
+bool Engine::announce(std::size_t input, bool frame_came) {
+    if (frame_came) {
+        for (const std::size_t output : fed_by_[input]) {
+            outputs_[output].frame_arrived(input, inputs_[input].arrivals());
+            due_[output] = outputs_[output].due();
+        }
+    }
+    return frame_came;
+}
+
+void Engine::was_away(Instant since, Instant now) {
+    for (Input& input : inputs_) {
+        input.was_away(since, now);
+    }
+}
+
+void Engine::watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at) {
+    const auto ids = outputs_[output].sent_ids();
+    if (std::ranges::any_of(ids, [&](const CanIdMatch& id) { return id.matches(frame); })) {
+        outputs_[output].foreign_frame_seen(at);
+    }
+}
+
+void Engine::set_lines(LineLevels levels, Instant now) {
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        outputs_[i].force_failsafe(line_roles_.forces(i, levels), now);
+        outputs_[i].pick_input(line_roles_.picked(outputs_[i].inputs(), levels));
+        outputs_[i].set_lines(levels);
+    }
+}
+
+Instant Engine::poll(Instant now) {
+    Instant next = kNever;
+    ran_.clear();
+    for (std::size_t i = 0; i < due_.size(); ++i) {
+        if (due_[i] <= now) {
+            for (const std::size_t input : outputs_[i].inputs()) {
+                inputs_[input].look(now);
+            }
+            outputs_[i].run(now, inputs_);
+            due_[i] = outputs_[i].due();
+            ran_.push_back(i);
+        }
+        next = std::min(next, due_[i]);
+    }
+    return nodes_.empty() ? next : std::min(next, poll_nodes(now));
+}
+
+Instant Engine::poll_nodes(Instant now) {
+    Instant next = kNever;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        next = std::min(next, nodes_[i]->poll(now, health_of(i)));
+        const auto request = nodes_[i]->take_period_request();
+        if (request) {
+            outputs_[request->output].set_period(request->period);
+        }
+    }
+    return next;
+}
+
+/// A node reports a warning while any of its outputs is not in control.
+dronecan::NodeHealth Engine::health_of(std::size_t node) const {
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        if (node_of_[i] == node && outputs_[i].stage() != OutputStage::control) {
+            return dronecan::NodeHealth::warning;
+        }
+    }
+    return dronecan::NodeHealth::ok;
+}
+
+/// Returns when its last frames have been sent.
+Instant Engine::end_output(std::size_t output, Instant now) {
+    constexpr int kLastFrames = 3;
+    outputs_[output].end(now);
+    due_[output] = outputs_[output].due();
+    return later(now, kLastFrames * outputs_[output].period());
+}
+
+Instant Engine::end(Instant now) {
+    Instant until = now;
+    for (const auto& node : nodes_) {
+        node->end(now);
+    }
+    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+        until = std::max(until, end_output(i, now));
+    }
+    return until;
+}
+
+Instant Engine::end(const Leaving& leaving, Instant now) {
+    Instant until = now;
+    for (const std::size_t node : leaving.nodes) {
+        nodes_[node]->end(now);
+    }
+    for (const std::size_t output : leaving.outputs) {
+        until = std::max(until, end_output(output, now));
+    }
+    return until;
+}
+
+}  // namespace tribus

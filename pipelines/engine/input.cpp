@@ -1,0 +1,124 @@
+#include "pipelines/engine/input.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace tribus {
+
+Input::Input(InputSettings settings, std::uint8_t index)
+    : name_(std::move(settings.name)),
+      decoder_(std::move(settings.decoder)),
+      can_decoder_(std::move(settings.can_decoder)),
+      pauses_(settings.byte_time),
+      index_(index),
+      supervisor_(std::move(settings.supervision)) {
+    if (!settings.channels.empty()) {
+        map_.emplace(settings.channels);
+    }
+}
+
+void Input::continue_from(Input& before, bool same_channels, Instant now) {
+    std::swap(decoder_, before.decoder_);
+    std::swap(can_decoder_, before.can_decoder_);
+    state_ = before.state_;
+    latest_ = before.latest_;
+    latest_.source = index_;
+    read_times_ = before.read_times_;
+    pauses_ = before.pauses_;
+    arrivals_ = before.arrivals_;
+    counts_ = before.counts_;
+    mapped_ = before.control();
+    supervisor_.continue_from(before.supervisor_, now);
+    if (same_channels) {
+        std::swap(map_, before.map_);
+    } else if (map_ && supervisor_.ever_good()) {
+        map_->restart_from(mapped_, now);
+        mapped_ = map_->apply(supervisor_.control(), now);
+    }
+}
+
+bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
+    bool any = false;
+    while (decoder_->next(bytes, now, decoded_)) {
+        take_decoded(now);
+        any = true;
+    }
+    return any;
+}
+
+bool Input::pause(Instant now) {
+    bool any = false;
+    while (decoder_->silence(decoded_)) {
+        take_decoded(now);
+        any = true;
+    }
+    return any;
+}
+
+/// A frame that the decoder held back is as old as its last byte, not as the byte that released it.
+void Input::take_decoded(Instant now) {
+    pauses_.frame_came(decoded_.first_byte, decoded_.length);
+    const Instant arrival = read_times_.of(decoded_.first_byte + decoded_.length - 1);
+    decoded_.channels.received = arrival;
+    take(decoded_.channels, arrival, now);
+}
+
+void Input::device_lost() {
+    ++counts_.device_losses;
+    start_anew();
+}
+
+/// Discards a frame received in part: the next bytes do not continue it.
+void Input::start_anew() {
+    if (decoder_) {
+        decoder_->reset();
+    }
+    forget_read_time();
+}
+
+bool Input::receive(const CanFrame& frame, Instant at) {
+    if (std::ranges::none_of(wanted_ids(),
+                             [&](const CanIdMatch& id) { return id.matches(frame); })) {
+        return false;
+    }
+    count_bytes(frame.length, at);
+    const auto snapshot = can_decoder_->next(frame, at);
+    if (snapshot) {
+        take(*snapshot, at, at);
+    }
+    return snapshot.has_value();
+}
+
+std::span<const CanIdMatch> Input::wanted_ids() const {
+    return can_decoder_ ? can_decoder_->wanted() : std::span<const CanIdMatch>{};
+}
+
+const DecoderReport& Input::decoder() const {
+    return decoder_ ? static_cast<const DecoderReport&>(*decoder_) : *can_decoder_;
+}
+
+void Input::look(Instant now) {
+    const LinkState fresh = supervisor_.state(now);
+    if (fresh.cause != state_.cause) {
+        ++counts_.began[static_cast<std::size_t>(fresh.cause)];
+    }
+    state_ = fresh;
+}
+
+void Input::take(ChannelFrame frame, Instant arrival, Instant now) {
+    frame.source = index_;
+    frame.sequence = latest_.sequence + 1;
+    ++counts_.frames;
+    arrivals_.arrived(arrival);
+    supervisor_.take(frame, arrival);
+    latest_ = frame;
+    counts_.failsafe_frames += frame.failsafe ? 1U : 0U;
+    counts_.frame_lost_frames += frame.frame_lost && !frame.failsafe ? 1U : 0U;
+    if (map_) {
+        mapped_ = map_->apply(supervisor_.control(), now);
+    }
+    look(now);
+}
+
+}  // namespace tribus

@@ -1,0 +1,155 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/arrival_clock.h"
+#include "core/can_frame.h"
+#include "core/channel_frame.h"
+#include "core/link_cause.h"
+#include "core/time.h"
+#include "pipelines/rules/channel_map.h"
+#include "pipelines/rules/link_supervisor.h"
+#include "pipelines/rules/settings.h"
+#include "transports/codecs/can_codec.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/line_pauses.h"
+#include "transports/codecs/read_times.h"
+
+namespace tribus {
+
+struct InputSettings {
+    std::string name;
+    /// Exactly one of the two decoders is set, as the protocol requires.
+    std::unique_ptr<Decoder> decoder;
+    std::unique_ptr<CanDecoder> can_decoder{};
+    /// Duration of one byte on the wire. Zero if read times do not show the pauses on it.
+    Duration byte_time{};
+    SupervisionSettings supervision{};
+    /// Rules that make the input's channels from the channels that it receives. Empty: unchanged.
+    std::vector<ChannelRule> channels{};
+};
+
+/// Counters of one input since the start. They never decrease.
+struct InputCounts {
+    std::uint64_t bytes = 0;  ///< CAN: data bytes of the frames with the wanted ids
+    std::uint64_t frames = 0;
+    std::uint64_t frame_lost_frames = 0;  ///< marked by the sender
+    std::uint64_t failsafe_frames = 0;    ///< marked by the sender, or by a rule
+    std::uint64_t device_losses = 0;
+    /// How often each cause of loss began, indexed by `LinkCause`.
+    std::array<std::uint64_t, kLinkCauseCount> began{};
+};
+
+/// One source of frames. Keeps the latest frame (no queue) and judges its link. Thread-bound. No
+/// allocation after construction.
+class Input {
+  public:
+    /// `index`: of this input, stored in its frames as their source.
+    Input(InputSettings settings, std::uint8_t index);
+
+    /// Takes over the state of `before`, an input with the same protocol and protocol settings: a
+    /// frame received in part, the state of the link and the counters. `before` is unusable
+    /// afterwards.
+    void continue_from(Input& before, bool same_channels, Instant now);
+
+    /// Takes bytes that were read at `now`. Returns true if they completed a frame.
+    bool receive(std::span<const std::uint8_t> bytes, Instant now) {
+        const bool any = arrived(bytes.size(), now);
+        return decode(bytes, now) || any;
+    }
+    /// The same; `damaged[i]` is true if byte i was damaged on the line.
+    template <class DamagedMarks>
+    bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
+        bool any = arrived(bytes.size(), now);
+        std::size_t start = 0;
+        for (std::size_t position = 0; position < bytes.size(); ++position) {
+            if (damaged[position]) {
+                any = decode(bytes.subspan(start, position - start), now) || any;
+                decoder_->damaged_byte();
+                start = position + 1;
+            }
+        }
+        return decode(bytes.subspan(start), now) || any;
+    }
+    /// Takes one CAN frame that arrived at `at`. Returns true if it completed a frame of channels.
+    /// Ignores unwanted ids.
+    bool receive(const CanFrame& frame, Instant at);
+    /// Discards a frame received in part and counts the loss of the device.
+    void device_lost();
+    /// Call after the caller did not read from `since` to `now`. Before, pass the waiting bytes to
+    /// `receive` with the time `since`, because they may be that old, or discard them.
+    void was_away(Instant since, Instant now) {
+        supervisor_.was_away(since, now);
+        forget_read_time();
+    }
+    /// Call when bytes after the received ones were discarded: ends the frame received in part.
+    void bytes_discarded() { start_anew(); }
+    /// Call when the time since the latest bytes does not show a pause on the line.
+    void forget_read_time() { pauses_.forget(); }
+
+    /// Whether its frames count, since when, until when, and why not.
+    const LinkSupervisor& link() const { return supervisor_; }
+    /// State of the link at the latest frame or call of `look`.
+    const LinkState& state() const { return state_; }
+    /// Updates `state` and the counters of causes.
+    void look(Instant now);
+
+    /// The values of the latest good frame, after the input's own channel rules. Marked frame-lost
+    /// if the newest frame is not good.
+    const ChannelFrame& control() const { return map_ ? mapped_ : supervisor_.control(); }
+    /// The latest frame as received, good or not.
+    const ChannelFrame& latest() const { return latest_; }
+    const ArrivalClock& arrivals() const { return arrivals_; }
+    const InputCounts& counts() const { return counts_; }
+    const DecoderReport& decoder() const;
+    /// The CAN ids that it receives. Empty if it is not on CAN.
+    std::span<const CanIdMatch> wanted_ids() const;
+    bool on_can() const { return can_decoder_ != nullptr; }
+    bool uses_fd() const { return can_decoder_ && can_decoder_->uses_fd(); }
+    const std::string& name() const { return name_; }
+
+  private:
+    void count_bytes(std::size_t count, Instant now) {
+        counts_.bytes += count;
+        supervisor_.bytes_came(now);
+    }
+    /// Call before the bytes are decoded. Returns true if the pause before them completed a frame.
+    bool arrived(std::size_t count, Instant now) {
+        count_bytes(count, now);
+        read_times_.add(counts_.bytes, now);
+        return pauses_.before(count, now, decoder_->waiting()) && pause(now);
+    }
+    bool pause(Instant now);
+    void start_anew();
+    bool decode(std::span<const std::uint8_t> bytes, Instant now);
+    void take_decoded(Instant now);
+    /// Takes a frame that arrived at `arrival`, not later than `now`.
+    void take(ChannelFrame frame, Instant arrival, Instant now);
+
+    std::string name_;
+    std::unique_ptr<Decoder> decoder_;
+    std::unique_ptr<CanDecoder> can_decoder_;
+    DecodedFrame decoded_;
+    /// Maps positions in the received bytes to the times at which they were read.
+    ReadTimes read_times_;
+    LinePauses pauses_;
+    std::uint8_t index_;
+
+    LinkSupervisor supervisor_;
+    /// Absent: the channels pass unchanged.
+    std::optional<ChannelMap> map_;
+    LinkState state_;
+    ChannelFrame latest_;
+    ChannelFrame mapped_;
+    ArrivalClock arrivals_;
+    InputCounts counts_;
+};
+
+}  // namespace tribus

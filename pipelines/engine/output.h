@@ -1,0 +1,241 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/arrival_clock.h"
+#include "core/can_frame.h"
+#include "core/channel_frame.h"
+#include "core/schedule.h"
+#include "core/time.h"
+#include "core/value_board.h"
+#include "pipelines/engine/carry_over.h"
+#include "pipelines/engine/input.h"
+#include "pipelines/engine/input_selector.h"
+#include "pipelines/rules/channel_map.h"
+#include "pipelines/rules/glide.h"
+#include "pipelines/rules/line_words.h"
+#include "pipelines/rules/settings.h"
+#include "transports/codecs/can_codec.h"
+#include "transports/codecs/codec.h"
+
+namespace tribus {
+
+struct OutputSettings {
+    std::string name;
+    /// Exactly one of the two encoders is set, as the protocol requires.
+    std::unique_ptr<Encoder> encoder;
+    std::unique_ptr<CanEncoder> can_encoder{};
+    /// Index of the DroneCAN node whose id it sends with.
+    std::optional<std::size_t> node{};
+    /// CAN only: go to failsafe while another node sends with the ids of this output.
+    bool yield_to_foreign_sender = true;
+    ScheduleSettings schedule;
+    /// The inputs of its pipeline, and how one is selected.
+    SelectionSettings selection;
+    std::vector<ChannelRule> channels;
+    /// One bit for each channel that a map makes, here or at one of its inputs.
+    std::uint32_t mapped_channels = 0;
+    FailsafeSettings failsafe;
+};
+
+/// Value of `OutputState::input` if no input is in control.
+inline constexpr std::size_t kNoInput = SIZE_MAX;
+
+/// What an output does. `cannot_send` takes precedence over the others.
+enum class OutputStage : std::uint8_t {
+    failsafe,     ///< no input in control: presets, held values with flags, or silence
+    holding,      ///< the input is lost: the last values, marked frame-lost
+    control,      ///< an input is in control
+    cannot_send,  ///< frames do not leave, whatever the inputs say
+};
+
+/// Why an output's frames do not leave.
+enum class SendObstacle : std::uint8_t {
+    none,
+    device,  ///< the device or interface is gone
+    bus,     ///< the bus is down, off, or no node acknowledges
+    busy,    ///< many frames in a row find the frame before still waiting
+};
+
+/// What an output does and by which input, for status and log.
+struct OutputState {
+    OutputStage stage = OutputStage::failsafe;
+    SendObstacle obstacle = SendObstacle::none;
+    /// In failsafe although an input is healthy: `release_when` does not hold yet.
+    bool awaits_release = false;
+    /// In failsafe by request: a GPIO line, another node with the same ids, or the end of the
+    /// program.
+    bool forced = false;
+    /// Index of the input in control. In median mode: the preferred input. `kNoInput` if no input
+    /// is in control, or if each frame may come from another input.
+    std::size_t input = kNoInput;
+    /// One bit for each index in the list of inputs that is outvoted.
+    std::uint32_t outvoted = 0;
+    /// Whether held values are marked in its frames. Constant.
+    bool marks_frame_lost = true;
+    /// One bit for each channel that is sent as its preset although an input is in control, because
+    /// the configuration maps it from a channel that is absent.
+    std::uint32_t by_preset = 0;
+
+    bool operator==(const OutputState&) const = default;
+};
+
+/// What an output hands to its link: bytes of one frame, or CAN frames, or nothing.
+struct Transmission {
+    std::span<const std::uint8_t> bytes;
+    std::span<const CanFrame> can_frames;
+
+    bool empty() const { return bytes.empty() && can_frames.empty(); }
+};
+
+/// Counters of one output since the start. They never decrease.
+struct OutputCounts {
+    std::uint64_t frames = 0;             ///< handed over
+    std::uint64_t busy_drops = 0;         ///< the port still had the frame before
+    std::uint64_t lost_drops = 0;         ///< the device was missing
+    std::uint64_t unavailable_drops = 0;  ///< the bus was down, off or stalled
+    std::uint64_t foreign_frames = 0;     ///< CAN frames of other nodes with the ids of this output
+    std::uint64_t failsafe_entries = 0;
+    std::uint64_t recoveries = 0;
+    std::uint64_t changeovers = 0;  ///< from one input to another, without failsafe between
+};
+
+/// The end of a pipeline: each time that it is due, it selects the input, runs the filters, judges
+/// loss and failsafe, and encodes. Failsafe belongs here because a dead link delivers nothing that
+/// could trigger it. Thread-bound. No allocation after construction.
+///
+/// A frame is valid for the whole period until the next one. Inputs are judged by their state at
+/// the end of it, so that no reader acts on unmarked values older than the input's timeout.
+class Output {
+  public:
+    explicit Output(OutputSettings settings);
+
+    /// Starts the schedule.
+    void start(Instant now) { schedule_.start(now); }
+    /// Sets the source of named values. Call before `start`. `board` must outlive the output.
+    void use(const ValueBoard& board);
+    /// Takes over at `now` from `before`, an output of the same protocol on the same port: its
+    /// stage, schedule and counters. Other settings apply from the next frame on. If the input in
+    /// control was removed, it counts as lost.
+    void continue_from(Output& before, const OutputCarry& carry,
+                       std::span<const InputCarry> carried_inputs, Instant now);
+    /// Sets the node that it sends as. Call before `start`; the node must outlive the output.
+    void send_as(const dronecan::NodeIdentity& identity);
+    /// Changes the period from the next frame on.
+    void set_period(Duration period) { schedule_.set_period(period); }
+    /// A frame of input `index`, one of `inputs()`, has arrived.
+    void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
+    /// When to call `run` next.
+    Instant due() const { return schedule_.due(); }
+    /// Makes the next frame. Call when due. A silent output makes none.
+    void run(Instant now, std::span<const Input> inputs);
+    /// Enters failsafe for good: the program is about to end.
+    void end(Instant now);
+    /// While `on`, no input has control. Afterwards `recover` applies, as after a loss.
+    void force_failsafe(bool on, Instant now);
+    /// Selects the input at that index of `inputs()`. `nullopt`: no selection.
+    void pick_input(std::optional<std::size_t> place) { selector_.pick(place); }
+    /// Sets the levels of input lines, for channels that are made from them.
+    void set_lines(LineLevels levels) { map_.set_lines(levels); }
+
+    /// Takes the encoded frame. Empty if there is none, and after it was taken. Valid until the
+    /// next `run`.
+    Transmission take();
+    /// Tells what became of the frame: handed over, or dropped because the port was busy, its
+    /// device missing or its bus unavailable.
+    void written() {
+        ++counts_.frames;
+        busy_run_ = 0;
+        obstacle_ = SendObstacle::none;
+    }
+    void dropped_busy();
+    void dropped_lost();
+    void dropped_unavailable();
+    /// Whether its device is there. Call also if there is nothing to write.
+    void set_device_present(bool present);
+
+    /// The CAN ids that it sends. Empty if it is not on CAN.
+    std::span<const CanIdMatch> sent_ids() const;
+    bool on_can() const { return can_encoder_ != nullptr; }
+    bool uses_fd() const { return can_encoder_ && can_encoder_->uses_fd(); }
+    /// Another node has sent one of these ids. If it goes on, it counts as a second sender.
+    void foreign_frame_seen(Instant now);
+
+    const std::string& name() const { return name_; }
+    /// Indices of the inputs that may feed it, the preferred one first.
+    std::span<const std::size_t> inputs() const { return selector_.inputs(); }
+    const InputSelector& selector() const { return selector_; }
+    OutputStage stage() const {
+        return obstacle_ == SendObstacle::none ? stage_ : OutputStage::cannot_send;
+    }
+    OutputState state(Instant now) const;
+    /// The latest frame that it made. A default frame before the first.
+    const ChannelFrame& latest() const { return latest_; }
+    /// Whether the latest `run` made a frame.
+    bool sends() const { return made_frame_; }
+    /// When its latest frame was due.
+    Instant latest_due() const { return latest_due_; }
+    /// Index of the input in control. `nullopt` if none is.
+    std::optional<std::size_t> controlling_input() const;
+    const OutputCounts& counts() const { return counts_; }
+    std::uint64_t overruns() const { return schedule_.overruns(); }
+    Duration period() const { return schedule_.period(); }
+
+  private:
+    bool must_yield(Instant now) const;
+    std::optional<ChannelFrame> frame_without_inputs(bool yielding);
+    std::optional<ChannelFrame> make_frame(Instant now, std::span<const Input> inputs);
+    std::optional<ChannelFrame> control_frame(Instant now);
+    std::optional<ChannelFrame> failsafe_frame(Instant now);
+    void enter_failsafe();
+    void glide_from_latest(std::optional<double> us_per_second);
+    void take_up_channels();
+    void fill_absent(ChannelFrame& frame, Instant now);
+
+    std::string name_;
+    std::unique_ptr<Encoder> encoder_;
+    std::unique_ptr<CanEncoder> can_encoder_;
+    bool yield_to_foreign_sender_;
+    Schedule schedule_;
+    InputSelector selector_;
+    std::optional<double> changeover_us_per_second_;
+    ChannelMap map_;
+    std::uint32_t mapped_channels_;
+    std::uint32_t by_preset_ = 0;
+    FailsafeSettings failsafe_;
+    Glide glide_;
+
+    /// Stage that results from the inputs; never `cannot_send`.
+    OutputStage stage_ = OutputStage::failsafe;
+    SendObstacle obstacle_ = SendObstacle::none;
+    int busy_run_ = 0;  ///< frames in a row that found the frame before still waiting
+    bool ending_ = false;
+    bool forced_ = false;
+    bool awaits_release_ = false;
+    Instant foreign_seen_{};
+    /// frames of other nodes in a row, each within a second of the one before
+    int foreign_run_ = 0;
+    Instant yield_until_{};
+    std::optional<ChannelFrame> held_;
+    Instant holding_since_{};
+    /// The latest `run` made a frame.
+    bool made_frame_ = false;
+    ChannelFrame latest_;
+    Instant latest_due_{};
+    Instant latest_at_{};
+    std::array<std::uint8_t, kLongestSerialFrame> wire_{};
+    std::size_t wire_length_ = 0;
+    /// Room for kMostSnapshotFrames if the output is on CAN, else empty.
+    std::vector<CanFrame> can_frames_;
+    std::size_t can_frame_count_ = 0;
+    OutputCounts counts_;
+};
+
+}  // namespace tribus

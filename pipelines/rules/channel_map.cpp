@@ -1,0 +1,231 @@
+#include "pipelines/rules/channel_map.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <optional>
+
+#include "core/rounding.h"
+
+namespace tribus {
+namespace {
+
+constexpr Pulse kLeastPulse = Pulse::from_eighths(INT16_MIN);
+constexpr Pulse kGreatestPulse = Pulse::from_eighths(INT16_MAX);
+constexpr double kFullTravelEighths = 500.0 * Pulse::kEighthsPerMicrosecond;
+
+double deviation(Pulse pulse) {
+    return static_cast<double>(pulse.eighths() - kCentrePulse.eighths());
+}
+Pulse from_deviation(double eighths) {
+    return Pulse::from_eighths(kCentrePulse.eighths() + nearest_whole(eighths));
+}
+
+/// Reads the source of one output channel from an input frame.
+struct SourceReader {
+    const ChannelFrame& input;
+    LineLevels lines;
+
+    std::optional<Pulse> operator()(const FromChannel& from) const {
+        return input.channel(from.channel);
+    }
+    std::optional<Pulse> operator()(const Mix& mix) const {
+        double sum = 0;
+        for (const MixTerm& term : mix.terms) {
+            if (!input.has(term.channel)) {
+                return std::nullopt;
+            }
+            sum += term.weight * deviation(input.channel_or(term.channel, kCentrePulse));
+        }
+        return from_deviation(sum);
+    }
+    std::optional<Pulse> operator()(const Fixed& fixed) const { return fixed.pulse; }
+    std::optional<Pulse> operator()(const Switch& lever) const {
+        const std::optional<Pulse> pulse = input.channel(lever.channel);
+        if (!pulse) {
+            return std::nullopt;
+        }
+        const bool on =
+            (lever.above && *pulse > *lever.above) || (lever.below && *pulse < *lever.below);
+        return on ? kSwitchOnPulse : kSwitchOffPulse;
+    }
+    std::optional<Pulse> operator()(const FromLine& from) const {
+        const std::optional<bool> level = lines.of(from.line);
+        return level ? std::optional(*level ? kSwitchOnPulse : kSwitchOffPulse) : std::nullopt;
+    }
+};
+
+std::vector<Filter> filters_of(const ChannelRule& rule) {
+    std::vector<Filter> filters;
+    if (rule.deadband != Pulse{}) {
+        filters.emplace_back(DeadbandFilter{rule.deadband});
+    }
+    if (rule.expo != 0) {
+        filters.emplace_back(ExpoFilter{rule.expo});
+    }
+    if (rule.reverse) {
+        filters.emplace_back(ReverseFilter{});
+    }
+    if (rule.trim != Pulse{}) {
+        filters.emplace_back(TrimFilter{rule.trim});
+    }
+    if (rule.slew_us_per_second) {
+        constexpr double kNanosecondsPerSecond = 1e9;
+        filters.emplace_back(SlewFilter{.eighths_per_nanosecond = *rule.slew_us_per_second *
+                                                                  Pulse::kEighthsPerMicrosecond /
+                                                                  kNanosecondsPerSecond});
+    }
+    if (rule.min || rule.max) {
+        filters.emplace_back(
+            LimitFilter{rule.min.value_or(kLeastPulse), rule.max.value_or(kGreatestPulse)});
+    }
+    return filters;
+}
+
+}  // namespace
+
+Pulse DeadbandFilter::apply(Pulse pulse, Instant /*now*/) {
+    const double from_centre = deviation(pulse);
+    const double size = std::abs(from_centre);
+    const double edge = width.eighths();
+    if (size <= edge) {
+        return kCentrePulse;
+    }
+    if (size >= kFullTravelEighths) {
+        return pulse;
+    }
+    const double stretched = (size - edge) * kFullTravelEighths / (kFullTravelEighths - edge);
+    return from_deviation(std::copysign(stretched, from_centre));
+}
+
+Pulse ExpoFilter::apply(Pulse pulse, Instant /*now*/) {
+    const double travel = deviation(pulse) / kFullTravelEighths;
+    if (std::abs(travel) >= 1) {
+        return pulse;
+    }
+    return from_deviation(((1 - share) * travel + share * travel * travel * travel) *
+                          kFullTravelEighths);
+}
+
+Pulse ReverseFilter::apply(Pulse pulse, Instant /*now*/) {
+    return Pulse::from_eighths(2 * kCentrePulse.eighths() - pulse.eighths());
+}
+
+Pulse TrimFilter::apply(Pulse pulse, Instant /*now*/) {
+    return Pulse::from_eighths(pulse.eighths() + offset.eighths());
+}
+
+Pulse SlewFilter::apply(Pulse pulse, Instant now) {
+    const double wanted = pulse.eighths();
+    if (!started) {
+        latest_eighths = wanted;
+    } else {
+        const double most = eighths_per_nanosecond * static_cast<double>((now - latest_at).count());
+        latest_eighths += std::clamp(wanted - latest_eighths, -most, most);
+    }
+    started = true;
+    latest_at = now;
+    return Pulse::from_eighths(nearest_whole(latest_eighths));
+}
+
+Pulse LimitFilter::apply(Pulse pulse, Instant /*now*/) {
+    return std::clamp(pulse, min, max);
+}
+
+StraightLanes::StraightLanes() {
+    std::iota(input_.begin(), input_.end(), std::uint8_t{0});
+    least_.fill(INT16_MIN);
+    most_.fill(INT16_MAX);
+}
+
+bool StraightLanes::take(const ChannelRule& rule) {
+    const auto* from = std::get_if<FromChannel>(&rule.source);
+    if (from == nullptr || rule.deadband != Pulse{} || rule.expo != 0 || rule.slew_us_per_second) {
+        return false;
+    }
+    constexpr int kTwiceCentre = 2 * kCentrePulse.eighths();
+    const int min = rule.min.value_or(kLeastPulse).eighths();
+    const int max = rule.max.value_or(kGreatestPulse).eighths();
+    const int trim = rule.trim.eighths();
+    const int mirrored = kTwiceCentre + trim;
+    const int least = rule.reverse ? std::max(mirrored - max, kTwiceCentre - INT16_MAX)
+                                   : std::max(min - trim, INT16_MIN);
+    const int most = std::min(rule.reverse ? mirrored - min : max - trim, INT16_MAX);
+    if (least > most || least > INT16_MAX || most < INT16_MIN) {
+        return false;
+    }
+    input_[rule.output] = static_cast<std::uint8_t>(from->channel);
+    least_[rule.output] = static_cast<std::int16_t>(least);
+    most_[rule.output] = static_cast<std::int16_t>(most);
+    turned_[rule.output] = static_cast<std::int16_t>(rule.reverse ? -1 : 0);
+    offset_[rule.output] = static_cast<std::int16_t>(rule.reverse ? mirrored : trim);
+    return true;
+}
+
+void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const {
+    static_assert(sizeof(Pulse) == sizeof(std::int16_t));
+    Lanes values{};
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        values[channel] = std::bit_cast<std::int16_t>(input.pulses()[input_[channel]]);
+    }
+    // std::clamp returns references, which keeps the compiler from using vector instructions.
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        const std::int16_t least = least_[lane];
+        const std::int16_t most = most_[lane];
+        std::int16_t limited = values[lane];
+        limited = limited < least ? least : limited;
+        limited = limited > most ? most : limited;
+        values[lane] =
+            static_cast<std::int16_t>((limited ^ turned_[lane]) - turned_[lane] + offset_[lane]);
+    }
+    std::memcpy(static_cast<void*>(output.pulses().data()), values.data(), sizeof output.pulses());
+    // A receiver with 14 channels, for example, leaves the others absent.
+    if (!input.has_first(kChannelCount)) {
+        output.mark_first(kChannelCount);
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            if (!input.has(input_[channel])) {
+                output.remove(channel);
+            }
+        }
+    }
+}
+
+ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
+    for (const ChannelRule& rule : rules) {
+        if (!straight_lanes_.take(rule)) {
+            lanes_.push_back({rule.output, rule.source, filters_of(rule)});
+        }
+    }
+}
+
+ChannelFrame ChannelMap::apply(const ChannelFrame& input, Instant now) {
+    ChannelFrame output = input;
+    straight_lanes_.apply(input, output);
+    for (Lane& lane : lanes_) {
+        std::optional<Pulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
+        if (pulse) {
+            for (Filter& filter : lane.filters) {
+                pulse = std::visit([&](auto& step) { return step.apply(*pulse, now); }, filter);
+            }
+        }
+        output.set(lane.output, pulse);
+    }
+    return output;
+}
+
+void ChannelMap::restart_from(const ChannelFrame& frame, Instant now) {
+    for (Lane& lane : lanes_) {
+        for (Filter& filter : lane.filters) {
+            auto* slew = std::get_if<SlewFilter>(&filter);
+            if (slew != nullptr && frame.has(lane.output)) {
+                slew->started = true;
+                slew->latest_eighths = frame.channel_or(lane.output, kCentrePulse).eighths();
+                slew->latest_at = now;
+            }
+        }
+    }
+}
+
+}  // namespace tribus

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "pipelines/rules/line_words.h"
+#include "pipelines/rules/settings.h"
+
+/// The filters of a channel map. Each is a small struct; the set is closed.
+namespace tribus {
+
+/// Pulses within `width` of 1500 us become 1500 us. Pulses beyond are stretched, so that there is
+/// no step at the edge, and 1000 and 2000 us stay.
+struct DeadbandFilter {
+    Pulse width;
+    Pulse apply(Pulse pulse, Instant now);
+};
+/// Blends in a share of a cubic curve. 1000, 1500 and 2000 us stay, and so do pulses beyond.
+struct ExpoFilter {
+    double share = 0;
+    Pulse apply(Pulse pulse, Instant now);
+};
+/// Mirrors at 1500 us.
+struct ReverseFilter {
+    Pulse apply(Pulse pulse, Instant now);
+};
+struct TrimFilter {
+    Pulse offset;
+    Pulse apply(Pulse pulse, Instant now);
+};
+/// Limits the rate of change. Starts at the first value that it gets.
+struct SlewFilter {
+    double eighths_per_nanosecond = 0;
+    bool started = false;
+    double latest_eighths = 0;
+    Instant latest_at{};
+    Pulse apply(Pulse pulse, Instant now);
+};
+struct LimitFilter {
+    Pulse min;
+    Pulse max;
+    Pulse apply(Pulse pulse, Instant now);
+};
+using Filter =
+    std::variant<DeadbandFilter, ExpoFilter, ReverseFilter, TrimFilter, SlewFilter, LimitFilter>;
+
+/// The output channels of a map that are at most a reversed, trimmed and limited input channel,
+/// which nearly all are. Computes all of them at once. Limits are converted to the input and
+/// applied first, so that no step can leave the range of a Pulse.
+class StraightLanes {
+  public:
+    /// Passes every channel unchanged.
+    StraightLanes();
+    /// Takes the rule if it can. Returns false if it cannot.
+    bool take(const ChannelRule& rule);
+    void apply(const ChannelFrame& input, ChannelFrame& output) const;
+
+  private:
+    /// A multiple of eight, for vector instructions.
+    static constexpr std::size_t kLanes = (kChannelCount + 7) / 8 * 8;
+    using Lanes = std::array<std::int16_t, kLanes>;
+
+    std::array<std::uint8_t, kChannelCount> input_{};
+    Lanes least_{};
+    Lanes most_{};
+    Lanes turned_{};  ///< all bits set if the channel is reversed, else zero
+    Lanes offset_{};
+};
+
+/// Makes the channels of an output from those of an input. Channels without a rule pass unchanged.
+/// Does not allocate or fail after construction. Thread-bound.
+class ChannelMap {
+  public:
+    explicit ChannelMap(std::span<const ChannelRule> rules);
+
+    /// Every channel reads from `input`, never from another output channel. It is absent if its
+    /// source is absent. Flags, time and origin pass.
+    ChannelFrame apply(const ChannelFrame& input, Instant now);
+
+    /// Sets the levels of the input lines.
+    void set_lines(LineLevels levels) { lines_ = levels; }
+    LineLevels lines() const { return lines_; }
+
+    /// The output sent `frame` instead (presets): slews continue from there.
+    void restart_from(const ChannelFrame& frame, Instant now);
+
+  private:
+    /// A channel that StraightLanes cannot take.
+    struct Lane {
+        std::size_t output = 0;
+        ChannelSource source;
+        std::vector<Filter> filters;
+    };
+
+    StraightLanes straight_lanes_;
+    std::vector<Lane> lanes_;
+    LineLevels lines_ = kNoLineActive;
+};
+
+}  // namespace tribus

@@ -1,0 +1,41 @@
+#include "pipelines/rules/glide.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "core/rounding.h"
+
+namespace tribus {
+
+void Glide::start(const ChannelFrame& from, double us_per_second, Instant now) {
+    constexpr double kNanosecondsPerSecond = 1e9;
+    eighths_per_nanosecond_ = us_per_second * Pulse::kEighthsPerMicrosecond / kNanosecondsPerSecond;
+    latest_at_ = now;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        under_way_[channel] = from.has(channel);
+        reached_eighths_[channel] = from.pulses()[channel].eighths();
+    }
+}
+
+void Glide::apply(ChannelFrame& frame, Instant now) {
+    if (under_way_.none()) {
+        return;
+    }
+    const double most = eighths_per_nanosecond_ * static_cast<double>((now - latest_at_).count());
+    latest_at_ = now;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        if (!under_way_[channel]) {
+            continue;
+        }
+        const double left = frame.pulses()[channel].eighths() - reached_eighths_[channel];
+        if (!frame.has(channel) || std::abs(left) <= most) {
+            under_way_[channel] = false;
+            continue;
+        }
+        reached_eighths_[channel] += std::copysign(most, left);
+        frame.set(channel, Pulse::from_eighths(nearest_whole(reached_eighths_[channel])));
+    }
+}
+
+}  // namespace tribus

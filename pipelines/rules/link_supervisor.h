@@ -1,0 +1,134 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/channel_frame.h"
+#include "core/link_cause.h"
+#include "core/time.h"
+#include "pipelines/rules/settings.h"
+
+namespace tribus {
+
+/// State of a link at an instant.
+struct LinkState {
+    LinkCause cause = LinkCause::never_seen;
+    RadioLossSign sign = RadioLossSign::none;
+    /// When the state began. Meaningless for a link that was never seen.
+    Instant since{};
+};
+
+/// Judges whether the frames of one input count, and if not, why: the sender's flags, values that
+/// mean loss, silence, frames that do not change, implausible values, missing channels. Pure.
+/// Thread-bound. No allocation after construction.
+class LinkSupervisor {
+  public:
+    explicit LinkSupervisor(SupervisionSettings settings);
+
+    /// Takes over the state of `before` at `now` and judges by its own settings. `before` is
+    /// unusable afterwards. A shorter timeout applies at once, a longer one from the next good
+    /// frame on.
+    void continue_from(LinkSupervisor& before, Instant now);
+
+    /// Bytes arrived, whether or not they complete a frame.
+    void bytes_came(Instant now);
+    /// Call after the caller did not read from `since` to `now` and after the waiting frames were
+    /// taken. If that lasted for the timeout or longer, the link was lost at `since + timeout`, and
+    /// an output that holds values may use it again only after it has recovered.
+    void was_away(Instant since, Instant now);
+    /// How often `was_away` lost the link.
+    std::uint64_t absences() const { return absences_; }
+    Duration timeout() const { return settings_.timeout; }
+    /// Takes a whole frame that arrived at `now`. Clears flags that the settings ignore. Sets the
+    /// failsafe flag if the frame means that the radio link is lost (flag, rule or ratio).
+    void take(ChannelFrame& frame, Instant now);
+
+    /// Whether its frames count at `at`, which may lie shortly in the future.
+    bool alive(Instant at) const {
+        return ever_good_ && !radio_lost_ && !channels_missing_ && at < expires_;
+    }
+    /// When the link was lost, or will be lost if no frame follows. Requires `ever_good()`. A
+    /// failsafe flag that comes after the timeout does not change it.
+    Instant lost_at() const {
+        const Instant radio = radio_lost_ ? radio_lost_since_ : expires_;
+        const Instant channels = channels_missing_ ? channels_missing_since_ : expires_;
+        return std::min({radio, channels, expires_});
+    }
+    bool ever_good() const { return ever_good_; }
+    /// Start of the uninterrupted run of good frames.
+    Instant run_start() const { return run_start_; }
+    /// True while the link was never lost after its first good frame: there is nothing to recover
+    /// from.
+    bool first_run() const { return runs_ <= 1; }
+    /// The values of the latest good frame, marked frame-lost if a newer frame was not good.
+    const ChannelFrame& control() const { return good_; }
+
+    /// State at `now`, which must not lie before the latest call.
+    LinkState state(Instant now) const;
+
+  private:
+    enum class Kind : std::uint8_t { good, frame_lost, radio_lost, implausible, channels_missing };
+    struct Verdict {
+        Kind kind = Kind::good;
+        RadioLossSign sign = RadioLossSign::none;
+    };
+
+    void watch_for_change(const ChannelFrame& frame, Instant now);
+    Verdict judge(const ChannelFrame& frame, Instant now);
+    void accept(const ChannelFrame& frame, Instant now);
+    bool channels_missing(const ChannelFrame& frame, Instant now);
+    void refuse(Verdict verdict, Instant now);
+    bool rule_says_loss(const ChannelFrame& frame) const;
+    bool all_zero(const ChannelFrame& frame) const;
+    bool plausible(const ChannelFrame& frame, Instant now);
+    bool any_zero(const ChannelFrame& frame) const;
+    void count_frame_lost(bool lost);
+    bool too_many_lost() const;
+    Instant not_after_frozen(Instant expiry) const;
+    LinkState state_without_frames(Instant now) const;
+
+    static constexpr std::size_t kRatioFrames = 100;
+
+    SupervisionSettings settings_;
+    ChannelFrame good_;
+    ChannelFrame unchanged_;
+    std::bitset<kRatioFrames> lost_marks_;
+    std::size_t next_mark_ = 0;
+    std::size_t lost_count_ = 0;
+    std::uint64_t runs_ = 0;
+    std::uint64_t absences_ = 0;
+
+    /// When the good frame becomes too old if no other frame follows.
+    Instant expires_{};
+    Instant run_start_{};
+    Instant lost_before_run_{};
+    Instant radio_lost_since_{};
+    Instant channels_missing_since_{};
+    /// The frame with the reduced set of channels that the sender has used since `fewer_since_`.
+    ChannelFrame fewer_;
+    Instant fewer_since_{};
+    Instant latest_frame_{};
+    Instant kind_since_{};
+    Instant unchanged_since_{};
+    /// Frames with a raw zero are not good until then.
+    Instant guarded_until_{};
+    Instant latest_bytes_{};
+    Instant bytes_since_{};  ///< start of the bytes after the latest silence
+
+    bool ever_good_ = false;
+    bool run_broken_ = true;
+    bool radio_lost_ = false;
+    bool channels_missing_ = false;
+    bool ever_frame_ = false;
+    bool ever_bytes_ = false;
+    /// The guard against raw zeros was started for the start or the present loss.
+    bool guarded_ = false;
+    Kind latest_kind_ = Kind::good;
+    RadioLossSign sign_ = RadioLossSign::none;
+};
+
+}  // namespace tribus

@@ -1,0 +1,177 @@
+#include "pipelines/values/value_engine.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace tribus {
+
+ValueEngine::ValueEngine(ValueEngineSettings settings)
+    : board_(std::move(settings.values)),
+      messages_(std::move(settings.messages)),
+      health_(std::move(settings.health)),
+      channels_(std::move(settings.channels)),
+      machine_(std::move(settings.machine)),
+      constants_(std::move(settings.constants)) {
+    for (SensorBusSettings& bus : settings.buses) {
+        if (auto* sensor = std::get_if<SensorRoleSettings>(&bus)) {
+            buses_.emplace_back(std::make_unique<SensorRole>(std::move(*sensor)));
+        } else {
+            buses_.emplace_back(
+                std::make_unique<ReceiverRole>(std::move(std::get<ReceiverRoleSettings>(bus))));
+        }
+        roles_.push_back(std::visit([](const auto& role) -> SensorBusRole* { return role.get(); },
+                                    buses_.back()));
+    }
+    std::size_t most_values = 0;
+    for (const ValueMessageSettings& message : messages_) {
+        most_values = std::max(most_values, message.values.size());
+    }
+    readings_.resize(most_values);
+    make_health_watch();
+    bus_writes_.reserve(buses_.size());
+}
+
+/// Covers the inputs and outputs that named values refer to.
+void ValueEngine::make_health_watch() {
+    std::size_t inputs = 0;
+    std::size_t outputs = 0;
+    for (const HealthValue& health : health_) {
+        std::size_t& count = std::holds_alternative<InputFact>(health.fact) ? inputs : outputs;
+        count = std::max(count, health.index + 1);
+    }
+    if (!health_.empty()) {
+        health_watch_.emplace(inputs, outputs);
+    }
+}
+
+void ValueEngine::start(Instant now) {
+    for (const ConstantValue& constant : constants_) {
+        board_.set(constant.value, constant.number, now);
+    }
+    if (health_watch_) {
+        next_health_ = now;
+    }
+    for (SensorBusRole* role : roles_) {
+        role->start(now);
+    }
+}
+
+void ValueEngine::continue_from(ValueEngine& before, const ValueCarry& carry,
+                                const EngineCarry& engine) {
+    board_.continue_from(before.board_, carry.values);
+    for (std::size_t i = 0; i < messages_.size(); ++i) {
+        if (const CarriedFrom from = carry.messages[i]) {
+            std::swap(messages_[i].reader, before.messages_[*from].reader);
+        }
+    }
+    for (std::size_t i = 0; i < buses_.size(); ++i) {
+        const CarriedFrom from = carry.buses[i];
+        if (!from) {
+            continue;
+        }
+        if (const auto* sensor = std::get_if<0>(&buses_[i])) {
+            (*sensor)->continue_from(*std::get<0>(before.buses_[*from]));
+        } else {
+            std::get<1>(buses_[i])->continue_from(*std::get<1>(before.buses_[*from]));
+        }
+    }
+    if (health_watch_ && before.health_watch_) {
+        health_watch_->continue_from(*before.health_watch_, engine);
+    }
+}
+
+void ValueEngine::receive(std::size_t message, const CanFrame& frame, Instant at) {
+    ValueMessageSettings& source = messages_[message];
+    const auto readings = std::span(readings_).first(source.values.size());
+    const auto of = source.reader->take(frame, at, readings);
+    if (!of) {
+        return;
+    }
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        const auto value = source.values[i];
+        const ValueReading& reading = readings[i];
+        if (value && reading.state == ValueReading::State::number) {
+            board_.set(*value, reading.number, *of);
+        } else if (value && reading.state == ValueReading::State::not_available) {
+            board_.remove(*value);
+        }
+    }
+}
+
+void ValueEngine::set_machine(std::size_t index, std::optional<double> number, Instant at) {
+    if (number) {
+        board_.set(machine_[index], *number, at);
+    } else {
+        board_.remove(machine_[index]);
+    }
+}
+
+void ValueEngine::update_health(const Engine& engine, Instant now) {
+    health_watch_->look(engine, now);
+    for (const HealthValue& health : health_) {
+        const auto number = std::visit(
+            [&](auto fact) { return health_watch_->number(engine, health.index, fact, now); },
+            health.fact);
+        if (number) {
+            board_.set(health.value, *number, now);
+        } else {
+            board_.remove(health.value);
+        }
+    }
+}
+
+void ValueEngine::update_channels(const Engine& engine, Instant now) {
+    for (const ChannelValue& told : channels_) {
+        const ChannelFrame* frame = nullptr;
+        if (told.of_output && engine.outputs()[told.index].sends()) {
+            frame = &engine.outputs()[told.index].latest();
+        } else if (!told.of_output && engine.inputs()[told.index].link().alive(now)) {
+            frame = &engine.inputs()[told.index].control();
+        }
+        if (frame != nullptr && frame->has(told.channel)) {
+            board_.set(told.value, frame->pulses()[told.channel].microseconds(), now);
+        } else {
+            board_.remove(told.value);
+        }
+    }
+}
+
+Instant ValueEngine::poll(const Engine& engine, Instant now) {
+    if (now >= next_health_) {
+        update_health(engine, now);
+        update_channels(engine, now);
+        next_health_ = now + HealthWatch::kPeriod;
+    }
+    Instant next = next_health_;
+    bus_writes_.clear();
+    for (std::size_t bus = 0; bus < roles_.size(); ++bus) {
+        if (roles_[bus]->due() <= now) {
+            const auto bytes = roles_[bus]->run(now, board_);
+            if (!bytes.empty()) {
+                bus_writes_.push_back({.bus = bus, .bytes = bytes});
+            }
+        }
+        next = std::min(next, roles_[bus]->due());
+    }
+    return next;
+}
+
+SensorBusState ValueEngine::bus_state(std::size_t bus) const {
+    SensorBusState state;
+    if (const auto* sensor = std::get_if<std::unique_ptr<SensorRole>>(&buses_[bus])) {
+        state.sensor = (*sensor)->counts();
+        state.echo = (*sensor)->echo();
+        state.first_address = (*sensor)->first_address().value_or(0);
+        state.latest_request = (*sensor)->latest_request();
+        return state;
+    }
+    const ReceiverRole& receiver = *std::get<std::unique_ptr<ReceiverRole>>(buses_[bus]);
+    state.is_receiver = true;
+    state.receiver = receiver.counts();
+    state.echo = receiver.echo();
+    std::ranges::copy(receiver.found(), state.found.begin());
+    state.found_count = receiver.found().size();
+    return state;
+}
+
+}  // namespace tribus

@@ -1,0 +1,163 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/can_frame.h"
+#include "core/time.h"
+#include "core/value_board.h"
+#include "pipelines/engine/carry_over.h"
+#include "pipelines/engine/engine.h"
+#include "pipelines/engine/health_watch.h"
+#include "pipelines/sensor_bus/receiver_role.h"
+#include "pipelines/sensor_bus/sensor_role.h"
+#include "transports/codecs/can_value_reader.h"
+
+namespace tribus {
+
+using SensorBusSettings = std::variant<SensorRoleSettings, ReceiverRoleSettings>;
+
+/// A CAN message with named values.
+struct ValueMessageSettings {
+    std::unique_ptr<CanValueReader> reader;
+    /// Index on the board for each value of the message. `nullopt`: no name refers to it.
+    std::vector<std::optional<std::size_t>> values;
+};
+
+/// A named value that is a fact about an input or output.
+struct HealthValue {
+    std::size_t value = 0;
+    std::size_t index = 0;  ///< index of the input or output
+    std::variant<InputFact, OutputFact> fact;
+};
+
+/// A named value that is a channel, in microseconds: of an input as received, of an output as last
+/// sent. Unavailable while the input is lost or the output is silent.
+struct ChannelValue {
+    std::size_t value = 0;
+    bool of_output = false;
+    std::size_t index = 0;  ///< index of the input or output
+    std::size_t channel = 0;
+};
+
+/// A named value that does not change.
+struct ConstantValue {
+    std::size_t value = 0;
+    double number = 0;
+};
+
+struct ValueEngineSettings {
+    std::vector<NamedValue> values;
+    std::vector<SensorBusSettings> buses;
+    std::vector<ValueMessageSettings> messages;
+    std::vector<HealthValue> health;
+    std::vector<ChannelValue> channels;
+    std::vector<ConstantValue> constants;
+    /// Indices on the board for the facts of the machine, in the order of kMachineFacts.
+    std::vector<std::size_t> machine;
+};
+
+/// State of a sensor bus, for status and log.
+struct SensorBusState {
+    bool is_receiver = false;
+    SensorRoleCounts sensor;      ///< if it has the sensor role
+    ReceiverRoleCounts receiver;  ///< if it has the receiver role
+    EchoCounts echo;
+    /// Sensor role: address of its first sensor. 0 while it waits for one.
+    std::uint8_t first_address = 0;
+    /// When the latest request came. Absent before the first one and after a loss of the device.
+    std::optional<Instant> latest_request;
+    std::array<FoundSensor, kMostSensors> found{};
+    std::size_t found_count = 0;
+};
+
+/// All named values of a configuration and their sources: sensor buses in both roles, CAN messages,
+/// facts about inputs, outputs and the machine, constants. Makes no system call and does not
+/// allocate after construction. The caller passes what was read, calls `poll` and writes what the
+/// buses have to send. Thread-bound.
+class ValueEngine {
+  public:
+    explicit ValueEngine(ValueEngineSettings settings);
+
+    const ValueBoard& board() const { return board_; }
+    std::size_t bus_count() const { return buses_.size(); }
+
+    /// Sets the constants and starts the buses.
+    void start(Instant now);
+    /// Call after `start`. The parts named in `carry` and `engine` take over their state in
+    /// `before`, which is unusable afterwards.
+    void continue_from(ValueEngine& before, const ValueCarry& carry, const EngineCarry& engine);
+
+    /// Takes bytes of one bus, read at `now`. `damaged[i]` is true if byte i was damaged on the
+    /// line.
+    template <class DamagedMarks>
+    void receive(std::size_t bus, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
+                 Instant now) {
+        std::size_t start = 0;
+        for (std::size_t position = 0; position < bytes.size(); ++position) {
+            if (damaged[position]) {
+                role(bus).receive(bytes.subspan(start, position - start), now, board_);
+                role(bus).damaged_byte(now);
+                start = position + 1;
+            }
+        }
+        role(bus).receive(bytes.subspan(start), now, board_);
+    }
+    /// Takes a CAN frame that arrived at `at` on the interface of one message.
+    void receive(std::size_t message, const CanFrame& frame, Instant at);
+    /// The device of one bus is gone.
+    void device_lost(std::size_t bus) { role(bus).device_lost(board_); }
+    /// Unread bytes of one bus were discarded.
+    void bytes_discarded(std::size_t bus, Instant now) { role(bus).damaged_byte(now); }
+    /// Sets a fact of the machine, measured at `at`. `nullopt`: the machine does not report it.
+    void set_machine(std::size_t index, std::optional<double> number, Instant at);
+
+    /// Does all that is due at `now`. Returns the time of the next call at the latest. Call it
+    /// after `receive` too.
+    Instant poll(const Engine& engine, Instant now);
+
+    /// Bytes that a bus sends, to be written at once.
+    struct BusWrite {
+        std::size_t bus = 0;
+        std::span<const std::uint8_t> bytes;
+    };
+    /// What the last `poll` made.
+    std::span<const BusWrite> bus_writes() const { return bus_writes_; }
+    /// The bytes of a BusWrite were handed over, or could not be sent.
+    void written(std::size_t bus, Instant now) { role(bus).written(now, board_); }
+    void dropped(std::size_t bus) { role(bus).dropped(); }
+
+    SensorBusState bus_state(std::size_t bus) const;
+    /// The CAN ids of one message.
+    std::span<const CanIdMatch> wanted_ids(std::size_t message) const {
+        return messages_[message].reader->wanted();
+    }
+    bool uses_fd(std::size_t message) const { return messages_[message].reader->uses_fd(); }
+
+  private:
+    SensorBusRole& role(std::size_t bus) { return *roles_[bus]; }
+    void make_health_watch();
+    void update_health(const Engine& engine, Instant now);
+    void update_channels(const Engine& engine, Instant now);
+
+    ValueBoard board_;
+    std::vector<std::variant<std::unique_ptr<SensorRole>, std::unique_ptr<ReceiverRole>>> buses_;
+    std::vector<SensorBusRole*> roles_;
+    std::vector<ValueMessageSettings> messages_;
+    std::vector<ValueReading> readings_;
+    std::vector<HealthValue> health_;
+    std::vector<ChannelValue> channels_;
+    std::vector<std::size_t> machine_;
+    std::vector<ConstantValue> constants_;
+    std::optional<HealthWatch> health_watch_;
+    Instant next_health_ = kNever;
+    std::vector<BusWrite> bus_writes_;
+};
+
+}  // namespace tribus

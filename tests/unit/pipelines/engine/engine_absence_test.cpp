@@ -1,0 +1,104 @@
+#include <array>
+#include <span>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/pipelines/engine/engine_bench.h"
+
+/// The thread does not run for a while: it is stopped or starved, or the machine sleeps.
+namespace tribus::test::serial::engine_absence_test {
+namespace {
+
+constexpr FailsafeSettings kHoldsLong{.hold = 10s, .recover = 500ms};
+
+/// In control with 1200 us from 0 ms on. The thread stops at 1000 ms.
+class Absence : public testing::Test {
+  protected:
+    explicit Absence(FailsafeSettings failsafe = kHoldsLong)
+        : bench_(list(ibus_input()), list(sbus_output({0}, failsafe))) {
+        bench_.ibus_run(0, at(0ms), at(1000ms), us(1200));
+        bench_.loop().run_until(at(1000ms));
+    }
+    /// Receives a frame of 1800 us that waited.
+    void receive_what_waited() {
+        ChannelFrame frame;
+        frame.set(0, us(1800));
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        const std::size_t length = IbusEncoder(14).encode(frame, wire);
+        bench_.engine().receive(0, std::span(wire).first(length), at(1000ms));
+    }
+    bool control(Instant when) {
+        const SbusFrame frame = bench_.said(when);
+        return !frame.frame_lost && !frame.failsafe;
+    }
+
+    Bench bench_;
+};
+
+TEST_F(Absence, shorter_than_the_timeout_leaves_control_with_the_newest_frame) {
+    receive_what_waited();
+    bench_.loop().come_back(at(1000ms), at(1080ms));
+    EXPECT_TRUE(control(at(1080ms)));
+    EXPECT_EQ(bench_.said(at(1080ms)).raw[0], raw_of(1800));
+}
+
+/// The frame may have come just after the thread stopped.
+TEST_F(Absence, makes_a_frame_that_waited_as_old_as_it_may_be) {
+    receive_what_waited();
+    bench_.loop().come_back(at(1000ms), at(1080ms));
+    EXPECT_FALSE(control(at(1100ms)));
+}
+
+TEST_F(Absence, as_long_as_the_timeout_gives_no_control_to_what_waited) {
+    receive_what_waited();
+    bench_.loop().come_back(at(1000ms), at(1100ms));
+    EXPECT_FALSE(control(at(1100ms)));
+}
+
+TEST_F(Absence, as_long_as_the_timeout_asks_for_recover_although_values_are_still_held) {
+    bench_.loop().come_back(at(1000ms), at(1100ms));
+    bench_.ibus_run(0, at(1104ms), at(2000ms), us(1800));
+    EXPECT_FALSE(control(at(1600ms)));
+    EXPECT_TRUE(control(at(1620ms)));
+}
+
+TEST_F(Absence, is_proved_away_once_and_for_all) {
+    bench_.loop().come_back(at(1000ms), at(1100ms));
+    bench_.ibus_run(0, at(1104ms), at(2000ms), us(1800));
+    // A pause that is bridged, as before.
+    bench_.ibus_run(0, at(2200ms), at(2300ms), us(1800));
+    EXPECT_TRUE(control(at(2220ms)));
+}
+
+/// A CAN socket tells the age of each frame. One that came just now proves nothing about the
+/// others.
+TEST_F(Absence, asks_for_recover_even_of_a_link_whose_latest_frame_is_young) {
+    bench_.ibus(0, at(1099ms), us(1800));
+    bench_.loop().come_back(at(1000ms), at(1100ms));
+    EXPECT_FALSE(control(at(1100ms)));
+    bench_.ibus_run(0, at(1104ms), at(1300ms), us(1800));
+    EXPECT_FALSE(control(at(1300ms)));
+}
+
+TEST_F(Absence, shows_as_a_silent_wire_until_the_next_frame) {
+    receive_what_waited();
+    bench_.loop().come_back(at(1000ms), at(1200ms));
+    EXPECT_EQ(bench_.engine().inputs()[0].state().cause, LinkCause::wire_silent);
+}
+
+/// A rest of a frame whose beginning was thrown away is no frame, and neither is the reverse.
+TEST_F(Absence, lets_no_frame_go_on_across_bytes_that_were_thrown_away) {
+    ChannelFrame frame;
+    frame.set(0, us(1800));
+    std::array<std::uint8_t, kLongestSerialFrame> wire{};
+    const std::size_t length = IbusEncoder(14).encode(frame, wire);
+    const auto bytes = std::span(wire).first(length);
+    const std::uint64_t frames = bench_.engine().inputs()[0].counts().frames;
+    bench_.engine().receive(0, bytes.first(20), at(1000ms));
+    bench_.engine().bytes_discarded(0);
+    bench_.engine().receive(0, bytes.subspan(20), at(1000ms));
+    EXPECT_EQ(bench_.engine().inputs()[0].counts().frames, frames);
+}
+
+}  // namespace
+}  // namespace tribus::test::serial::engine_absence_test

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "tests/unit/pipelines/engine/engine_bench.h"
+
+/// What an output continues with when another engine replaces the running one.
+namespace tribus::test::serial::engine_reload_test {
+namespace {
+
+OutputCarry all_but_channels() {
+    return {.from = 0, .same_channels = false, .same_schedule = true, .same_failsafe = true};
+}
+OutputCarry everything() {
+    OutputCarry carry = all_but_channels();
+    carry.same_channels = true;
+    return carry;
+}
+
+/// Continues in `next`, which has as many inputs. Each is the successor of the one with the same
+/// index.
+void reload(Bench& bench, Engine& next, Duration when, const OutputCarry& carry = everything(),
+            bool same_input_channels = true) {
+    bench.said(at(when));
+    std::vector<InputCarry> inputs;
+    for (std::size_t input = 0; input < next.inputs().size(); ++input) {
+        inputs.push_back({.from = input, .same_channels = same_input_channels});
+    }
+    next.start(at(when));
+    next.continue_from(bench.engine(), {.inputs = inputs, .outputs = {carry}, .nodes = {}},
+                       at(when));
+    bench.loop().go_on_with(next, nullptr, at(when));
+}
+
+TEST(ReloadOfAnOutput, leaves_the_recovery_that_is_due_after_a_forced_failsafe) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus_run(0, at(1ms), at(1s), us(1100));
+    bench.said(at(1s));
+    bench.engine().output(0).force_failsafe(true, at(1s));
+    bench.ibus_run(0, at(1001ms), at(1200ms), us(1100));
+    bench.engine().output(0).force_failsafe(false, at(1200ms));
+    bench.ibus_run(0, at(1201ms), at(1300ms), us(1100));
+    Engine next(list(ibus_input()), list(sbus_output({0})));
+    reload(bench, next, 1300ms);
+    bench.ibus_run(0, at(1301ms), at(2s), us(1100));
+    EXPECT_TRUE(bench.said(at(1690ms)).failsafe);
+    EXPECT_FALSE(bench.said(at(1710ms)).failsafe) << "500 ms after it was let go";
+}
+
+TEST(ReloadOfAnOutput, takes_values_that_are_held_through_the_new_map) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus_run(0, at(1ms), at(500ms), us(1100));
+    OutputSettings reversed = sbus_output({0});
+    reversed.channels = {{.output = 0, .source = FromChannel{0}, .reverse = true}};
+    Engine next(list(ibus_input()), list(std::move(reversed)));
+    reload(bench, next, 700ms, all_but_channels());
+    const SbusFrame held = bench.said(at(750ms));
+    EXPECT_TRUE(held.frame_lost);
+    EXPECT_EQ(held.raw[0], raw_of(1900));
+}
+
+TEST(ReloadOfAnOutput, begins_a_new_slew_where_it_stands_although_the_map_before_said_otherwise) {
+    OutputSettings reversed = sbus_output({0});
+    reversed.channels = {{.output = 0, .source = FromChannel{0}, .reverse = true}};
+    Bench bench(list(ibus_input()), list(std::move(reversed)));
+    bench.ibus_run(0, at(1ms), at(500ms), us(1000));
+    OutputSettings slow = sbus_output({0});
+    slow.channels = {{.output = 0, .source = FromChannel{0}, .slew_us_per_second = 1000}};
+    Engine next(list(ibus_input()), list(std::move(slow)));
+    reload(bench, next, 500ms, all_but_channels());
+    bench.ibus(0, at(501ms), us(1000));
+    EXPECT_EQ(bench.said(at(510ms)).raw[0], raw_of(1990)) << "10 ms after it said 2000 us";
+}
+
+TEST(ReloadOfAnOutput, in_failsafe_goes_to_other_presets_as_slowly_as_it_is_to) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    EXPECT_EQ(bench.said(at(500ms)).raw[0], raw_of(1500));
+    OutputSettings other = sbus_output({0});
+    other.failsafe.presets[0] = us(2000);
+    other.failsafe.slew_us_per_second = 1000;
+    Engine next(list(ibus_input()), list(std::move(other)));
+    OutputCarry carry = everything();
+    carry.same_failsafe = false;
+    reload(bench, next, 500ms, carry);
+    EXPECT_EQ(bench.said(at(600ms)).raw[0], raw_of(1600));
+    EXPECT_EQ(bench.said(at(1500ms)).raw[0], raw_of(2000));
+}
+
+TEST(ReloadOfAnInput, begins_a_new_slew_of_its_own_where_it_stands) {
+    Bench bench(list(ibus_input()), list(sbus_output({0})));
+    bench.ibus_run(0, at(1ms), at(500ms), us(1000));
+    InputSettings slow = ibus_input();
+    slow.channels = {
+        {.output = 0, .source = FromChannel{0}, .reverse = true, .slew_us_per_second = 1000}};
+    Engine next(list(std::move(slow)), list(sbus_output({0})));
+    reload(bench, next, 500ms, everything(), false);
+    bench.ibus(0, at(510ms), us(1000));
+    EXPECT_EQ(bench.said(at(520ms)).raw[0], raw_of(1010)) << "on its way to 2000 us";
+}
+
+TEST(ReloadOfAnOutput, keeps_what_buttons_say_until_they_say_otherwise) {
+    const auto with_button = [](int trim) {
+        OutputSettings output = sbus_output({0});
+        output.channels = {{.output = 4, .source = FromLine{0}, .trim = us(trim)}};
+        return output;
+    };
+    const LineTask button{.role = LineRole::button};
+    Bench bench(list(ibus_input()), list(with_button(0)), {button});
+    bench.ibus_run(0, at(1ms), at(500ms), us(1100));
+    bench.engine().set_lines({.active = 1, .known = 1}, at(500ms));
+    Engine next(list(ibus_input()), list(with_button(-100)), {button});
+    reload(bench, next, 500ms, all_but_channels());
+    bench.ibus(0, at(501ms), us(1100));
+    EXPECT_EQ(bench.said(at(510ms)).raw[4], raw_of(1900));
+}
+
+TEST(ReloadOfAnOutput, reads_the_handover_channel_anew_where_the_inputs_to_pick_are_others) {
+    const auto picking = [](std::vector<std::size_t> inputs) {
+        OutputSettings output = sbus_output(std::move(inputs));
+        output.selection.handover = HandoverSettings{.input = 0, .channel = 2};
+        return output;
+    };
+    const auto three = [] { return list(ibus_input(), ibus_input(), ibus_input()); };
+    Bench bench(three(), list(picking({0, 1})));
+    const auto run = [&](Duration from, Duration until) {
+        for (Instant when = at(from); when < at(until); when += 8ms) {
+            bench.ibus(0, when, us(1100), us(1670));  // just in the last third of three
+            bench.ibus(1, when + 1ms, us(1200));
+            bench.ibus(2, when + 2ms, us(1300));
+        }
+    };
+    run(1ms, 500ms);
+    EXPECT_EQ(bench.said(at(505ms)).raw[0], raw_of(1200));
+    Engine next(three(), list(picking({0, 1, 2})));
+    reload(bench, next, 506ms);
+    run(507ms, 600ms);
+    EXPECT_EQ(bench.said(at(610ms)).raw[0], raw_of(1300));
+}
+
+}  // namespace
+}  // namespace tribus::test::serial::engine_reload_test

@@ -1,0 +1,108 @@
+#include "pipelines/engine/health_watch.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/pipelines/engine/engine_bench.h"
+
+namespace tribus::test::serial::health_watch_test {
+namespace {
+
+std::vector<InputSettings> one_input() {
+    std::vector<InputSettings> inputs;
+    inputs.push_back(ibus_input());
+    return inputs;
+}
+std::vector<OutputSettings> one_output() {
+    std::vector<OutputSettings> outputs;
+    outputs.push_back(sbus_output({0}));
+    return outputs;
+}
+
+/// A receiver that sends every 10 ms for two seconds. One of `every` frames is missing.
+class HealthOfAReceiver : public testing::Test {
+  protected:
+    void fly(Duration until, int every = 0) {
+        for (; now_ < until; now_ += 10ms) {
+            if (++frame_ % 10 == 0) {
+                watch_.look(bench_.engine(), at(now_));
+            }
+            if (every == 0 || frame_ % every != 0) {
+                bench_.ibus(0, at(now_), us(1500));
+            }
+        }
+        watch_.look(bench_.engine(), at(now_));
+        bench_.engine().look(0, at(now_));
+    }
+    double input(InputFact fact) {
+        return watch_.number(bench_.engine(), 0, fact, at(now_)).value_or(-1);
+    }
+
+    Bench bench_{one_input(), one_output()};
+    HealthWatch watch_{1, 1};
+    Duration now_ = 10ms;
+    int frame_ = 0;
+};
+
+TEST_F(HealthOfAReceiver, HasNothingToSayOfAnInputThatWasNeverSeen) {
+    watch_.look(bench_.engine(), at(100ms));
+    watch_.look(bench_.engine(), at(200ms));
+    bench_.engine().look(0, at(200ms));
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, InputFact::age, at(200ms)), std::nullopt);
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, InputFact::loss_ratio, at(200ms)), std::nullopt);
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, InputFact::frame_rate, at(200ms)), 0);
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, InputFact::good, at(200ms)), 0);
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, InputFact::cause, at(200ms)),
+              static_cast<double>(LinkCause::never_seen));
+}
+
+TEST_F(HealthOfAReceiver, TellsTheFrameRateOfTheLatestSecond) {
+    fly(3s);
+    EXPECT_NEAR(input(InputFact::frame_rate), 100, 1);
+    EXPECT_NEAR(input(InputFact::loss_ratio), 0, 0.5);
+    EXPECT_EQ(input(InputFact::good), 1);
+    EXPECT_EQ(input(InputFact::cause), 0);
+    EXPECT_NEAR(input(InputFact::age), 10, 0.001);
+}
+
+TEST_F(HealthOfAReceiver, TellsTheShareOfFramesThatDidNotCome) {
+    fly(3s);
+    fly(6s, 4);
+    EXPECT_NEAR(input(InputFact::loss_ratio), 25, 2);
+    EXPECT_NEAR(input(InputFact::frame_rate), 75, 2);
+}
+
+TEST_F(HealthOfAReceiver, TellsThatAllIsLostWhenNothingComesAnyMore) {
+    fly(3s);
+    fly(5s, 1);
+    EXPECT_EQ(input(InputFact::loss_ratio), 100);
+    EXPECT_EQ(input(InputFact::good), 0);
+    EXPECT_EQ(input(InputFact::cause), static_cast<double>(LinkCause::wire_silent));
+    EXPECT_NEAR(input(InputFact::age), 2010, 0.001);
+}
+
+TEST_F(HealthOfAReceiver, GoesOnInAnotherEngineWhereTheReceiverHasAnotherPlace) {
+    fly(3s);
+    auto two = one_input();
+    two.push_back(ibus_input());
+    Engine next(std::move(two), one_output());
+    const EngineCarry carry{.inputs = {{}, {.from = 0}}, .outputs = {{.from = 0}}, .nodes = {}};
+    next.start(at(now_));
+    next.continue_from(bench_.engine(), carry, at(now_));
+    HealthWatch watch{2, 1};
+    watch.continue_from(watch_, carry);
+    watch.look(next, at(now_ + 100ms));
+    EXPECT_NEAR(watch.number(next, 1, InputFact::frame_rate, at(now_)).value_or(-1), 89, 1)
+        << "none came in 100 of the 900 ms";
+    EXPECT_EQ(watch.number(next, 0, InputFact::frame_rate, at(now_)), 0);
+    EXPECT_NEAR(watch.number(next, 0, OutputFact::frame_rate, at(now_)).value_or(-1), 89, 1);
+}
+
+TEST_F(HealthOfAReceiver, TellsWhetherAnOutputIsInFailsafe) {
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, OutputFact::failsafe, at(now_)), 1);
+    fly(3s);
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, OutputFact::failsafe, at(now_)), 0);
+    EXPECT_EQ(watch_.number(bench_.engine(), 0, OutputFact::holding, at(now_)), 0);
+}
+
+}  // namespace
+}  // namespace tribus::test::serial::health_watch_test

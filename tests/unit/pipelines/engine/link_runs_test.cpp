@@ -1,0 +1,85 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/pipelines/rules/supervised_link.h"
+
+/// When a run of good frames begins, when a loss begins, and how a reload affects both.
+namespace tribus::test::link::link_runs_test {
+namespace {
+
+constexpr PulseRange kUsual{Pulse::from_microseconds(900), Pulse::from_microseconds(2100)};
+
+TEST(LinkRun, begins_anew_behind_a_single_frame_that_is_marked_frame_lost) {
+    const Link link = Link().moving(70ms).same(77ms, frame_lost(sticks())).moving(140ms);
+    EXPECT_EQ(link.supervisor().run_start(), at(77ms));
+}
+
+TEST(LinkRun, begins_anew_behind_a_single_implausible_frame) {
+    const Link link =
+        Link({.plausible = kUsual}).moving(70ms).same(77ms, sticks(2101)).moving(140ms);
+    EXPECT_EQ(link.supervisor().run_start(), at(77ms));
+}
+
+TEST(LinkCause, of_a_loss_that_goes_on_is_radio_lost_since_its_first_frame) {
+    const Link link = Link().moving(70ms).same(140ms, failsafe(sticks()));
+    EXPECT_EQ(link.state(140ms).since, at(70ms));
+}
+
+TEST(LinkCause, of_a_loss_keeps_the_sign_that_it_began_with) {
+    const ValueRule low{.channel = 2, .below = us(950)};
+    const Link link =
+        Link({.failsafe_when = {low}}).moving(70ms).same(77ms, sticks(900)).same(140ms, [] {
+            return failsafe(sticks(900));
+        }());
+    EXPECT_EQ(link.state(140ms).sign, RadioLossSign::value_rule);
+}
+
+TEST(Frozen, may_be_longer_than_the_timeout_and_does_not_prolong_it) {
+    const Link link = Link({.frozen = 500ms}).moving(70ms);  // the last at 63 ms
+    EXPECT_TRUE(link.supervisor().alive(at(163ms - 1ns)));
+    EXPECT_FALSE(link.supervisor().alive(at(163ms)));
+}
+
+TEST(Plausible, looks_at_all_eighteen_channels) {
+    ChannelFrame frame = sticks();
+    frame.set(16, us(1500));
+    frame.set(17, us(2101));
+    EXPECT_EQ(Link({.plausible = kUsual}).same(70ms, frame).cause(70ms), LinkCause::implausible);
+}
+
+TEST(ZeroGuard, begins_anew_where_a_link_falls_silent_before_it_was_ever_good) {
+    ChannelFrame half = sticks();
+    half.set(2, kRawZero);
+    const Link link = Link({.raw_zero = kRawZero}).same(500ms, half).silence(5s).same(5900ms, half);
+    EXPECT_EQ(link.cause(5900ms), LinkCause::implausible);
+}
+
+TEST(LinkAfterAReload, is_not_revived_by_a_longer_timeout) {
+    Link before = Link().moving(70ms);  // lost from 163 ms on
+    LinkSupervisor after(SupervisionSettings{.timeout = 1s});
+    after.continue_from(before.supervisor(), at(300ms));
+    EXPECT_FALSE(after.alive(at(300ms)));
+}
+
+TEST(LinkAfterAReload, is_lost_by_a_shorter_timeout_at_once) {
+    Link before = Link({.timeout = 1s}).moving(70ms);
+    LinkSupervisor after(SupervisionSettings{.timeout = 100ms});
+    after.continue_from(before.supervisor(), at(150ms));
+    EXPECT_TRUE(after.alive(at(163ms - 1ns)));
+    EXPECT_FALSE(after.alive(at(163ms)));
+}
+
+TEST(LinkAfterAReload, that_watches_for_standing_still_from_now_on_counts_from_now) {
+    Link before = Link().same(2s, sticks());
+    LinkSupervisor after(SupervisionSettings{.frozen = 500ms});
+    after.continue_from(before.supervisor(), at(2s));
+    ChannelFrame frame = sticks();
+    for (Instant now = at(2s); now < at(2490ms); now += kInterval) {
+        frame.received = now;
+        after.take(frame, now);
+    }
+    EXPECT_TRUE(after.alive(at(2500ms - 1ns)));
+    EXPECT_FALSE(after.alive(at(2500ms)));
+}
+
+}  // namespace
+}  // namespace tribus::test::link::link_runs_test

@@ -1,0 +1,71 @@
+#include <gtest/gtest.h>
+
+#include "tests/unit/pipelines/rules/supervised_link.h"
+
+/// A sender that leaves out channels that it sent before.
+namespace tribus::test::link::missing_channels_test {
+namespace {
+
+constexpr SupervisionSettings kMeantAfterHalfASecond{.fewer_channels_after = 500ms};
+
+ChannelFrame only_the_first(std::size_t count) {
+    ChannelFrame frame = sticks();
+    for (std::size_t channel = count; channel < kChannelCount; ++channel) {
+        frame.remove(channel);
+    }
+    return frame;
+}
+
+TEST(MissingChannels, are_a_loss_with_the_first_frame) {
+    const Link link = Link(kMeantAfterHalfASecond).moving(70ms).same(77ms, only_the_first(15));
+    EXPECT_EQ(link.cause(77ms), LinkCause::channels_missing);
+    EXPECT_FALSE(link.supervisor().alive(at(77ms)));
+    EXPECT_EQ(link.supervisor().lost_at(), at(70ms));
+}
+
+TEST(MissingChannels, that_are_back_begin_a_new_run) {
+    const Link link =
+        Link(kMeantAfterHalfASecond).moving(70ms).same(140ms, only_the_first(1)).moving(210ms);
+    EXPECT_EQ(link.cause(210ms), LinkCause::good);
+    EXPECT_EQ(link.supervisor().run_start(), at(140ms));
+}
+
+TEST(MissingChannels, are_meant_when_the_same_ones_stayed_away_for_long_enough) {
+    Link link = Link(kMeantAfterHalfASecond).moving(70ms);
+    link.same(567ms, only_the_first(4));
+    EXPECT_EQ(link.cause(567ms), LinkCause::channels_missing);
+    link.same(581ms, only_the_first(4));
+    EXPECT_EQ(link.cause(581ms), LinkCause::good);
+    EXPECT_EQ(link.supervisor().run_start(), at(70ms));
+    EXPECT_EQ(link.supervisor().control().absent(), only_the_first(4).absent());
+}
+
+TEST(MissingChannels, that_are_others_each_time_are_never_meant) {
+    const Link link = Link(kMeantAfterHalfASecond).moving(70ms).frames(5s, [](std::int64_t n) {
+        return only_the_first(n % 2 == 0 ? 4 : 5);
+    });
+    EXPECT_EQ(link.cause(5s), LinkCause::channels_missing);
+}
+
+TEST(MissingChannels, count_their_time_anew_behind_a_frame_with_all) {
+    Link link = Link(kMeantAfterHalfASecond).moving(70ms);
+    link.same(490ms, only_the_first(4)).same(497ms, sticks()).same(980ms, only_the_first(4));
+    EXPECT_EQ(link.cause(980ms), LinkCause::channels_missing);
+}
+
+TEST(MissingChannels, are_no_loss_of_a_sender_that_never_had_them) {
+    EXPECT_EQ(Link(kMeantAfterHalfASecond).same(70ms, only_the_first(4)).cause(70ms),
+              LinkCause::good);
+}
+
+TEST(MissingChannels, of_frames_without_any_are_never_meant) {
+    const Link never = Link(kMeantAfterHalfASecond).same(5s, only_the_first(0));
+    EXPECT_EQ(never.cause(5s), LinkCause::channels_missing);
+    EXPECT_FALSE(never.supervisor().ever_good());
+    const Link lost = Link(kMeantAfterHalfASecond).moving(70ms).same(5s, only_the_first(0));
+    EXPECT_EQ(lost.cause(5s), LinkCause::channels_missing);
+    EXPECT_FALSE(lost.supervisor().alive(at(5s)));
+}
+
+}  // namespace
+}  // namespace tribus::test::link::missing_channels_test
