@@ -65,21 +65,10 @@ bool for_each_named(const Entry* kind, Reading reading, Read read) {
 
 RuntimeConfig read_runtime(const Entry* entry, Reading reading) {
     RuntimeConfig runtime;
-    const auto content = read_only_table("runtime", entry, runtime_keys(), reading);
-    if (!content) {
-        return runtime;
-    }
-    const SettingValues& values = content->values();
-    const auto realtime = values.get_or<std::string>("realtime", "auto");
-    runtime.realtime = realtime == "off"       ? Realtime::off
-                       : realtime == "require" ? Realtime::require
-                                               : Realtime::automatic;
-    runtime.priority = static_cast<int>(values.get_or<std::int64_t>("priority", 80));
-    if (const auto* cpu = values.find_as<std::int64_t>("cpu")) {
-        runtime.cpu = static_cast<int>(*cpu);
+    if (const auto content = read_only_table("runtime", entry, runtime_keys(), reading)) {
+        content->read_into(runtime);
         runtime.cpu_where = content->where("cpu");
     }
-    runtime.spin = values.get_or<Duration>("spin", Duration::zero());
     return runtime;
 }
 

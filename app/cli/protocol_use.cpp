@@ -75,7 +75,7 @@ std::string as_option_message(const Setting& setting, const Mistakes& mistakes) 
     const std::string option = fmt::format("--{}", setting.key);
     const std::string key = in_quotes(setting.key);
     if (mistakes.empty()) {
-        return option + ": allowed: " + allowed_values(setting);
+        return option + ": allowed: " + allowed_values({setting});
     }
     const std::string text = mistakes.sorted().front().text;
     return text.starts_with(key) ? option + text.substr(key.size()) : option + ": " + text;
@@ -119,7 +119,7 @@ void add_choices(std::string& choices, const std::string& more) {
 tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
                                                           std::string_view text) {
     Mistakes mistakes("");
-    auto value = read_value(setting, as_value(setting, text), mistakes);
+    auto value = read_value({setting}, as_value(setting, text), mistakes);
     if (!value) {
         return Refused(as_option_message(setting, mistakes));
     }
@@ -161,9 +161,9 @@ std::vector<SettingOption> setting_options(SettingScope direction) {
             if (!applies(setting, direction)) {
                 continue;
             }
-            const std::string help =
-                fmt::format("{}: {} ({})", protocol->name,
-                            without_backticks(help_with_default(setting)), allowed_values(setting));
+            const std::string help = fmt::format("{}: {} ({})", protocol->name,
+                                                 without_backticks(help_with_default(setting)),
+                                                 allowed_values({setting}));
             const auto same = [&](const SettingOption& option) {
                 return option.key == setting.key;
             };
@@ -216,7 +216,7 @@ tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
         } else if (setting.required && applies(setting, direction)) {
             return Refused(fmt::format("--{}: {} requires it: {}; allowed: {}", setting.key,
                                        protocol.name, without_backticks(setting.help),
-                                       allowed_values(setting)));
+                                       allowed_values({setting})));
         }
     }
     if (auto mistake = mistake_between(protocol, direction, use.settings); !mistake.empty()) {

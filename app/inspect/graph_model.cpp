@@ -81,22 +81,6 @@ void add_rules(GraphBox& box, const std::vector<ChannelRule>& rules,
     }
 }
 
-std::string_view action_text(FailsafeAction action) {
-    constexpr std::array<std::string_view, 3> kTexts{"preset", "hold", "silence"};
-    return kTexts[static_cast<std::size_t>(action)];
-}
-
-std::string_view mode_text(SelectionMode mode) {
-    constexpr std::array<std::string_view, 4> kTexts{"priority", "sticky", "freshest", "median"};
-    return kTexts[static_cast<std::size_t>(mode)];
-}
-
-std::string_view role_text(LineRole role) {
-    constexpr std::array<std::string_view, 8> kTexts{
-        "link", "failsafe", "fresh", "force failsafe", "select", "inverter", "button", "switch"};
-    return kTexts[static_cast<std::size_t>(role)];
-}
-
 /// Builds the graph of one configuration.
 class Drawing {
   public:
@@ -161,7 +145,7 @@ class Drawing {
     void add_pipeline(const PipelineConfig& pipeline) {
         GraphBox box{GraphColumn::pipelines, pipeline.name, {}};
         if (pipeline.selection.inputs.size() > 1) {
-            box.lines.push_back("mode " + std::string(mode_text(pipeline.selection.mode)));
+            box.lines.push_back("mode " + std::string(word_of(pipeline.selection.mode)));
         }
         add_rules(box, pipeline.channels, configuration_.lines);
         const std::size_t place = graph_.boxes.size();
@@ -182,18 +166,19 @@ class Drawing {
     }
 
     void add_sensor_bus(const SensorBusConfig& bus) {
-        std::vector<std::string> lines{fmt::format(
-            "{} on {}", bus.receiver ? "polls sensors" : "is sensors", bus.port.device)};
+        const bool receiver = bus.role == BusRole::receiver;
+        std::vector<std::string> lines{
+            fmt::format("{} on {}", receiver ? "polls sensors" : "is sensors", bus.port.device)};
         for (const SensorConfig& sensor : bus.sensors) {
             lines.push_back(sensor.type.name);
         }
-        add(bus.receiver ? GraphColumn::sources : GraphColumn::outputs, "bus", bus.name,
+        add(receiver ? GraphColumn::sources : GraphColumn::outputs, "bus", bus.name,
             std::move(lines));
     }
 
     void add_line(const LineConfig& line) {
         add(is_input_role(line.task.role) ? GraphColumn::sources : GraphColumn::lines, "gpio",
-            line.name, {fmt::format("{} {}", to_text(line.place), role_text(line.task.role))});
+            line.name, {fmt::format("{} {}", to_text(line.place), word_of(line.task.role))});
     }
 
     void join() {
@@ -227,7 +212,7 @@ class Drawing {
             *find("output", configuration_.outputs[pipeline.outputs[index]].name);
         arrow(find("pipeline", pipeline.name), to, "");
         graph_.boxes[to].lines.push_back(fmt::format(
-            "lost: {} hold, then {}", short_duration(failsafe.hold), action_text(failsafe.action)));
+            "lost: {} hold, then {}", short_duration(failsafe.hold), word_of(failsafe.action)));
     }
 
     void join_line(const LineConfig& line) {

@@ -105,7 +105,6 @@ tl::expected<void, std::string> add_can_frames(Arrivals& arrivals, const Recordi
 }  // namespace
 
 std::vector<SimulatedSource> simulated_sources(const Configuration& configuration) {
-    constexpr Duration kSlot = std::chrono::microseconds(7700);
     std::vector<SimulatedSource> sources;
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
         const InputConfig& input = configuration.inputs[i];
@@ -126,7 +125,7 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
                            .name = bus.name,
                            .protocol = "ibus-sensor",
                            .port = &bus.port,
-                           .usual_period = kSlot});
+                           .usual_period = kUsualSlot});
     }
     std::size_t message = 0;
     for (const ValuesConfig& values : configuration.values) {

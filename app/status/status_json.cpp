@@ -228,7 +228,7 @@ OrderedJson sensor_bus_json(const SensorBusConfig& config, const SensorBusState&
     OrderedJson json;
     json["name"] = config.name;
     json["port"] = config.port.device;
-    json["role"] = state.is_receiver ? "receiver" : "sensor";
+    json["role"] = word_of(config.role);
     if (state.is_receiver) {
         const SensorTypes types(config.dialect, report.configuration->sensor_types);
         const ReceiverRoleCounts& counts = state.receiver;

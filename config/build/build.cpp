@@ -99,18 +99,18 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
     }
     std::vector<OutputSettings> outputs;
     for (const OutputConfig& output : configuration.outputs) {
-        outputs.push_back({.name = output.name,
-                           .encoder = make(output.protocol->make_encoder, output.settings),
-                           .can_encoder = make(output.protocol->make_can_encoder, output.settings),
-                           .node = output.protocol == &kDroneCanProtocol
-                                       ? node_on(nodes, output.port.device)
-                                       : std::nullopt,
-                           .yield_to_foreign_sender = output.yield_to_foreign_sender,
-                           .schedule = output.schedule,
-                           .selection = {},
-                           .channels = {},
-                           .mapped_channels = 0,
-                           .failsafe = {}});
+        outputs.push_back(
+            {.name = output.name,
+             .encoder = make(output.protocol->make_encoder, output.settings),
+             .can_encoder = make(output.protocol->make_can_encoder, output.settings),
+             .node = output.protocol == &kDroneCanProtocol ? node_on(nodes, output.port.device)
+                                                           : std::nullopt,
+             .yield_to_foreign_sender = output.foreign_sender == ForeignSender::failsafe,
+             .schedule = output.schedule,
+             .selection = {},
+             .channels = {},
+             .mapped_channels = 0,
+             .failsafe = {}});
     }
     for (const PipelineConfig& pipeline : configuration.pipelines) {
         for (std::size_t i = 0; i < pipeline.outputs.size(); ++i) {

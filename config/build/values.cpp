@@ -75,7 +75,7 @@ std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configurati
     for (std::size_t i = 0; i < configuration.sensor_buses.size(); ++i) {
         const SensorBusConfig& bus = configuration.sensor_buses[i];
         SensorBusSettings& made = buses.emplace_back();
-        if (bus.receiver) {
+        if (bus.role == BusRole::receiver) {
             made = receiver_role(bus, catalog.readings[i],
                                  SensorTypes(bus.dialect, configuration.sensor_types));
         } else {

@@ -56,7 +56,8 @@ std::vector<PortUse> port_uses(const Draft& draft) {
     }
     for (const SensorBusDraft& bus : draft.sensor_buses) {
         if (bus.port_sound) {
-            uses.push_back({kBus, bus.config.name, &bus.config.port, bus.config.receiver});
+            uses.push_back(
+                {kBus, bus.config.name, &bus.config.port, bus.config.role == BusRole::receiver});
         }
     }
     return uses;

@@ -11,6 +11,7 @@
 #include "config/keys/rows_ports.h"
 #include "config/keys/rows_recorder.h"
 #include "config/keys/rows_values.h"
+#include "config/schema/notation.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {
@@ -18,40 +19,32 @@ namespace {
 
 using namespace key_rows;
 
-constexpr std::array<std::string_view, 3> kRealtimeChoices{"auto", "off", "require"};
-
 constexpr std::array kRuntimeKeys{
-    Key{{.key = "realtime",
-         .type = choice,
-         .fallback = "\"auto\"",
-         .choices = kRealtimeChoices,
+    row<&RuntimeConfig::realtime>(
+        {.key = "realtime",
          .help = "Real time for the data thread: SCHED_FIFO, locked memory, processors that do "
                  "not sleep deeply. `auto`: as far as it is permitted; `require`: all of it, or "
                  "the program does not start; `off`: none of it",
-         .example = "\"require\""}},
-    Key{{.key = "priority",
-         .type = integer,
-         .fallback = "80",
-         .least = 1,
-         .most = 99,
-         .help = "SCHED_FIFO priority of the data thread",
-         .example = "60"}},
-    Key{{.key = "cpu",
-         .type = integer,
-         .absent = "any processor",
-         .least = 0,
-         .most = 255,
-         .help = "Processor that the data thread is pinned to",
-         .example = "3"}},
-    Key{{.key = "spin",
-         .type = duration,
-         .fallback = "\"0us\"",
+         .example = "\"require\""}),
+    row<&RuntimeConfig::priority>({.key = "priority",
+                                   .least = 1,
+                                   .most = 99,
+                                   .help = "SCHED_FIFO priority of the data thread",
+                                   .example = "60"}),
+    row<&RuntimeConfig::cpu>({.key = "cpu",
+                              .absent = "any processor",
+                              .least = 0,
+                              .most = 255,
+                              .help = "Processor that the data thread is pinned to",
+                              .example = "3"}),
+    row<&RuntimeConfig::spin>(
+        {.key = "spin",
          .least = 0,
          .most = 0.0002,
          .help = "The data thread wakes up this long before a deadline and stays awake for it: "
                  "less jitter with `schedule = \"grid\"`, for that much processor time a frame; "
                  "60us is plenty",
-         .example = "\"60us\""}},
+         .example = "\"60us\""}),
 };
 
 constexpr std::array kRootKeys{
@@ -133,6 +126,15 @@ std::span<const Key> recorder_keys() {
 }
 std::span<const Key> output_failsafe_keys() {
     return kOutputFailsafeKeys;
+}
+
+std::optional<SettingValue> default_of(const Key& key) {
+    const Setting& setting = key.setting;
+    if (!setting.fallback.empty()) {
+        return default_of(setting);
+    }
+    const bool in_words = setting.required || !setting.absent.empty();
+    return in_words || key.field.initial == nullptr ? std::nullopt : key.field.initial();
 }
 
 const Key& key_named(std::span<const Key> keys, std::string_view name) {

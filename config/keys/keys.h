@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "config/keys/field.h"
 #include "core/setting.h"
 #include "transports/codecs/protocol.h"
 
@@ -36,9 +37,16 @@ struct Key {
     std::span<const Key> inside = {};
     /// If set, the tables inside also have the keys of their protocol with this scope.
     std::optional<SettingScope> protocol_scope = {};
+    /// The member that the value sets. Its initial value is the default of the key, unless the row
+    /// says something else.
+    Field field = {};
 
     std::string_view name() const { return setting.key; }
 };
+
+/// What holds where the key is left out: `fallback` of the row or else the initial value of its
+/// member. Absent if the key is required, or if the row says in words what holds.
+std::optional<SettingValue> default_of(const Key& key);
 
 /// The keys at the top of a file.
 std::span<const Key> root_keys();

@@ -1,7 +1,10 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <string_view>
+#include <type_traits>
 
 #include "config/keys/keys.h"
 #include "core/channel_frame.h"
@@ -10,6 +13,24 @@
 namespace tribus::key_rows {
 
 using enum SettingType;
+
+/// A row that sets the member at the end of the path. The member says the type and the choices,
+/// unless it is a double, which has several notations, or the row has choices of its own.
+template <auto... path>
+constexpr Key row(Setting setting) {
+    using Member = typename MemberAt<path...>::Member;
+    constexpr bool kSaysType =
+        !std::is_same_v<Member, double> && !std::is_same_v<Member, std::optional<double>>;
+    if (kSaysType && setting.choices.empty()) {
+        setting.type = Notation<Member>::kType;
+        setting.choices = choices_of<Member>();
+    }
+    Key key{.setting = setting, .field = MemberAt<path...>::kField};
+    if (std::is_same_v<Member, std::size_t>) {
+        key.field.initial = nullptr;  // no channel is the usual one
+    }
+    return key;
+}
 
 constexpr Setting channel_number(std::string_view key, std::string_view help,
                                  std::string_view example) {

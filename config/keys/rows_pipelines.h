@@ -10,46 +10,37 @@ namespace tribus::key_rows {
 
 using enum SettingType;
 
-inline constexpr std::array<std::string_view, 4> kModeChoices{"priority", "sticky", "freshest",
-                                                              "median"};
-
-inline constexpr std::array<std::string_view, 3> kActionChoices{"preset", "hold", "silence"};
-
 inline constexpr std::array kHandoverKeys{
     Key{{.key = "input",
          .type = text,
          .required = true,
          .help = "Name of the input that has the channel",
          .example = "\"main\""}},
-    Key{{.key = "channel",
-         .type = integer,
+    row<&HandoverSettings::channel>(
+        {.key = "channel",
          .required = true,
          .least = 1,
          .most = kChannelCount,
          .help = "The channel that selects. Its travel from 1000 to 2000 us is divided evenly "
                  "among the inputs of the pipeline, in their order. With `mode = \"median\"` "
                  "the lowest part leaves it to the vote",
-         .example = "8"}},
+         .example = "8"}),
 };
 
-inline constexpr Key kHoldKey{
+inline constexpr Key kHoldKey = row<&FailsafeSettings::hold>(
     {.key = "hold",
-     .type = duration,
-     .fallback = "\"300ms\"",
      .least = 0,
      .most = 10,
      .help = "For this long after the input is lost, the last values are sent, marked "
              "frame-lost where the protocol can. `\"0s\"`: failsafe at once",
-     .example = "\"0s\""}};
-inline constexpr Key kActionKey{
+     .example = "\"0s\""});
+inline constexpr Key kActionKey = row<&FailsafeSettings::action>(
     {.key = "action",
-     .type = choice,
      .absent = "`\"preset\"` where the protocol can say failsafe, else `\"silence\"`",
-     .choices = kActionChoices,
      .help = "What is sent in failsafe, after `hold`. `preset`: the pulses of `preset`; `hold`: "
              "the last values, marked failsafe, only where the protocol can say failsafe; "
              "`silence`: no frames",
-     .example = "\"silence\""}};
+     .example = "\"silence\""});
 inline constexpr Key kPresetKey{
     structure("preset",
               "Pulses in failsafe with the action `preset`, by output channel; also for channels "
@@ -57,32 +48,29 @@ inline constexpr Key kPresetKey{
               "it is left out",
               "{ 3 = 1000, other = 1500 }", "`{ 3 = 988, other = 1500 }`"),
     KeyKind::presets};
-inline constexpr Key kFailsafeSlewKey{
+inline constexpr Key kFailsafeSlewKey = row<&FailsafeSettings::slew_us_per_second>(
     {.key = "slew",
      .type = slew,
      .absent = "no limit",
      .least = 1,
      .most = 1e6,
      .help = "Fastest change of a channel into the presets, and back from them",
-     .example = "\"1000us/s\""}};
-inline constexpr Key kRecoverKey{
+     .example = "\"1000us/s\""});
+inline constexpr Key kRecoverKey = row<&FailsafeSettings::recover>(
     {.key = "recover",
-     .type = duration,
-     .fallback = "\"500ms\"",
      .least = 0,
      .most = 60,
      .help = "Control returns after good frames without a break for this long",
-     .example = "\"1s\""}};
+     .example = "\"1s\""});
 
-inline constexpr Key kPowerOnKey{
+inline constexpr Key kPowerOnKey = row<&FailsafeSettings::power_on>(
     {.key = "power_on",
-     .type = duration,
      .absent = "as `recover`",
      .least = 0,
      .most = 60,
      .help = "Control is given for the first time after good frames without a break for this "
              "long",
-     .example = "\"2s\""}};
+     .example = "\"2s\""});
 inline constexpr Key kReleaseKey{
     structure("release_when",
               "After failsafe and at the start, control also waits until an output channel has "
@@ -116,33 +104,31 @@ inline constexpr std::array kPipelineKeys{
         KeyKind::names},
     Key{{.key = "to", .required = true, .help = "Outputs by name", .example = "\"servos\""},
         KeyKind::names},
-    Key{{.key = "mode",
-         .type = choice,
-         .fallback = "\"priority\"",
-         .choices = kModeChoices,
+    row<&SelectionSettings::mode>(
+        {.key = "mode",
          .help = "Which of several inputs has control. `priority`: the first healthy one, which "
                  "takes control back after `recover`; `sticky`: the one in control until it "
                  "fails; `freshest`: for each frame the one with the youngest values; `median`: "
                  "of three or more, the middle value of each channel",
-         .example = "\"sticky\""}},
-    Key{{.key = "tolerance",
-         .type = pulse,
-         .fallback = "50",
+         .example = "\"sticky\""}),
+    row<&SelectionSettings::tolerance>(
+        {.key = "tolerance",
          .least = 1,
          .most = 1000,
          .help = "With `mode = \"median\"`: an input that differs by more than this is outvoted",
-         .example = "30"}},
+         .example = "30"}),
     Key{structure("handover", "A channel by which a person selects the input",
                   "{ input = \"main\", channel = 8 }", "`mode` decides alone"),
         KeyKind::table, kHandoverKeys},
-    Key{{.key = "changeover",
+    row<&SelectionSettings::changeover_us_per_second>(
+        {.key = "changeover",
          .type = slew,
          .absent = "no limit",
          .least = 1,
          .most = 1e6,
          .help = "Fastest change of a channel while control passes from one input to another. "
                  "Not with `mode = \"freshest\"`",
-         .example = "\"2000us/s\""}},
+         .example = "\"2000us/s\""}),
     Key{structure("channels",
                   "The map: output channel = input channel, or a table that says how it is made. "
                   "Channels that are not named pass unchanged",

@@ -91,7 +91,7 @@ bool has_limits(const Setting& setting) {
 }
 
 std::string seconds_text(double seconds) {
-    return seconds == 0 ? "0s" : format_duration(Duration(std::llround(seconds * 1e9)));
+    return format_duration(Duration(std::llround(seconds * 1e9)));
 }
 
 std::string number_range(double least, double most) {
@@ -138,12 +138,13 @@ std::string range_of(const Key& key, SettingScope way) {
     }
 }
 
-std::string fallback_of(const Setting& setting) {
+std::string fallback_of(const Key& key) {
+    const Setting& setting = key.setting;
     if (setting.required) {
         return "required";
     }
-    if (!setting.fallback.empty()) {
-        return as_code(setting.fallback);
+    if (const auto value = default_of(key)) {
+        return as_code(written(setting.type, *value));
     }
     return setting.absent.empty() ? "none" : std::string(setting.absent);
 }
@@ -154,7 +155,7 @@ KeyWords words_of(const Key& key, SettingScope way) {
     const Setting& setting = key.setting;
     return {.type = type_of(key),
             .range = range_of(key, way),
-            .fallback = fallback_of(setting),
+            .fallback = fallback_of(key),
             .meaning = fmt::format("{}.", setting.help),
             .example = fmt::format("{} = {}", setting.key, setting.example)};
 }

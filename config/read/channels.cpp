@@ -144,19 +144,10 @@ ChannelSource read_source(const TableContent& content, Draft* draft, Reading rea
 ChannelRule read_rule(std::size_t output, const TableRef& ref, Draft* draft, Reading reading) {
     const TableContent content = read_table(ref, channel_keys(), reading);
     check_combination(content, ref, reading.mistakes);
-    const SettingValues& values = content.values();
     ChannelRule rule;
+    content.read_into(rule);
     rule.output = output;
     rule.source = read_source(content, draft, reading);
-    rule.deadband = pulse_of(content, "deadband").value_or(Pulse{});
-    rule.expo = values.get_or("expo", 0.0);
-    rule.reverse = values.get_or("reverse", false);
-    rule.trim = pulse_of(content, "trim").value_or(Pulse{});
-    if (const auto* slew = values.find_as<double>("slew")) {
-        rule.slew_us_per_second = *slew;
-    }
-    rule.min = pulse_of(content, "min");
-    rule.max = pulse_of(content, "max");
     return rule;
 }
 

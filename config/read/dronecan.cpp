@@ -26,20 +26,13 @@ DroneCanDraft read_dronecan(const Entry& entry, const Table& table, Reading read
     const std::string title = fmt::format("[dronecan.{}]", entry.key);
     const TableContent content =
         read_table({table, entry.value.where, title}, dronecan_keys(), reading);
-    const SettingValues& values = content.values();
     DroneCanDraft draft;
     draft.where = entry.where;
     draft.config.name = entry.key;
     draft.config.port.link = LinkKind::can;
-    draft.config.port.device = values.get_or("interface", std::string());
+    content.read_into(draft.config.port);
     draft.config.port.where = content.where("interface");
-    draft.config.dynamic = values.get_or("dynamic", false);
-    draft.config.node_name = values.get_or("name", std::string());
-    draft.config.allow_restart = values.get_or("allow_restart", false);
-    draft.config.allow_writes = values.get_or("allow_writes", false);
-    if (const auto* id = values.find_as<std::int64_t>("node_id")) {
-        draft.config.node_id = static_cast<std::uint8_t>(*id);
-    }
+    content.read_into(draft.config);
     if (content.given("node_id")) {
         draft.node_id = content.where("node_id");
     }

@@ -15,56 +15,32 @@
 namespace tribus {
 namespace {
 
-/// The content of one failsafe table.
+/// What one failsafe table says; nothing if there is none.
 struct Given {
-    std::optional<Duration> hold;
-    std::optional<Duration> recover;
-    std::optional<Duration> power_on;
-    std::optional<double> slew_us_per_second;
+    std::optional<TableContent> content;
     std::optional<ValueRule> release_when;
-    std::optional<FailsafeAction> action;
     std::optional<Presets> presets;
-    bool action_sound = true;
-    Location action_where;
     Location preset_where;
+
+    bool has(std::string_view key) const {
+        return content && content->given(key) && content->sound(key);
+    }
+    bool has_mistaken(std::string_view key) const { return content && !content->sound(key); }
 };
 
-std::optional<FailsafeAction> action_of(const TableContent& content) {
-    const auto* name = content.values().find_as<std::string>("action");
-    if (name == nullptr) {
-        return std::nullopt;
-    }
-    return *name == "preset" ? FailsafeAction::preset
-           : *name == "hold" ? FailsafeAction::hold
-                             : FailsafeAction::silence;
-}
-
-Given read_given(const TableContent& content, Reading reading) {
+Given read_given(TableContent content, Reading reading) {
     Given given;
-    const auto duration = [&content](std::string_view key) {
-        return content.given(key) && content.sound(key)
-                   ? std::optional(content.values().get_or(key, Duration::zero()))
-                   : std::nullopt;
-    };
-    given.hold = duration("hold");
-    given.recover = duration("recover");
-    given.power_on = duration("power_on");
-    if (const auto* slew = content.values().find_as<double>("slew")) {
-        given.slew_us_per_second = *slew;
-    }
     if (const Entry* release = content.find("release_when")) {
         given.release_when =
             read_value_rule({release->value, "\"release_when\"", "{ channel = 3, below = 1050 }",
                              "every value would release", release_rule_keys()},
                             reading);
     }
-    given.action = action_of(content);
-    given.action_sound = content.sound("action");
-    given.action_where = content.where("action");
     if (const Entry* preset = content.find("preset")) {
         given.presets = read_presets(preset->value, reading.mistakes);
         given.preset_where = preset->where;
     }
+    given.content = std::move(content);
     return given;
 }
 
@@ -107,10 +83,10 @@ GivenByOutput read_outputs(const Value& value, const PipelineConfig& pipeline, c
                                                                 describe(entry.value), path));
             continue;
         }
-        const TableContent content =
+        TableContent content =
             read_table({*table, entry.value.where, fmt::format("[{}.{}]", path, entry.key)},
                        output_failsafe_keys(), reading);
-        result.emplace(entry.key, read_given(content, reading));
+        result.emplace(entry.key, read_given(std::move(content), reading));
     }
     return result;
 }
@@ -123,22 +99,29 @@ FailsafeAction default_action(const OutputConfig& output) {
 
 FailsafeSettings combine(const Given& own, const Given& shared, const OutputConfig& output) {
     FailsafeSettings settings;
-    settings.hold = own.hold ? *own.hold : shared.hold.value_or(settings.hold);
-    settings.recover = own.recover ? *own.recover : shared.recover.value_or(settings.recover);
-    settings.power_on = own.power_on ? *own.power_on : shared.power_on.value_or(settings.recover);
-    settings.slew_us_per_second =
-        own.slew_us_per_second ? own.slew_us_per_second : shared.slew_us_per_second;
-    settings.release_when = own.release_when ? own.release_when : shared.release_when;
-    settings.action = own.action ? *own.action : shared.action.value_or(default_action(output));
-    settings.presets = own.presets ? *own.presets : shared.presets.value_or(default_presets());
+    settings.action = default_action(output);
+    settings.presets = default_presets();
+    for (const Given* given : {&shared, &own}) {
+        if (given->content) {
+            given->content->read_given_into(settings);
+        }
+        if (given->release_when) {
+            settings.release_when = given->release_when;
+        }
+        settings.presets = given->presets.value_or(settings.presets);
+    }
+    if (!own.has("power_on") && !shared.has("power_on")) {
+        settings.power_on = settings.recover;
+    }
     return settings;
 }
 
 /// Rule: an output is silent or says failsafe; it never repeats old values without a mark.
-void check_hold(const Given& given, const OutputConfig& output, Mistakes& mistakes) {
-    if (given.action == FailsafeAction::hold && output.protocol != nullptr &&
+void check_hold(const FailsafeSettings& settings, const Given& given, const OutputConfig& output,
+                Mistakes& mistakes) {
+    if (settings.action == FailsafeAction::hold && output.protocol != nullptr &&
         !output.protocol->signals_failsafe(output.settings)) {
-        mistakes.add(given.action_where,
+        mistakes.add(given.content->where("action"),
                      fmt::format("\"action\" is \"hold\", but {} of output {} cannot say failsafe: "
                                  "it would repeat old values unmarked; allowed there: \"preset\", "
                                  "\"silence\"",
@@ -166,10 +149,9 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
     const auto* table = entry == nullptr ? nullptr : entry->value.as<Table>();
     const std::string title = fmt::format("[pipeline.{}.failsafe]", pipeline.name);
     if (table != nullptr) {
-        const TableContent content =
-            read_table({*table, entry->value.where, title}, failsafe_keys(), reading);
-        shared = read_given(content, reading);
-        if (const Entry* outputs = content.find("output")) {
+        shared = read_given(
+            read_table({*table, entry->value.where, title}, failsafe_keys(), reading), reading);
+        if (const Entry* outputs = shared.content->find("output")) {
             own = read_outputs(outputs->value, pipeline, draft, reading);
         }
     } else if (entry != nullptr) {
@@ -178,15 +160,15 @@ std::vector<FailsafeSettings> read_failsafe(const Entry* entry, const PipelineCo
     }
     std::vector<FailsafeSettings> result;
     // Without certainty, no mistake is reported.
-    bool shared_used = shared.action || !shared.action_sound || draft.outputs_uncertain ||
-                       pipeline.outputs.empty();
+    bool shared_used = shared.has("action") || shared.has_mistaken("action") ||
+                       draft.outputs_uncertain || pipeline.outputs.empty();
     for (const std::size_t index : pipeline.outputs) {
         const OutputConfig& output = draft.outputs[index].config;
         const Given& mine = own[output.name];
         result.push_back(combine(mine, shared, output));
-        check_hold(mine.action ? mine : shared, output, reading.mistakes);
-        const bool presets_used = mine.action || !mine.action_sound || shared.action ||
-                                  output.protocol == nullptr ||
+        check_hold(result.back(), mine.has("action") ? mine : shared, output, reading.mistakes);
+        const bool presets_used = mine.has("action") || mine.has_mistaken("action") ||
+                                  shared.has("action") || output.protocol == nullptr ||
                                   default_action(output) == FailsafeAction::preset;
         check_presets(mine, presets_used, reading.mistakes);
         shared_used = shared_used || (presets_used && !mine.presets);

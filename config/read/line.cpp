@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "config/keys/rows_lines.h"
 #include "config/language/nearest.h"
 #include "config/read/rules.h"
 #include "core/quotes.h"
@@ -30,23 +29,32 @@ constexpr std::array<std::string_view, 5> kSwitchKeys{"output", "channel", "belo
 constexpr std::array<std::string_view, 9> kRoleKeys{
     "bias", "debounce", "output", "input", "period", "channel", "below", "above", "between"};
 
-std::optional<LineRole> role_of(const TableContent& content) {
-    const auto name = content.values().get_or<std::string>("role", {});
-    const auto found = std::ranges::find(key_rows::kRoleChoices, name);
-    return found == key_rows::kRoleChoices.end()
-               ? std::nullopt
-               : std::optional(LineRole(found - key_rows::kRoleChoices.begin()));
-}
-
-bool has_key(LineRole role, std::string_view key) {
-    return std::ranges::find(keys_of_role(role), key) != keys_of_role(role).end();
+std::span<const std::string_view> keys_of_role(LineRole role) {
+    switch (role) {
+        case LineRole::link:
+        case LineRole::failsafe:
+            return kShowingKeys;
+        case LineRole::fresh:
+            return kFreshKeys;
+        case LineRole::force_failsafe:
+            return kForceKeys;
+        case LineRole::select:
+            return kSelectKeys;
+        case LineRole::inverter:
+            return {};
+        case LineRole::button:
+            return kButtonKeys;
+        case LineRole::channel_switch:
+            return kSwitchKeys;
+    }
+    return {};
 }
 
 std::string roles_with(std::string_view key) {
     std::vector<std::string_view> roles;
-    for (std::size_t role = 0; role < key_rows::kRoleChoices.size(); ++role) {
-        if (has_key(LineRole(role), key)) {
-            roles.push_back(key_rows::kRoleChoices[role]);
+    for (const std::string_view role : ChoiceWords<LineRole>::kAll) {
+        if (role_has(*choice_named<LineRole>(role), key)) {
+            roles.push_back(role);
         }
     }
     return in_quotes_all(roles);
@@ -54,10 +62,10 @@ std::string roles_with(std::string_view key) {
 
 void check_keys(const TableContent& content, LineRole role, Mistakes& mistakes) {
     for (const std::string_view key : kRoleKeys) {
-        if (content.given(key) && !has_key(role, key)) {
+        if (content.given(key) && !role_has(role, key)) {
             mistakes.add(content.find(key)->where,
                          fmt::format("{} has no effect with role {}: it is for {}; leave it out",
-                                     in_quotes(key), in_quotes(name_of(role)), roles_with(key)));
+                                     in_quotes(key), in_quotes(word_of(role)), roles_with(key)));
         }
     }
 }
@@ -68,7 +76,7 @@ void needs(const TableContent& content, std::string_view title, LineRole role, s
     if (!content.given(key) && !reading.lost.affects(content.where(key))) {
         reading.mistakes.add(content.where(key),
                              fmt::format("{} lacks {}; required with role {}, such as {}", title,
-                                         in_quotes(key), in_quotes(name_of(role)), example));
+                                         in_quotes(key), in_quotes(word_of(role)), example));
     }
 }
 
@@ -148,7 +156,7 @@ std::vector<std::size_t> read_outputs(const TableContent& content, const Draft& 
     return all;
 }
 
-ValueRule read_switch_rule(const TableContent& content, std::string_view title, Reading reading) {
+void check_switch_rule(const TableContent& content, std::string_view title, Reading reading) {
     constexpr std::string_view kExample = "channel = 9, above = 1700";
     needs(content, title, LineRole::channel_switch, "output", "output = \"servos\"", reading);
     needs(content, title, LineRole::channel_switch, "channel", kExample, reading);
@@ -159,17 +167,13 @@ ValueRule read_switch_rule(const TableContent& content, std::string_view title, 
                                          title, in_quotes_all(kValueLimits), kExample));
     }
     check_limits(content, "below", "above", "it would always be on", reading.mistakes);
-    return value_rule_of(content);
 }
 
-LineTask read_task(const TableContent& content, LineRole role, std::string_view title,
-                   const Draft& draft, Reading reading) {
+void read_task(const TableContent& content, LineTask& task, std::string_view title,
+               const Draft& draft, Reading reading) {
+    const LineRole role = task.role;
     check_keys(content, role, reading.mistakes);
-    LineTask task;
-    task.role = role;
-    task.period = content.values().get_or("period", task.period);
-    task.debounce = content.values().get_or("debounce", task.debounce);
-    if (has_key(role, "output")) {
+    if (role_has(role, "output")) {
         task.outputs = read_outputs(content, draft, reading);
     }
     if (role == LineRole::select) {
@@ -178,36 +182,16 @@ LineTask read_task(const TableContent& content, LineRole role, std::string_view 
                          .value_or(kNoInput);
     }
     if (role == LineRole::channel_switch) {
-        task.rule = read_switch_rule(content, title, reading);
+        check_switch_rule(content, title, reading);
     }
-    return task;
 }
 
 }  // namespace
 
-std::span<const std::string_view> keys_of_role(LineRole role) {
-    switch (role) {
-        case LineRole::link:
-        case LineRole::failsafe:
-            return kShowingKeys;
-        case LineRole::fresh:
-            return kFreshKeys;
-        case LineRole::force_failsafe:
-            return kForceKeys;
-        case LineRole::select:
-            return kSelectKeys;
-        case LineRole::inverter:
-            return {};
-        case LineRole::button:
-            return kButtonKeys;
-        case LineRole::channel_switch:
-            return kSwitchKeys;
-    }
-    return {};
-}
-
-std::string_view name_of(LineRole role) {
-    return key_rows::kRoleChoices[static_cast<std::size_t>(role)];
+bool role_has(LineRole role, std::string_view key) {
+    const auto own = keys_of_role(role);
+    return std::ranges::find(kRoleKeys, key) == kRoleKeys.end() ||
+           std::ranges::find(own, key) != own.end();
 }
 
 LineDraft read_line(const Entry& entry, const Table& table, const Draft& draft, Reading reading) {
@@ -218,19 +202,15 @@ LineDraft read_line(const Entry& entry, const Table& table, const Draft& draft, 
     line.where = entry.where;
     line.config.name = entry.key;
     line.config.where = content.where("line");
+    content.read_into(line.config);
     auto place = read_place(content, reading.mistakes);
     line.place_sound = place.has_value();
     line.config.place = std::move(place).value_or(GpioPlace{});
-    line.config.active_low = content.values().get_or("active_low", false);
-    const auto bias = content.values().get_or<std::string>("bias", "as_is");
-    line.config.bias =
-        GpioBias(std::ranges::find(key_rows::kBiasChoices, bias) - key_rows::kBiasChoices.begin());
     line.period = content.given("period") ? std::optional(content.where("period")) : std::nullopt;
     line.period_sound = content.sound("period");
-    const auto role = role_of(content);
-    line.role_sound = role && content.sound("role");
-    if (role) {
-        line.config.task = read_task(content, *role, title, draft, reading);
+    line.role_sound = content.given("role") && content.sound("role");
+    if (line.role_sound) {
+        read_task(content, line.config.task, title, draft, reading);
     }
     return line;
 }

@@ -125,7 +125,7 @@ PortConfig port_config(const PortKeys& port, const TableContent& content) {
     if (port.protocol != nullptr) {
         const std::string_view place = place_key(port.protocol->link).name();
         config.link = port.protocol->link;
-        config.device = content.values().get_or(place, std::string());
+        content.read_into(config);
         config.where = content.where(place);
         config.line = port.protocol->line;
         const auto baud = content.values().get_or("baud", std::int64_t{config.line.baud});
@@ -183,17 +183,6 @@ Duration own_period(const Protocol& protocol, const SettingValues& settings, boo
     const auto own =
         sound && protocol.own_period != nullptr ? protocol.own_period(settings) : std::nullopt;
     return own.value_or(protocol.default_period);
-}
-
-ScheduleSettings schedule_settings(const TableContent& content, Duration fallback) {
-    ScheduleSettings schedule;
-    const SettingValues& values = content.values();
-    schedule.kind = values.get_or<std::string>("schedule", {}) == "grid" ? ScheduleKind::grid
-                                                                         : ScheduleKind::follow;
-    schedule.phase =
-        values.get_or<std::string>("phase", {}) == "locked" ? Phase::locked : Phase::free;
-    schedule.period = values.get_or("period", fallback);
-    return schedule;
 }
 
 void check_phase(const OutputConfig& output, const TableContent& content, Mistakes& mistakes) {
@@ -272,15 +261,12 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
         // It may be an output for values only, which the other mistake hides.
         draft.needs_pipeline = false;
     }
-    draft.config.yield_to_foreign_sender =
-        content.values().get_or<std::string>("foreign_sender", {}) != "ignore";
     draft.config.port = port_config(port, content);
-    const Duration period =
-        port.protocol == nullptr
-            ? ScheduleSettings{}.period
-            : own_period(*port.protocol, draft.config.settings, draft.settings_sound);
-    draft.config.schedule = schedule_settings(content, period);
-    draft.config.force = content.values().get_or("force", false);
+    if (port.protocol != nullptr) {
+        draft.config.schedule.period =
+            own_period(*port.protocol, draft.config.settings, draft.settings_sound);
+    }
+    content.read_into(draft.config);
     const bool judged = port.protocol != nullptr && content.sound("protocol") &&
                         content.sound("period") && content.sound("baud") && content.sound("force");
     if (judged) {

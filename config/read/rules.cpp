@@ -54,16 +54,9 @@ std::optional<ValueRule> read_value_rule(const RuleRef& ref, Reading reading) {
     const TableContent content =
         read_table({*table, ref.value.where, ref.title}, ref.keys, reading);
     check_value_rule(ref, content, reading);
-    return value_rule_of(content);
-}
-
-ValueRule value_rule_of(const TableContent& content) {
-    const auto channel = content.values().get_or<std::int64_t>("channel", 1);
-    return {.all_zero = content.values().get_or("all_zero", false),
-            .channel = static_cast<std::size_t>(channel - 1),
-            .below = pulse_of(content, "below"),
-            .above = pulse_of(content, "above"),
-            .between = pulses_of(content, "between")};
+    ValueRule rule;
+    content.read_into(rule);
+    return rule;
 }
 
 bool has_value_limit(const TableContent& content) {
@@ -138,14 +131,6 @@ void check_limits(const TableContent& content, std::string_view lower, std::stri
                                  in_quotes(upper), format_number(high->microseconds()), otherwise,
                                  in_quotes(lower), in_quotes(upper)));
     }
-}
-
-std::optional<PulseRange> pulses_of(const TableContent& content, std::string_view key) {
-    const auto* range = content.values().find_as<NumberRange>(key);
-    return range == nullptr
-               ? std::nullopt
-               : std::optional(PulseRange{Pulse::from_fractional_microseconds(range->low),
-                                          Pulse::from_fractional_microseconds(range->high)});
 }
 
 std::optional<Pulse> pulse_of(const TableContent& content, std::string_view key) {

@@ -27,8 +27,6 @@ struct RuleRef {
     std::span<const Key> keys;
 };
 std::optional<ValueRule> read_value_rule(const RuleRef& ref, Reading reading);
-/// The rule from the keys of a table.
-ValueRule value_rule_of(const TableContent& content);
 /// The keys with limits of a value.
 inline constexpr std::array<std::string_view, 3> kValueLimits{"below", "above", "between"};
 /// Whether at least one of these keys was given.
@@ -53,8 +51,7 @@ Presets default_presets();
 void check_limits(const TableContent& content, std::string_view lower, std::string_view upper,
                   std::string_view otherwise, Mistakes& mistakes);
 
-/// The pulse or the range of pulses of a key. `nullopt` if it has no valid value.
+/// The pulse of a key. `nullopt` if it has no valid value.
 std::optional<Pulse> pulse_of(const TableContent& content, std::string_view key);
-std::optional<PulseRange> pulses_of(const TableContent& content, std::string_view key);
 
 }  // namespace tribus

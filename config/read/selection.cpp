@@ -6,24 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "config/keys/rows_pipelines.h"
 #include "config/language/nearest.h"
-#include "config/read/rules.h"
 #include "core/quotes.h"
 
 namespace tribus {
 namespace {
 
 constexpr std::size_t kLeastMedianInputs = 3;
-
-/// The choices of the key are in the order of SelectionMode.
-SelectionMode mode_of(const TableContent& content) {
-    const auto name = content.values().get_or<std::string>("mode", {});
-    const auto found = std::ranges::find(key_rows::kModeChoices, name);
-    return found == key_rows::kModeChoices.end()
-               ? SelectionMode::priority
-               : SelectionMode(found - key_rows::kModeChoices.begin());
-}
 
 std::optional<HandoverSettings> read_handover(const Value& value, std::string_view title,
                                               const SelectionSettings& selection,
@@ -39,7 +28,6 @@ std::optional<HandoverSettings> read_handover(const Value& value, std::string_vi
     const TableContent content =
         read_table({*table, value.where, "\"handover\""}, handover_keys(), reading);
     const auto name = content.values().get_or<std::string>("input", {});
-    const auto channel = content.values().get_or<std::int64_t>("channel", 1);
     std::vector<std::string_view> names;
     for (const std::size_t index : selection.inputs) {
         names.emplace_back(draft.inputs[index].config.name);
@@ -53,8 +41,9 @@ std::optional<HandoverSettings> read_handover(const Value& value, std::string_vi
         }
         return std::nullopt;
     }
-    return HandoverSettings{static_cast<std::size_t>(place - names.begin()),
-                            static_cast<std::size_t>(channel - 1)};
+    HandoverSettings handover{.input = static_cast<std::size_t>(place - names.begin())};
+    content.read_into(handover);
+    return handover;
 }
 
 /// Reports keys that only apply to several inputs.
@@ -97,11 +86,7 @@ void check_use(const TableContent& content, std::string_view title,
 
 void read_selection(const TableContent& content, std::string_view title,
                     SelectionSettings& selection, const Draft& draft, Reading reading) {
-    selection.mode = mode_of(content);
-    selection.tolerance = pulse_of(content, "tolerance").value_or(selection.tolerance);
-    if (const auto* slew = content.values().find_as<double>("changeover")) {
-        selection.changeover_us_per_second = *slew;
-    }
+    content.read_into(selection);
     if (const Entry* handover = content.find("handover")) {
         selection.handover = read_handover(handover->value, title, selection, draft, reading);
     }

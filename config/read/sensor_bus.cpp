@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "config/keys/rows_values.h"
 #include "config/language/nearest.h"
 #include "config/read/values.h"
 #include "core/quotes.h"
@@ -22,20 +21,18 @@ constexpr std::array<std::string_view, 5> kReceiverRoleKeys{"slot", "power_up", 
                                                             "drop_after", "timeout"};
 constexpr std::uint32_t kBaud = 115200;
 
-void check_role_keys(const TableContent& content, bool receiver, Mistakes& mistakes) {
-    const auto complain = [&](std::span<const std::string_view> keys, std::string_view role) {
-        for (const std::string_view key : keys) {
-            if (content.given(key)) {
-                mistakes.add(content.find(key)->where,
-                             fmt::format("{} is for role {}; leave it out", in_quotes(key),
-                                         in_quotes(role)));
-            }
+std::span<const std::string_view> keys_of_other(BusRole role) {
+    return role == BusRole::sensor ? kReceiverRoleKeys : kSensorRoleKeys;
+}
+
+void check_role_keys(const TableContent& content, BusRole role, Mistakes& mistakes) {
+    const BusRole other = role == BusRole::sensor ? BusRole::receiver : BusRole::sensor;
+    for (const std::string_view key : keys_of_other(role)) {
+        if (content.given(key)) {
+            mistakes.add(content.find(key)->where,
+                         fmt::format("{} is for role {}; leave it out", in_quotes(key),
+                                     in_quotes(word_of(other))));
         }
-    };
-    if (receiver) {
-        complain(kSensorRoleKeys, "sensor");
-    } else {
-        complain(kReceiverRoleKeys, "receiver");
     }
 }
 
@@ -130,13 +127,7 @@ std::optional<SensorConfig> read_sensor(const Value& value, const std::string& t
     }
     read_fields(content, sensor, reading);
     check_sources(content, sensor, title, reading.mistakes);
-    if (const auto* scale = content.values().find_as<double>("scale")) {
-        sensor.scale = *scale;
-    }
-    sensor.offset = content.values().get_or("offset", 0.0);
-    if (const auto* number = content.values().find_as<double>("not_available")) {
-        sensor.not_available = *number;
-    }
+    content.read_into(sensor);
     return sensor;
 }
 
@@ -169,13 +160,6 @@ void read_sensors(const TableContent& content, const std::string& title, const S
     }
 }
 
-template <class Choices>
-std::size_t choice_of(const TableContent& content, std::string_view key, const Choices& choices) {
-    const auto name = content.values().get_or<std::string>(key, {});
-    const auto found = std::ranges::find(choices, name);
-    return found == choices.end() ? 0 : static_cast<std::size_t>(found - choices.begin());
-}
-
 void check_reply_times(const TableContent& content, const SensorBusConfig& config,
                        Mistakes& mistakes) {
     if (config.reply_after >= config.reply_within && content.sound("reply_after") &&
@@ -186,31 +170,24 @@ void check_reply_times(const TableContent& content, const SensorBusConfig& confi
     }
 }
 
-int small_number(const TableContent& content, std::string_view key) {
-    return static_cast<int>(content.values().get_or<std::int64_t>(key, 1));
-}
-
 }  // namespace
+
+bool bus_role_has(BusRole role, std::string_view key) {
+    const auto others = keys_of_other(role);
+    return std::ranges::find(others, key) == others.end();
+}
 
 SensorType read_sensor_type(const Entry& entry, const Table& table, Reading reading) {
     const TableContent content =
         read_table({table, entry.value.where, fmt::format("[sensor_type.{}]", entry.key)},
                    sensor_type_keys(), reading);
-    const SettingValues& values = content.values();
     SensorType type;
     type.name = entry.key;
-    type.id = static_cast<std::uint8_t>(values.get_or<std::int64_t>("id", 0));
-    type.size = static_cast<std::uint8_t>(values.get_or<std::int64_t>("size", 2));
+    content.read_into(type);
     SensorField field;
     field.name = entry.key;
-    field.unit = values.get_or<std::string>("unit", {});
     field.bits = type.size * 8U;
-    field.is_signed = values.get_or("signed", false);
-    field.scale = values.get_or("scale", 1.0);
-    field.offset = values.get_or("offset", 0.0);
-    if (const auto* raw = values.find_as<std::int64_t>("not_available")) {
-        field.not_available = *raw;
-    }
+    content.read_into(field);
     if (field.scale == 0) {
         reading.mistakes.add(content.where("scale"),
                              "\"scale\" is 0, so every number would be the same; allowed: any "
@@ -226,32 +203,20 @@ SensorBusDraft read_sensor_bus(const Entry& entry, const Table& table, const Dra
     const std::string title = fmt::format("[sensor_bus.{}]", entry.key);
     const TableContent content =
         read_table({table, entry.value.where, title}, sensor_bus_keys(), reading);
-    const SettingValues& values = content.values();
     SensorBusDraft bus;
     SensorBusConfig& config = bus.config;
     config.name = entry.key;
     bus.where = entry.where;
-    config.port.device = values.get_or<std::string>("device", {});
     config.port.where = content.where("device");
     config.port.line.baud = kBaud;
     bus.port_sound = content.given("device") && content.sound("device");
-    config.wires = Wires(choice_of(content, "wires", key_rows::kWiresChoices));
-    config.dialect = SensorDialect(choice_of(content, "dialect", kSensorDialectNames));
-    config.receiver = values.get_or<std::string>("role", {}) == "receiver";
-    config.address = static_cast<std::uint8_t>(small_number(content, "address"));
-    config.chain = values.get_or("chain", false);
-    config.reply_after = values.get_or("reply_after", Duration{});
-    config.reply_within = values.get_or("reply_within", Duration{});
-    config.slot = values.get_or("slot", Duration{});
-    config.power_up = values.get_or("power_up", true);
-    config.probe_every = small_number(content, "probe_every");
-    config.drop_after = small_number(content, "drop_after");
-    config.timeout = values.get_or("timeout", Duration{});
+    content.read_into(config.port);
+    content.read_into(config);
     if (!content.given("role") || !content.sound("role")) {
         return bus;
     }
-    check_role_keys(content, config.receiver, reading.mistakes);
-    if (!config.receiver) {
+    check_role_keys(content, config.role, reading.mistakes);
+    if (config.role == BusRole::sensor) {
         check_reply_times(content, config, reading.mistakes);
         read_sensors(content, title, SensorTypes(config.dialect, draft.sensor_types), config,
                      reading);

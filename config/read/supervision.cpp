@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string_view>
@@ -69,6 +70,10 @@ void check_use(const TableContent& content, const Protocol& protocol, const Sett
 
 }  // namespace
 
+bool is_about_flags(std::string_view key) {
+    return std::ranges::find(kFlagKeys, key) != kFlagKeys.end();
+}
+
 bool has_flags(const Protocol& protocol, const SettingValues& settings) {
     return protocol.link == LinkKind::can || protocol.signals_failsafe(settings);
 }
@@ -76,19 +81,9 @@ bool has_flags(const Protocol& protocol, const SettingValues& settings) {
 SupervisionSettings read_supervision(const TableContent& content, const Protocol* protocol,
                                      const SettingValues& settings, bool settings_sound,
                                      Reading reading) {
-    const SettingValues& values = content.values();
     SupervisionSettings supervision;
-    supervision.timeout = values.get_or("timeout", Duration::zero());
+    content.read_into(supervision);
     supervision.fewer_channels_after = supervision.timeout;
-    supervision.failsafe_flag = values.get_or("failsafe_flag", true);
-    supervision.frame_lost_flag = values.get_or("frame_lost_flag", true);
-    if (const auto* run = values.find_as<Duration>("frame_lost_run")) {
-        supervision.frame_lost_run = *run;
-    }
-    supervision.frame_lost_ratio = values.get_or("frame_lost_ratio", supervision.frame_lost_ratio);
-    supervision.frozen = values.get_or("frozen", Duration::zero());
-    supervision.plausible = pulses_of(content, "plausible");
-    supervision.zero_guard = values.get_or("zero_guard", Duration::zero());
     if (const Entry* rules = content.find("failsafe_when")) {
         supervision.failsafe_when = read_loss_rules(rules->value, protocol, reading);
     }

@@ -9,7 +9,6 @@
 #include "config/keys/words.h"
 #include "config/language/nearest.h"
 #include "config/read/value.h"
-#include "config/schema/notation.h"
 #include "core/quotes.h"
 #include "transports/registry/registry.h"
 
@@ -92,7 +91,7 @@ std::optional<SettingValue> read_protocol_name(const TableRef& ref, const Value&
                                                Mistakes& mistakes) {
     const auto names = protocol_names(way_of(ref));
     const Setting setting{.key = "protocol", .type = SettingType::choice, .choices = names};
-    return read_value(setting, value, mistakes);
+    return read_value({setting}, value, mistakes);
 }
 
 bool has_value(const Key& key) {
@@ -142,6 +141,17 @@ Location TableContent::where(std::string_view key) const {
     return found == nullptr ? where_ : found->entry->value.where;
 }
 
+void TableContent::set_members(void* object, const char* owner, bool only_given) const {
+    for (const Key& key : keys_) {
+        if (key.field.owner != owner || (only_given && !(given(key.name()) && sound(key.name())))) {
+            continue;
+        }
+        if (const SettingValue* value = values_.find(key.name())) {
+            key.field.set(object, *value);
+        }
+    }
+}
+
 TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading reading,
                         std::span<const std::string_view> tolerated) {
     auto items = match(ref, keys, tolerated, reading.mistakes);
@@ -153,22 +163,23 @@ TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading 
         if (item == items.end()) {
             if (key.setting.required) {
                 report_missing(ref, key, reading);
-            } else if (!key.setting.fallback.empty()) {
-                values.set(key.name(), default_of(key.setting));
+            } else if (auto value = default_of(key)) {
+                values.set(key.name(), std::move(*value));
             }
         } else if (has_value(key) && !item->other_link) {
             auto value = key.kind == KeyKind::protocol
                              ? read_protocol_name(ref, item->entry->value, reading.mistakes)
-                             : read_value(key.setting, item->entry->value, reading.mistakes);
+                             : read_value(key, item->entry->value, reading.mistakes);
             item->sound = value.has_value();
+            if (!value) {
+                value = default_of(key);
+            }
             if (value) {
                 values.set(key.name(), std::move(*value));
-            } else if (!key.setting.fallback.empty()) {
-                values.set(key.name(), default_of(key.setting));
             }
         }
     }
-    return {ref.where, std::move(items), std::move(values)};
+    return {ref.where, keys, std::move(items), std::move(values)};
 }
 
 std::optional<TableContent> read_only_table(std::string_view name, const Entry* entry,

@@ -40,11 +40,23 @@ class TableContent {
         bool other_link = false;
     };
 
-    TableContent(Location where, std::vector<Item> items, SettingValues values)
-        : where_(where), items_(std::move(items)), values_(std::move(values)) {}
+    TableContent(Location where, std::span<const Key> keys, std::vector<Item> items,
+                 SettingValues values)
+        : where_(where), keys_(keys), items_(std::move(items)), values_(std::move(values)) {}
 
     /// The valid values that were given, and the defaults of all other keys.
     const SettingValues& values() const { return values_; }
+
+    /// Sets the members of `object` that the rows name.
+    template <class Owner>
+    void read_into(Owner& object) const {
+        set_members(&object, &kOwner<Owner>, false);
+    }
+    /// The same without defaults: only what was given.
+    template <class Owner>
+    void read_given_into(Owner& object) const {
+        set_members(&object, &kOwner<Owner>, true);
+    }
 
     /// The entry of that key, also if its name was misspelt. Null if there is none.
     const Entry* find(std::string_view key) const;
@@ -56,8 +68,10 @@ class TableContent {
 
   private:
     const Item* item(std::string_view key) const;
+    void set_members(void* object, const char* owner, bool only_given) const;
 
     Location where_;
+    std::span<const Key> keys_;
     std::vector<Item> items_;
     SettingValues values_;
 };

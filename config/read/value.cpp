@@ -137,19 +137,27 @@ std::optional<SettingValue> read_plain(const Setting& setting, const Value& valu
     }
 }
 
-std::string what_to_write(const Setting& setting, const Value& value) {
+/// For an example. The default is a safe one.
+std::string usual_duration(const Key& key) {
+    const auto value = default_of(key);
+    return value ? written(key.setting.type, *value) : "\"14ms\"";
+}
+
+std::string what_to_write(const Key& key, const Value& value) {
+    const Setting& setting = key.setting;
     const auto* text = value.as<std::string>();
     const bool choices_are_text = setting.type != SettingType::integer && !setting.choices.empty();
     if (text != nullptr && choices_are_text) {
         return suggestion(*text, setting.choices);
     }
-    return "allowed: " + allowed_values(setting) +
+    return "allowed: " + allowed_values(key) +
            (text != nullptr && has_control_characters(*text) ? ", without control characters" : "");
 }
 
 }  // namespace
 
-std::string allowed_values(const Setting& setting) {
+std::string allowed_values(const Key& key) {
+    const Setting& setting = key.setting;
     const std::string limits = range(setting);
     switch (setting.type) {
         case SettingType::boolean:
@@ -166,9 +174,8 @@ std::string allowed_values(const Setting& setting) {
         case SettingType::choice:
             return one_of(setting);
         case SettingType::duration:
-            return fmt::format(
-                "a duration{}, text with a unit (us, ms, s) such as {}", limits,
-                in_quotes(setting.fallback.empty() ? "14ms" : unquoted_fallback(setting)));
+            return fmt::format("a duration{}, text with a unit (us, ms, s) such as {}", limits,
+                               usual_duration(key));
         case SettingType::pulse:
             return "microseconds" + limits;
         case SettingType::pulses:
@@ -186,8 +193,8 @@ std::string allowed_values(const Setting& setting) {
     return one_of(setting) + ", or two points: { raw = [172, 1811], us = [988, 2012] }";
 }
 
-std::optional<SettingValue> read_value(const Setting& setting, const Value& value,
-                                       Mistakes& mistakes) {
+std::optional<SettingValue> read_value(const Key& key, const Value& value, Mistakes& mistakes) {
+    const Setting& setting = key.setting;
     if (setting.type == SettingType::scale && value.as<Table>() != nullptr) {
         const auto points = read_scale(setting.key, value, mistakes);
         return points ? std::optional<SettingValue>(*points) : std::nullopt;
@@ -203,7 +210,7 @@ std::optional<SettingValue> read_value(const Setting& setting, const Value& valu
     auto result = read_plain(setting, value);
     if (!result) {
         mistakes.add(value.where, fmt::format("{} is {}; {}", in_quotes(setting.key),
-                                              describe(value), what_to_write(setting, value)));
+                                              describe(value), what_to_write(key, value)));
     }
     return result;
 }
@@ -211,7 +218,7 @@ std::optional<SettingValue> read_value(const Setting& setting, const Value& valu
 std::optional<double> read_pulse(std::string_view key, const Value& value, Mistakes& mistakes) {
     const Setting setting{
         .key = key, .type = SettingType::pulse, .least = kLeastPulse, .most = kMostPulse};
-    const auto pulse = read_value(setting, value, mistakes);
+    const auto pulse = read_value({setting}, value, mistakes);
     return pulse ? std::optional(std::get<double>(*pulse)) : std::nullopt;
 }
 

@@ -66,35 +66,29 @@ std::optional<DbcMessage> find_message(const TableContent& content, const Settin
 }
 
 std::optional<DbcValueSource> read_dbc(const TableContent& content, Mistakes& mistakes) {
-    const auto* dbc = content.values().find_as<SettingFile>("dbc");
-    const auto* name = content.values().find_as<std::string>("message");
-    if (dbc == nullptr || name == nullptr) {
+    DbcValueSource source;
+    content.read_into(source);
+    if (source.dbc.path.empty() || source.message.empty()) {
         return std::nullopt;
     }
-    const auto message = find_message(content, *dbc, *name, mistakes);
+    const auto message = find_message(content, source.dbc, source.message, mistakes);
     if (!message) {
         return std::nullopt;
     }
-    return DbcValueSource{.dbc = *dbc, .message = *name, .described = {.messages = {*message}}};
+    source.described = {.messages = {*message}};
+    return source;
 }
 
 std::optional<DroneCanValueSource> read_dronecan_source(const TableContent& content,
                                                         Mistakes& mistakes) {
-    const SettingValues& values = content.values();
-    const auto* message = values.find_as<std::string>("dronecan");
-    if (message == nullptr) {
+    DroneCanValueSource source;
+    content.read_into(source);
+    if (source.message.empty()) {
         return std::nullopt;
     }
-    DroneCanValueSource source{.message = *message, .from = {}, .fd = values.get_or("fd", false)};
-    if (const auto* node = values.find_as<std::int64_t>("node")) {
-        source.from.node = static_cast<dronecan::NodeId>(*node);
-    }
-    if (const auto* instance = values.find_as<std::int64_t>("instance")) {
-        source.from.instance = static_cast<std::uint32_t>(*instance);
-    }
-    if (source.from.instance && dronecan::instance_field(*message).empty()) {
+    if (source.from.instance && dronecan::instance_field(source.message).empty()) {
         mistakes.add(content.find("instance")->where,
-                     fmt::format("a node has one {} only; leave \"instance\" out", *message));
+                     fmt::format("a node has one {} only; leave \"instance\" out", source.message));
     }
     return source;
 }
@@ -156,15 +150,15 @@ std::optional<ValueMessageConfig> read_message(const TableContent& content, Mist
         sound = source.has_value();
         config.layout = std::move(source).value_or(DbcValueSource{});
     }
-    const auto* interface = content.values().find_as<std::string>("interface");
-    if (!sound || interface == nullptr) {
+    content.read_into(config.port);
+    if (!sound || config.port.device.empty()) {
         return std::nullopt;
     }
     config.port.link = LinkKind::can;
-    config.port.device = *interface;
     config.port.where = content.where("interface");
     config.names = read_own_names(content, config, mistakes);
-    config.timeout = content.values().get_or<Duration>("timeout", default_timeout(config));
+    config.timeout = default_timeout(config);
+    content.read_into(config);
     return config;
 }
 
@@ -227,8 +221,7 @@ ValuesDraft read_values(const Entry& entry, const Table& table, Reading reading)
         check_kind(content, title, reading.mistakes);
     }
     if (content.given("constant")) {
-        draft.config.source = ConstantConfig{content.values().get_or("constant", 0.0),
-                                             content.values().get_or<std::string>("unit", {})};
+        content.read_into(draft.config.source.emplace<ConstantConfig>());
         return draft;
     }
     auto message = read_message(content, reading.mistakes);

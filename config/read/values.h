@@ -15,6 +15,9 @@ SensorType read_sensor_type(const Entry& entry, const Table& table, Reading read
 SensorBusDraft read_sensor_bus(const Entry& entry, const Table& table, const Draft& draft,
                                Reading reading);
 
+/// Whether a bus with that role can have the key.
+bool bus_role_has(BusRole role, std::string_view key);
+
 /// An entry of { NAME = text }. `read_texts` returns the valid ones. `what` says in messages what a
 /// text is.
 struct NamedText {

@@ -7,6 +7,10 @@
 #include <charconv>
 #include <chrono>
 #include <cstdint>
+#include <type_traits>
+#include <variant>
+
+#include "core/quotes.h"
 
 namespace tribus {
 
@@ -15,7 +19,7 @@ std::string format_duration(Duration duration) {
     using std::chrono::milliseconds;
     using std::chrono::seconds;
     const auto count = duration.count();
-    if (duration % seconds(1) == Duration::zero() && count != 0) {
+    if (duration % seconds(1) == Duration::zero()) {
         return fmt::format("{}s", duration / seconds(1));
     }
     if (duration % milliseconds(1) == Duration::zero()) {
@@ -40,16 +44,34 @@ std::string format_number(double number) {
     return fmt::format("{}", number);
 }
 
-std::string_view unquoted_fallback(const Setting& setting) {
+std::string written(SettingType type, const SettingValue& value) {
+    return std::visit(
+        [type](const auto& content) -> std::string {
+            using Content = std::decay_t<decltype(content)>;
+            if constexpr (std::is_same_v<Content, bool> || std::is_same_v<Content, std::int64_t>) {
+                return fmt::format("{}", content);
+            } else if constexpr (std::is_same_v<Content, double>) {
+                return type == SettingType::slew ? in_quotes(format_slew(content))
+                                                 : format_number(content);
+            } else if constexpr (std::is_same_v<Content, std::string>) {
+                return in_quotes(content);
+            } else if constexpr (std::is_same_v<Content, Duration>) {
+                return in_quotes(format_duration(content));
+            } else if constexpr (std::is_same_v<Content, NumberRange>) {
+                return fmt::format("[{}, {}]", format_number(content.low),
+                                   format_number(content.high));
+            } else {
+                return {};
+            }
+        },
+        value);
+}
+
+SettingValue default_of(const Setting& setting) {
     std::string_view text = setting.fallback;
     if (text.size() >= 2 && text.front() == '"' && text.back() == '"') {
         text = text.substr(1, text.size() - 2);
     }
-    return text;
-}
-
-SettingValue default_of(const Setting& setting) {
-    const std::string_view text = unquoted_fallback(setting);
     const char* const end = text.data() + text.size();
     switch (setting.type) {
         case SettingType::boolean:

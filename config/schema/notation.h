@@ -21,11 +21,11 @@ std::string format_slew(double microseconds_per_second);
 /// The shortest text that reads back as the same number. Whole numbers have no decimal point.
 std::string format_number(double number);
 
-/// Default of a row with a `fallback`. A test checks all rows.
+/// The `fallback` of a row, which must have one. A test checks all rows.
 SettingValue default_of(const Setting& setting);
 
-/// The `fallback` of a row without quotes.
-std::string_view unquoted_fallback(const Setting& setting);
+/// A value as it stands in a file; empty for files, trees and scales of two points.
+std::string written(SettingType type, const SettingValue& value);
 
 /// Whether the row is the name of a network interface.
 inline bool names_interface(const Setting& setting) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "core/time.h"
 #include "pipelines/rules/settings.h"
 #include "pipelines/sensor_bus/receiver_role.h"
+#include "pipelines/sensor_bus/sensor_role.h"
 #include "transports/codecs/dbc/file.h"
 #include "transports/codecs/dronecan/source.h"
 #include "transports/codecs/ibus_sensor/types.h"
@@ -69,6 +71,9 @@ struct InputConfig {
     bool operator==(const InputConfig&) const = default;
 };
 
+/// What an output on CAN does while another node sends frames with its ids.
+enum class ForeignSender : std::uint8_t { failsafe, ignore };
+
 /// Default upper limit of the period of an output. A protocol may set its own.
 inline constexpr Duration kMostOutputPeriod = std::chrono::seconds(1);
 
@@ -80,7 +85,7 @@ struct OutputConfig {
     PortConfig port;
     ScheduleSettings schedule;
     bool force = false;
-    bool yield_to_foreign_sender = true;
+    ForeignSender foreign_sender = ForeignSender::failsafe;
 
     bool operator==(const OutputConfig&) const = default;
 };
@@ -124,25 +129,27 @@ struct SensorConfig {
     bool operator==(const SensorConfig&) const = default;
 };
 
-/// [sensor_bus.NAME], in either role.
+enum class BusRole : std::uint8_t { sensor, receiver };
+
+/// [sensor_bus.NAME].
 struct SensorBusConfig {
     std::string name;
     PortConfig port;
-    bool receiver = false;
+    BusRole role = BusRole::sensor;
     Wires wires = Wires::automatic;
     SensorDialect dialect = SensorDialect::flysky;
 
     std::vector<SensorConfig> sensors;
     std::uint8_t address = 1;
     bool chain = false;
-    Duration reply_after{};
-    Duration reply_within{};
+    Duration reply_after = kUsualReplyAfter;
+    Duration reply_within = kUsualReplyWithin;
 
-    Duration slot{};
+    Duration slot = kUsualSlot;
     bool power_up = true;
-    int probe_every = 0;
-    int drop_after = 0;
-    Duration timeout{};
+    int probe_every = kUsualProbeEvery;
+    int drop_after = kUsualDropAfter;
+    Duration timeout = std::chrono::seconds(2);
 
     bool operator==(const SensorBusConfig&) const = default;
 };
@@ -201,7 +208,7 @@ struct DroneCanConfig {
     /// With `dynamic`: the preferred id. Absent: any, or that of an output.
     std::optional<std::uint8_t> node_id;
     bool dynamic = false;
-    std::string node_name;
+    std::string node_name = "org.tribus";
     bool allow_restart = false;
     bool allow_writes = false;
 
@@ -210,15 +217,16 @@ struct DroneCanConfig {
 
 /// [recorder]: keeps in memory what passed the ports, and writes it to a folder on an event.
 struct RecorderConfig {
-    std::string directory;  ///< empty: given by the service manager
-    Location where;         ///< place of the table
-    int memory_kib = 0;     ///< for each port
-    Duration before{};      ///< time before the event
-    Duration after{};       ///< time after the event
+    std::string directory;                       ///< empty: given by the service manager
+    Location where;                              ///< place of the table
+    int memory_kib = 1024;                       ///< for each port
+    Duration before = std::chrono::seconds(30);  ///< time before the event
+    Duration after = std::chrono::seconds(2);    ///< time after the event
     bool on_failsafe = true;
-    Duration pause{};   ///< least time between two recordings that were not requested
-    int keep = 0;       ///< number of recordings
-    int space_mib = 0;  ///< size of all recordings
+    /// Least time between two recordings that were not requested.
+    Duration pause = std::chrono::seconds(60);
+    int keep = 20;        ///< number of recordings
+    int space_mib = 100;  ///< size of all recordings
 
     bool operator==(const RecorderConfig&) const = default;
 };

@@ -67,7 +67,7 @@ class Catalog {
 
     void add_readings(const SensorBusConfig& bus) {
         ValueCatalog::Readings& readings = catalog_.readings.emplace_back();
-        if (!bus.receiver) {
+        if (bus.role == BusRole::sensor) {
             return;
         }
         for (std::size_t i = 0; i < kMostSensors; ++i) {

@@ -8,10 +8,8 @@
 #include <variant>
 
 #include "config/keys/keys.h"
-#include "config/keys/rows_pipelines.h"
 #include "config/read/rules.h"
 #include "config/read/supervision.h"
-#include "config/schema/notation.h"
 #include "config/show/effective_channels.h"
 #include "config/show/effective_lines.h"
 #include "config/show/effective_values.h"
@@ -22,35 +20,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-SettingValues runtime_values(const RuntimeConfig& runtime) {
-    SettingValues values;
-    const std::string realtime = runtime.realtime == Realtime::off       ? "off"
-                                 : runtime.realtime == Realtime::require ? "require"
-                                                                         : "auto";
-    values.set("realtime", realtime);
-    values.set("priority", std::int64_t{runtime.priority});
-    if (runtime.cpu) {
-        values.set("cpu", std::int64_t{*runtime.cpu});
-    }
-    values.set("spin", runtime.spin);
-    return values;
-}
-
-Json recorder_json(const RecorderConfig& recorder) {
-    SettingValues values;
-    if (!recorder.directory.empty()) {
-        values.set("directory", recorder.directory);
-    }
-    values.set("memory", std::int64_t{recorder.memory_kib});
-    values.set("before", recorder.before);
-    values.set("after", recorder.after);
-    values.set("on_failsafe", recorder.on_failsafe);
-    values.set("pause", recorder.pause);
-    values.set("keep", std::int64_t{recorder.keep});
-    values.set("space", std::int64_t{recorder.space_mib});
-    return values_json(values, recorder_keys());
-}
-
 Json port_json(const PortConfig& port, const Protocol& protocol) {
     Json json = Json::object();
     json["protocol"] = protocol.name;
@@ -58,36 +27,24 @@ Json port_json(const PortConfig& port, const Protocol& protocol) {
     return json;
 }
 
-Json supervision_json(const InputConfig& input) {
-    const SupervisionSettings& supervision = input.supervision;
-    SettingValues values;
-    values.set("timeout", supervision.timeout);
-    if (has_flags(*input.protocol, input.settings)) {
-        values.set("failsafe_flag", supervision.failsafe_flag);
-        values.set("frame_lost_flag", supervision.frame_lost_flag);
-        values.set("frame_lost_run", supervision.frame_lost_run.value_or(supervision.timeout));
-        values.set("frame_lost_ratio", supervision.frame_lost_ratio);
+/// Whether a check of the link applies to the protocol of the input.
+bool is_checked(const InputConfig& input, std::string_view key) {
+    if (key == "zero_guard") {
+        return input.supervision.raw_zero.has_value();
     }
-    values.set("frozen", supervision.frozen);
-    if (supervision.plausible) {
-        values.set("plausible", NumberRange{supervision.plausible->low.microseconds(),
-                                            supervision.plausible->high.microseconds()});
-    }
-    if (supervision.raw_zero) {
-        values.set("zero_guard", supervision.zero_guard);
-    }
-    Json json = values_json(values, input_keys());
-    Json rules = Json::array();
-    for (const ValueRule& rule : supervision.failsafe_when) {
-        rules.push_back(value_rule_json(rule));
-    }
-    json["failsafe_when"] = std::move(rules);
-    return json;
+    return !is_about_flags(key) || has_flags(*input.protocol, input.settings);
 }
 
 Json input_json(const InputConfig& input) {
+    SupervisionSettings supervision = input.supervision;
+    supervision.frame_lost_run = supervision.frame_lost_run.value_or(supervision.timeout);
     Json json = port_json(input.port, *input.protocol);
-    json.update(supervision_json(input));
+    json.update(in_order_of_rows(fields_json(supervision, input_keys()), input_keys(),
+                                 [&](std::string_view key) { return is_checked(input, key); }));
+    json["failsafe_when"] = Json::array();
+    for (const ValueRule& rule : supervision.failsafe_when) {
+        json["failsafe_when"].push_back(value_rule_json(rule));
+    }
     for (const ChannelRule& rule : input.channels) {
         json["map"][std::to_string(rule.output + 1)] = channel_json(rule, {});
     }
@@ -96,20 +53,11 @@ Json input_json(const InputConfig& input) {
 }
 
 Json output_json(const OutputConfig& output) {
-    SettingValues values;
-    const bool grid = output.schedule.kind == ScheduleKind::grid;
-    const bool locked = output.schedule.phase == Phase::locked;
-    values.set("period", output.schedule.period);
-    values.set("force", output.force);
-    values.set("schedule", std::string(grid ? "grid" : "follow"));
-    values.set("phase", std::string(locked ? "locked" : "free"));
+    const auto own_keys = protocol_keys(*output.protocol, SettingScope::output);
     Json json = port_json(output.port, *output.protocol);
-    json.update(values_json(values, output_keys()));
-    if (output.port.link == LinkKind::can) {
-        json["foreign_sender"] = output.yield_to_foreign_sender ? "failsafe" : "ignore";
-    }
-    json.update(
-        values_json(output.settings, protocol_keys(*output.protocol, SettingScope::output)));
+    json.update(fields_json(output, output_keys()));
+    json.update(fields_json(output, own_keys));
+    json.update(values_json(output.settings, own_keys));
     return json;
 }
 
@@ -139,18 +87,7 @@ Json presets_json(const std::array<Pulse, kChannelCount>& presets) {
 }
 
 Json failsafe_json(const FailsafeSettings& failsafe) {
-    SettingValues values;
-    const std::string action = failsafe.action == FailsafeAction::preset ? "preset"
-                               : failsafe.action == FailsafeAction::hold ? "hold"
-                                                                         : "silence";
-    values.set("hold", failsafe.hold);
-    values.set("action", action);
-    values.set("recover", failsafe.recover);
-    values.set("power_on", failsafe.power_on);
-    if (failsafe.slew_us_per_second) {
-        values.set("slew", *failsafe.slew_us_per_second);
-    }
-    Json json = values_json(values, output_failsafe_keys());
+    Json json = fields_json(failsafe, output_failsafe_keys());
     if (failsafe.release_when) {
         json["release_when"] = value_rule_json(*failsafe.release_when);
     }
@@ -171,19 +108,13 @@ Json names_json(const std::vector<std::size_t>& indices, const Ports& ports) {
 
 Json pipeline_json(const PipelineConfig& pipeline, const Configuration& configuration) {
     Json json = Json::object();
-    SettingValues values;
     const SelectionSettings& selection = pipeline.selection;
-    json["from"] = names_json(pipeline.selection.inputs, configuration.inputs);
+    json["from"] = names_json(selection.inputs, configuration.inputs);
     json["to"] = names_json(pipeline.outputs, configuration.outputs);
-    values.set("mode",
-               std::string(key_rows::kModeChoices[static_cast<std::size_t>(selection.mode)]));
-    if (selection.mode == SelectionMode::median) {
-        values.set("tolerance", selection.tolerance.microseconds());
+    json.update(fields_json(selection, pipeline_keys()));
+    if (selection.mode != SelectionMode::median) {
+        json.erase("tolerance");
     }
-    if (selection.changeover_us_per_second) {
-        values.set("changeover", *selection.changeover_us_per_second);
-    }
-    json.update(values_json(values, pipeline_keys()));
     if (selection.handover) {
         const std::size_t input = selection.inputs[selection.handover->input];
         json["handover"]["input"] = configuration.inputs[input].name;
@@ -201,7 +132,7 @@ Json pipeline_json(const PipelineConfig& pipeline, const Configuration& configur
 
 Json effective(const Configuration& configuration) {
     Json json = Json::object();
-    json["runtime"] = values_json(runtime_values(configuration.runtime), runtime_keys());
+    json["runtime"] = fields_json(configuration.runtime, runtime_keys());
     for (const InputConfig& input : configuration.inputs) {
         json["input"][input.name] = input_json(input);
     }
@@ -227,7 +158,7 @@ Json effective(const Configuration& configuration) {
         json["dronecan"][node.name] = dronecan_json(node);
     }
     if (configuration.recorder) {
-        json["recorder"] = recorder_json(*configuration.recorder);
+        json["recorder"] = fields_json(*configuration.recorder, recorder_keys());
     }
     return json;
 }

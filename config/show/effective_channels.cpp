@@ -26,42 +26,12 @@ std::int64_t number_of(std::size_t channel) {
     return static_cast<std::int64_t>(channel) + 1;
 }
 
-void set_pulse(SettingValues& values, std::string_view key, const std::optional<Pulse>& pulse) {
-    if (pulse) {
-        values.set(key, pulse->microseconds());
-    }
-}
-
-void set_range(SettingValues& values, std::string_view key,
-               const std::optional<PulseRange>& range) {
-    if (range) {
-        values.set(key, NumberRange{range->low.microseconds(), range->high.microseconds()});
-    }
-}
-
 Json mix_json(const Mix& mix) {
     Json json = Json::object();
     for (const MixTerm& term : mix.terms) {
         json[std::to_string(number_of(term.channel))] = number_json(term.weight);
     }
     return json;
-}
-
-void set_shape(SettingValues& values, const ChannelRule& rule) {
-    values.set("reverse", rule.reverse);
-    values.set("trim", rule.trim.microseconds());
-    values.set("expo", rule.expo);
-    values.set("deadband", rule.deadband.microseconds());
-    if (rule.slew_us_per_second) {
-        values.set("slew", *rule.slew_us_per_second);
-    }
-    set_pulse(values, "min", rule.min);
-    set_pulse(values, "max", rule.max);
-}
-
-bool unshaped(const ChannelRule& rule) {
-    return !rule.reverse && rule.trim == Pulse{} && rule.expo == 0 && rule.deadband == Pulse{} &&
-           !rule.slew_us_per_second && !rule.min && !rule.max;
 }
 
 }  // namespace
@@ -135,44 +105,69 @@ Json values_json(const SettingValues& values, std::span<const Key> keys) {
     return json;
 }
 
-Json value_rule_json(const ValueRule& rule) {
-    SettingValues values;
-    if (rule.all_zero) {
-        values.set("all_zero", true);
-    } else {
-        values.set("channel", number_of(rule.channel));
+Json members_json(const void* object, const char* owner, std::span<const Key> keys) {
+    Json json = Json::object();
+    for (const Key& key : keys) {
+        const auto value = key.field.owner == owner ? key.field.get(object) : std::nullopt;
+        if (value) {
+            json[std::string(key.name())] = value_json(key.setting.type, *value);
+        }
     }
-    set_pulse(values, "below", rule.below);
-    set_pulse(values, "above", rule.above);
-    set_range(values, "between", rule.between);
-    return values_json(values, loss_rule_keys());
+    return json;
+}
+
+Json in_order_of_rows(const Json& json, std::span<const Key> keys,
+                      const std::function<bool(std::string_view key)>& wanted) {
+    Json ordered = Json::object();
+    for (const Key& key : keys) {
+        const auto found = json.find(key.name());
+        if (found != json.end() && wanted(key.name())) {
+            ordered[std::string(key.name())] = *found;
+        }
+    }
+    for (const auto& [key, value] : json.items()) {
+        if (!ordered.contains(key) && wanted(key)) {
+            ordered[key] = value;
+        }
+    }
+    return ordered;
+}
+
+Json value_rule_json(const ValueRule& rule) {
+    if (rule.all_zero) {
+        return {{"all_zero", true}};
+    }
+    Json json = fields_json(rule, loss_rule_keys());
+    json.erase("all_zero");
+    return json;
 }
 
 Json channel_json(const ChannelRule& rule, std::span<const LineConfig> lines) {
-    SettingValues values;
-    const auto* from = std::get_if<FromChannel>(&rule.source);
-    if (from != nullptr && unshaped(rule)) {
-        return number_of(from->channel);
-    }
+    const auto pulse_json = [](Pulse pulse) { return number_json(pulse.microseconds()); };
+    Json json = Json::object();
     if (const auto* fixed = std::get_if<Fixed>(&rule.source)) {
-        values.set("fixed", fixed->pulse.microseconds());
+        json["fixed"] = pulse_json(fixed->pulse);
     } else if (const auto* line = std::get_if<FromLine>(&rule.source)) {
-        values.set("line", lines[line->line].name);
+        json["line"] = lines[line->line].name;
     } else if (const auto* limits = std::get_if<Switch>(&rule.source)) {
-        values.set("from", number_of(limits->channel));
-        set_pulse(values, "above", limits->above);
-        set_pulse(values, "below", limits->below);
-    } else {
-        set_shape(values, rule);
-        if (from != nullptr) {
-            values.set("from", number_of(from->channel));
+        json["from"] = number_of(limits->channel);
+        if (limits->above) {
+            json["above"] = pulse_json(*limits->above);
         }
-    }
-    Json json = values_json(values, channel_keys());
-    if (const auto* mix = std::get_if<Mix>(&rule.source)) {
-        Json mixed = {{"mix", mix_json(*mix)}};
-        mixed.update(json);
-        return mixed;
+        if (limits->below) {
+            json["below"] = pulse_json(*limits->below);
+        }
+    } else {
+        const auto* from = std::get_if<FromChannel>(&rule.source);
+        if (rule == ChannelRule{.output = rule.output, .source = rule.source} && from != nullptr) {
+            return number_of(from->channel);
+        }
+        if (from != nullptr) {
+            json["from"] = number_of(from->channel);
+        } else {
+            json["mix"] = mix_json(std::get<Mix>(rule.source));
+        }
+        json.update(fields_json(rule, channel_keys()));
     }
     return json;
 }

@@ -171,7 +171,7 @@ Json shape_schema(const Key& key) {
         case KeyKind::channels:
             return channels_schema(key);
     }
-    return setting_schema(key.setting);
+    return value_schema(key);
 }
 
 Json key_schema(const Key& key) {

@@ -90,10 +90,10 @@ Json type_schema(const Setting& setting) {
 
 }  // namespace
 
-Json setting_schema(const Setting& setting) {
-    Json json = type_schema(setting);
-    if (!setting.fallback.empty()) {
-        json["default"] = value_json(setting.type, default_of(setting));
+Json value_schema(const Key& key) {
+    Json json = type_schema(key.setting);
+    if (const auto value = default_of(key)) {
+        json["default"] = value_json(key.setting.type, *value);
     }
     return json;
 }

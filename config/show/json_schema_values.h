@@ -2,11 +2,11 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "core/setting.h"
+#include "config/keys/keys.h"
 
 namespace tribus {
 
-/// JSON schema of one row of the key table, with its default.
-nlohmann::ordered_json setting_schema(const Setting& setting);
+/// JSON schema of a row of the kind `value`, with its default.
+nlohmann::ordered_json value_schema(const Key& key);
 
 }  // namespace tribus

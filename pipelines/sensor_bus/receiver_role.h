@@ -31,19 +31,24 @@ struct TypePlaces {
 /// `automatic`: one wire if the power-up frames, which no sensor answers, come back.
 enum class Wires : std::uint8_t { automatic, one, two };
 
+/// Usual settings. The slot is that of genuine receivers (docs/protocols/ibus.md, "Sensor bus:
+/// timing").
+inline constexpr Duration kUsualSlot = std::chrono::microseconds(7700);
+inline constexpr int kUsualProbeEvery = 66;
+inline constexpr int kUsualDropAfter = 66;
+
 struct ReceiverRoleSettings {
-    /// Duration of a slot, in which one request is sent (docs/protocols/ibus.md, "Sensor bus:
-    /// timing").
-    Duration slot = std::chrono::microseconds(7700);
+    /// Duration of a slot, in which one request is sent.
+    Duration slot = kUsualSlot;
     Wires wires = Wires::automatic;
     /// Sends power-up frames first, as genuine receivers do. Without them `automatic` means one
     /// wire.
     bool power_up_frames = true;
     /// Number of slots between two searches for a further sensor.
-    int probe_every = 66;
+    int probe_every = kUsualProbeEvery;
     /// A sensor that leaves this number of requests in a row unanswered is gone, and so are those
     /// behind it.
-    int drop_after = 66;
+    int drop_after = kUsualDropAfter;
     SensorTypes types = SensorTypes();
     std::array<ReadingPlaces, kMostSensors> readings{};
     std::vector<TypePlaces> first_of_type{};

@@ -34,6 +34,11 @@ struct SensorSettings {
     std::optional<double> when_stale{};
 };
 
+/// Usual delays of an answer. Genuine receivers are proven to accept 0.1 to 1 ms
+/// (docs/protocols/ibus.md, "Sensor bus: answer times").
+inline constexpr Duration kUsualReplyAfter = std::chrono::microseconds(200);
+inline constexpr Duration kUsualReplyWithin = std::chrono::milliseconds(1);
+
 struct SensorRoleSettings {
     /// Address of the first sensor; the others follow. Absent: the address of the first discover
     /// request, as for genuine sensors in a daisy chain (docs/protocols/ibus.md, "Sensor bus:
@@ -43,10 +48,8 @@ struct SensorRoleSettings {
     /// One wire for both directions: sent bytes come back.
     bool receives_echo = true;
     /// Delay of an answer after its request was read. After `reply_within` it is not sent at all.
-    /// Genuine receivers are proven to accept 0.1 to 1 ms (docs/protocols/ibus.md, "Sensor bus:
-    /// answer times").
-    Duration reply_after = std::chrono::microseconds(200);
-    Duration reply_within = std::chrono::milliseconds(1);
+    Duration reply_after = kUsualReplyAfter;
+    Duration reply_within = kUsualReplyWithin;
 };
 
 /// Counters since the start. They never decrease.

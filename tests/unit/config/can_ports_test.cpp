@@ -187,7 +187,7 @@ TEST(CanPorts, HaveTheDefaultsOfTheNativeFormat) {
     EXPECT_EQ(input.supervision.timeout, milliseconds(100));
     const OutputConfig& output = configuration.outputs.at(0);
     EXPECT_EQ(output.schedule.period, milliseconds(10));
-    EXPECT_TRUE(output.yield_to_foreign_sender);
+    EXPECT_EQ(output.foreign_sender, ForeignSender::failsafe);
     const CanChannelsFormat format = CanChannelsFormat::from_settings(output.settings);
     EXPECT_EQ(format.base_id, 0x300U);
     EXPECT_FALSE(format.extended);
@@ -206,7 +206,7 @@ period = "2ms"
 foreign_sender = "ignore")"));
     const OutputConfig& output = configuration.outputs.at(0);
     EXPECT_EQ(output.schedule.period, milliseconds(2));
-    EXPECT_FALSE(output.yield_to_foreign_sender);
+    EXPECT_EQ(output.foreign_sender, ForeignSender::ignore);
     const CanChannelsFormat format = CanChannelsFormat::from_settings(output.settings);
     EXPECT_EQ(format.base_id, 0x1FFFFFFAU);
     EXPECT_TRUE(format.extended);
@@ -308,7 +308,7 @@ failsafe_flag = true
 frame_lost_flag = true
 frame_lost_run = "100ms"
 frame_lost_ratio = 0.9
-frozen = "0ms"
+frozen = "0s"
 plausible = [800, 2200]
 failsafe_when = []
 id = 768
@@ -348,8 +348,7 @@ TEST(CanEffective, LoadsAgainAndMeansTheSame) {
         const Configuration second = loaded(text);
         EXPECT_EQ(effective_toml(second), text);
         EXPECT_EQ(effective_json(second), effective_json(first));
-        EXPECT_EQ(second.outputs.at(0).yield_to_foreign_sender,
-                  first.outputs.at(0).yield_to_foreign_sender);
+        EXPECT_EQ(second.outputs.at(0).foreign_sender, first.outputs.at(0).foreign_sender);
     }
 }
 

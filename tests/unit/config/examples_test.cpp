@@ -40,13 +40,13 @@ TEST(EffectiveConfiguration, ShowsEveryDefaultOfTheNineLines) {
     EXPECT_EQ(effective_toml(*configuration), R"([runtime]
 realtime = "auto"
 priority = 80
-spin = "0ms"
+spin = "0s"
 
 [input.receiver]
 protocol = "ibus"
 device = "/dev/ttyA"
 timeout = "100ms"
-frozen = "0ms"
+frozen = "0s"
 plausible = [800, 2200]
 failsafe_when = []
 baud = 115200
@@ -125,7 +125,7 @@ failsafe_flag = true
 frame_lost_flag = true
 frame_lost_run = "100ms"
 frame_lost_ratio = 0.9
-frozen = "0ms"
+frozen = "0s"
 plausible = [800, 2200]
 zero_guard = "1s"
 failsafe_when = []
@@ -137,7 +137,7 @@ inverted = false
 protocol = "ibus"
 device = "/dev/ttyD"
 timeout = "100ms"
-frozen = "0ms"
+frozen = "0s"
 plausible = [800, 2200]
 failsafe_when = []
 baud = 115200
@@ -174,7 +174,7 @@ channel = 8
 17 = { from = 9, above = 1700, below = 1200 }
 
 [pipeline.p.failsafe.output.b]
-hold = "0ms"
+hold = "0s"
 action = "preset"
 slew = "1000us/s"
 recover = "2s"

@@ -24,12 +24,12 @@ action = "presets")",
     {"hold_too_long", 10,
      R"([pipeline.main.failsafe]
 hold = "10001ms")",
-     R"(t.toml:11:8: "hold" is "10001ms"; allowed: a duration from "0ms" to "10s", text )"
+     R"(t.toml:11:8: "hold" is "10001ms"; allowed: a duration from "0s" to "10s", text )"
      R"(with a unit (us, ms, s) such as "300ms")"},
     {"recover_too_long", 10,
      R"([pipeline.main.failsafe]
 recover = "61s")",
-     R"(t.toml:11:11: "recover" is "61s"; allowed: a duration from "0ms" to "60s", text )"
+     R"(t.toml:11:11: "recover" is "61s"; allowed: a duration from "0s" to "60s", text )"
      R"(with a unit (us, ms, s) such as "500ms")"},
     {"preset_that_is_no_table", 10,
      R"([pipeline.main.failsafe]

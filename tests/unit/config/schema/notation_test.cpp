@@ -20,7 +20,7 @@ TEST(FormatDuration, UsesTheLargestUnitThatNeedsNoFraction) {
     EXPECT_EQ(format_duration(milliseconds(1500)), "1500ms");
     EXPECT_EQ(format_duration(microseconds(1500)), "1500us");
     EXPECT_EQ(format_duration(nanoseconds(1500)), "1.5us");
-    EXPECT_EQ(format_duration(nanoseconds(0)), "0ms");
+    EXPECT_EQ(format_duration(nanoseconds(0)), "0s");
 }
 
 RC_GTEST_PROP(FormatDuration, ParsesBackToTheSame, ()) {
