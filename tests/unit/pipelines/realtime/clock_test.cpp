@@ -54,7 +54,8 @@ std::optional<bool> after_a_day_asleep(Look look) {
 
 TEST(Clock, counts_the_time_in_which_the_machine_was_suspended) {
     const auto counts = after_a_day_asleep([] {
-        return monotonic_now().time_since_epoch() - awake_time_now() >= std::chrono::hours(24);
+        const Duration awake = awake_time_now();
+        return monotonic_now().time_since_epoch() - awake >= std::chrono::hours(24);
     });
     if (!counts) {
         GTEST_SKIP() << "no time name spaces here";
