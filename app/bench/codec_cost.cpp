@@ -86,14 +86,16 @@ std::vector<ChannelFrame> some_frames() {
 
 CodecCost serial_cost(const Protocol& protocol, const SettingValues& in, const SettingValues& out,
                       Duration length) {
-    const auto encoder = protocol.make_encoder(out);
-    const auto decoder = protocol.make_decoder(in);
+    FrameEncoder encoder(protocol.make_encoder(out));
+    const auto decoder = make_byte_decoder(protocol, in);
     const std::vector<ChannelFrame> frames = some_frames();
     std::vector<WireFrame> wires(frames.size());
     CodecCost cost{.protocol = std::string(protocol.name)};
     cost.encode_ns = best_nanoseconds(length / 2, [&] {
         for (std::size_t i = 0; i < frames.size(); ++i) {
-            wires[i].length = encoder->encode(frames[i], wires[i].bytes);
+            const auto bytes = encoder.encode(frames[i], Instant{}).bytes();
+            std::ranges::copy(bytes, wires[i].bytes.begin());
+            wires[i].length = bytes.size();
         }
         return wires.back().length;
     });
@@ -118,16 +120,17 @@ struct CanSnapshot {
 
 CodecCost can_cost(const Protocol& protocol, const SettingValues& in, const SettingValues& out,
                    Duration length) {
-    const auto encoder = protocol.make_can_encoder(out);
-    const auto decoder = protocol.make_can_decoder(in);
+    FrameEncoder encoder(protocol.make_encoder(out));
+    const auto decoder = make_can_decoder(protocol, in);
     const std::vector<ChannelFrame> frames = some_frames();
     std::vector<CanSnapshot> snapshots(frames.size());
     std::size_t number = 0;
     CodecCost cost{.protocol = std::string(protocol.name)};
     cost.encode_ns = best_nanoseconds(length / 2, [&] {
         for (std::size_t i = 0; i < frames.size(); ++i) {
-            snapshots[i].count =
-                encoder->encode(frames[i], frame_time(number++), snapshots[i].frames);
+            const auto sent = encoder.encode(frames[i], frame_time(number++)).can_frames();
+            std::ranges::copy(sent, snapshots[i].frames.begin());
+            snapshots[i].count = sent.size();
         }
         return snapshots.back().count;
     });

@@ -26,9 +26,9 @@ bool make_raw(const std::string& path) {
     return ::tcsetattr(near.get(), TCSANOW, &settings) == 0;
 }
 
-WireFrame encoded(const Encoder& encoder, std::uint32_t number) {
+WireFrame encoded(ByteEncoder&& encoder, std::uint32_t number) {
     WireFrame wire;
-    wire.length = encoder.encode(numbered_channels(number), wire.bytes);
+    wire.length = encoder.write(numbered_channels(number), wire.bytes, Instant{});
     return wire;
 }
 

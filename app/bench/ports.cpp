@@ -92,7 +92,7 @@ void read_bare(ByteLink& in, std::optional<int> priority, std::vector<Stamp>& st
         DecodedFrame frame;
         while (decoder.next(bytes, now, frame)) {
             WireFrame wire;
-            wire.length = IbusEncoder(kChannelCount).encode(frame.channels, wire.bytes);
+            wire.length = IbusEncoder(kChannelCount).write(frame.channels, wire.bytes, Instant{});
             if (stamps.size() < stamps.capacity()) {
                 stamps.push_back({.at = now, .beginning = StampingLink::beginning_of(wire.bytes)});
             }

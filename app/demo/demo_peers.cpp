@@ -117,7 +117,7 @@ void DemoPeers::send_due(Instant now) {
     }
     report_.sent = demo_sticks(now - start_);
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder_.encode(report_.sent, wire);
+    const std::size_t length = encoder_.write(report_.sent, wire, Instant{});
     if (::write(receiver_.get(), wire.data(), length) == static_cast<ssize_t>(length)) {
         ++report_.frames_sent;
         latest_sent_at_ = now;

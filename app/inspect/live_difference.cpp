@@ -72,9 +72,7 @@ class Sender {
         const bool means_something =
             protocol.check == nullptr || protocol.check(settings, SettingScope::output).empty();
         if (means_something && protocol.make_encoder != nullptr) {
-            encoder_ = protocol.make_encoder(settings);
-        } else if (means_something && protocol.make_can_encoder != nullptr) {
-            can_encoder_ = protocol.make_can_encoder(settings);
+            encoder_.emplace(protocol.make_encoder(settings));
         }
         if (interval_ <= Duration::zero()) {
             interval_ = usual_period({as.protocol, as.settings, as.port.line});
@@ -84,14 +82,12 @@ class Sender {
     Instant due() const { return due_; }
     void send(VirtualLoop& loop) {
         if (encoder_) {
-            std::array<std::uint8_t, kLongestSerialFrame> wire{};
-            const std::size_t length = encoder_->encode(frame_, wire);
-            loop.receive(to_, std::span(wire).first(length), Undamaged{}, due_);
-        } else if (can_encoder_) {
             frame_.received = due_;
-            std::array<CanFrame, kMostSnapshotFrames> frames{};
-            const std::size_t count = can_encoder_->encode(frame_, due_, frames);
-            for (const CanFrame& frame : std::span(frames).first(count)) {
+            const Transmission sent = encoder_->encode(frame_, due_);
+            if (!sent.bytes().empty()) {
+                loop.receive(to_, sent.bytes(), Undamaged{}, due_);
+            }
+            for (const CanFrame& frame : sent.can_frames()) {
                 loop.receive(to_, frame, due_);
             }
         }
@@ -99,8 +95,7 @@ class Sender {
     }
 
   private:
-    std::unique_ptr<Encoder> encoder_;
-    std::unique_ptr<CanEncoder> can_encoder_;
+    std::optional<FrameEncoder> encoder_;
     ChannelFrame frame_;
     Duration interval_;
     std::size_t to_;

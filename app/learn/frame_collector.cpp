@@ -2,25 +2,21 @@
 
 namespace tribus {
 
-FrameCollector::FrameCollector(const InputConfig& input) : pauses_(input.port.line.bytes_time(1)) {
-    if (input.protocol->make_decoder != nullptr) {
-        decoder_ = input.protocol->make_decoder(input.settings);
-    } else {
-        can_decoder_ = input.protocol->make_can_decoder(input.settings);
-    }
-}
+FrameCollector::FrameCollector(const InputConfig& input)
+    : decoder_(input.protocol->make_decoder(input.settings)),
+      pauses_(input.port.line.bytes_time(1)) {}
 
 void FrameCollector::decode(std::span<const std::uint8_t> bytes, Instant at) {
     DecodedFrame found;
-    while (decoder_->next(bytes, at, found)) {
+    while (byte_decoder().next(bytes, at, found)) {
         keep(found, at);
     }
 }
 
 void FrameCollector::look_for_pause(std::size_t count, Instant at) {
-    if (pauses_.before(count, at, decoder_->waiting())) {
+    if (pauses_.before(count, at, byte_decoder().waiting())) {
         DecodedFrame found;
-        while (decoder_->silence(found)) {
+        while (byte_decoder().silence(found)) {
             keep(found, latest_read_);
         }
     }
@@ -33,7 +29,7 @@ void FrameCollector::keep(const DecodedFrame& found, Instant at) {
 }
 
 void FrameCollector::receive(const CanFrame& frame, Instant at) {
-    if (const auto snapshot = can_decoder_->next(frame, at)) {
+    if (const auto snapshot = std::get<std::unique_ptr<CanDecoder>>(decoder_)->next(frame, at)) {
         frames_.push_back({at, *snapshot});
     }
 }

@@ -24,7 +24,7 @@ class FrameCollector {
         look_for_pause(bytes.size(), at);
         for (std::size_t i = 0; i < bytes.size(); ++i) {
             if (damaged[i]) {
-                decoder_->damaged_byte();
+                byte_decoder().damaged_byte();
             }
             decode(bytes.subspan(i, damaged[i] ? 0 : 1), at);
         }
@@ -39,8 +39,9 @@ class FrameCollector {
     void decode(std::span<const std::uint8_t> bytes, Instant at);
     void keep(const DecodedFrame& found, Instant at);
 
-    std::unique_ptr<Decoder> decoder_;
-    std::unique_ptr<CanDecoder> can_decoder_;
+    ByteDecoder& byte_decoder() { return *std::get<std::unique_ptr<ByteDecoder>>(decoder_); }
+
+    AnyDecoder decoder_;
     LinePauses pauses_;
     Instant latest_read_{};
     std::vector<StudiedFrame> frames_;

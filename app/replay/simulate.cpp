@@ -74,12 +74,12 @@ class SinkRecorder final : public OutputObserver {
     }
 
     void wrote(std::size_t output, Instant at, const Transmission& sent) override {
-        for (const CanFrame& frame : sent.can_frames) {
+        for (const CanFrame& frame : sent.can_frames()) {
             append_candump_line(texts_[output], at.time_since_epoch(), sinks_[output].port->device,
                                 frame);
         }
-        if (!sent.bytes.empty()) {
-            append(texts_[output], at, sent.bytes);
+        if (!sent.bytes().empty()) {
+            append(texts_[output], at, sent.bytes());
         }
     }
     void bus_wrote(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override {

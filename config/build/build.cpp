@@ -15,13 +15,6 @@
 namespace tribus {
 namespace {
 
-/// Null if the protocol is on the other kind of link.
-template <class Codec>
-std::unique_ptr<Codec> make(std::unique_ptr<Codec> (*maker)(const SettingValues&),
-                            const SettingValues& settings) {
-    return maker == nullptr ? nullptr : maker(settings);
-}
-
 Duration byte_time_of(const PortConfig& port) {
     return port.link == LinkKind::serial ? port.line.bytes_time(1) : Duration::zero();
 }
@@ -91,8 +84,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
     std::vector<InputSettings> inputs;
     for (const InputConfig& input : configuration.inputs) {
         inputs.push_back({.name = input.name,
-                          .decoder = make(input.protocol->make_decoder, input.settings),
-                          .can_decoder = make(input.protocol->make_can_decoder, input.settings),
+                          .decoder = input.protocol->make_decoder(input.settings),
                           .byte_time = byte_time_of(input.port),
                           .supervision = input.supervision,
                           .channels = input.channels});
@@ -101,8 +93,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
     for (const OutputConfig& output : configuration.outputs) {
         outputs.push_back(
             {.name = output.name,
-             .encoder = make(output.protocol->make_encoder, output.settings),
-             .can_encoder = make(output.protocol->make_can_encoder, output.settings),
+             .encoder = output.protocol->make_encoder(output.settings),
              .node = output.protocol == &kDroneCanProtocol ? node_on(nodes, output.port.device)
                                                            : std::nullopt,
              .yield_to_foreign_sender = output.foreign_sender == ForeignSender::failsafe,

@@ -36,16 +36,17 @@ std::vector<CanUse> can_uses(const Draft& draft) {
     std::vector<CanUse> uses;
     for (const InputDraft& input : draft.inputs) {
         if (on_can(input.config.port, input.port_sound, input.settings_sound)) {
-            const auto decoder = input.config.protocol->make_can_decoder(input.config.settings);
+            const auto decoder = make_can_decoder(*input.config.protocol, input.config.settings);
             uses.push_back(
                 {"input", input.config.name, &input.config.port, copy(decoder->wanted()), false});
         }
     }
     for (const OutputDraft& output : draft.outputs) {
         if (on_can(output.config.port, output.port_sound, output.settings_sound)) {
-            const auto encoder = output.config.protocol->make_can_encoder(output.config.settings);
-            uses.push_back(
-                {"output", output.config.name, &output.config.port, copy(encoder->sent()), true});
+            const FrameEncoder encoder(
+                output.config.protocol->make_encoder(output.config.settings));
+            uses.push_back({"output", output.config.name, &output.config.port,
+                            copy(encoder.encoder().sent()), true});
         }
     }
     return uses;

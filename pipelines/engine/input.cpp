@@ -9,7 +9,6 @@ namespace tribus {
 Input::Input(InputSettings settings, std::uint8_t index)
     : name_(std::move(settings.name)),
       decoder_(std::move(settings.decoder)),
-      can_decoder_(std::move(settings.can_decoder)),
       pauses_(settings.byte_time),
       index_(index),
       supervisor_(std::move(settings.supervision)) {
@@ -20,7 +19,6 @@ Input::Input(InputSettings settings, std::uint8_t index)
 
 void Input::continue_from(Input& before, bool same_channels, Instant now) {
     std::swap(decoder_, before.decoder_);
-    std::swap(can_decoder_, before.can_decoder_);
     state_ = before.state_;
     latest_ = before.latest_;
     latest_.source = index_;
@@ -40,7 +38,7 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
 
 bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
     bool any = false;
-    while (decoder_->next(bytes, now, decoded_)) {
+    while (byte_decoder().next(bytes, now, decoded_)) {
         take_decoded(now);
         any = true;
     }
@@ -49,7 +47,7 @@ bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
 
 bool Input::pause(Instant now) {
     bool any = false;
-    while (decoder_->silence(decoded_)) {
+    while (byte_decoder().silence(decoded_)) {
         take_decoded(now);
         any = true;
     }
@@ -71,8 +69,8 @@ void Input::device_lost() {
 
 /// Discards a frame received in part: the next bytes do not continue it.
 void Input::start_anew() {
-    if (decoder_) {
-        decoder_->reset();
+    if (!on_can()) {
+        byte_decoder().reset();
     }
     forget_read_time();
 }
@@ -83,7 +81,7 @@ bool Input::receive(const CanFrame& frame, Instant at) {
         return false;
     }
     count_bytes(frame.length, at);
-    const auto snapshot = can_decoder_->next(frame, at);
+    const auto snapshot = can_decoder()->next(frame, at);
     if (snapshot) {
         take(*snapshot, at, at);
     }
@@ -91,11 +89,12 @@ bool Input::receive(const CanFrame& frame, Instant at) {
 }
 
 std::span<const CanIdMatch> Input::wanted_ids() const {
-    return can_decoder_ ? can_decoder_->wanted() : std::span<const CanIdMatch>{};
+    return on_can() ? can_decoder()->wanted() : std::span<const CanIdMatch>{};
 }
 
 const DecoderReport& Input::decoder() const {
-    return decoder_ ? static_cast<const DecoderReport&>(*decoder_) : *can_decoder_;
+    return std::visit([](const auto& decoder) -> const DecoderReport& { return *decoder; },
+                      decoder_);
 }
 
 void Input::look(Instant now) {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "core/arrival_clock.h"
@@ -20,15 +21,14 @@
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/line_pauses.h"
+#include "transports/codecs/protocol.h"
 #include "transports/codecs/read_times.h"
 
 namespace tribus {
 
 struct InputSettings {
     std::string name;
-    /// Exactly one of the two decoders is set, as the protocol requires.
-    std::unique_ptr<Decoder> decoder;
-    std::unique_ptr<CanDecoder> can_decoder{};
+    AnyDecoder decoder;
     /// Duration of one byte on the wire. Zero if read times do not show the pauses on it.
     Duration byte_time{};
     SupervisionSettings supervision{};
@@ -72,7 +72,7 @@ class Input {
         for (std::size_t position = 0; position < bytes.size(); ++position) {
             if (damaged[position]) {
                 any = decode(bytes.subspan(start, position - start), now) || any;
-                decoder_->damaged_byte();
+                byte_decoder().damaged_byte();
                 start = position + 1;
             }
         }
@@ -111,11 +111,20 @@ class Input {
     const DecoderReport& decoder() const;
     /// The CAN ids that it receives. Empty if it is not on CAN.
     std::span<const CanIdMatch> wanted_ids() const;
-    bool on_can() const { return can_decoder_ != nullptr; }
-    bool uses_fd() const { return can_decoder_ && can_decoder_->uses_fd(); }
+    bool on_can() const { return can_decoder() != nullptr; }
+    bool uses_fd() const { return on_can() && can_decoder()->uses_fd(); }
     const std::string& name() const { return name_; }
 
   private:
+    /// Only for an input whose protocol is on bytes.
+    ByteDecoder& byte_decoder() const {
+        return **std::get_if<std::unique_ptr<ByteDecoder>>(&decoder_);
+    }
+    /// Null if its protocol is not on CAN.
+    CanDecoder* can_decoder() const {
+        const auto* can = std::get_if<std::unique_ptr<CanDecoder>>(&decoder_);
+        return can != nullptr ? can->get() : nullptr;
+    }
     void count_bytes(std::size_t count, Instant now) {
         counts_.bytes += count;
         supervisor_.bytes_came(now);
@@ -124,7 +133,7 @@ class Input {
     bool arrived(std::size_t count, Instant now) {
         count_bytes(count, now);
         read_times_.add(counts_.bytes, now);
-        return pauses_.before(count, now, decoder_->waiting()) && pause(now);
+        return pauses_.before(count, now, byte_decoder().waiting()) && pause(now);
     }
     bool pause(Instant now);
     void start_anew();
@@ -134,8 +143,7 @@ class Input {
     void take(ChannelFrame frame, Instant arrival, Instant now);
 
     std::string name_;
-    std::unique_ptr<Decoder> decoder_;
-    std::unique_ptr<CanDecoder> can_decoder_;
+    AnyDecoder decoder_;
     DecodedFrame decoded_;
     /// Maps positions in the received bytes to the times at which they were read.
     ReadTimes read_times_;

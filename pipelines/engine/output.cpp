@@ -20,27 +20,13 @@ constexpr int kBusyFrames = 10;
 Output::Output(OutputSettings settings)
     : name_(std::move(settings.name)),
       encoder_(std::move(settings.encoder)),
-      can_encoder_(std::move(settings.can_encoder)),
       yield_to_foreign_sender_(settings.yield_to_foreign_sender),
       schedule_(settings.schedule),
       selector_(settings.selection, settings.failsafe.recover, settings.failsafe.power_on),
       changeover_us_per_second_(settings.selection.changeover_us_per_second),
       map_(settings.channels),
       mapped_channels_(settings.mapped_channels),
-      failsafe_(settings.failsafe),
-      can_frames_(can_encoder_ ? kMostSnapshotFrames : 0) {}
-
-void Output::use(const ValueBoard& board) {
-    if (can_encoder_) {
-        can_encoder_->use(board);
-    }
-}
-
-void Output::send_as(const dronecan::NodeIdentity& identity) {
-    if (can_encoder_) {
-        can_encoder_->send_as(identity);
-    }
-}
+      failsafe_(settings.failsafe) {}
 
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
     const bool standby = stage_ == OutputStage::control && index != selector_.current();
@@ -54,15 +40,6 @@ void Output::end(Instant now) {
     stage_ = OutputStage::failsafe;
     glide_.stop();
     schedule_.start(now);
-}
-
-Transmission Output::take() {
-    return {.bytes = std::span(wire_).first(std::exchange(wire_length_, 0)),
-            .can_frames = std::span(can_frames_).first(std::exchange(can_frame_count_, 0))};
-}
-
-std::span<const CanIdMatch> Output::sent_ids() const {
-    return can_encoder_ ? can_encoder_->sent() : std::span<const CanIdMatch>{};
 }
 
 void Output::foreign_frame_seen(Instant now) {
@@ -96,8 +73,7 @@ OutputState Output::state(Instant now) const {
         .forced = must_yield(now),
         .input = selector_.follows_one() ? controlling_input().value_or(kNoInput) : kNoInput,
         .outvoted = 0,
-        .marks_frame_lost =
-            can_encoder_ ? can_encoder_->marks_frame_lost() : encoder_->marks_frame_lost(),
+        .marks_frame_lost = encoder_.encoder().marks_frame_lost(),
         .by_preset = by_preset_};
     for (std::size_t place = 0; place < inputs().size(); ++place) {
         state.outvoted |= selector_.outvoted(place) ? 1U << place : 0U;
@@ -240,8 +216,7 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
 
 /// Replaces absent channels by their presets if the format cannot mark a channel as absent.
 [[gnu::noinline]] void Output::fill_absent(ChannelFrame& frame, Instant now) {
-    const std::uint32_t needed =
-        can_encoder_ ? can_encoder_->needed_channels(frame) : encoder_->needed_channels();
+    const std::uint32_t needed = encoder_.encoder().needed_channels(frame);
     std::uint32_t missing = needed & frame.absent();
     if (missing == 0) {
         return;
@@ -268,12 +243,7 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         latest_ = *frame;
         latest_due_ = schedule_.due();
         latest_at_ = now;
-        if (can_encoder_) {
-            can_frame_count_ = can_encoder_->encode(
-                *frame, now, std::span<CanFrame, kMostSnapshotFrames>(can_frames_));
-        } else {
-            wire_length_ = encoder_->encode(*frame, wire_);
-        }
+        transmission_ = encoder_.encode(*frame, now);
     }
     made_frame_ = frame.has_value();
     if (!made_frame_ && obstacle_ != SendObstacle::device) {

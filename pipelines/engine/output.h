@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/arrival_clock.h"
@@ -22,16 +23,13 @@
 #include "pipelines/rules/glide.h"
 #include "pipelines/rules/line_words.h"
 #include "pipelines/rules/settings.h"
-#include "transports/codecs/can_codec.h"
-#include "transports/codecs/codec.h"
+#include "transports/codecs/frame_encoder.h"
 
 namespace tribus {
 
 struct OutputSettings {
     std::string name;
-    /// Exactly one of the two encoders is set, as the protocol requires.
-    std::unique_ptr<Encoder> encoder;
-    std::unique_ptr<CanEncoder> can_encoder{};
+    AnyEncoder encoder;
     /// Index of the DroneCAN node whose id it sends with.
     std::optional<std::size_t> node{};
     /// CAN only: go to failsafe while another node sends with the ids of this output.
@@ -87,14 +85,6 @@ struct OutputState {
     bool operator==(const OutputState&) const = default;
 };
 
-/// What an output hands to its link: bytes of one frame, or CAN frames, or nothing.
-struct Transmission {
-    std::span<const std::uint8_t> bytes;
-    std::span<const CanFrame> can_frames;
-
-    bool empty() const { return bytes.empty() && can_frames.empty(); }
-};
-
 /// Counters of one output since the start. They never decrease.
 struct OutputCounts {
     std::uint64_t frames = 0;             ///< handed over
@@ -120,14 +110,14 @@ class Output {
     /// Starts the schedule.
     void start(Instant now) { schedule_.start(now); }
     /// Sets the source of named values. Call before `start`. `board` must outlive the output.
-    void use(const ValueBoard& board);
+    void use(const ValueBoard& board) { encoder_.encoder().use(board); }
     /// Takes over at `now` from `before`, an output of the same protocol on the same port: its
     /// stage, schedule and counters. Other settings apply from the next frame on. If the input in
     /// control was removed, it counts as lost.
     void continue_from(Output& before, const OutputCarry& carry,
                        std::span<const InputCarry> carried_inputs, Instant now);
     /// Sets the node that it sends as. Call before `start`; the node must outlive the output.
-    void send_as(const dronecan::NodeIdentity& identity);
+    void send_as(const dronecan::NodeIdentity& identity) { encoder_.encoder().send_as(identity); }
     /// Changes the period from the next frame on.
     void set_period(Duration period) { schedule_.set_period(period); }
     /// A frame of input `index`, one of `inputs()`, has arrived.
@@ -147,7 +137,7 @@ class Output {
 
     /// Takes the encoded frame. Empty if there is none, and after it was taken. Valid until the
     /// next `run`.
-    Transmission take();
+    Transmission take() { return std::exchange(transmission_, {}); }
     /// Tells what became of the frame: handed over, or dropped because the port was busy, its
     /// device missing or its bus unavailable.
     void written() {
@@ -162,9 +152,9 @@ class Output {
     void set_device_present(bool present);
 
     /// The CAN ids that it sends. Empty if it is not on CAN.
-    std::span<const CanIdMatch> sent_ids() const;
-    bool on_can() const { return can_encoder_ != nullptr; }
-    bool uses_fd() const { return can_encoder_ && can_encoder_->uses_fd(); }
+    std::span<const CanIdMatch> sent_ids() const { return encoder_.encoder().sent(); }
+    bool on_can() const { return encoder_.on_can(); }
+    bool uses_fd() const { return encoder_.encoder().uses_fd(); }
     /// Another node has sent one of these ids. If it goes on, it counts as a second sender.
     void foreign_frame_seen(Instant now);
 
@@ -200,8 +190,7 @@ class Output {
     void fill_absent(ChannelFrame& frame, Instant now);
 
     std::string name_;
-    std::unique_ptr<Encoder> encoder_;
-    std::unique_ptr<CanEncoder> can_encoder_;
+    FrameEncoder encoder_;
     bool yield_to_foreign_sender_;
     Schedule schedule_;
     InputSelector selector_;
@@ -230,11 +219,7 @@ class Output {
     ChannelFrame latest_;
     Instant latest_due_{};
     Instant latest_at_{};
-    std::array<std::uint8_t, kLongestSerialFrame> wire_{};
-    std::size_t wire_length_ = 0;
-    /// Room for kMostSnapshotFrames if the output is on CAN, else empty.
-    std::vector<CanFrame> can_frames_;
-    std::size_t can_frame_count_ = 0;
+    Transmission transmission_;
     OutputCounts counts_;
 };
 

@@ -11,9 +11,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     } else {
         schedule_.continue_from(before.schedule_, now);
     }
-    if (can_encoder_) {
-        can_encoder_->continue_from(*before.can_encoder_);
-    }
+    encoder_.encoder().continue_from(before.encoder_.encoder());
     selector_.continue_from(before.selector_, carried_inputs);
     glide_ = before.glide_;
     stage_ = before.stage_;

@@ -124,8 +124,8 @@ WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& se
     if (clock_ - now > period) {
         return WriteStatus::busy;
     }
-    return bytes != nullptr ? bytes->write_asked(sent.bytes)
-                            : link.as_can()->write(lane, sent.can_frames, clock_);
+    return bytes != nullptr ? bytes->write_asked(sent.bytes())
+                            : link.as_can()->write(lane, sent.can_frames(), clock_);
 }
 
 namespace {
@@ -153,8 +153,8 @@ void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
     if (port.wiring.capture == nullptr) {
         return;
     }
-    port.wiring.capture->record(sent.bytes, at);
-    for (const CanFrame& frame : sent.can_frames) {
+    port.wiring.capture->record(sent.bytes(), at);
+    for (const CanFrame& frame : sent.can_frames()) {
         port.wiring.capture->record(Direction::written, frame, at);
     }
 }

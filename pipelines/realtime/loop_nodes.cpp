@@ -20,7 +20,7 @@ void Loop::write_nodes(Instant now) {
                       : WriteStatus::lost;
         switch (status) {
             case WriteStatus::written:
-                capture(port, {.bytes = {}, .can_frames = frames}, now);
+                capture(port, frames, now);
                 node.written();
                 break;
             case WriteStatus::busy:

@@ -121,14 +121,14 @@ std::vector<WireByte> read_pattern(std::string_view text) {
     return pattern;
 }
 
-void take_frames(Decoder& decoder, std::span<const std::uint8_t> bytes, DecodedFrame& frame) {
+void take_frames(ByteDecoder& decoder, std::span<const std::uint8_t> bytes, DecodedFrame& frame) {
     const Instant received{};
     while (decoder.next(bytes, received, frame)) {
         sink = frame.first_byte;
     }
 }
 
-void decode_frames(const Work& work, Decoder& decoder, std::span<const std::uint8_t> bytes,
+void decode_frames(const Work& work, ByteDecoder& decoder, std::span<const std::uint8_t> bytes,
                    std::size_t length) {
     const auto stream = bytes.first(work.units * length);
     DecodedFrame frame;
@@ -143,7 +143,7 @@ void decode_frames(const Work& work, Decoder& decoder, std::span<const std::uint
     }
 }
 
-void decode_garbage(const Work& work, Decoder& decoder) {
+void decode_garbage(const Work& work, ByteDecoder& decoder) {
     std::vector<WireByte> pattern = read_pattern(work.pattern);
     Random random;
     if (work.pattern == "random") {
@@ -180,15 +180,15 @@ void decode_garbage(const Work& work, Decoder& decoder) {
     }
 }
 
-void encode(const Work& work, const Encoder& encoder) {
+void encode(const Work& work, ByteEncoder& encoder) {
     const std::vector<ChannelFrame> frames = channel_frames(work.prepared);
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
     for (const ChannelFrame& frame : std::span(frames).first(work.units)) {
-        sink = encoder.encode(frame, wire);
+        sink = encoder.write(frame, wire, Instant{});
     }
 }
 
-std::unique_ptr<Decoder> decoder_for(const Work& work) {
+std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
     if (work.about("sbus")) {
         return std::make_unique<SbusDecoder>(
             *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));
@@ -196,7 +196,7 @@ std::unique_ptr<Decoder> decoder_for(const Work& work) {
     return std::make_unique<IbusDecoder>();
 }
 
-std::unique_ptr<Encoder> encoder_for(const Work& work) {
+std::unique_ptr<ByteEncoder> encoder_for(const Work& work) {
     if (work.about("sbus")) {
         return std::make_unique<SbusEncoder>(
             *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));

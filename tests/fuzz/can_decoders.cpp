@@ -86,12 +86,12 @@ struct Bus {
 
 void add_ports(const Configuration& configuration, Bus& bus) {
     for (const InputConfig& input : configuration.inputs) {
-        if (input.protocol->make_can_decoder != nullptr) {
+        if (input.protocol->link == LinkKind::can) {
             bus.readers.push_back(&input);
         }
     }
     for (const OutputConfig& output : configuration.outputs) {
-        if (output.protocol->make_can_encoder != nullptr) {
+        if (output.protocol->link == LinkKind::can) {
             bus.speakers.push_back(&output);
         }
     }
@@ -142,7 +142,7 @@ CanFrame frame_from(Input& input, std::span<const CanIdMatch> wanted) {
 
 /// Returns the frames of a snapshot as its sender makes them. Each may be lost, repeated or
 /// changed. No random frame would have the right checksum.
-std::vector<CanFrame> spoken_by(CanEncoder& speaker, Input& input, Instant now) {
+std::vector<CanFrame> spoken_by(FrameEncoder& speaker, Input& input, Instant now) {
     ChannelFrame snapshot;
     const std::uint8_t choice = input.byte();
     snapshot.frame_lost = (choice & 1U) != 0;
@@ -152,10 +152,8 @@ std::vector<CanFrame> spoken_by(CanEncoder& speaker, Input& input, Instant now) 
         snapshot.set(channel, Pulse::from_microseconds(880 + 5 * input.byte()));
     }
     snapshot.received = now - std::chrono::microseconds(input.byte()) * 100;
-    std::array<CanFrame, kMostSnapshotFrames> parts{};
-    const std::size_t count = speaker.encode(snapshot, now, parts);
     std::vector<CanFrame> spoken;
-    for (CanFrame& part : std::span(parts).first(count)) {
+    for (CanFrame part : speaker.encode(snapshot, now).can_frames()) {
         const std::uint8_t fate = input.byte();
         if (fate % 8 == 1) {
             continue;
@@ -179,9 +177,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::Input input({data, size});
     const fuzz::Bus& bus = fuzz::bus();
     const InputConfig& config = *bus.readers[input.below(bus.readers.size())];
-    const auto decoder = config.protocol->make_can_decoder(config.settings);
+    const auto decoder = make_can_decoder(*config.protocol, config.settings);
     const OutputConfig& other = *bus.speakers[input.below(bus.speakers.size())];
-    const auto speaker = other.protocol->make_can_encoder(other.settings);
+    FrameEncoder speaker(other.protocol->make_encoder(other.settings));
     Instant now = later(Instant{}, std::chrono::seconds(1));
     std::uint64_t refused = 0;
     while (!input.empty()) {
@@ -189,7 +187,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         now = later(now, std::chrono::microseconds(input.byte()) * 100);
         const auto frames = input.byte() < kSpoken
                                 ? std::vector{fuzz::frame_from(input, decoder->wanted())}
-                                : fuzz::spoken_by(*speaker, input, now);
+                                : fuzz::spoken_by(speaker, input, now);
         for (const CanFrame& frame : frames) {
             const auto snapshot = decoder->next(frame, now);
             require(!snapshot || snapshot->received <= now, "values are not from the future");

@@ -129,13 +129,13 @@ class Witness final : public OutputObserver {
 
     void wrote(std::size_t output, Instant at, const Transmission& sent) override {
         std::optional<ChannelFrame> frame;
-        if (!sent.bytes.empty()) {
-            frame = latest_of(readers_[output], sent.bytes, at);
+        if (!sent.bytes().empty()) {
+            frame = latest_of(readers_[output], sent.bytes(), at);
             // A reader that is in step finds each frame. The first frames bring it into step.
             readers_[output].frames += frame ? 1U : 0U;
             require(frame || readers_[output].frames == 0, "every frame that is written is valid");
         }
-        for (const CanFrame& part : sent.can_frames) {
+        for (const CanFrame& part : sent.can_frames()) {
             if (const auto whole = readers_[output].can->next(part, at)) {
                 frame = whole;
             }
@@ -152,7 +152,7 @@ class Witness final : public OutputObserver {
 
   private:
     struct Ear {
-        std::unique_ptr<Decoder> serial;
+        std::unique_ptr<ByteDecoder> serial;
         std::unique_ptr<CanDecoder> can;
         std::optional<LinePauses> pauses;  ///< pauses of an input's line
         std::size_t frames = 0;
@@ -161,10 +161,10 @@ class Witness final : public OutputObserver {
     static Ear make_ear(const Protocol& protocol, const SettingValues& settings) {
         Ear ear;
         if (protocol.link == LinkKind::serial) {
-            ear.serial = protocol.make_decoder(settings);
+            ear.serial = make_byte_decoder(protocol, settings);
             ear.read_at.reserve(kMostSteps * kMostBytesOfStep);
         } else {
-            ear.can = protocol.make_can_decoder(settings);
+            ear.can = make_can_decoder(protocol, settings);
         }
         return ear;
     }
@@ -222,13 +222,7 @@ class Play {
           witness_(configuration),
           engine_(build_engine(configuration)) {
         for (const InputConfig& input : configuration.inputs) {
-            if (input.protocol->make_encoder != nullptr) {
-                serial_.push_back(input.protocol->make_encoder(input.settings));
-                can_.push_back(nullptr);
-            } else {
-                serial_.push_back(nullptr);
-                can_.push_back(input.protocol->make_can_encoder(input.settings));
-            }
+            encoders_.emplace_back(input.protocol->make_encoder(input.settings));
         }
         loop_.emplace(*engine_, witness_, Instant(std::chrono::seconds(1)));
     }
@@ -290,22 +284,18 @@ class Play {
     }
     void say_frame(std::size_t input, std::uint8_t kind) {
         ChannelFrame frame = sticks(kind);
-        if (serial_[input]) {
-            std::array<std::uint8_t, kLongestSerialFrame> wire{};
-            const std::size_t length = serial_[input]->encode(frame, wire);
-            say(input, std::span(wire).first(length));
-            return;
-        }
         frame.received = loop_->now();
-        std::array<CanFrame, kMostSnapshotFrames> parts{};
-        const std::size_t count = can_[input]->encode(frame, loop_->now(), parts);
-        for (const CanFrame& part : std::span(parts).first(count)) {
+        const Transmission sent = encoders_[input].encode(frame, loop_->now());
+        if (!sent.bytes().empty()) {
+            say(input, sent.bytes());
+        }
+        for (const CanFrame& part : sent.can_frames()) {
             say(input, part);
         }
     }
     void say_bytes(std::size_t input) {
         const auto bytes = script_.take(script_.byte() % 40);
-        if (serial_[input]) {
+        if (!encoders_[input].on_can()) {
             say(input, bytes);
         }
     }
@@ -318,7 +308,7 @@ class Play {
         say(configuration_.inputs.size() - 1, frame);
     }
     void damage(std::size_t input) {
-        if (serial_[input]) {
+        if (!encoders_[input].on_can()) {
             witness_.damaged(input, loop_->now());
             constexpr std::array<std::uint8_t, 1> kByte{0};
             loop_->receive(input, kByte, OneDamaged{}, loop_->now());
@@ -341,8 +331,7 @@ class Play {
     Input& script_;
     Witness witness_;
     std::unique_ptr<Engine> engine_;
-    std::vector<std::unique_ptr<Encoder>> serial_;
-    std::vector<std::unique_ptr<CanEncoder>> can_;
+    std::vector<FrameEncoder> encoders_;
     std::optional<VirtualLoop> loop_;
 };
 

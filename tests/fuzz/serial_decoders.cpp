@@ -13,7 +13,7 @@ namespace {
 std::vector<const Protocol*> readable() {
     std::vector<const Protocol*> found;
     for (const Protocol* protocol : protocols()) {
-        if (protocol->make_decoder != nullptr) {
+        if (protocol->link == LinkKind::serial && protocol->make_decoder != nullptr) {
             found.push_back(protocol);
         }
     }
@@ -53,7 +53,7 @@ struct Line {
 };
 
 /// Decodes in pieces of at most `piece` bytes.
-Found decode(Decoder& decoder, const Line& line, std::size_t piece) {
+Found decode(ByteDecoder& decoder, const Line& line, std::size_t piece) {
     Found found;
     for (std::size_t at = 0; at < line.bytes.size();) {
         if (line.damaged[at]) {
@@ -170,8 +170,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto& protocol = *protocols[which];
     const auto settings = settings_of(protocol, input);
     const Line line = line_from(input, false);
-    const auto whole = decode(*protocol.make_decoder(settings), line, line.bytes.size());
-    const auto pieces = decode(*protocol.make_decoder(settings), line, piece);
+    const auto whole = decode(*make_byte_decoder(protocol, settings), line, line.bytes.size());
+    const auto pieces = decode(*make_byte_decoder(protocol, settings), line, piece);
     require_places(whole, line.bytes.size());
     require(whole == pieces, "how reads cut a stream changes nothing");
     return 0;

@@ -65,7 +65,7 @@ TEST_F(CanBusLoad, IsThatOfTheBitsThatTheTestsCountInRcInputOf18Channels) {
                                       static_cast<std::int32_t>(1000 + random.below(1001))));
         }
         std::array<CanFrame, kMostSnapshotFrames> frames;
-        const std::size_t count = encoder.encode(snapshot, Instant{}, frames);
+        const std::size_t count = encoder.write(snapshot, frames, Instant{});
         for (const CanFrame& frame : std::span(frames).first(count)) {
             ASSERT_EQ(bus.send(frame), 0);
             sent.bits += bits_on_bus(frame).nominal;

@@ -48,7 +48,7 @@ std::vector<Sent> readings(const SensorTypes& types) {
         for (const std::int64_t raw : {least, least + values / 3, least + values - 1}) {
             board.set(0, static_cast<double>(raw), Instant{}, type.id);
             std::array<CanFrame, kMostSnapshotFrames> frames{};
-            EXPECT_EQ(encoder.encode({}, Instant{}, frames), 1U);
+            EXPECT_EQ(encoder.write({}, frames, Instant{}), 1U);
             all.push_back(
                 {&type, raw,
                  fmt::format("{} {:02x}\n", frames[0].id, fmt::join(frames[0].bytes(), ""))});

@@ -69,7 +69,7 @@ SbusFrame over_can(const SbusFrame& frame, CanPair& pair, const SbusScale& scale
     const auto published = pair.receive(pair.send(snapshot));
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
     if (!published.empty()) {
-        SbusEncoder(scale).encode(published[0], wire);
+        SbusEncoder(scale).write(published[0], wire, Instant{});
     }
     return parse_sbus(std::span(wire).first<kSbusFrameLength>());
 }

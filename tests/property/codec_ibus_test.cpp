@@ -342,7 +342,7 @@ RC_GTEST_PROP(IbusEncoderProperty, EveryFrameHasAnEncodingThatDecodesToItsWholeM
     const ChannelFrame frame = any_frame();
     for (const std::size_t channels : {std::size_t{14}, std::size_t{18}}) {
         std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = IbusEncoder(channels).encode(frame, wire);
+        const std::size_t length = IbusEncoder(channels).write(frame, wire, Instant{});
         IbusDecoder decoder;
         const auto frames = feed(decoder, std::span(wire).first(length));
         RC_ASSERT(frames.size() == 1U);

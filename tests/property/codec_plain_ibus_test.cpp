@@ -239,7 +239,7 @@ TEST(IbusBesidePlain, EveryValueOfChannels15To18IsReadTheSame) {
 
 TEST(IbusBesidePlain, EveryPulseOfEveryChannelIsWrittenTheSame) {
     for (const std::size_t channels : {14U, 18U}) {
-        const IbusEncoder encoder(channels);
+        IbusEncoder encoder(channels);
         const PlainIbusEncoder plain(channels);
         for (std::int32_t eighths = -32768; eighths <= 32767; ++eighths) {
             ChannelFrame frame;
@@ -252,7 +252,7 @@ TEST(IbusBesidePlain, EveryPulseOfEveryChannelIsWrittenTheSame) {
             }
             std::array<std::uint8_t, kLongestSerialFrame> wire{};
             std::array<std::uint8_t, kLongestSerialFrame> plain_wire{};
-            ASSERT_EQ(encoder.encode(frame, wire), plain.encode(frame, plain_wire));
+            ASSERT_EQ(encoder.write(frame, wire, Instant{}), plain.encode(frame, plain_wire));
             ASSERT_EQ(wire, plain_wire) << eighths;
         }
     }

@@ -141,7 +141,7 @@ std::optional<ChannelFrame> decoded(const SbusScale& scale, std::span<const std:
 
 Bytes encoded(const SbusScale& scale, const ChannelFrame& frame) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = SbusEncoder(scale).encode(frame, wire);
+    const std::size_t length = SbusEncoder(scale).write(frame, wire, Instant{});
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 

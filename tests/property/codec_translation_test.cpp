@@ -14,9 +14,9 @@ using test::feed;
 
 /// Returns the frame at the other end of a wire.
 template <class Coder>
-ChannelFrame over(const Encoder& encoder, Coder& decoder, const ChannelFrame& frame) {
+ChannelFrame over(ByteEncoder&& encoder, Coder& decoder, const ChannelFrame& frame) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder.encode(frame, wire);
+    const std::size_t length = encoder.write(frame, wire, Instant{});
     const auto frames = feed(decoder, std::span(wire).first(length));
     if (!frames.empty()) {
         return frames.back().channels;

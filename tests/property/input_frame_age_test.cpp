@@ -76,11 +76,11 @@ class Beside {
     std::size_t held() const { return held_; }
 
   private:
-    Beside(std::unique_ptr<Decoder> inner, std::unique_ptr<Decoder> beside)
+    Beside(std::unique_ptr<ByteDecoder> inner, std::unique_ptr<ByteDecoder> beside)
         : input_({.name = "in", .decoder = std::move(inner)}, 0), decoder_(std::move(beside)) {}
 
     Input input_;
-    std::unique_ptr<Decoder> decoder_;
+    std::unique_ptr<ByteDecoder> decoder_;
     std::vector<Instant> read_at_;
     std::size_t held_ = 0;
 };

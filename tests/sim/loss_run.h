@@ -41,7 +41,7 @@ to   = "servos"
 
 inline std::vector<StudiedFrame> decoded(const InputConfig& input,
                                          const std::vector<WireFrame>& wire) {
-    const auto decoder = input.protocol->make_decoder(input.settings);
+    const auto decoder = make_byte_decoder(*input.protocol, input.settings);
     std::vector<StudiedFrame> frames;
     DecodedFrame found;
     for (const WireFrame& frame : wire) {
@@ -69,7 +69,7 @@ class LossRun final : public OutputObserver {
         if (at < study_times().back) {
             cause_while_lost_ = engine_->inputs()[0].state().cause;
         }
-        const SbusFrame frame = parse_sbus(sent.bytes.first<kSbusFrameLength>());
+        const SbusFrame frame = parse_sbus(sent.bytes().first<kSbusFrameLength>());
         says_.push_back({at, frame.failsafe});
     }
     std::optional<Duration> to_failsafe() const { return first(study_times().off, true); }

@@ -81,7 +81,7 @@ class Machine {
     explicit Machine(const Configuration& configuration)
         : engine_(build_engine(configuration)), loop_(*engine_, nobody_, Instant(kStep)) {
         for (const InputConfig& input : configuration.inputs) {
-            encoders_.push_back(input.protocol->make_encoder(input.settings));
+            encoders_.emplace_back(input.protocol->make_encoder(input.settings));
         }
     }
 
@@ -109,15 +109,13 @@ class Machine {
             frame.set(channel, Pulse::from_microseconds(1500 + number_ % 2));
         }
         ++number_;
-        std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = encoders_[input]->encode(frame, wire);
-        loop_.receive(input, std::span(wire).first(length), Undamaged{}, now_);
+        loop_.receive(input, encoders_[input].encode(frame, now_).bytes(), Undamaged{}, now_);
     }
 
     Unheard nobody_;
     std::unique_ptr<Engine> engine_;
     VirtualLoop loop_;
-    std::vector<std::unique_ptr<Encoder>> encoders_;
+    std::vector<FrameEncoder> encoders_;
     Instant now_{kStep};
     int number_ = 0;
 };

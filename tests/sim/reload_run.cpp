@@ -69,8 +69,8 @@ void ReloadRun::reload(const std::string& text, Instant at) {
 void ReloadRun::wrote(std::size_t output, Instant at, const Transmission& sent) {
     const std::string& name = stage_->configuration.outputs[output].name;
     said_[name].push_back({at,
-                           {sent.bytes.begin(), sent.bytes.end()},
-                           {sent.can_frames.begin(), sent.can_frames.end()}});
+                           {sent.bytes().begin(), sent.bytes().end()},
+                           {sent.can_frames().begin(), sent.can_frames().end()}});
 }
 
 void ReloadRun::node_wrote(std::size_t node, Instant at, std::span<const CanFrame> frames) {

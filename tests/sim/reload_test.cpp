@@ -67,7 +67,7 @@ std::vector<std::uint8_t> ibus_frame(int first_us, int second_us = 1500) {
     frame.set(0, Pulse::from_microseconds(first_us));
     frame.set(1, Pulse::from_microseconds(second_us));
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = IbusEncoder(14).encode(frame, wire);
+    const std::size_t length = IbusEncoder(14).write(frame, wire, Instant{});
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 

@@ -108,8 +108,8 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
     for (const OutputConfig& output : configuration.outputs) {
         const bool can = output.port.link == LinkKind::can;
         const bool own_format = output.protocol->name == "can";
-        readers_.push_back(can ? nullptr : output.protocol->make_decoder(output.settings));
-        can_readers_.push_back(own_format ? output.protocol->make_can_decoder({}) : nullptr);
+        readers_.push_back(can ? nullptr : make_byte_decoder(*output.protocol, output.settings));
+        can_readers_.push_back(own_format ? make_can_decoder(*output.protocol, {}) : nullptr);
         written_.emplace_back().reserve(can && !own_format ? 0 : kMostFrames);
         written_to_can_.emplace_back().reserve(can ? kMostSnapshots : 0);
     }
@@ -118,14 +118,14 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
         const bool can = protocol->link == LinkKind::can;
         SettingValues eighteen_channels;
         eighteen_channels.set("channels", std::int64_t{18});
-        Wire& wire = wires_.emplace_back(
-            Wire{.sender = sender,
-                 .encoder = can ? nullptr : protocol->make_encoder(eighteen_channels),
-                 .can_encoder = can ? protocol->make_can_encoder({}) : nullptr,
-                 .can_witness = can ? protocol->make_can_decoder({}) : nullptr,
-                 .line = protocol->line,
-                 .faults = FaultInjector(sender.faults, ++seed),
-                 .latest_number = sender.first_number});
+        Wire& wire = wires_.emplace_back(Wire{
+            .sender = sender,
+            .encoder =
+                FrameEncoder(protocol->make_encoder(can ? SettingValues{} : eighteen_channels)),
+            .can_witness = can ? make_can_decoder(*protocol, {}) : nullptr,
+            .line = protocol->line,
+            .faults = FaultInjector(sender.faults, ++seed),
+            .latest_number = sender.first_number});
         wire.arrivals.reserve(kMostFrames);
         wire.whole_arrivals.assign(kMostFrames, kDropped);
         plan(wire);
@@ -172,7 +172,12 @@ std::optional<Simulation::NextFrame> Simulation::next_frame(Wire& wire, Instant 
 /// Puts a frame on the line. Returns the time that it takes.
 Duration Simulation::put_on_line(Wire& wire, const std::optional<NextFrame>& next, Instant at) {
     std::array<std::uint8_t, kLongestSerialFrame> bytes{};
-    std::size_t length = next ? wire.encoder->encode(next->frame, bytes) : 0;
+    std::size_t length = 0;
+    if (next) {
+        const auto encoded = wire.encoder.encode(next->frame, at).bytes();
+        std::ranges::copy(encoded, bytes.begin());
+        length = encoded.size();
+    }
     const Duration wire_time = wire.line.bytes_time(length);
     if (next && next->spell == SpellKind::garbage) {
         std::ranges::fill(bytes, std::uint8_t{0xA5});
@@ -210,7 +215,9 @@ Duration Simulation::put_on_bus(Wire& wire, const std::optional<NextFrame>& next
     if (next) {
         ChannelFrame frame = next->frame;
         frame.received = at;
-        count = wire.can_encoder->encode(frame, at, parts);
+        const auto encoded = wire.encoder.encode(frame, at).can_frames();
+        std::ranges::copy(encoded, parts.begin());
+        count = encoded.size();
     }
     const bool unplugged = next && next->spell == SpellKind::unplugged;
     if (unplugged) {
@@ -240,7 +247,7 @@ void Simulation::plan(Wire& wire) {
     }
     const auto next = next_frame(wire, at);
     const Duration wire_time =
-        wire.can_encoder ? put_on_bus(wire, next, at) : put_on_line(wire, next, at);
+        wire.can_witness ? put_on_bus(wire, next, at) : put_on_line(wire, next, at);
     wire.frame_begins = std::max(at + wire.faults.next_delay(), wire.latest_arrival);
     wire.frame_ends = wire.frame_begins + wire_time;
     wire.handed_over = 0;
@@ -263,7 +270,7 @@ std::size_t Simulation::next_piece(const Wire& wire) {
 }
 
 void Simulation::plan_piece(Wire& wire) {
-    const bool whole = wire.can_encoder || wire.dropped || wire.sender.delivery == Delivery::frames;
+    const bool whole = wire.can_witness || wire.dropped || wire.sender.delivery == Delivery::frames;
     const Instant now = wire.latest_arrival;
     wire.next_arrival =
         whole ? wire.frame_ends
@@ -281,7 +288,7 @@ void Simulation::witness(Wire& wire, const CanFrame& frame) {
 }
 
 void Simulation::deliver(Wire& wire) {
-    if (wire.can_encoder) {
+    if (wire.can_witness) {
         deliver_frames(wire);
     } else if (!wire.dropped) {
         deliver_piece(wire);
@@ -291,7 +298,7 @@ void Simulation::deliver(Wire& wire) {
             return;
         }
     }
-    if (!wire.can_encoder) {
+    if (!wire.can_witness) {
         const bool came = !wire.dropped && !discards(wire);
         wire.arrivals.push_back(came ? wire.next_arrival : kDropped);
         Instant& whole = wire.whole_arrivals[wire.latest_number - wire.sender.first_number];
@@ -424,14 +431,14 @@ std::optional<Instant> Simulation::arrived_whole_at(std::size_t sender,
 /// Returns the frame that a reader of the output finds in these bytes.
 std::optional<ChannelFrame> Simulation::heard(std::size_t output, Instant at,
                                               const Transmission& sent) {
-    if (!sent.can_frames.empty()) {
+    if (!sent.can_frames().empty()) {
         std::optional<ChannelFrame> snapshot;
-        for (const CanFrame& part : sent.can_frames) {
+        for (const CanFrame& part : sent.can_frames()) {
             snapshot = can_readers_[output] ? can_readers_[output]->next(part, at) : std::nullopt;
         }
         return snapshot;
     }
-    std::span<const std::uint8_t> rest = sent.bytes;
+    std::span<const std::uint8_t> rest = sent.bytes();
     std::optional<DecodedFrame> found = DecodedFrame{};
     if (!readers_[output]->next(rest, at, *found)) {
         found = readers_[output]->finish();
@@ -444,11 +451,11 @@ std::optional<ChannelFrame> Simulation::heard(std::size_t output, Instant at,
 }
 
 void Simulation::wrote(std::size_t output, Instant at, const Transmission& sent) {
-    if (!sent.can_frames.empty()) {
+    if (!sent.can_frames().empty()) {
         WrittenToCan& snapshot = written_to_can_[output].emplace_back();
         snapshot.at = at;
-        snapshot.count = sent.can_frames.size();
-        std::ranges::copy(sent.can_frames, snapshot.frames.begin());
+        snapshot.count = sent.can_frames().size();
+        std::ranges::copy(sent.can_frames(), snapshot.frames.begin());
     }
     if (const auto frame = heard(output, at, sent)) {
         written_[output].push_back({at, *frame, number_of(*frame)});

@@ -125,8 +125,7 @@ class Simulation final : public OutputObserver {
   private:
     struct Wire {
         Sender sender;
-        std::unique_ptr<Encoder> encoder;
-        std::unique_ptr<CanEncoder> can_encoder;
+        FrameEncoder encoder;
         std::unique_ptr<CanDecoder> can_witness;  ///< receives what the input receives
         LineSettings line;
         FaultInjector faults;
@@ -170,7 +169,7 @@ class Simulation final : public OutputObserver {
     std::optional<ChannelFrame> heard(std::size_t output, Instant at, const Transmission& sent);
 
     std::unique_ptr<Engine> engine_;
-    std::vector<std::unique_ptr<Decoder>> readers_;
+    std::vector<std::unique_ptr<ByteDecoder>> readers_;
     std::vector<std::unique_ptr<CanDecoder>> can_readers_;  ///< readers of the native format
     std::vector<std::vector<Written>> written_;
     std::vector<std::vector<WrittenToCan>> written_to_can_;

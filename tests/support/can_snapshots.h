@@ -53,7 +53,7 @@ inline ChannelFrame numbered_snapshot(int number, Instant received = can_time({}
 inline CanFrames can_frames(CanChannelsEncoder& encoder, const ChannelFrame& snapshot,
                             Instant now = can_time({})) {
     std::array<CanFrame, kMostSnapshotFrames> frames{};
-    const std::size_t count = encoder.encode(snapshot, now, frames);
+    const std::size_t count = encoder.write(snapshot, frames, now);
     return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 

@@ -112,7 +112,7 @@ inline std::vector<std::uint8_t> bytes_of(const CanFrame& frame) {
 
 inline CanFrames frames_of(CanEncoder& encoder, const ChannelFrame& snapshot, Instant now) {
     std::array<CanFrame, kMostSnapshotFrames> frames{};
-    const std::size_t count = encoder.encode(snapshot, now, frames);
+    const std::size_t count = encoder.write(snapshot, frames, now);
     return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 

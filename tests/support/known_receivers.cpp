@@ -207,7 +207,7 @@ Instant study_end() {
 std::vector<WireFrame> wire_of(const KnownReceiver& receiver, const Flight& flight) {
     const LossStudyTimes times = study_times();
     const Protocol* protocol = find_protocol(receiver.protocol);
-    const std::unique_ptr<Encoder> encoder = protocol->make_encoder(SettingValues{});
+    FrameEncoder encoder(protocol->make_encoder(SettingValues{}));
     std::vector<WireFrame> frames;
     ChannelFrame last;
     for (Instant at{}; at < study_end(); at += receiver.period) {
@@ -222,10 +222,9 @@ std::vector<WireFrame> wire_of(const KnownReceiver& receiver, const Flight& flig
         if (!frame) {
             continue;
         }
-        std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = encoder->encode(*frame, wire);
-        const auto bytes = std::span(wire).first(length);
-        frames.push_back({at + protocol->line.bytes_time(length), {bytes.begin(), bytes.end()}});
+        const auto bytes = encoder.encode(*frame, Instant(at)).bytes();
+        frames.push_back(
+            {at + protocol->line.bytes_time(bytes.size()), {bytes.begin(), bytes.end()}});
     }
     return frames;
 }

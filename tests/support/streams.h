@@ -100,7 +100,7 @@ inline Bytes with_fault(Bytes bytes, const Fault& fault) {
 }
 
 /// Gives `bytes` to the decoder and collects the frames.
-inline void feed_into(std::vector<DecodedFrame>& frames, Decoder& decoder,
+inline void feed_into(std::vector<DecodedFrame>& frames, ByteDecoder& decoder,
                       std::span<const std::uint8_t> bytes, Split split = kOneRead,
                       Instant received = {}) {
     Random random(split.seed);
@@ -120,7 +120,7 @@ inline void feed_into(std::vector<DecodedFrame>& frames, Decoder& decoder,
     }
 }
 
-inline std::vector<DecodedFrame> feed(Decoder& decoder, std::span<const std::uint8_t> bytes,
+inline std::vector<DecodedFrame> feed(ByteDecoder& decoder, std::span<const std::uint8_t> bytes,
                                       Split split = kOneRead, Instant received = {}) {
     std::vector<DecodedFrame> frames;
     feed_into(frames, decoder, bytes, split, received);
@@ -128,7 +128,7 @@ inline std::vector<DecodedFrame> feed(Decoder& decoder, std::span<const std::uin
 }
 
 /// Feeds the decoder over a line with a fault.
-inline std::vector<DecodedFrame> feed(Decoder& decoder, const Bytes& bytes, const Fault& fault,
+inline std::vector<DecodedFrame> feed(ByteDecoder& decoder, const Bytes& bytes, const Fault& fault,
                                       Split split) {
     if (fault.kind != FaultKind::damaged) {
         return feed(decoder, with_fault(bytes, fault), split);
@@ -141,7 +141,7 @@ inline std::vector<DecodedFrame> feed(Decoder& decoder, const Bytes& bytes, cons
     return frames;
 }
 
-inline std::uint64_t count_of(const Decoder& decoder, std::string_view cause) {
+inline std::uint64_t count_of(const ByteDecoder& decoder, std::string_view cause) {
     for (const NamedCount& rejected : decoder.rejected()) {
         if (rejected.name == cause) {
             return rejected.count;
@@ -211,7 +211,7 @@ inline Damage compare(const FrameStream& stream, const Fault& fault,
 
 /// Feeds `bytes` in random pieces and damages some of the bytes. No frame may contain a damaged
 /// byte.
-inline void expect_no_frame_over_damage(Decoder& decoder, const Bytes& bytes, Random& random,
+inline void expect_no_frame_over_damage(ByteDecoder& decoder, const Bytes& bytes, Random& random,
                                         std::uint32_t longest_piece) {
     std::vector<DecodedFrame> frames;
     std::vector<bool> damaged(bytes.size());

@@ -110,8 +110,8 @@ inline std::vector<NamedPort> prompt_ports() {
 }
 
 /// Returns the frames that an input makes of what a port delivers, the last one of each read.
-inline std::vector<ChannelFrame> frames_of(std::unique_ptr<Decoder> decoder, const TimedLine& line,
-                                           const Port& port) {
+inline std::vector<ChannelFrame> frames_of(std::unique_ptr<ByteDecoder> decoder,
+                                           const TimedLine& line, const Port& port) {
     Input input({.name = "in", .decoder = std::move(decoder), .byte_time = kSbusByteTime}, 0);
     std::vector<ChannelFrame> frames;
     for (const TimedRead& read : port(line)) {

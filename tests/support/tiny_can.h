@@ -47,9 +47,8 @@ class TinyCanEncoder final : public CanEncoder {
     bool marks_frame_lost() const override { return false; }
     std::span<const CanIdMatch> sent() const override { return std::span(&kTinyId, 1); }
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 1; }
-    void continue_from(const CanEncoder& /*before*/) override {}
-    std::size_t encode(const ChannelFrame& snapshot, Instant /*now*/,
-                       std::span<CanFrame, kMostSnapshotFrames> frames) override {
+    std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
+                      Instant /*now*/) override {
         const int pulse = snapshot.channel_or(0, Pulse{}).whole_microseconds();
         frames[0] = CanFrame{};
         frames[0].id = kTinyId.id;
@@ -68,10 +67,10 @@ inline const Protocol kTinyCan{
     .settings = {},
     .default_period = std::chrono::milliseconds(20),
     .signals_failsafe = never_signals_failsafe,
-    .make_can_decoder = [](const SettingValues&) -> std::unique_ptr<CanDecoder> {
+    .make_decoder = [](const SettingValues&) -> AnyDecoder {
         return std::make_unique<TinyCanDecoder>(kTinyId);
     },
-    .make_can_encoder = [](const SettingValues&) -> std::unique_ptr<CanEncoder> {
+    .make_encoder = [](const SettingValues&) -> AnyEncoder {
         return std::make_unique<TinyCanEncoder>();
     },
 };
@@ -83,7 +82,7 @@ inline const Protocol kOtherTinyCan{
     .link = LinkKind::can,
     .line = {},
     .settings = {},
-    .make_can_decoder = [](const SettingValues&) -> std::unique_ptr<CanDecoder> {
+    .make_decoder = [](const SettingValues&) -> AnyDecoder {
         return std::make_unique<TinyCanDecoder>(kOtherTinyId);
     },
 };

@@ -6,14 +6,21 @@
 #include <span>
 #include <string_view>
 
+#include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "transports/codecs/line_buffer.h"
 
 namespace tribus {
 
+class ValueBoard;
+
+namespace dronecan {
+struct NodeIdentity;
+}  // namespace dronecan
+
 /// Upper limit of the length of a frame of any serial protocol, in bytes.
-inline constexpr std::size_t kLongestSerialFrame = 64;
+inline constexpr std::size_t kLongestSerialFrame = 96;
 
 /// One frame found in a stream of bytes.
 struct DecodedFrame {
@@ -58,7 +65,7 @@ class DecoderReport {
 /// Bytes in, frames out. Pure: no descriptor, clock, log or heap. Reads the given bytes in place
 /// and keeps undecided ones in a fixed buffer. The count "damaged" of `rejected` is the number of
 /// bytes with a parity or framing error; each of them spoils its frame. Thread-bound.
-class Decoder : public DecoderReport {
+class ByteDecoder : public DecoderReport {
   public:
     /// Removes bytes from the front of `bytes` until a frame is complete, then fills `frame` and
     /// returns true; call again with the rest. Returns false when all bytes are taken and no
@@ -107,18 +114,47 @@ class Decoder : public DecoderReport {
                          DecodedFrame& frame) = 0;
 };
 
-/// A frame in, bytes out. Every frame has an encoding. Pure and reentrant.
+/// A frame of channels in, what a link carries out. Every frame has an encoding. Pure: no
+/// descriptor, clock or log, and no heap after construction; may keep state. Thread-bound.
 class Encoder {
   public:
+    Encoder() = default;
+    Encoder(const Encoder&) = delete;
+    Encoder& operator=(const Encoder&) = delete;
     virtual ~Encoder() = default;
-    /// The channels that need a value on the wire, one bit each. The others can be sent as absent,
-    /// or the format does not have them. Constant.
-    virtual std::uint32_t needed_channels() const { return kAllChannels; }
+
     /// Whether the format can mark a frame as frame lost. Constant.
     virtual bool marks_frame_lost() const = 0;
-    /// Writes one frame to the front of `wire` and returns its length in bytes.
-    virtual std::size_t encode(const ChannelFrame& frame,
-                               std::span<std::uint8_t, kLongestSerialFrame> wire) const = 0;
+    /// The channels of `frame` that need a value on the wire, one bit each. The others can be sent
+    /// as absent, or are not sent.
+    virtual std::uint32_t needed_channels(const ChannelFrame& /*frame*/) const {
+        return kAllChannels;
+    }
+
+    /// Gives the board of the named values that it sends; they are looked up here by name. Call at
+    /// the start, before the first `encode`. A value has no number without a board or if the board
+    /// lacks its name. The board must outlive the encoder.
+    virtual void use(const ValueBoard& /*board*/) {}
+    /// Sets the node that it sends as, for protocols with nodes. Call at the start, before the
+    /// first `encode`. Must outlive the encoder.
+    virtual void send_as(const dronecan::NodeIdentity& /*identity*/) {}
+    /// Continues where `before`, an encoder of the same protocol and settings, ended, so that
+    /// receivers see one sender.
+    virtual void continue_from(const Encoder& /*before*/) {}
+
+    /// CAN: whether some of its frames are FD. Constant.
+    virtual bool uses_fd() const { return false; }
+    /// CAN: the ids that it sends. No other node on the bus may send them. Constant.
+    virtual std::span<const CanIdMatch> sent() const { return {}; }
+};
+
+/// For protocols on bytes.
+class ByteEncoder : public Encoder {
+  public:
+    /// Writes one frame to the front of `wire` and returns its length in bytes. `now` is when it is
+    /// sent.
+    virtual std::size_t write(const ChannelFrame& frame,
+                              std::span<std::uint8_t, kLongestSerialFrame> wire, Instant now) = 0;
 };
 
 }  // namespace tribus

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "core/line_settings.h"
@@ -15,10 +16,14 @@
 #include "core/time.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/frame_encoder.h"
 
 namespace tribus {
 
 enum class LinkKind : std::uint8_t { serial, can };
+
+/// A decoder, by what arrives.
+using AnyDecoder = std::variant<std::unique_ptr<ByteDecoder>, std::unique_ptr<CanDecoder>>;
 
 /// A named value that an output sends.
 struct NamedUse {
@@ -63,20 +68,27 @@ struct Protocol {
     /// always.
     bool (*needs_pipeline)(const SettingValues&) = nullptr;
 
-    /// A serial protocol has the first two, a CAN protocol the other two; null where there is no
-    /// codec. Settings must be checked.
-    std::unique_ptr<Decoder> (*make_decoder)(const SettingValues&) = nullptr;
-    std::unique_ptr<Encoder> (*make_encoder)(const SettingValues&) = nullptr;
-    std::unique_ptr<CanDecoder> (*make_can_decoder)(const SettingValues&) = nullptr;
-    std::unique_ptr<CanEncoder> (*make_can_encoder)(const SettingValues&) = nullptr;
+    /// Null where there is no codec. Settings must be checked.
+    AnyDecoder (*make_decoder)(const SettingValues&) = nullptr;
+    AnyEncoder (*make_encoder)(const SettingValues&) = nullptr;
 
     /// Whether there is a codec for this direction.
     bool goes(SettingScope way) const {
-        const bool in = make_decoder != nullptr || make_can_decoder != nullptr;
-        const bool out = make_encoder != nullptr || make_can_encoder != nullptr;
-        return (way == SettingScope::output || in) && (way == SettingScope::input || out);
+        return (way == SettingScope::output || make_decoder != nullptr) &&
+               (way == SettingScope::input || make_encoder != nullptr);
     }
 };
+
+/// The decoder of a protocol on bytes.
+inline std::unique_ptr<ByteDecoder> make_byte_decoder(const Protocol& protocol,
+                                                      const SettingValues& settings) {
+    return std::get<std::unique_ptr<ByteDecoder>>(protocol.make_decoder(settings));
+}
+/// The decoder of a protocol on CAN.
+inline std::unique_ptr<CanDecoder> make_can_decoder(const Protocol& protocol,
+                                                    const SettingValues& settings) {
+    return std::get<std::unique_ptr<CanDecoder>>(protocol.make_decoder(settings));
+}
 
 /// For formats that can always, or never, signal failsafe.
 inline bool always_signals_failsafe(const SettingValues&) {

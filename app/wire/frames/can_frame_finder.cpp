@@ -8,7 +8,7 @@ namespace tribus {
 CanFrameFinder::CanFrameFinder(const ProtocolUse& use, FrameHandler handler)
     : protocol_(use.protocol),
       handler_(std::move(handler)),
-      decoder_(use.protocol->make_can_decoder(use.settings)),
+      decoder_(make_can_decoder(*use.protocol, use.settings)),
       judge_(use.supervision) {}
 
 void CanFrameFinder::feed(const RecordedCanFrame& recorded) {

@@ -8,7 +8,7 @@ FrameFinder::FrameFinder(const ProtocolUse& use, FrameHandler handler)
     : protocol_(use.protocol),
       line_(use.line),
       handler_(std::move(handler)),
-      decoder_(use.protocol->make_decoder(use.settings)),
+      decoder_(make_byte_decoder(*use.protocol, use.settings)),
       pauses_(use.line.bytes_time(1)),
       judge_(use.supervision) {}
 

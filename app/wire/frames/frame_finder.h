@@ -72,7 +72,7 @@ class FrameFinder {
     const Protocol* protocol_;
     LineSettings line_;
     FrameHandler handler_;
-    std::unique_ptr<Decoder> decoder_;
+    std::unique_ptr<ByteDecoder> decoder_;
     LinePauses pauses_;
     FrameJudge judge_;
     /// The bursts in which the next frame may start.

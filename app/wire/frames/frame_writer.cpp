@@ -55,11 +55,9 @@ class SerialWriter final : public FrameWriter {
         if (!start) {
             return tl::unexpected(start.error());
         }
-        std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = encoder_->encode(written.channels, wire);
         std::string text;
         heading(text, *start);
-        append(text, *start, std::span(wire).first(length));
+        append(text, *start, encoder_.encode(written.channels, Instant(*start)).bytes());
         results_ << text;
         return {};
     }
@@ -108,7 +106,7 @@ class SerialWriter final : public FrameWriter {
         }
     }
 
-    std::unique_ptr<Encoder> encoder_;
+    FrameEncoder encoder_;
     EncodeFormat format_;
     std::ostream& results_;
     Waveform waveform_;
@@ -120,7 +118,7 @@ class SerialWriter final : public FrameWriter {
 class CanLogWriter final : public FrameWriter {
   public:
     CanLogWriter(const ProtocolUse& use, std::string_view interface, std::ostream& results)
-        : encoder_(use.protocol->make_can_encoder(use.settings)),
+        : encoder_(use.protocol->make_encoder(use.settings)),
           interface_(interface),
           results_(results),
           times_(usual_period(use)) {}
@@ -137,9 +135,8 @@ class CanLogWriter final : public FrameWriter {
         const Instant now(*start);
         ChannelFrame snapshot = written.channels;
         snapshot.received = now;
-        const std::size_t count = encoder_->encode(snapshot, now, frames_);
         std::string text;
-        for (const CanFrame& frame : std::span(frames_).first(count)) {
+        for (const CanFrame& frame : encoder_.encode(snapshot, now).can_frames()) {
             append_candump_line(text, *start, interface_, frame);
         }
         results_ << text;
@@ -149,11 +146,10 @@ class CanLogWriter final : public FrameWriter {
     void finish(std::ostream& /*messages*/) override {}
 
   private:
-    std::unique_ptr<CanEncoder> encoder_;
+    FrameEncoder encoder_;
     std::string interface_;
     std::ostream& results_;
     StartTimes times_;
-    std::array<CanFrame, kMostSnapshotFrames> frames_{};
 };
 
 }  // namespace

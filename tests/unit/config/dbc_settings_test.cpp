@@ -286,8 +286,8 @@ TEST_P(DbcExampleCarries, ItsChannelsInBothDirections) {
     ASSERT_EQ(configuration.outputs.at(1).protocol->name, "dbc");
     const auto& output = configuration.outputs[1];
     const auto& input = configuration.inputs[1];
-    const auto encoder = output.protocol->make_can_encoder(output.settings);
-    const auto decoder = input.protocol->make_can_decoder(input.settings);
+    FrameEncoder encoder(output.protocol->make_encoder(output.settings));
+    const auto decoder = make_can_decoder(*input.protocol, input.settings);
     ChannelFrame sent;
     sent.frame_lost = sent.failsafe = false;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
@@ -298,10 +298,8 @@ TEST_P(DbcExampleCarries, ItsChannelsInBothDirections) {
     std::optional<ChannelFrame> received;
     for (int cycle = 0; cycle < 3; ++cycle) {
         const Instant now = Instant{} + std::chrono::seconds(1000) + milliseconds(20 * cycle);
-        std::array<CanFrame, kMostSnapshotFrames> frames{};
-        const std::size_t count = encoder->encode(sent, now, frames);
-        for (std::size_t i = 0; i < count; ++i) {
-            const auto snapshot = decoder->next(frames[i], now);
+        for (const CanFrame& frame : encoder.encode(sent, now).can_frames()) {
+            const auto snapshot = decoder->next(frame, now);
             received = snapshot ? snapshot : received;
         }
     }

@@ -133,9 +133,9 @@ class DbcEncoder final : public CanEncoder {
         return needed_channels_;
     }
     bool marks_frame_lost() const override;
-    void continue_from(const CanEncoder& before) override;
-    std::size_t encode(const ChannelFrame& snapshot, Instant now,
-                       std::span<CanFrame, kMostSnapshotFrames> frames) override;
+    void continue_from(const Encoder& before) override;
+    std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
+                      Instant now) override;
 
   private:
     struct SentPart {

@@ -143,7 +143,7 @@ std::optional<CanFrame> DbcEncoder::make_frame(std::size_t index, const ChannelF
     return frame;
 }
 
-void DbcEncoder::continue_from(const CanEncoder& before) {
+void DbcEncoder::continue_from(const Encoder& before) {
     const auto* same = dynamic_cast<const DbcEncoder*>(&before);
     if (same != nullptr && same->counters_.size() == counters_.size() &&
         same->sent_parts_.size() == sent_parts_.size()) {
@@ -153,8 +153,8 @@ void DbcEncoder::continue_from(const CanEncoder& before) {
     }
 }
 
-std::size_t DbcEncoder::encode(const ChannelFrame& snapshot, Instant now,
-                               std::span<CanFrame, kMostSnapshotFrames> frames) {
+std::size_t DbcEncoder::write(const ChannelFrame& snapshot,
+                              std::span<CanFrame, kMostSnapshotFrames> frames, Instant now) {
     std::size_t count = 0;
     for (std::size_t part = 0; part < map_.parts.size(); ++part) {
         const auto frame =

@@ -104,12 +104,12 @@ std::optional<std::uint32_t> sure_dbc_channels(const SettingValues& settings) {
     return channels;
 }
 
-std::unique_ptr<CanDecoder> make_dbc_decoder(const SettingValues& settings) {
+AnyDecoder make_dbc_decoder(const SettingValues& settings) {
     auto map = build_dbc_map(settings, SettingScope::input);
     return std::make_unique<DbcDecoder>(map ? std::move(*map) : DbcMap{});
 }
 
-std::unique_ptr<CanEncoder> make_dbc_encoder(const SettingValues& settings) {
+AnyEncoder make_dbc_encoder(const SettingValues& settings) {
     auto map = build_dbc_map(settings, SettingScope::output);
     return std::make_unique<DbcEncoder>(map ? std::move(*map) : DbcMap{});
 }
@@ -132,8 +132,8 @@ const Protocol kDbcProtocol{
     .check = check_dbc,
     .value_names = value_names,
     .needs_pipeline = needs_pipeline,
-    .make_can_decoder = make_dbc_decoder,
-    .make_can_encoder = make_dbc_encoder,
+    .make_decoder = make_dbc_decoder,
+    .make_encoder = make_dbc_encoder,
 };
 
 }  // namespace tribus

@@ -209,7 +209,7 @@ ChannelFrame CommandDecoder::snapshot(Instant now) {
     return frame;
 }
 
-void CommandEncoder::continue_from(const CanEncoder& before) {
+void CommandEncoder::continue_from(const Encoder& before) {
     const auto* same = dynamic_cast<const CommandEncoder*>(&before);
     if (same != nullptr) {
         command_transfer_id_ = same->command_transfer_id_;
@@ -220,8 +220,8 @@ void CommandEncoder::continue_from(const CanEncoder& before) {
     }
 }
 
-std::size_t CommandEncoder::encode(const ChannelFrame& snapshot, Instant now,
-                                   std::span<CanFrame, kMostSnapshotFrames> frames) {
+std::size_t CommandEncoder::write(const ChannelFrame& snapshot,
+                                  std::span<CanFrame, kMostSnapshotFrames> frames, Instant now) {
     if (identity_->id == kNobody) {
         return 0;
     }
@@ -290,7 +290,7 @@ template <class Message>
 std::size_t CommandEncoder::encode_message(const Message& message, std::uint8_t priority,
                                            std::uint8_t& transfer_id,
                                            std::span<CanFrame> frames) const {
-    const auto payload = write(message, format_.fd);
+    const auto payload = dronecan::write(message, format_.fd);
     const TransferHead head{.kind = TransferKind::message,
                             .data_type_id = Message::kId,
                             .source = identity_->id,

@@ -122,9 +122,9 @@ class CommandEncoder final : public CanEncoder {
     /// An actuator without a command is left out. A motor gets 0, which stops it.
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     bool marks_frame_lost() const override { return false; }
-    void continue_from(const CanEncoder& before) override;
-    std::size_t encode(const ChannelFrame& snapshot, Instant now,
-                       std::span<CanFrame, kMostSnapshotFrames> frames) override;
+    void continue_from(const Encoder& before) override;
+    std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
+                      Instant now) override;
 
   private:
     std::size_t encode_servos(const ChannelFrame& snapshot, std::span<CanFrame> frames);

@@ -285,14 +285,14 @@ std::vector<NamedUse> value_names(const SettingValues& settings) {
                  : std::vector<NamedUse>{};
 }
 
-std::unique_ptr<CanDecoder> make_decoder(const SettingValues& settings) {
+AnyDecoder make_decoder(const SettingValues& settings) {
     if (carries_rc(settings)) {
         return std::make_unique<RcDecoder>(rc_input(settings));
     }
     return std::make_unique<CommandDecoder>(command_input(settings));
 }
 
-std::unique_ptr<CanEncoder> make_encoder(const SettingValues& settings) {
+AnyEncoder make_encoder(const SettingValues& settings) {
     if (carries_rc(settings)) {
         return std::make_unique<RcEncoder>(rc_output(settings));
     }
@@ -315,8 +315,8 @@ const Protocol kDroneCanProtocol{
     .signals_failsafe = dronecan::carries_rc,
     .check = dronecan::check,
     .value_names = dronecan::value_names,
-    .make_can_decoder = dronecan::make_decoder,
-    .make_can_encoder = dronecan::make_encoder,
+    .make_decoder = dronecan::make_decoder,
+    .make_encoder = dronecan::make_encoder,
 };
 
 }  // namespace tribus

@@ -155,7 +155,7 @@ void RcEncoder::use(const ValueBoard& board) {
     value_ = board.find(format_.quality_value);
 }
 
-void RcEncoder::continue_from(const CanEncoder& before) {
+void RcEncoder::continue_from(const Encoder& before) {
     const auto* same = dynamic_cast<const RcEncoder*>(&before);
     if (same != nullptr) {
         transfer_id_ = same->transfer_id_;
@@ -169,8 +169,8 @@ std::uint32_t RcEncoder::needed_channels(const ChannelFrame& snapshot) const {
     return (1U << std::bit_width(sent)) - 1;
 }
 
-std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
-                              std::span<CanFrame, kMostSnapshotFrames> frames) {
+std::size_t RcEncoder::write(const ChannelFrame& snapshot,
+                             std::span<CanFrame, kMostSnapshotFrames> frames, Instant now) {
     if (identity_->id == kNobody) {
         return 0;
     }
@@ -190,7 +190,7 @@ std::size_t RcEncoder::encode(const ChannelFrame& snapshot, Instant now,
         message.rcin.push_back(static_cast<std::uint16_t>(
             std::clamp(snapshot.channel_or(channel, kCentrePulse).whole_microseconds(), 0, kMost)));
     }
-    const auto payload = write(message, format_.fd);
+    const auto payload = dronecan::write(message, format_.fd);
     const TransferHead head{.kind = TransferKind::message,
                             .data_type_id = RcInput::kId,
                             .source = identity_->id,

@@ -103,9 +103,9 @@ class RcEncoder final : public CanEncoder {
     std::uint32_t needed_channels(const ChannelFrame& snapshot) const override;
     /// As a link quality of 0.
     bool marks_frame_lost() const override { return true; }
-    void continue_from(const CanEncoder& before) override;
-    std::size_t encode(const ChannelFrame& snapshot, Instant now,
-                       std::span<CanFrame, kMostSnapshotFrames> frames) override;
+    void continue_from(const Encoder& before) override;
+    std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
+                      Instant now) override;
 
   private:
     void write_quality(const ChannelFrame& snapshot, Instant now, RcInput& message);

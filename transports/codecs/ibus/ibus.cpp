@@ -76,17 +76,17 @@ IbusEncoder::IbusEncoder(std::size_t channel_count) {
     }
 }
 
-std::uint32_t IbusEncoder::needed_channels() const {
+std::uint32_t IbusEncoder::needed_channels(const ChannelFrame& /*frame*/) const {
     return (1U << kSlotCount) - 1;
 }
 
 [[gnu::noinline]] std::size_t IbusEncoder::encode_filled(
-    const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
-    return encode(filled_ibus(frame), wire);
+    const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) {
+    return write(filled_ibus(frame), wire, Instant{});
 }
 
-std::size_t IbusEncoder::encode(const ChannelFrame& frame,
-                                std::span<std::uint8_t, kLongestSerialFrame> wire) const {
+std::size_t IbusEncoder::write(const ChannelFrame& frame,
+                               std::span<std::uint8_t, kLongestSerialFrame> wire, Instant /*now*/) {
     if (!frame.has_first(kSlotCount)) {
         return encode_filled(frame, wire);
     }
@@ -135,12 +135,12 @@ constexpr std::array kIbusSettings{
             .example = "18"},
 };
 
-std::unique_ptr<Decoder> make_ibus_decoder(const SettingValues& settings) {
+AnyDecoder make_ibus_decoder(const SettingValues& settings) {
     const bool plain = settings.get_or<std::string>("slots", "nibbles") == "plain";
     return std::make_unique<IbusDecoder>(plain ? IbusSlots::plain : IbusSlots::nibbles);
 }
 
-std::unique_ptr<Encoder> make_ibus_encoder(const SettingValues& settings) {
+AnyEncoder make_ibus_encoder(const SettingValues& settings) {
     return std::make_unique<IbusEncoder>(
         static_cast<std::size_t>(settings.get_or<std::int64_t>("channels", 14)));
 }

@@ -35,7 +35,7 @@ enum class IbusSlots : std::uint8_t {
 /// does not check the command, and its public test frames have 0), and the 31-byte 0x55 variant
 /// (docs/protocols/ibus.md, "Variants"). Whether channels 15 to 18 are present is decided for each
 /// frame: a value of 0 is not present (docs/protocols/ibus.md, "Channels 15 to 18").
-class IbusDecoder final : public Decoder {
+class IbusDecoder final : public ByteDecoder {
   public:
     explicit IbusDecoder(IbusSlots slots = IbusSlots::nibbles) : slots_(slots) {}
 
@@ -109,17 +109,17 @@ class IbusDecoder final : public Decoder {
 /// "Variants"), one of 15 to 18 as not present. i.Bus has no sign for failsafe or frame lost
 /// (docs/protocols/ibus.md, "Loss of signal"): the caller decides whether to send. Pure and
 /// reentrant.
-class IbusEncoder final : public Encoder {
+class IbusEncoder final : public ByteEncoder {
   public:
     explicit IbusEncoder(std::size_t channel_count = 14);
-    std::uint32_t needed_channels() const override;
+    std::uint32_t needed_channels(const ChannelFrame& frame) const override;
     bool marks_frame_lost() const override { return false; }
-    std::size_t encode(const ChannelFrame& frame,
-                       std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
+    std::size_t write(const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire,
+                      Instant now) override;
 
   private:
     std::size_t encode_filled(const ChannelFrame& frame,
-                              std::span<std::uint8_t, kLongestSerialFrame> wire) const;
+                              std::span<std::uint8_t, kLongestSerialFrame> wire);
 
     /// Factor for each slot that moves its nibble of the channel value to the top bits; 0 if the
     /// slot carries none.

@@ -216,15 +216,16 @@ CanFrame CanChannelsEncoder::blank(std::size_t part) const {
             .length = static_cast<std::uint8_t>(format_.frame_length())};
 }
 
-void CanChannelsEncoder::continue_from(const CanEncoder& before) {
+void CanChannelsEncoder::continue_from(const Encoder& before) {
     const auto* same = dynamic_cast<const CanChannelsEncoder*>(&before);
     if (same != nullptr) {
         counter_ = same->counter_;
     }
 }
 
-std::size_t CanChannelsEncoder::encode(const ChannelFrame& snapshot, Instant now,
-                                       std::span<CanFrame, kMostSnapshotFrames> frames) {
+std::size_t CanChannelsEncoder::write(const ChannelFrame& snapshot,
+                                      std::span<CanFrame, kMostSnapshotFrames> frames,
+                                      Instant now) {
     const CanChannelsStatus status = status_of(snapshot, counter_);
     counter_ = (counter_ + 1) % format_.counter_values();
     for (std::size_t part = 0; part < format_.frame_count(); ++part) {

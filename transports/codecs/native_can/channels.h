@@ -135,9 +135,9 @@ class CanChannelsEncoder final : public CanEncoder {
     }
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     bool marks_frame_lost() const override { return true; }
-    void continue_from(const CanEncoder& before) override;
-    std::size_t encode(const ChannelFrame& snapshot, Instant now,
-                       std::span<CanFrame, kMostSnapshotFrames> frames) override;
+    void continue_from(const Encoder& before) override;
+    std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
+                      Instant now) override;
 
   private:
     CanFrame blank(std::size_t part) const;

@@ -80,11 +80,11 @@ std::optional<std::uint32_t> sure_channels(const SettingValues& settings) {
     return first_channels(CanChannelsFormat::from_settings(settings).channels);
 }
 
-std::unique_ptr<CanDecoder> make_decoder(const SettingValues& settings) {
+AnyDecoder make_decoder(const SettingValues& settings) {
     return std::make_unique<CanChannelsDecoder>(CanChannelsFormat::from_settings(settings));
 }
 
-std::unique_ptr<CanEncoder> make_encoder(const SettingValues& settings) {
+AnyEncoder make_encoder(const SettingValues& settings) {
     return std::make_unique<CanChannelsEncoder>(CanChannelsFormat::from_settings(settings));
 }
 
@@ -118,8 +118,8 @@ const Protocol kCanProtocol{
     .signals_failsafe = always_signals_failsafe,
     .sure_channels = sure_channels,
     .check = check,
-    .make_can_decoder = make_decoder,
-    .make_can_encoder = make_encoder,
+    .make_decoder = make_decoder,
+    .make_encoder = make_encoder,
 };
 
 }  // namespace tribus

@@ -72,7 +72,7 @@ bool never_needs_pipeline(const SettingValues& /*settings*/) {
     return false;
 }
 
-std::unique_ptr<CanEncoder> make_sensor_encoder(const SettingValues& settings) {
+AnyEncoder make_sensor_encoder(const SettingValues& settings) {
     return std::make_unique<SensorCanEncoder>(SensorCanFormat::from_settings(settings));
 }
 
@@ -117,15 +117,15 @@ void SensorCanEncoder::use(const ValueBoard& board) {
     }
 }
 
-void SensorCanEncoder::continue_from(const CanEncoder& before) {
+void SensorCanEncoder::continue_from(const Encoder& before) {
     const auto* same = dynamic_cast<const SensorCanEncoder*>(&before);
     if (same != nullptr) {
         counters_ = same->counters_;
     }
 }
 
-std::size_t SensorCanEncoder::encode(const ChannelFrame& /*snapshot*/, Instant now,
-                                     std::span<CanFrame, kMostSnapshotFrames> frames) {
+std::size_t SensorCanEncoder::write(const ChannelFrame& /*snapshot*/,
+                                    std::span<CanFrame, kMostSnapshotFrames> frames, Instant now) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < kMostSensors; ++i) {
         if (indexes_[i] && board_->ever(*indexes_[i])) {
@@ -166,7 +166,7 @@ const Protocol kSensorsProtocol{
     .check = check,
     .value_names = value_names,
     .needs_pipeline = never_needs_pipeline,
-    .make_can_encoder = make_sensor_encoder,
+    .make_encoder = make_sensor_encoder,
 };
 
 }  // namespace tribus

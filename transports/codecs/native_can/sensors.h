@@ -60,9 +60,9 @@ class SensorCanEncoder final : public CanEncoder {
     void use(const ValueBoard& board) override;
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     bool marks_frame_lost() const override { return false; }
-    void continue_from(const CanEncoder& before) override;
-    std::size_t encode(const ChannelFrame& snapshot, Instant now,
-                       std::span<CanFrame, kMostSnapshotFrames> frames) override;
+    void continue_from(const Encoder& before) override;
+    std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
+                      Instant now) override;
 
   private:
     CanFrame make_frame(std::size_t address, Instant now);

@@ -62,8 +62,8 @@ void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength>
     pack(raw, flags, frame.footer, wire);
 }
 
-std::size_t SbusEncoder::encode(const ChannelFrame& frame,
-                                std::span<std::uint8_t, kLongestSerialFrame> wire) const {
+std::size_t SbusEncoder::write(const ChannelFrame& frame,
+                               std::span<std::uint8_t, kLongestSerialFrame> wire, Instant /*now*/) {
     if (frame.has_first(kChannelCount) && scale_.whole_steps()) {
         write_frame(scale_.encode_whole(frame), frame, wire.first<kSbusFrameLength>());
         return kSbusFrameLength;
@@ -105,11 +105,11 @@ constexpr std::array kSbusSettings{
             .example = "false"},
 };
 
-std::unique_ptr<Decoder> make_sbus_decoder(const SettingValues& settings) {
+AnyDecoder make_sbus_decoder(const SettingValues& settings) {
     return std::make_unique<SbusDecoder>(SbusScale::from_setting(settings.find("scale")));
 }
 
-std::unique_ptr<Encoder> make_sbus_encoder(const SettingValues& settings) {
+AnyEncoder make_sbus_encoder(const SettingValues& settings) {
     return std::make_unique<SbusEncoder>(SbusScale::from_setting(settings.find("scale")));
 }
 

@@ -51,7 +51,7 @@ void emit_sbus(const SbusFrame& frame, std::span<std::uint8_t, kSbusFrameLength>
 /// step. If SBUS2 slots may be the bad part, it takes the place whose frame is most like the last
 /// one. It can still fail on flags 0F on the wire, or a header mistaken for a slot, together with
 /// such a payload.
-class SbusDecoder final : public Decoder {
+class SbusDecoder final : public ByteDecoder {
   public:
     explicit SbusDecoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
 
@@ -164,12 +164,12 @@ class SbusDecoder final : public Decoder {
 
 /// Writes footer 00 and the flags of the frame. An absent channel is sent as 1500 us, an absent 17
 /// or 18 as off; 17 and 18 are on above 1500 us. Pure and reentrant.
-class SbusEncoder final : public Encoder {
+class SbusEncoder final : public ByteEncoder {
   public:
     explicit SbusEncoder(SbusScale scale = *SbusScale::named("betaflight")) : scale_(scale) {}
     bool marks_frame_lost() const override { return true; }
-    std::size_t encode(const ChannelFrame& frame,
-                       std::span<std::uint8_t, kLongestSerialFrame> wire) const override;
+    std::size_t write(const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire,
+                      Instant now) override;
 
   private:
     std::size_t encode_any(const ChannelFrame& frame,

@@ -26,30 +26,27 @@ inline Instant at(Duration since_start) {
 
 inline InputSettings can_input(const CanChannelsFormat& format = {}) {
     return {.name = "cockpit",
-            .decoder = nullptr,
-            .can_decoder = std::make_unique<CanChannelsDecoder>(format),
+            .decoder = std::make_unique<CanChannelsDecoder>(format),
             .supervision = {.timeout = kTimeout}};
 }
 
 /// The output is due every 10 ms from the start on.
-inline OutputSettings output_to(std::unique_ptr<Encoder> bytes, std::unique_ptr<CanEncoder> can,
-                                FailsafeSettings failsafe) {
+inline OutputSettings output_to(AnyEncoder encoder, FailsafeSettings failsafe) {
     failsafe.presets.fill(kCentrePulse);
     return {.name = "out",
-            .encoder = std::move(bytes),
-            .can_encoder = std::move(can),
+            .encoder = std::move(encoder),
             .schedule = {.kind = ScheduleKind::grid, .period = kPeriod},
             .selection = {.inputs = {0}},
             .channels = {},
             .failsafe = failsafe};
 }
 inline OutputSettings sbus_output(const FailsafeSettings& failsafe = {}) {
-    return output_to(std::make_unique<SbusEncoder>(), nullptr, failsafe);
+    return output_to(std::make_unique<SbusEncoder>(), failsafe);
 }
 /// Uses other ids than the input.
 inline constexpr CanChannelsFormat kOutputFormat{.base_id = 0x400};
 inline OutputSettings can_output(const FailsafeSettings& failsafe = {}) {
-    return output_to(nullptr, std::make_unique<CanChannelsEncoder>(kOutputFormat), failsafe);
+    return output_to(std::make_unique<CanChannelsEncoder>(kOutputFormat), failsafe);
 }
 
 inline std::vector<OutputSettings> list(OutputSettings first) {
@@ -97,8 +94,8 @@ class Bench final : public OutputObserver {
 
     void wrote(std::size_t output, Instant when, const Transmission& sent) override {
         seen_[output].push_back({when,
-                                 {sent.bytes.begin(), sent.bytes.end()},
-                                 {sent.can_frames.begin(), sent.can_frames.end()}});
+                                 {sent.bytes().begin(), sent.bytes().end()},
+                                 {sent.can_frames().begin(), sent.can_frames().end()}});
     }
 
     void arrive(const CanFrames& frames, Instant when) {

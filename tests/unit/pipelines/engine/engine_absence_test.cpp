@@ -24,7 +24,7 @@ class Absence : public testing::Test {
         ChannelFrame frame;
         frame.set(0, us(1800));
         std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = IbusEncoder(14).encode(frame, wire);
+        const std::size_t length = IbusEncoder(14).write(frame, wire, Instant{});
         bench_.engine().receive(0, std::span(wire).first(length), at(1000ms));
     }
     bool control(Instant when) {
@@ -91,7 +91,7 @@ TEST_F(Absence, lets_no_frame_go_on_across_bytes_that_were_thrown_away) {
     ChannelFrame frame;
     frame.set(0, us(1800));
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = IbusEncoder(14).encode(frame, wire);
+    const std::size_t length = IbusEncoder(14).write(frame, wire, Instant{});
     const auto bytes = std::span(wire).first(length);
     const std::uint64_t frames = bench_.engine().inputs()[0].counts().frames;
     bench_.engine().receive(0, bytes.first(20), at(1000ms));

@@ -66,7 +66,7 @@ class Bench final : public OutputObserver {
           loop_(engine_, *this, Instant{}) {}
 
     void wrote(std::size_t output, Instant when, const Transmission& sent) override {
-        const auto frame = sent.bytes;
+        const auto frame = sent.bytes();
         seen_[output].push_back({when, parse_sbus(frame.first<kSbusFrameLength>())});
     }
 
@@ -102,9 +102,9 @@ class Bench final : public OutputObserver {
     Engine& engine() { return engine_; }
     VirtualLoop& loop() { return loop_; }
 
-    void send(const Encoder& encoder, std::size_t input, Instant when, const ChannelFrame& frame) {
+    void send(ByteEncoder&& encoder, std::size_t input, Instant when, const ChannelFrame& frame) {
         std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = encoder.encode(frame, wire);
+        const std::size_t length = encoder.write(frame, wire, Instant{});
         loop_.receive(input, std::span(wire).first(length), kUndamaged, when);
     }
 

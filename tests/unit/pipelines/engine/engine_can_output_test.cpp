@@ -20,8 +20,8 @@ TEST(EngineCanOutput, hands_its_frames_out_once) {
     engine.start(at(0ms));
     engine.poll(at(0ms));
     const Transmission sent = engine.output(0).take();
-    EXPECT_TRUE(sent.bytes.empty());
-    EXPECT_EQ(sent.can_frames.size(), 5U);
+    EXPECT_TRUE(sent.bytes().empty());
+    EXPECT_EQ(sent.can_frames().size(), 5U);
     EXPECT_TRUE(engine.output(0).take().empty());
 }
 
@@ -80,8 +80,8 @@ TEST(EngineCanOutput, without_an_input_it_speaks_each_period_and_says_no_failsaf
     for (int period = 0; period < 20; ++period) {
         EXPECT_EQ(engine.poll(at(period * kPeriod)), at((period + 1) * kPeriod));
         const Transmission sent = engine.output(0).take();
-        ASSERT_EQ(sent.can_frames.size(), 5U) << period;
-        const CanChannelsQuad quad = parse_can_quad(sent.can_frames[0].bytes());
+        ASSERT_EQ(sent.can_frames().size(), 5U) << period;
+        const CanChannelsQuad quad = parse_can_quad(sent.can_frames()[0].bytes());
         EXPECT_FALSE(quad.status.failsafe || quad.status.frame_lost) << period;
     }
     EXPECT_EQ(engine.output(0).stage(), OutputStage::control);
@@ -106,7 +106,7 @@ TEST(EngineCanOutput, a_serial_and_a_can_output_of_one_pipeline_always_agree) {
         ASSERT_EQ(can.at, bench.seen(0)[i].at);
         for (const ChannelFrame& snapshot : feed(decoder, can.frames, can.at)) {
             std::array<std::uint8_t, kLongestSerialFrame> wire{};
-            const std::size_t length = SbusEncoder().encode(snapshot, wire);
+            const std::size_t length = SbusEncoder().write(snapshot, wire, Instant{});
             ASSERT_EQ(std::vector(wire.begin(), wire.begin() + static_cast<long>(length)),
                       bench.seen(0)[i].bytes)
                 << "at " << (can.at - at(0ms)).count() << " ns";

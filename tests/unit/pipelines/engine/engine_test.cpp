@@ -201,7 +201,7 @@ TEST(EngineInputs, the_newest_of_several_frames_in_one_read_wins) {
         ChannelFrame frame;
         frame.set(0, us(value));
         std::array<std::uint8_t, kLongestSerialFrame> wire{};
-        const std::size_t length = IbusEncoder(14).encode(frame, wire);
+        const std::size_t length = IbusEncoder(14).write(frame, wire, Instant{});
         burst.insert(burst.end(), wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length));
     }
     bench.loop().receive(0, burst, std::bitset<128>{}, at(5ms));

@@ -20,7 +20,7 @@ Bytes sbus_wire(Pulse first) {
     frame.frame_lost = false;
     frame.failsafe = false;
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = SbusEncoder().encode(frame, wire);
+    const std::size_t length = SbusEncoder().write(frame, wire, Instant{});
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 

@@ -15,13 +15,13 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-Bytes wire_of(const Encoder& encoder, Pulse first) {
+Bytes wire_of(ByteEncoder&& encoder, Pulse first) {
     ChannelFrame frame;
     frame.set(0, first);
     frame.frame_lost = false;
     frame.failsafe = false;
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder.encode(frame, wire);
+    const std::size_t length = encoder.write(frame, wire, Instant{});
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 Bytes sbus_wire(Pulse first) {

@@ -246,7 +246,7 @@ constexpr NodeIdentity kIdentity{42};
 std::vector<CanFrame> encoded(CommandEncoder& encoder, const ChannelFrame& snapshot,
                               Instant at = kStart) {
     std::array<CanFrame, kMostSnapshotFrames> frames{};
-    const std::size_t count = encoder.encode(snapshot, at, frames);
+    const std::size_t count = encoder.write(snapshot, frames, at);
     return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 

@@ -38,7 +38,7 @@ class Sender {
                                       static_cast<std::int32_t>(1000 + random_.below(1001))));
         }
         std::array<CanFrame, kMostSnapshotFrames> frames;
-        const std::size_t count = encoder_.encode(snapshot, kStart, frames);
+        const std::size_t count = encoder_.write(snapshot, frames, kStart);
         return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
     }
 

@@ -222,7 +222,7 @@ constexpr NodeIdentity kIdentity{42};
 
 std::vector<CanFrame> encoded(RcEncoder& encoder, const ChannelFrame& snapshot) {
     std::array<CanFrame, kMostSnapshotFrames> frames{};
-    const std::size_t count = encoder.encode(snapshot, kStart, frames);
+    const std::size_t count = encoder.write(snapshot, frames, kStart);
     return {frames.begin(), frames.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 

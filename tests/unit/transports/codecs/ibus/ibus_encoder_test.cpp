@@ -16,9 +16,9 @@ namespace {
 
 using namespace test;
 
-Bytes encoded(const IbusEncoder& encoder, const ChannelFrame& frame) {
+Bytes encoded(IbusEncoder&& encoder, const ChannelFrame& frame) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder.encode(frame, wire);
+    const std::size_t length = encoder.write(frame, wire, Instant{});
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
@@ -109,12 +109,11 @@ TEST(IbusProtocol, MakesWhatItsSettingsSay) {
     SettingValues settings;
     settings.set("slots", std::string("plain"));
     settings.set("channels", std::int64_t{18});
-    const auto decoder = kIbusProtocol.make_decoder(settings);
-    const auto encoder = kIbusProtocol.make_encoder(settings);
-    std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder->encode(frame_of(1500), wire);
-    EXPECT_LE(length, kIbusProtocol.longest_frame);
-    const auto frames = feed(*decoder, std::span(wire).first(length));
+    const auto decoder = make_byte_decoder(kIbusProtocol, settings);
+    FrameEncoder encoder(kIbusProtocol.make_encoder(settings));
+    const auto wire = encoder.encode(frame_of(1500), Instant{}).bytes();
+    EXPECT_LE(wire.size(), kIbusProtocol.longest_frame);
+    const auto frames = feed(*decoder, wire);
     ASSERT_EQ(frames.size(), 1U);
     // 1514 is 0x5EA. A reader of plain slots sees its nibble A in bits 12 to 15 of slot 1.
     EXPECT_EQ(frames[0].channels.channel(0), Pulse::from_microseconds(0xA000 + 1500));
@@ -122,12 +121,10 @@ TEST(IbusProtocol, MakesWhatItsSettingsSay) {
 }
 
 TEST(IbusProtocol, ReadsNibblesAndWritesFourteenChannelsByDefault) {
-    const auto decoder = kIbusProtocol.make_decoder({});
-    const auto encoder = kIbusProtocol.make_encoder({});
+    const auto decoder = make_byte_decoder(kIbusProtocol, {});
+    FrameEncoder encoder(kIbusProtocol.make_encoder({}));
     EXPECT_EQ(feed(*decoder, from_hex(kFtr8bFrame))[0].channels.channel(17), kCentrePulse);
-    std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    encoder->encode(frame_of(1500), wire);
-    EXPECT_EQ(wire[3] & 0xF0, 0);
+    EXPECT_EQ(encoder.encode(frame_of(1500), Instant{}).bytes()[3] & 0xF0, 0);
 }
 
 TEST(IbusProtocol, LeavesTimeForAWholeFrame) {

@@ -295,16 +295,15 @@ TEST(CanProtocol, AnFdFrameHasNeitherAnotherCrcNorFewerChannels) {
 
 TEST(CanProtocol, MakesCodecsAsTheSettingsSay) {
     const SettingValues settings = values(0x123, true, false, "p01", 16);
-    const auto encoder = kCanProtocol.make_can_encoder(settings);
-    const auto decoder = kCanProtocol.make_can_decoder(settings);
-    ASSERT_EQ(encoder->sent().size(), 4U);
+    FrameEncoder encoder(kCanProtocol.make_encoder(settings));
+    const auto decoder = make_can_decoder(kCanProtocol, settings);
+    ASSERT_EQ(encoder.encoder().sent().size(), 4U);
     ASSERT_EQ(decoder->wanted().size(), 4U);
-    EXPECT_EQ(encoder->sent()[0].id, 0x123U);
-    EXPECT_TRUE(encoder->sent()[0].extended);
+    EXPECT_EQ(encoder.encoder().sent()[0].id, 0x123U);
+    EXPECT_TRUE(encoder.encoder().sent()[0].extended);
     EXPECT_EQ(kCanProtocol.link, LinkKind::can);
     EXPECT_TRUE(kCanProtocol.signals_failsafe(settings));
-    std::array<CanFrame, kMostSnapshotFrames> frames{};
-    encoder->encode(numbered_snapshot(1), can_time({}), frames);
+    const auto frames = encoder.encode(numbered_snapshot(1), can_time({})).can_frames();
     EXPECT_EQ(frames[0].data[0],
               can_channels_crc({.crc = CanChannelsCrc::p01}, 0, frames[0].bytes()));
 }

@@ -143,10 +143,10 @@ SettingValues settings(std::int64_t id, bool extended) {
 }
 
 TEST(SensorsProtocol, MovesTheIds) {
-    const auto encoder = kSensorsProtocol.make_can_encoder(settings(0x1234500, true));
-    ASSERT_EQ(encoder->sent().size(), 15U);
-    EXPECT_EQ(encoder->sent().front(), (CanIdMatch{.id = 0x1234500, .extended = true}));
-    EXPECT_EQ(encoder->sent().back(), (CanIdMatch{.id = 0x123450E, .extended = true}));
+    const FrameEncoder encoder(kSensorsProtocol.make_encoder(settings(0x1234500, true)));
+    ASSERT_EQ(encoder.encoder().sent().size(), 15U);
+    EXPECT_EQ(encoder.encoder().sent().front(), (CanIdMatch{.id = 0x1234500, .extended = true}));
+    EXPECT_EQ(encoder.encoder().sent().back(), (CanIdMatch{.id = 0x123450E, .extended = true}));
 }
 
 TEST(SensorsProtocol, RefusesIdsThatDoNotExist) {

@@ -24,7 +24,7 @@ Bytes emit(const SbusFrame& frame) {
 
 Bytes encoded(const ChannelFrame& frame) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = SbusEncoder().encode(frame, wire);
+    const std::size_t length = SbusEncoder().write(frame, wire, Instant{});
     return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
 }
 
@@ -129,15 +129,14 @@ TEST(SbusEncoder, ClampsWhatElevenBitsDoNotHold) {
 TEST(SbusProtocol, MakesBothWithTheScaleOfItsSettings) {
     SettingValues settings;
     settings.set("scale", std::string("px4"));
-    const auto decoder = kSbusProtocol.make_decoder(settings);
-    const auto encoder = kSbusProtocol.make_encoder(settings);
+    const auto decoder = make_byte_decoder(kSbusProtocol, settings);
+    FrameEncoder encoder(kSbusProtocol.make_encoder(settings));
     ChannelFrame frame;
     frame.set(0, kCentrePulse);
-    std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder->encode(frame, wire);
-    EXPECT_LE(length, kSbusProtocol.longest_frame);
-    EXPECT_EQ(parse_sbus(std::span(wire).first<kSbusFrameLength>()).raw[0], 1002);
-    feed(*decoder, std::span(wire).first(length));
+    const auto wire = encoder.encode(frame, Instant{}).bytes();
+    EXPECT_LE(wire.size(), kSbusProtocol.longest_frame);
+    EXPECT_EQ(parse_sbus(wire.first<kSbusFrameLength>()).raw[0], 1002);
+    feed(*decoder, wire);
     EXPECT_EQ(decoder->finish()->channels.channel(0)->whole_microseconds(), 1500);
 }
 

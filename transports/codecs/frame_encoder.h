@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/can_frame.h"
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "transports/codecs/can_codec.h"
+#include "transports/codecs/codec.h"
+
+namespace tribus {
+
+/// An encoder, by what leaves it.
+using AnyEncoder = std::variant<std::unique_ptr<ByteEncoder>, std::unique_ptr<CanEncoder>>;
+
+/// What an encoder hands to a link: the bytes of one frame, or CAN frames in sending order. Empty:
+/// nothing to send.
+class Transmission {
+  public:
+    Transmission() = default;
+    Transmission(std::span<const std::uint8_t> bytes) : content_(bytes) {}
+    Transmission(std::span<const CanFrame> frames) : content_(frames) {}
+
+    bool empty() const {
+        return std::visit([](const auto& content) { return content.empty(); }, content_);
+    }
+    /// Empty if it is CAN frames.
+    std::span<const std::uint8_t> bytes() const {
+        const auto* bytes = std::get_if<std::span<const std::uint8_t>>(&content_);
+        return bytes != nullptr ? *bytes : std::span<const std::uint8_t>();
+    }
+    /// Empty if it is bytes.
+    std::span<const CanFrame> can_frames() const {
+        const auto* frames = std::get_if<std::span<const CanFrame>>(&content_);
+        return frames != nullptr ? *frames : std::span<const CanFrame>();
+    }
+
+  private:
+    std::variant<std::span<const std::uint8_t>, std::span<const CanFrame>> content_;
+};
+
+/// An encoder with room for what it encodes. No heap after construction. Thread-bound.
+class FrameEncoder {
+  public:
+    explicit FrameEncoder(AnyEncoder encoder)
+        : encoder_(std::move(encoder)), frames_(on_can() ? kMostSnapshotFrames : 0) {}
+
+    Encoder& encoder() {
+        return std::visit([](const auto& any) -> Encoder& { return *any; }, encoder_);
+    }
+    const Encoder& encoder() const {
+        return std::visit([](const auto& any) -> const Encoder& { return *any; }, encoder_);
+    }
+    bool on_can() const { return std::holds_alternative<std::unique_ptr<CanEncoder>>(encoder_); }
+
+    /// Encodes one frame that is sent at `now`. Valid until the next call.
+    Transmission encode(const ChannelFrame& frame, Instant now) {
+        if (const auto* bytes = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_)) {
+            return std::span<const std::uint8_t>(wire_).first((*bytes)->write(frame, wire_, now));
+        }
+        const std::span<CanFrame, kMostSnapshotFrames> room(frames_);
+        const auto& can = std::get<std::unique_ptr<CanEncoder>>(encoder_);
+        return std::span<const CanFrame>(room).first(can->write(frame, room, now));
+    }
+
+  private:
+    AnyEncoder encoder_;
+    std::array<std::uint8_t, kLongestSerialFrame> wire_{};
+    /// Room for kMostSnapshotFrames on CAN, else empty.
+    std::vector<CanFrame> frames_;
+};
+
+}  // namespace tribus
