@@ -9,9 +9,9 @@ namespace tribus {
 Input::Input(InputSettings settings, std::uint8_t index)
     : name_(std::move(settings.name)),
       decoder_(std::move(settings.decoder)),
-      pauses_(settings.byte_time),
       index_(index),
-      supervisor_(std::move(settings.supervision)) {
+      supervisor_(std::move(settings.supervision)),
+      ongoing_{.pauses = LinePauses(settings.byte_time)} {
     if (!settings.channels.empty()) {
         map_.emplace(settings.channels);
     }
@@ -19,13 +19,8 @@ Input::Input(InputSettings settings, std::uint8_t index)
 
 void Input::continue_from(Input& before, bool same_channels, Instant now) {
     std::swap(decoder_, before.decoder_);
-    state_ = before.state_;
-    latest_ = before.latest_;
-    latest_.source = index_;
-    read_times_ = before.read_times_;
-    pauses_ = before.pauses_;
-    arrivals_ = before.arrivals_;
-    counts_ = before.counts_;
+    ongoing_ = before.ongoing_;
+    ongoing_.latest.source = index_;
     mapped_ = before.control();
     supervisor_.continue_from(before.supervisor_, now);
     if (same_channels) {
@@ -56,14 +51,14 @@ bool Input::pause(Instant now) {
 
 /// A frame that the decoder held back is as old as its last byte, not as the byte that released it.
 void Input::take_decoded(Instant now) {
-    pauses_.frame_came(decoded_.first_byte, decoded_.length);
-    const Instant arrival = read_times_.of(decoded_.first_byte + decoded_.length - 1);
+    ongoing_.pauses.frame_came(decoded_.first_byte, decoded_.length);
+    const Instant arrival = ongoing_.read_times.of(decoded_.first_byte + decoded_.length - 1);
     decoded_.channels.received = arrival;
     take(decoded_.channels, arrival, now);
 }
 
 void Input::device_lost() {
-    ++counts_.device_losses;
+    ++ongoing_.counts.device_losses;
     start_anew();
 }
 
@@ -99,21 +94,21 @@ const DecoderReport& Input::decoder() const {
 
 void Input::look(Instant now) {
     const LinkState fresh = supervisor_.state(now);
-    if (fresh.cause != state_.cause) {
-        ++counts_.began[static_cast<std::size_t>(fresh.cause)];
+    if (fresh.cause != ongoing_.state.cause) {
+        ++ongoing_.counts.began[static_cast<std::size_t>(fresh.cause)];
     }
-    state_ = fresh;
+    ongoing_.state = fresh;
 }
 
 void Input::take(ChannelFrame frame, Instant arrival, Instant now) {
     frame.source = index_;
-    frame.sequence = latest_.sequence + 1;
-    ++counts_.frames;
-    arrivals_.arrived(arrival);
+    frame.sequence = ongoing_.latest.sequence + 1;
+    ++ongoing_.counts.frames;
+    ongoing_.arrivals.arrived(arrival);
     supervisor_.take(frame, arrival);
-    latest_ = frame;
-    counts_.failsafe_frames += frame.failsafe ? 1U : 0U;
-    counts_.frame_lost_frames += frame.frame_lost && !frame.failsafe ? 1U : 0U;
+    ongoing_.latest = frame;
+    ongoing_.counts.failsafe_frames += frame.failsafe ? 1U : 0U;
+    ongoing_.counts.frame_lost_frames += frame.frame_lost && !frame.failsafe ? 1U : 0U;
     if (map_) {
         mapped_ = map_->apply(supervisor_.control(), now);
     }

@@ -92,12 +92,12 @@ class Input {
     /// Call when bytes after the received ones were discarded: ends the frame received in part.
     void bytes_discarded() { start_anew(); }
     /// Call when the time since the latest bytes does not show a pause on the line.
-    void forget_read_time() { pauses_.forget(); }
+    void forget_read_time() { ongoing_.pauses.forget(); }
 
     /// Whether its frames count, since when, until when, and why not.
     const LinkSupervisor& link() const { return supervisor_; }
     /// State of the link at the latest frame or call of `look`.
-    const LinkState& state() const { return state_; }
+    const LinkState& state() const { return ongoing_.state; }
     /// Updates `state` and the counters of causes.
     void look(Instant now);
 
@@ -105,9 +105,9 @@ class Input {
     /// if the newest frame is not good.
     const ChannelFrame& control() const { return map_ ? mapped_ : supervisor_.control(); }
     /// The latest frame as received, good or not.
-    const ChannelFrame& latest() const { return latest_; }
-    const ArrivalClock& arrivals() const { return arrivals_; }
-    const InputCounts& counts() const { return counts_; }
+    const ChannelFrame& latest() const { return ongoing_.latest; }
+    const ArrivalClock& arrivals() const { return ongoing_.arrivals; }
+    const InputCounts& counts() const { return ongoing_.counts; }
     const DecoderReport& decoder() const;
     /// The CAN ids that it receives. Empty if it is not on CAN.
     std::span<const CanIdMatch> wanted_ids() const;
@@ -116,6 +116,17 @@ class Input {
     const std::string& name() const { return name_; }
 
   private:
+    /// What goes on over a reload, beside the decoder and the state of the link.
+    struct Ongoing {
+        /// Maps positions in the received bytes to the times at which they were read.
+        ReadTimes read_times{};
+        LinePauses pauses;
+        LinkState state{};
+        ChannelFrame latest{};
+        ArrivalClock arrivals{};
+        InputCounts counts{};
+    };
+
     /// Only for an input whose protocol is on bytes.
     ByteDecoder& byte_decoder() const {
         return **std::get_if<std::unique_ptr<ByteDecoder>>(&decoder_);
@@ -126,14 +137,14 @@ class Input {
         return can != nullptr ? can->get() : nullptr;
     }
     void count_bytes(std::size_t count, Instant now) {
-        counts_.bytes += count;
+        ongoing_.counts.bytes += count;
         supervisor_.bytes_came(now);
     }
     /// Call before the bytes are decoded. Returns true if the pause before them completed a frame.
     bool arrived(std::size_t count, Instant now) {
         count_bytes(count, now);
-        read_times_.add(counts_.bytes, now);
-        return pauses_.before(count, now, byte_decoder().waiting()) && pause(now);
+        ongoing_.read_times.add(ongoing_.counts.bytes, now);
+        return ongoing_.pauses.before(count, now, byte_decoder().waiting()) && pause(now);
     }
     bool pause(Instant now);
     void start_anew();
@@ -145,19 +156,13 @@ class Input {
     std::string name_;
     AnyDecoder decoder_;
     DecodedFrame decoded_;
-    /// Maps positions in the received bytes to the times at which they were read.
-    ReadTimes read_times_;
-    LinePauses pauses_;
     std::uint8_t index_;
 
     LinkSupervisor supervisor_;
     /// Absent: the channels pass unchanged.
     std::optional<ChannelMap> map_;
-    LinkState state_;
-    ChannelFrame latest_;
     ChannelFrame mapped_;
-    ArrivalClock arrivals_;
-    InputCounts counts_;
+    Ongoing ongoing_;
 };
 
 }  // namespace tribus

@@ -29,7 +29,7 @@ Output::Output(OutputSettings settings)
       failsafe_(settings.failsafe) {}
 
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
-    const bool standby = stage_ == OutputStage::control && index != selector_.current();
+    const bool standby = ongoing_.stage == OutputStage::control && index != selector_.current();
     if (!standby) {
         schedule_.frame_arrived(arrivals);
     }
@@ -37,39 +37,40 @@ void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
 
 void Output::end(Instant now) {
     ending_ = true;
-    stage_ = OutputStage::failsafe;
-    glide_.stop();
+    ongoing_.stage = OutputStage::failsafe;
+    ongoing_.glide.stop();
     schedule_.start(now);
 }
 
 void Output::foreign_frame_seen(Instant now) {
-    ++counts_.foreign_frames;
-    const bool goes_on = foreign_run_ > 0 && now < later(foreign_seen_, kForeignSenderMemory);
-    foreign_run_ = goes_on ? std::min(foreign_run_ + 1, kForeignSenderFrames) : 1;
-    foreign_seen_ = now;
-    if (yield_to_foreign_sender_ && foreign_run_ == kForeignSenderFrames) {
+    ++ongoing_.counts.foreign_frames;
+    const bool goes_on =
+        ongoing_.foreign_run > 0 && now < later(ongoing_.foreign_seen, kForeignSenderMemory);
+    ongoing_.foreign_run = goes_on ? std::min(ongoing_.foreign_run + 1, kForeignSenderFrames) : 1;
+    ongoing_.foreign_seen = now;
+    if (yield_to_foreign_sender_ && ongoing_.foreign_run == kForeignSenderFrames) {
         // `recover` applies afterwards, as after any failsafe. `select` would not enforce it,
         // because the input was never lost.
-        yield_until_ = later(later(now, kForeignSenderMemory), failsafe_.recover);
+        ongoing_.yield_until = later(later(now, kForeignSenderMemory), failsafe_.recover);
     }
 }
 
 void Output::force_failsafe(bool on, Instant now) {
-    if (forced_ && !on) {
-        yield_until_ = std::max(yield_until_, later(now, failsafe_.recover));
+    if (ongoing_.forced && !on) {
+        ongoing_.yield_until = std::max(ongoing_.yield_until, later(now, failsafe_.recover));
     }
-    forced_ = on;
+    ongoing_.forced = on;
 }
 
 bool Output::must_yield(Instant now) const {
-    return ending_ || forced_ || now < yield_until_;
+    return ending_ || ongoing_.forced || now < ongoing_.yield_until;
 }
 
 OutputState Output::state(Instant now) const {
     OutputState state{
         .stage = stage(),
-        .obstacle = obstacle_,
-        .awaits_release = awaits_release_,
+        .obstacle = ongoing_.obstacle,
+        .awaits_release = ongoing_.awaits_release,
         .forced = must_yield(now),
         .input = selector_.follows_one() ? controlling_input().value_or(kNoInput) : kNoInput,
         .outvoted = 0,
@@ -86,28 +87,28 @@ std::optional<std::size_t> Output::controlling_input() const {
 }
 
 void Output::dropped_busy() {
-    ++counts_.busy_drops;
-    busy_run_ = std::min(busy_run_ + 1, kBusyFrames);
-    if (busy_run_ == kBusyFrames) {
-        obstacle_ = SendObstacle::busy;
+    ++ongoing_.counts.busy_drops;
+    ongoing_.busy_run = std::min(ongoing_.busy_run + 1, kBusyFrames);
+    if (ongoing_.busy_run == kBusyFrames) {
+        ongoing_.obstacle = SendObstacle::busy;
     }
 }
 
 void Output::dropped_lost() {
-    ++counts_.lost_drops;
-    obstacle_ = SendObstacle::device;
+    ++ongoing_.counts.lost_drops;
+    ongoing_.obstacle = SendObstacle::device;
 }
 
 void Output::dropped_unavailable() {
-    ++counts_.unavailable_drops;
-    obstacle_ = SendObstacle::bus;
+    ++ongoing_.counts.unavailable_drops;
+    ongoing_.obstacle = SendObstacle::bus;
 }
 
 void Output::set_device_present(bool present) {
     if (!present) {
-        obstacle_ = SendObstacle::device;
-    } else if (obstacle_ == SendObstacle::device) {
-        obstacle_ = SendObstacle::none;
+        ongoing_.obstacle = SendObstacle::device;
+    } else if (ongoing_.obstacle == SendObstacle::device) {
+        ongoing_.obstacle = SendObstacle::none;
     }
 }
 
@@ -117,16 +118,16 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
         case FailsafeAction::silence:
             return std::nullopt;
         case FailsafeAction::hold:
-            if (!held_) {
+            if (!ongoing_.held) {
                 return std::nullopt;
             }
-            frame = *held_;
+            frame = *ongoing_.held;
             break;
         case FailsafeAction::preset:
             for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
                 frame.set(channel, failsafe_.presets[channel]);
             }
-            glide_.apply(frame, now);
+            ongoing_.glide.apply(frame, now);
             map_.restart_from(frame, now);
             break;
     }
@@ -137,44 +138,45 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
 
 /// Starts at the time of the latest frame, so that already the first frame of the glide moves.
 void Output::glide_from_latest(std::optional<double> us_per_second) {
-    if (us_per_second && made_frame_) {
-        glide_.start(latest_, *us_per_second, latest_at_);
+    if (us_per_second && ongoing_.made_frame) {
+        ongoing_.glide.start(ongoing_.latest, *us_per_second, ongoing_.latest_at);
     } else {
-        glide_.stop();
+        ongoing_.glide.stop();
     }
 }
 
 /// The frame of the selected input. No value while `release_when` does not hold.
 std::optional<ChannelFrame> Output::control_frame(Instant now) {
     ChannelFrame frame = map_.apply(selector_.frame(), now);
-    const bool returns = stage_ == OutputStage::failsafe;
-    awaits_release_ = returns && failsafe_.release_when && !failsafe_.release_when->matches(frame);
-    if (awaits_release_) {
+    const bool returns = ongoing_.stage == OutputStage::failsafe;
+    ongoing_.awaits_release =
+        returns && failsafe_.release_when && !failsafe_.release_when->matches(frame);
+    if (ongoing_.awaits_release) {
         return std::nullopt;
     }
     if (returns) {
-        counts_.recoveries += held_ ? 1U : 0U;
+        ongoing_.counts.recoveries += ongoing_.held ? 1U : 0U;
         glide_from_latest(failsafe_.slew_us_per_second);
     } else if (selector_.changed_over()) {
-        ++counts_.changeovers;
+        ++ongoing_.counts.changeovers;
         glide_from_latest(changeover_us_per_second_);
     }
-    stage_ = OutputStage::control;
-    glide_.apply(frame, now);
-    held_ = frame;
+    ongoing_.stage = OutputStage::control;
+    ongoing_.glide.apply(frame, now);
+    ongoing_.held = frame;
     return frame;
 }
 
 void Output::enter_failsafe() {
-    stage_ = OutputStage::failsafe;
-    ++counts_.failsafe_entries;
+    ongoing_.stage = OutputStage::failsafe;
+    ++ongoing_.counts.failsafe_entries;
     glide_from_latest(failsafe_.slew_us_per_second);
 }
 
 /// Frame of an output that no input feeds. It sends named values, each of which is fresh or marked
 /// stale. Nothing is held, and there are no presets.
 std::optional<ChannelFrame> Output::frame_without_inputs(bool yielding) {
-    stage_ = yielding ? OutputStage::failsafe : OutputStage::control;
+    ongoing_.stage = yielding ? OutputStage::failsafe : OutputStage::control;
     if (yielding) {
         return std::nullopt;
     }
@@ -191,21 +193,21 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
     if (selector_.inputs().empty()) {
         return frame_without_inputs(yielding);
     }
-    const bool bridging = stage_ != OutputStage::failsafe;
+    const bool bridging = ongoing_.stage != OutputStage::failsafe;
     if (!yielding && selector_.select(now, end_of_period, inputs, bridging)) {
         const auto frame = control_frame(now);
         return frame ? frame : failsafe_frame(now);
     }
-    awaits_release_ = false;
+    ongoing_.awaits_release = false;
     if (bridging) {
-        if (stage_ == OutputStage::control) {
+        if (ongoing_.stage == OutputStage::control) {
             // An input that lost control for another reason may still be alive.
             const Instant lost_at = inputs[*selector_.current()].link().lost_at();
-            holding_since_ = lost_at <= end_of_period ? lost_at : now;
+            ongoing_.holding_since = lost_at <= end_of_period ? lost_at : now;
         }
-        stage_ = OutputStage::holding;
-        if (!yielding && end_of_period < later(holding_since_, failsafe_.hold)) {
-            ChannelFrame frame = *held_;
+        ongoing_.stage = OutputStage::holding;
+        if (!yielding && end_of_period < later(ongoing_.holding_since, failsafe_.hold)) {
+            ChannelFrame frame = *ongoing_.held;
             frame.frame_lost = true;
             return frame;
         }
@@ -240,17 +242,17 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         fill_absent(*frame, now);
     }
     if (frame) {
-        latest_ = *frame;
-        latest_due_ = schedule_.due();
-        latest_at_ = now;
+        ongoing_.latest = *frame;
+        ongoing_.latest_due = schedule_.due();
+        ongoing_.latest_at = now;
         transmission_ = encoder_.encode(*frame, now);
     }
-    made_frame_ = frame.has_value();
-    if (!made_frame_ && obstacle_ != SendObstacle::device) {
+    ongoing_.made_frame = frame.has_value();
+    if (!ongoing_.made_frame && ongoing_.obstacle != SendObstacle::device) {
         // A silent output cannot find out whether the obstacle has gone.
-        obstacle_ = SendObstacle::none;
+        ongoing_.obstacle = SendObstacle::none;
     }
-    schedule_.done(now, made_frame_);
+    schedule_.done(now, ongoing_.made_frame);
 }
 
 }  // namespace tribus

@@ -141,9 +141,9 @@ class Output {
     /// Tells what became of the frame: handed over, or dropped because the port was busy, its
     /// device missing or its bus unavailable.
     void written() {
-        ++counts_.frames;
-        busy_run_ = 0;
-        obstacle_ = SendObstacle::none;
+        ++ongoing_.counts.frames;
+        ongoing_.busy_run = 0;
+        ongoing_.obstacle = SendObstacle::none;
     }
     void dropped_busy();
     void dropped_lost();
@@ -163,22 +163,45 @@ class Output {
     std::span<const std::size_t> inputs() const { return selector_.inputs(); }
     const InputSelector& selector() const { return selector_; }
     OutputStage stage() const {
-        return obstacle_ == SendObstacle::none ? stage_ : OutputStage::cannot_send;
+        return ongoing_.obstacle == SendObstacle::none ? ongoing_.stage : OutputStage::cannot_send;
     }
     OutputState state(Instant now) const;
     /// The latest frame that it made. A default frame before the first.
-    const ChannelFrame& latest() const { return latest_; }
+    const ChannelFrame& latest() const { return ongoing_.latest; }
     /// Whether the latest `run` made a frame.
-    bool sends() const { return made_frame_; }
+    bool sends() const { return ongoing_.made_frame; }
     /// When its latest frame was due.
-    Instant latest_due() const { return latest_due_; }
+    Instant latest_due() const { return ongoing_.latest_due; }
     /// Index of the input in control. `nullopt` if none is.
     std::optional<std::size_t> controlling_input() const;
-    const OutputCounts& counts() const { return counts_; }
+    const OutputCounts& counts() const { return ongoing_.counts; }
     std::uint64_t overruns() const { return schedule_.overruns(); }
     Duration period() const { return schedule_.period(); }
 
   private:
+    /// What goes on over a reload, whatever the settings are.
+    struct Ongoing {
+        Glide glide{};
+        /// Stage that results from the inputs; never `cannot_send`.
+        OutputStage stage = OutputStage::failsafe;
+        SendObstacle obstacle = SendObstacle::none;
+        int busy_run = 0;  ///< frames in a row that found the frame before still waiting
+        bool forced = false;
+        bool awaits_release = false;
+        Instant foreign_seen{};
+        /// Frames of other nodes in a row, each within a second of the one before.
+        int foreign_run = 0;
+        Instant yield_until{};
+        std::optional<ChannelFrame> held{};
+        Instant holding_since{};
+        /// The latest `run` made a frame.
+        bool made_frame = false;
+        ChannelFrame latest{};
+        Instant latest_due{};
+        Instant latest_at{};
+        OutputCounts counts{};
+    };
+
     bool must_yield(Instant now) const;
     std::optional<ChannelFrame> frame_without_inputs(bool yielding);
     std::optional<ChannelFrame> make_frame(Instant now, std::span<const Input> inputs);
@@ -199,28 +222,9 @@ class Output {
     std::uint32_t mapped_channels_;
     std::uint32_t by_preset_ = 0;
     FailsafeSettings failsafe_;
-    Glide glide_;
-
-    /// Stage that results from the inputs; never `cannot_send`.
-    OutputStage stage_ = OutputStage::failsafe;
-    SendObstacle obstacle_ = SendObstacle::none;
-    int busy_run_ = 0;  ///< frames in a row that found the frame before still waiting
+    Ongoing ongoing_;
     bool ending_ = false;
-    bool forced_ = false;
-    bool awaits_release_ = false;
-    Instant foreign_seen_{};
-    /// frames of other nodes in a row, each within a second of the one before
-    int foreign_run_ = 0;
-    Instant yield_until_{};
-    std::optional<ChannelFrame> held_;
-    Instant holding_since_{};
-    /// The latest `run` made a frame.
-    bool made_frame_ = false;
-    ChannelFrame latest_;
-    Instant latest_due_{};
-    Instant latest_at_{};
     Transmission transmission_;
-    OutputCounts counts_;
 };
 
 }  // namespace tribus

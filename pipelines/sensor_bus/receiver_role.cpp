@@ -30,36 +30,36 @@ ReceiverRole::ReceiverRole(ReceiverRoleSettings settings) : settings_(std::move(
 }
 
 void ReceiverRole::start(Instant now) {
-    next_slot_ = now;
-    stage_ = settings_.power_up_frames ? Stage::power_up : Stage::polling;
+    ongoing_.next_slot = now;
+    ongoing_.stage = settings_.power_up_frames ? Stage::power_up : Stage::polling;
 }
 
 bool ReceiverRole::receives_echo() const {
-    const bool known = settings_.power_up_frames && stage_ != Stage::power_up;
+    const bool known = settings_.power_up_frames && ongoing_.stage != Stage::power_up;
     return settings_.wires == Wires::one ||
-           (settings_.wires == Wires::automatic && (!known || echo_.counts().returned > 0));
+           (settings_.wires == Wires::automatic && (!known || ongoing_.echo.counts().returned > 0));
 }
 
 void ReceiverRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
     if (receives_echo()) {
-        echo_.cancel(bytes, now);
+        ongoing_.echo.cancel(bytes, now);
     }
-    while (const auto frame = parser_.next(bytes, now)) {
+    while (const auto frame = ongoing_.parser.next(bytes, now)) {
         take(*frame, now, board);
     }
 }
 
 void ReceiverRole::damaged_byte(Instant now) {
-    if (!receives_echo() || !echo_.cancel_damaged(now)) {
-        parser_.damaged_byte(now);
+    if (!receives_echo() || !ongoing_.echo.cancel_damaged(now)) {
+        ongoing_.parser.damaged_byte(now);
     }
 }
 
 std::span<const std::uint8_t> ReceiverRole::run(Instant now, ValueBoard& board) {
-    if (now < next_slot_) {
+    if (now < ongoing_.next_slot) {
         return {};
     }
-    next_slot_ += settings_.slot * ((now - next_slot_) / settings_.slot + 1);
+    ongoing_.next_slot += settings_.slot * ((now - ongoing_.next_slot) / settings_.slot + 1);
     conclude(board);
     const auto request = next_request();
     return request ? send(*request) : std::span<const std::uint8_t>{};
@@ -67,18 +67,18 @@ std::span<const std::uint8_t> ReceiverRole::run(Instant now, ValueBoard& board) 
 
 /// Evaluates the slot that has ended.
 void ReceiverRole::conclude(ValueBoard& board) {
-    const auto unanswered = std::exchange(open_, std::nullopt);
+    const auto unanswered = std::exchange(ongoing_.open, std::nullopt);
     if (!unanswered || unanswered->command == SensorCommand::power_up) {
         return;
     }
     if (unanswered->command == SensorCommand::discover) {
         return;
     }
-    ++counts_.misses;
+    ++ongoing_.counts.misses;
     if (unanswered->command == SensorCommand::value) {
         value_missed(unanswered->address, board);
-    } else if (!std::exchange(repeated_, !repeated_)) {
-        follow_up_ = unanswered;
+    } else if (!std::exchange(ongoing_.repeated, !ongoing_.repeated)) {
+        ongoing_.follow_up = unanswered;
     }
 }
 
@@ -88,67 +88,69 @@ void ReceiverRole::value_missed(std::uint8_t address, ValueBoard& board) {
     const std::size_t sensor = address - 1U;
     if (++sensors_[sensor].misses >= settings_.drop_after) {
         drop_from(sensor, board);
-        repeated_ = false;
-        follow_up_ = Request{SensorCommand::discover, address};
-    } else if (!std::exchange(repeated_, !repeated_)) {
-        follow_up_ = Request{SensorCommand::value, address};
+        ongoing_.repeated = false;
+        ongoing_.follow_up = Request{SensorCommand::discover, address};
+    } else if (!std::exchange(ongoing_.repeated, !ongoing_.repeated)) {
+        ongoing_.follow_up = Request{SensorCommand::value, address};
     }
 }
 
 std::optional<ReceiverRole::Request> ReceiverRole::next_request() {
-    ++slots_in_stage_;
-    if (stage_ == Stage::power_up) {
-        if (slots_in_stage_ <= kPowerUpFrames) {
+    ++ongoing_.slots_in_stage;
+    if (ongoing_.stage == Stage::power_up) {
+        if (ongoing_.slots_in_stage <= kPowerUpFrames) {
             return Request{SensorCommand::power_up, 0};
         }
-        stage_ = Stage::silence;
-        slots_in_stage_ = 1;
+        ongoing_.stage = Stage::silence;
+        ongoing_.slots_in_stage = 1;
     }
-    if (stage_ == Stage::silence) {
-        if (slots_in_stage_ <= kSilentSlots) {
+    if (ongoing_.stage == Stage::silence) {
+        if (ongoing_.slots_in_stage <= kSilentSlots) {
             return std::nullopt;
         }
-        stage_ = Stage::polling;
+        ongoing_.stage = Stage::polling;
     }
-    ++slots_since_probe_;
-    const auto follow_up = std::exchange(follow_up_, std::nullopt);
+    ++ongoing_.slots_since_probe;
+    const auto follow_up = std::exchange(ongoing_.follow_up, std::nullopt);
     return follow_up ? follow_up : next_poll();
 }
 
 ReceiverRole::Request ReceiverRole::next_poll() {
     const auto next_free = static_cast<std::uint8_t>(found_count_ + 1);
-    const bool probe = slots_since_probe_ >= settings_.probe_every && found_count_ < kMostSensors;
+    const bool probe =
+        ongoing_.slots_since_probe >= settings_.probe_every && found_count_ < kMostSensors;
     if (found_count_ == 0 || probe) {
-        slots_since_probe_ = 0;
+        ongoing_.slots_since_probe = 0;
         return {SensorCommand::discover, next_free};
     }
-    next_polled_ = next_polled_ % found_count_ + 1;
-    return {SensorCommand::value, static_cast<std::uint8_t>(next_polled_)};
+    ongoing_.next_polled = ongoing_.next_polled % found_count_ + 1;
+    return {SensorCommand::value, static_cast<std::uint8_t>(ongoing_.next_polled)};
 }
 
 std::span<const std::uint8_t> ReceiverRole::send(const Request& request) {
     if (request.command == SensorCommand::power_up) {
-        wire_ = {kSensorRequestBytes, kPowerUpByte, 0x0B, 0xFF};
-        wire_length_ = kSensorRequestBytes;
+        ongoing_.wire = {kSensorRequestBytes, kPowerUpByte, 0x0B, 0xFF};
+        ongoing_.wire_length = kSensorRequestBytes;
     } else {
-        wire_length_ = encode_sensor_frame(request.command, request.address, {}, wire_);
+        ongoing_.wire_length =
+            encode_sensor_frame(request.command, request.address, {}, ongoing_.wire);
     }
-    open_ = request;
-    return {wire_.data(), wire_length_};
+    ongoing_.open = request;
+    return {ongoing_.wire.data(), ongoing_.wire_length};
 }
 
 void ReceiverRole::written(Instant now, ValueBoard& /*board*/) {
-    ++counts_.requests;
+    ++ongoing_.counts.requests;
     if (receives_echo()) {
-        echo_.sent({wire_.data(), wire_length_}, now);
+        ongoing_.echo.sent({ongoing_.wire.data(), ongoing_.wire_length}, now);
     }
 }
 
 void ReceiverRole::dropped() {
-    ++counts_.dropped;
-    open_.reset();
-    if (stage_ == Stage::power_up) {
-        slots_in_stage_ = 0;
+    ++ongoing_.counts.dropped;
+    ongoing_.open.reset();
+    if (ongoing_.stage == Stage::power_up) {
+        ongoing_.slots_in_stage = 0;
     }
 }
 
@@ -156,13 +158,13 @@ void ReceiverRole::device_lost(ValueBoard& board) {
     for (std::size_t sensor = 0; sensor < kMostSensors; ++sensor) {
         forget_reading(sensor, board);
     }
-    counts_.lost_sensors += found_count_;
+    ongoing_.counts.lost_sensors += found_count_;
     found_count_ = 0;
-    open_.reset();
-    follow_up_.reset();
-    repeated_ = false;
-    slots_in_stage_ = 0;
-    stage_ = settings_.power_up_frames ? Stage::power_up : Stage::polling;
+    ongoing_.open.reset();
+    ongoing_.follow_up.reset();
+    ongoing_.repeated = false;
+    ongoing_.slots_in_stage = 0;
+    ongoing_.stage = settings_.power_up_frames ? Stage::power_up : Stage::polling;
 }
 
 void ReceiverRole::take(const SensorFrame& frame, Instant now, ValueBoard& board) {
@@ -177,17 +179,17 @@ void ReceiverRole::take(const SensorFrame& frame, Instant now, ValueBoard& board
                 return 0;
         }
     };
-    if (open_ != Request{frame.command, frame.address} || frame.address == 0 ||
+    if (ongoing_.open != Request{frame.command, frame.address} || frame.address == 0 ||
         frame.data_size != size_due()) {
-        ++counts_.wrong;
+        ++ongoing_.counts.wrong;
         return;
     }
-    open_.reset();
-    repeated_ = false;
-    ++counts_.replies;
+    ongoing_.open.reset();
+    ongoing_.repeated = false;
+    ++ongoing_.counts.replies;
     switch (frame.command) {
         case SensorCommand::discover:
-            follow_up_ = Request{SensorCommand::type, frame.address};
+            ongoing_.follow_up = Request{SensorCommand::type, frame.address};
             break;
         case SensorCommand::type:
             add_sensor(frame);
@@ -209,24 +211,13 @@ void ReceiverRole::add_sensor(const SensorFrame& frame) {
                         .by_type = places_of_first(found_[sensor].type)};
     ++found_count_;
     if (found_count_ < kMostSensors) {
-        follow_up_ = Request{SensorCommand::discover, static_cast<std::uint8_t>(found_count_ + 1)};
+        ongoing_.follow_up =
+            Request{SensorCommand::discover, static_cast<std::uint8_t>(found_count_ + 1)};
     }
 }
 
 void ReceiverRole::continue_from(const ReceiverRole& before) {
-    parser_ = before.parser_;
-    echo_ = before.echo_;
-    stage_ = before.stage_;
-    slots_in_stage_ = before.slots_in_stage_;
-    next_slot_ = before.next_slot_;
-    open_ = before.open_;
-    follow_up_ = before.follow_up_;
-    repeated_ = before.repeated_;
-    next_polled_ = before.next_polled_;
-    slots_since_probe_ = before.slots_since_probe_;
-    wire_ = before.wire_;
-    wire_length_ = before.wire_length_;
-    counts_ = before.counts_;
+    ongoing_ = before.ongoing_;
     // Types and indices come from the tables of this role.
     for (const FoundSensor& found : before.found()) {
         found_[found_count_] = found;
@@ -290,9 +281,9 @@ void ReceiverRole::read_value(std::size_t sensor, std::span<const std::uint8_t> 
 /// once.
 void ReceiverRole::drop_from(std::size_t sensor, ValueBoard& board) {
     forget_reading(sensor, board);
-    counts_.lost_sensors += found_count_ - sensor;
+    ongoing_.counts.lost_sensors += found_count_ - sensor;
     found_count_ = sensor;
-    next_polled_ = 0;
+    ongoing_.next_polled = 0;
 }
 
 void ReceiverRole::forget_reading(std::size_t sensor, ValueBoard& board) {

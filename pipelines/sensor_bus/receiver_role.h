@@ -84,7 +84,7 @@ class ReceiverRole final : public SensorBusRole {
     void continue_from(const ReceiverRole& before);
     void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) override;
     void damaged_byte(Instant now) override;
-    Instant due() const override { return next_slot_; }
+    Instant due() const override { return ongoing_.next_slot; }
     std::span<const std::uint8_t> run(Instant now, ValueBoard& board) override;
     void written(Instant now, ValueBoard& board) override;
     void dropped() override;
@@ -92,9 +92,9 @@ class ReceiverRole final : public SensorBusRole {
 
     /// The sensors that answer, from address 1 on.
     std::span<const FoundSensor> found() const { return {found_.data(), found_count_}; }
-    const ReceiverRoleCounts& counts() const { return counts_; }
-    const EchoCounts& echo() const { return echo_.counts(); }
-    const SensorFrameParser& parser() const { return parser_; }
+    const ReceiverRoleCounts& counts() const { return ongoing_.counts; }
+    const EchoCounts& echo() const { return ongoing_.echo.counts(); }
+    const SensorFrameParser& parser() const { return ongoing_.parser; }
 
   private:
     enum class Stage : std::uint8_t { power_up, silence, polling };
@@ -112,6 +112,25 @@ class ReceiverRole final : public SensorBusRole {
         /// Null if it is not the first of its type, or if no named value refers to the type.
         const TypePlaces* by_type = nullptr;
         int misses = 0;
+    };
+
+    /// What goes on over a reload, beside the sensors that were found.
+    struct Ongoing {
+        SensorFrameParser parser{};
+        EchoCanceller echo{};
+        Stage stage = Stage::power_up;
+        int slots_in_stage = 0;
+        Instant next_slot = kNever;
+        /// The request of the present slot. Empty once it was answered.
+        std::optional<Request> open{};
+        /// Request of the next slot, if it must follow at once.
+        std::optional<Request> follow_up{};
+        bool repeated = false;
+        std::size_t next_polled = 0;
+        int slots_since_probe = 0;
+        std::array<std::uint8_t, kLongestSensorFrame> wire{};
+        std::size_t wire_length = 0;
+        ReceiverRoleCounts counts{};
     };
 
     void conclude(ValueBoard& board);
@@ -134,26 +153,10 @@ class ReceiverRole final : public SensorBusRole {
     std::array<const SensorType*, 256> types_by_id_{};
     /// Types of the table with the other usual size, for sensors that report that one.
     std::vector<SensorType> resized_;
-    SensorFrameParser parser_;
-    EchoCanceller echo_;
-    Stage stage_ = Stage::power_up;
-    int slots_in_stage_ = 0;
-    Instant next_slot_ = kNever;
-
-    /// The request of the present slot. Empty once it was answered.
-    std::optional<Request> open_;
-    /// Request of the next slot, if it must follow at once.
-    std::optional<Request> follow_up_;
-    bool repeated_ = false;
-    std::size_t next_polled_ = 0;
-    int slots_since_probe_ = 0;
-    std::array<std::uint8_t, kLongestSensorFrame> wire_{};
-    std::size_t wire_length_ = 0;
-
+    Ongoing ongoing_;
     std::array<FoundSensor, kMostSensors> found_{};
     std::array<Sensor, kMostSensors> sensors_{};
     std::size_t found_count_ = 0;
-    ReceiverRoleCounts counts_;
 };
 
 }  // namespace tribus

@@ -26,107 +26,95 @@ constexpr int kCostOfLate = 24;
 
 SensorRole::SensorRole(SensorRoleSettings settings)
     : settings_(std::move(settings)),
-      first_address_(settings_.first_address),
-      answers_(settings_.sensors.size()) {}
+      answers_(settings_.sensors.size()),
+      ongoing_{.first_address = settings_.first_address} {}
 
 void SensorRole::start(Instant now) {
-    prepared_at_ = now - kPreparedFor;
+    ongoing_.prepared_at = now - kPreparedFor;
 }
 
 void SensorRole::continue_from(const SensorRole& before) {
-    parser_ = before.parser_;
-    echo_ = before.echo_;
-    requests_ = before.requests_;
-    first_address_ = before.first_address_;
-    latest_request_ = before.latest_request_;
+    ongoing_ = before.ongoing_;
     std::ranges::copy(before.answers_, answers_.begin());
-    prepared_at_ = before.prepared_at_;
-    pending_ = before.pending_;
-    reply_ = before.reply_;
-    reply_length_ = before.reply_length_;
-    reply_at_ = before.reply_at_;
-    reply_until_ = before.reply_until_;
-    period_confidence_ = before.period_confidence_;
-    counts_ = before.counts_;
 }
 
 void SensorRole::receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) {
     if (settings_.receives_echo) {
-        echo_.cancel(bytes, now);
+        ongoing_.echo.cancel(bytes, now);
     }
-    if (pending_ && !bytes.empty()) {
+    if (ongoing_.pending && !bytes.empty()) {
         withhold();
     }
     bool frame_came = false;
-    while (const auto frame = parser_.next(bytes, now)) {
+    while (const auto frame = ongoing_.parser.next(bytes, now)) {
         take(*frame, now, !bytes.empty(), board);
         frame_came = true;
     }
     // Without a frame there is no hurry, because the next request is a slot away.
-    if (frame_came && !pending_) {
+    if (frame_came && !ongoing_.pending) {
         prepare_all(now, board);
     }
 }
 
 void SensorRole::damaged_byte(Instant now) {
-    if (settings_.receives_echo && echo_.cancel_damaged(now)) {
+    if (settings_.receives_echo && ongoing_.echo.cancel_damaged(now)) {
         return;
     }
-    if (pending_) {
+    if (ongoing_.pending) {
         withhold();
     }
-    parser_.damaged_byte(now);
+    ongoing_.parser.damaged_byte(now);
 }
 
 void SensorRole::device_lost(ValueBoard& /*board*/) {
-    pending_ = false;
-    latest_request_.reset();
-    first_address_ = settings_.first_address;
+    ongoing_.pending = false;
+    ongoing_.latest_request.reset();
+    ongoing_.first_address = settings_.first_address;
 }
 
 void SensorRole::take(const SensorFrame& frame, Instant now, bool more_follows, ValueBoard& board) {
-    const bool restarted = frame.command == SensorCommand::power_up || !latest_request_ ||
-                           now - *latest_request_ >= kRestartSilence;
+    const bool restarted = frame.command == SensorCommand::power_up || !ongoing_.latest_request ||
+                           now - *ongoing_.latest_request >= kRestartSilence;
     if (restarted) {
-        first_address_ = settings_.first_address;
-        requests_ = {};
-        period_confidence_ = 0;
+        ongoing_.first_address = settings_.first_address;
+        ongoing_.requests = {};
+        ongoing_.period_confidence = 0;
     }
-    latest_request_ = now;
+    ongoing_.latest_request = now;
     if (!frame.is_request() || frame.command == SensorCommand::power_up) {
         return;
     }
-    ++counts_.requests;
-    if (!first_address_ && frame.command == SensorCommand::discover) {
-        first_address_ = frame.address;
+    ++ongoing_.counts.requests;
+    if (!ongoing_.first_address && frame.command == SensorCommand::discover) {
+        ongoing_.first_address = frame.address;
     }
     if (!more_follows) {
-        requests_.arrived(now);
+        ongoing_.requests.arrived(now);
     }
-    if (!first_address_ || frame.address < *first_address_ ||
-        frame.address >= *first_address_ + settings_.sensors.size()) {
+    if (!ongoing_.first_address || frame.address < *ongoing_.first_address ||
+        frame.address >= *ongoing_.first_address + settings_.sensors.size()) {
         return;
     }
     if (more_follows) {
-        ++counts_.late;
+        ++ongoing_.counts.late;
         return;
     }
-    answer(frame, static_cast<std::size_t>(frame.address - *first_address_), now, board);
+    answer(frame, static_cast<std::size_t>(frame.address - *ongoing_.first_address), now, board);
 }
 
 void SensorRole::answer(const SensorFrame& frame, std::size_t sensor, Instant now,
                         ValueBoard& board) {
     if (!prepare_reply(frame, sensor, now, board)) {
-        ++counts_.stale;
+        ++ongoing_.counts.stale;
         return;
     }
-    reply_at_ = now + settings_.reply_after;
-    reply_until_ = now + settings_.reply_within;
+    ongoing_.reply_at = now + settings_.reply_after;
+    ongoing_.reply_until = now + settings_.reply_within;
     if (read_late(now)) {
-        ++counts_.late;
+        ++ongoing_.counts.late;
         return;
     }
-    pending_ = true;
+    ongoing_.pending = true;
 }
 
 bool SensorRole::prepare_reply(const SensorFrame& frame, std::size_t sensor, Instant now,
@@ -138,7 +126,7 @@ bool SensorRole::prepare_reply(const SensorFrame& frame, std::size_t sensor, Ins
         data = type_data;
     } else if (frame.command == SensorCommand::value) {
         const bool usable = answers_[sensor].available && now <= answers_[sensor].until &&
-                            now - prepared_at_ < kPreparedFor;
+                            now - ongoing_.prepared_at < kPreparedFor;
         if (!usable) {
             prepare(sensor, now, board);
         }
@@ -147,48 +135,48 @@ bool SensorRole::prepare_reply(const SensorFrame& frame, std::size_t sensor, Ins
         }
         data = std::span(answers_[sensor].data).first(type.size);
     }
-    reply_length_ = encode_sensor_frame(frame.command, frame.address, data, reply_);
+    ongoing_.reply_length = encode_sensor_frame(frame.command, frame.address, data, ongoing_.reply);
     return true;
 }
 
 /// Whether this program was delayed when the request came, judged by the period of the requests:
 /// the answer would be late although the request was read just now.
 bool SensorRole::read_late(Instant now) {
-    const Duration behind = now - std::min(now, requests_.fitted());
+    const Duration behind = now - std::min(now, ongoing_.requests.fitted());
     const bool late = behind + settings_.reply_after > settings_.reply_within;
-    const bool trusted = period_confidence_ >= kTrustedConfidence;
-    period_confidence_ =
-        std::clamp(period_confidence_ + (late ? -kCostOfLate : 1), 0, kMostConfidence);
+    const bool trusted = ongoing_.period_confidence >= kTrustedConfidence;
+    ongoing_.period_confidence =
+        std::clamp(ongoing_.period_confidence + (late ? -kCostOfLate : 1), 0, kMostConfidence);
     return late && trusted;
 }
 
 void SensorRole::withhold() {
-    pending_ = false;
-    ++counts_.late;
+    ongoing_.pending = false;
+    ++ongoing_.counts.late;
 }
 
 std::span<const std::uint8_t> SensorRole::run(Instant now, ValueBoard& /*board*/) {
-    if (!pending_ || now < reply_at_) {
+    if (!ongoing_.pending || now < ongoing_.reply_at) {
         return {};
     }
-    if (now > reply_until_) {
+    if (now > ongoing_.reply_until) {
         withhold();
         return {};
     }
-    pending_ = false;
-    return {reply_.data(), reply_length_};
+    ongoing_.pending = false;
+    return {ongoing_.reply.data(), ongoing_.reply_length};
 }
 
 void SensorRole::written(Instant now, ValueBoard& board) {
-    ++counts_.answered;
+    ++ongoing_.counts.answered;
     if (settings_.receives_echo) {
-        echo_.sent({reply_.data(), reply_length_}, now);
+        ongoing_.echo.sent({ongoing_.reply.data(), ongoing_.reply_length}, now);
     }
     prepare_all(now, board);
 }
 
 void SensorRole::prepare_all(Instant now, const ValueBoard& board) {
-    prepared_at_ = now;
+    ongoing_.prepared_at = now;
     for (std::size_t sensor = 0; sensor < answers_.size(); ++sensor) {
         prepare(sensor, now, board);
     }

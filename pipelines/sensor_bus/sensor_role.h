@@ -76,25 +76,42 @@ class SensorRole final : public SensorBusRole {
     void continue_from(const SensorRole& before);
     void receive(std::span<const std::uint8_t> bytes, Instant now, ValueBoard& board) override;
     void damaged_byte(Instant now) override;
-    Instant due() const override { return pending_ ? reply_at_ : kNever; }
+    Instant due() const override { return ongoing_.pending ? ongoing_.reply_at : kNever; }
     std::span<const std::uint8_t> run(Instant now, ValueBoard& board) override;
     void written(Instant now, ValueBoard& board) override;
-    void dropped() override { ++counts_.dropped; }
+    void dropped() override { ++ongoing_.counts.dropped; }
     void device_lost(ValueBoard& board) override;
 
-    const SensorRoleCounts& counts() const { return counts_; }
-    const EchoCounts& echo() const { return echo_.counts(); }
-    const SensorFrameParser& parser() const { return parser_; }
+    const SensorRoleCounts& counts() const { return ongoing_.counts; }
+    const EchoCounts& echo() const { return ongoing_.echo.counts(); }
+    const SensorFrameParser& parser() const { return ongoing_.parser; }
     /// Address of the first sensor. Absent while it waits for one.
-    std::optional<std::uint8_t> first_address() const { return first_address_; }
+    std::optional<std::uint8_t> first_address() const { return ongoing_.first_address; }
     /// When the latest request came, for any address.
-    std::optional<Instant> latest_request() const { return latest_request_; }
+    std::optional<Instant> latest_request() const { return ongoing_.latest_request; }
 
   private:
     struct Answer {
         std::array<std::uint8_t, kMostSensorData> data{};
         bool available = false;
         Instant until = kNever;
+    };
+
+    /// What goes on over a reload, beside the prepared answers.
+    struct Ongoing {
+        SensorFrameParser parser{};
+        EchoCanceller echo{};
+        ArrivalClock requests{};
+        std::optional<std::uint8_t> first_address{};
+        std::optional<Instant> latest_request{};
+        Instant prepared_at{};
+        bool pending = false;
+        std::array<std::uint8_t, kLongestSensorFrame> reply{};
+        std::size_t reply_length = 0;
+        Instant reply_at{};
+        Instant reply_until{};
+        int period_confidence = 0;
+        SensorRoleCounts counts{};
     };
 
     void take(const SensorFrame& frame, Instant now, bool more_follows, ValueBoard& board);
@@ -108,21 +125,8 @@ class SensorRole final : public SensorBusRole {
     bool fill(std::size_t sensor, std::size_t field, Instant now, const ValueBoard& board);
 
     SensorRoleSettings settings_;
-    SensorFrameParser parser_;
-    EchoCanceller echo_;
-    ArrivalClock requests_;
-    std::optional<std::uint8_t> first_address_;
-    std::optional<Instant> latest_request_;
     std::vector<Answer> answers_;
-    Instant prepared_at_{};
-
-    bool pending_ = false;
-    std::array<std::uint8_t, kLongestSensorFrame> reply_{};
-    std::size_t reply_length_ = 0;
-    Instant reply_at_{};
-    Instant reply_until_{};
-    int period_confidence_ = 0;
-    SensorRoleCounts counts_;
+    Ongoing ongoing_;
 };
 
 }  // namespace tribus
