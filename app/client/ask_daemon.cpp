@@ -101,8 +101,8 @@ tl::expected<nlohmann::json, std::string> ask_daemon(const std::string& socket,
     if (!answer.is_object()) {
         return Refused(fmt::format("the program at {} is not tribus", socket));
     }
-    if (monitor::text(answer, "type") == "error") {
-        return Refused(monitor::text(answer, "error"));
+    if (status_fields::text(answer, "type") == "error") {
+        return Refused(status_fields::text(answer, "error"));
     }
     return answer;
 }

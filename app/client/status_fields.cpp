@@ -6,7 +6,7 @@
 
 #include "app/cli/screen_parts.h"
 
-namespace tribus::monitor {
+namespace tribus::status_fields {
 
 const Json& field(const Json& object, const char* key) {
     static const Json nothing;
@@ -57,4 +57,4 @@ const Json& list(const Json& object, const char* key) {
     return value.is_array() ? value : empty;
 }
 
-}  // namespace tribus::monitor
+}  // namespace tribus::status_fields

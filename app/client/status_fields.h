@@ -9,7 +9,7 @@
 
 /// Reads the fields of a status. It may come from another version, or from another program: a field
 /// that is missing or of another type counts as empty. Pure.
-namespace tribus::monitor {
+namespace tribus::status_fields {
 
 using Json = nlohmann::json;
 
@@ -36,4 +36,4 @@ bool flag(const Json& object, const char* key);
 /// Empty if the field is missing.
 const Json& list(const Json& object, const char* key);
 
-}  // namespace tribus::monitor
+}  // namespace tribus::status_fields

@@ -270,8 +270,8 @@ int compare_with_daemon(const DiffOptions& options) {
     if (!status) {
         return complain(status.error(), kExitFailed);
     }
-    const auto running =
-        load_configuration(monitor::raw_text(*answer, "toml"), monitor::text(*answer, "file"));
+    const auto running = load_configuration(status_fields::raw_text(*answer, "toml"),
+                                            status_fields::text(*answer, "file"));
     if (!running) {
         explain_mistakes(running.error());
         return complain(

@@ -198,17 +198,17 @@ std::string heading(const Configuration& running,
 std::vector<std::optional<LiveInput>> live_inputs(const Configuration& running,
                                                   const nlohmann::json& status) {
     std::vector<std::optional<LiveInput>> inputs(running.inputs.size());
-    for (const nlohmann::json& one : monitor::list(status, "inputs")) {
+    for (const nlohmann::json& one : status_fields::list(status, "inputs")) {
         const auto place =
-            std::ranges::find(running.inputs, monitor::text(one, "name"), &InputConfig::name);
-        if (place == running.inputs.end() || monitor::text(one, "state") != "good") {
+            std::ranges::find(running.inputs, status_fields::text(one, "name"), &InputConfig::name);
+        if (place == running.inputs.end() || status_fields::text(one, "state") != "good") {
             continue;
         }
         LiveInput live;
         live.frame.frame_lost = false;
         live.frame.failsafe = false;
-        live.interval = std::chrono::microseconds(monitor::count(one, "interval_us"));
-        const nlohmann::json& channels = monitor::list(one, "channels");
+        live.interval = std::chrono::microseconds(status_fields::count(one, "interval_us"));
+        const nlohmann::json& channels = status_fields::list(one, "channels");
         for (std::size_t channel = 0; channel < std::min(channels.size(), kChannelCount);
              ++channel) {
             if (channels[channel].is_number()) {

@@ -45,10 +45,10 @@ int ask_and_tell(const std::string& socket, const std::string& request, const ch
     if (told != nullptr) {
         *told = *answer;
     }
-    const bool done = monitor::flag(*answer, "taken");
-    for (const auto& line : monitor::list(*answer, "lines")) {
+    const bool done = status_fields::flag(*answer, "taken");
+    for (const auto& line : status_fields::list(*answer, "lines")) {
         fmt::print(stderr, "{}{}\n", done ? "outputs stopped for it: " : "",
-                   monitor::shown(line.is_string() ? line.get<std::string>() : line.dump()));
+                   status_fields::shown(line.is_string() ? line.get<std::string>() : line.dump()));
     }
     fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before stays");
     return done ? kExitFine : kExitFailed;

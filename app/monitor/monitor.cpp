@@ -107,8 +107,8 @@ class Monitor {
                 }
             }
             auto object = nlohmann::json::parse(line, nullptr, false);
-            if (monitor::text(object, "type") == "error") {
-                return complain(monitor::text(object, "error"), kExitFailed);
+            if (status_fields::text(object, "type") == "error") {
+                return complain(status_fields::text(object, "error"), kExitFailed);
             }
             if (!view_.paused && object.is_object()) {
                 view_.status = std::move(object);

@@ -26,7 +26,7 @@ std::string padded(std::string_view text, std::size_t width) {
 }
 
 std::string rate(const Json& item) {
-    return fmt::format("{:6.1f}/s", monitor::number(item, "rate_hz").value_or(0));
+    return fmt::format("{:6.1f}/s", status_fields::number(item, "rate_hz").value_or(0));
 }
 
 std::uint64_t sum(const Json& counts) {
@@ -40,7 +40,7 @@ std::uint64_t sum(const Json& counts) {
 }  // namespace
 
 Duration us_of(const Json& object, const char* key) {
-    const double number = monitor::number(object, key).value_or(0);
+    const double number = status_fields::number(object, key).value_or(0);
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::micro>(number));
 }
 
@@ -51,58 +51,59 @@ std::string_view colour_of(const std::string& state) {
 }
 
 std::string input_state(const Json& input) {
-    const std::string state = monitor::text(input, "state");
+    const std::string state = status_fields::text(input, "state");
     if (state != "failsafe") {
         return words(state);
     }
-    const auto since = monitor::number(input, "state_age_us");
-    return words(monitor::text(input, "cause")) +
+    const auto since = status_fields::number(input, "state_age_us");
+    return words(status_fields::text(input, "cause")) +
            (since ? fmt::format(" {}", short_duration(us_of(input, "state_age_us"))) : "");
 }
 
 std::string input_line(const Json& input, bool selected, bool old, const ScreenStyle& style) {
     Line line(style);
-    const std::string state = monitor::text(input, "state");
+    const std::string state = status_fields::text(input, "state");
     line.add(selected ? "> " : "  ", kBold);
-    line.add(padded(monitor::text(input, "name"), kNameWidth), selected ? kBold : "");
-    line.add(padded(monitor::text(input, "protocol"), 8), kDim);
+    line.add(padded(status_fields::text(input, "name"), kNameWidth), selected ? kBold : "");
+    line.add(padded(status_fields::text(input, "protocol"), 8), kDim);
     line.add(padded(input_state(input), 22), old ? kDim : colour_of(state));
     line.add(rate(input));
-    const auto age = monitor::number(input, "age_us");
+    const auto age = status_fields::number(input, "age_us");
     line.add("  age " + (age ? short_duration(us_of(input, "age_us")) : std::string("-")));
-    line.add(fmt::format("  rejected {}", sum(monitor::field(input, "rejected"))));
-    line.add("  " + monitor::text(input, "port"), kDim);
+    line.add(fmt::format("  rejected {}", sum(status_fields::field(input, "rejected"))));
+    line.add("  " + status_fields::text(input, "port"), kDim);
     return line.take();
 }
 
 std::string output_state(const Json& output) {
-    const std::string state = monitor::text(output, "state");
-    const std::string input = monitor::text(output, "input");
+    const std::string state = status_fields::text(output, "state");
+    const std::string input = status_fields::text(output, "input");
     if (state == "control" && !input.empty()) {
         return "control of " + input;
     }
-    return words(state) + (monitor::flag(output, "forced")           ? ", forced"
-                           : monitor::flag(output, "awaits_release") ? ", awaits release"
-                                                                     : "");
+    return words(state) + (status_fields::flag(output, "forced")           ? ", forced"
+                           : status_fields::flag(output, "awaits_release") ? ", awaits release"
+                                                                           : "");
 }
 
 std::string output_line(const Json& output, bool selected, bool old, const ScreenStyle& style) {
     Line line(style);
     line.add(selected ? "> " : "  ", kBold);
-    line.add(padded(monitor::text(output, "name"), kNameWidth), selected ? kBold : "");
-    line.add(padded(monitor::text(output, "protocol"), 8), kDim);
+    line.add(padded(status_fields::text(output, "name"), kNameWidth), selected ? kBold : "");
+    line.add(padded(status_fields::text(output, "protocol"), 8), kDim);
     line.add(padded(output_state(output), 22),
-             old ? kDim : colour_of(monitor::text(output, "state")));
+             old ? kDim : colour_of(status_fields::text(output, "state")));
     line.add(rate(output));
-    const Json& lateness = monitor::field(output, "lateness");
+    const Json& lateness = status_fields::field(output, "lateness");
     line.add(fmt::format("  late {} p99 {}", short_duration(us_of(lateness, "p50_us")),
                          short_duration(us_of(lateness, "p99_us"))));
-    const std::uint64_t missed = monitor::count(output, "deadline_misses");
-    const std::uint64_t dropped = sum(monitor::field(output, "dropped"));
+    const std::uint64_t missed = status_fields::count(output, "deadline_misses");
+    const std::uint64_t dropped = sum(status_fields::field(output, "dropped"));
     line.add(fmt::format("  missed {}", missed), missed == 0 ? "" : kYellow);
     line.add(fmt::format("  dropped {}", dropped), dropped == 0 ? "" : kYellow);
-    for (const Json& name : monitor::list(output, "outvoted")) {
-        line.add("  outvoted: " + (name.is_string() ? monitor::shown(name.get<std::string>()) : ""),
+    for (const Json& name : status_fields::list(output, "outvoted")) {
+        line.add("  outvoted: " +
+                     (name.is_string() ? status_fields::shown(name.get<std::string>()) : ""),
                  kYellow);
     }
     return line.take();
@@ -110,44 +111,46 @@ std::string output_line(const Json& output, bool selected, bool old, const Scree
 
 std::string port_line(const Json& port, const ScreenStyle& style) {
     Line line(style);
-    const Json& can = monitor::field(port, "can");
-    const std::string state = !monitor::flag(port, "present") ? "GONE"
-                              : can.is_object()               ? words(monitor::text(can, "state"))
-                                                              : "there";
+    const Json& can = status_fields::field(port, "can");
+    const std::string state = !status_fields::flag(port, "present") ? "GONE"
+                              : can.is_object() ? words(status_fields::text(can, "state"))
+                                                : "there";
     const bool fine = state == "there" || state == "ready";
-    line.add("  " + padded(monitor::text(port, "name"), 20));
+    line.add("  " + padded(status_fields::text(port, "name"), 20));
     line.add(padded(state, 9), fine ? kGreen : kRed);
     if (can.is_object()) {
-        line.add(fmt::format("received {}  sent {}  errors {}  bus-offs {}",
-                             monitor::count(can, "received"), monitor::count(can, "sent"),
-                             monitor::count(can, "error_frames"), monitor::count(can, "bus_offs")));
+        line.add(fmt::format(
+            "received {}  sent {}  errors {}  bus-offs {}", status_fields::count(can, "received"),
+            status_fields::count(can, "sent"), status_fields::count(can, "error_frames"),
+            status_fields::count(can, "bus_offs")));
     }
     return line.take();
 }
 
 std::string bus_line(const Json& bus, const ScreenStyle& style) {
     Line line(style);
-    line.add("  " + padded(monitor::text(bus, "name"), kNameWidth));
-    line.add(padded(monitor::text(bus, "role"), 8), kDim);
-    const Json& counts = monitor::field(bus, "counts");
-    if (monitor::text(bus, "role") == "receiver") {
-        line.add(fmt::format("{} sensors  replies {}  misses {}",
-                             monitor::list(bus, "found").size(), monitor::count(counts, "replies"),
-                             monitor::count(counts, "misses")));
+    line.add("  " + padded(status_fields::text(bus, "name"), kNameWidth));
+    line.add(padded(status_fields::text(bus, "role"), 8), kDim);
+    const Json& counts = status_fields::field(bus, "counts");
+    if (status_fields::text(bus, "role") == "receiver") {
+        line.add(fmt::format(
+            "{} sensors  replies {}  misses {}", status_fields::list(bus, "found").size(),
+            status_fields::count(counts, "replies"), status_fields::count(counts, "misses")));
     } else {
-        line.add(fmt::format("requests {}  answered {}  late {}  stale {}",
-                             monitor::count(counts, "requests"), monitor::count(counts, "answered"),
-                             monitor::count(counts, "late"), monitor::count(counts, "stale")));
+        line.add(fmt::format(
+            "requests {}  answered {}  late {}  stale {}", status_fields::count(counts, "requests"),
+            status_fields::count(counts, "answered"), status_fields::count(counts, "late"),
+            status_fields::count(counts, "stale")));
     }
     return line.take();
 }
 
 std::string value_line(const Json& value, const ScreenStyle& style) {
     Line line(style);
-    const auto number = monitor::number(value, "number");
-    const bool old = monitor::flag(value, "stale");
-    line.add("  " + padded(monitor::text(value, "name"), 28));
-    line.add(number ? fmt::format("{:>10.6g} {}", *number, monitor::text(value, "unit"))
+    const auto number = status_fields::number(value, "number");
+    const bool old = status_fields::flag(value, "stale");
+    line.add("  " + padded(status_fields::text(value, "name"), 28));
+    line.add(number ? fmt::format("{:>10.6g} {}", *number, status_fields::text(value, "unit"))
                     : std::string("         -"),
              old ? kDim : "");
     line.add(!number ? "  never" : old ? "  stale" : "", kYellow);

@@ -10,6 +10,8 @@
 /// The lines of the monitor for inputs, outputs, ports, sensor buses and values. Pure.
 namespace tribus::monitor {
 
+using status_fields::Json;
+
 /// A duration in microseconds; 0 if the field is missing.
 Duration us_of(const Json& object, const char* key);
 /// Colour sequence for the `state` of an input or output.

@@ -89,7 +89,7 @@ Lines trust_lines(const MonitorView& view, const ScreenStyle& style) {
     }
     Line line(style);
     line.add(fmt::format("live, {} old", short_duration(figures_age(view))), kGreen);
-    const std::size_t missing = list(view.status, "missing_realtime").size();
+    const std::size_t missing = status_fields::list(view.status, "missing_realtime").size();
     line.add(missing == 0 ? ""
                           : fmt::format("  {} missing for real time; see the log",
                                         counted(missing, "thing")),
@@ -100,13 +100,13 @@ Lines trust_lines(const MonitorView& view, const ScreenStyle& style) {
 std::string heading(const MonitorView& view, const ScreenStyle& style) {
     Line line(style);
     line.add("tribus ", kBold);
-    line.add(monitor::text(view.status, "name"), kBold);
+    line.add(status_fields::text(view.status, "name"), kBold);
     line.add("  up " + short_duration(us_of(view.status, "uptime_us")));
-    if (monitor::number(view.status, "trial_left_us")) {
+    if (status_fields::number(view.status, "trial_left_us")) {
         line.add("  on trial, " + short_duration(us_of(view.status, "trial_left_us")) + " left",
                  kYellow);
     }
-    line.add("  " + monitor::text(view.status, "file"), kDim);
+    line.add("  " + status_fields::text(view.status, "file"), kDim);
     return line.take();
 }
 
@@ -117,8 +117,8 @@ struct Compared {
 };
 
 Compared compared(const MonitorView& view) {
-    const Json& inputs = monitor::list(view.status, "inputs");
-    const Json& outputs = monitor::list(view.status, "outputs");
+    const Json& inputs = status_fields::list(view.status, "inputs");
+    const Json& outputs = status_fields::list(view.status, "outputs");
     const std::size_t selected = selected_item(view);
     if (selected < inputs.size()) {
         return {&inputs[selected], nullptr};
@@ -128,13 +128,13 @@ Compared compared(const MonitorView& view) {
         return {};
     }
     const Json& output = outputs[index];
-    std::string wanted = monitor::text(output, "input");
-    const Json& own = monitor::list(output, "inputs");
+    std::string wanted = status_fields::text(output, "input");
+    const Json& own = status_fields::list(output, "inputs");
     if (wanted.empty() && !own.empty() && own.front().is_string()) {
         wanted = own.front().get<std::string>();
     }
     for (const Json& input : inputs) {
-        if (monitor::text(input, "name") == wanted) {
+        if (status_fields::text(input, "name") == wanted) {
             return {&input, &output};
         }
     }
@@ -145,13 +145,13 @@ std::optional<double> channel_of(const Json* item, std::size_t channel) {
     if (item == nullptr) {
         return std::nullopt;
     }
-    const Json& channels = monitor::list(*item, "channels");
+    const Json& channels = status_fields::list(*item, "channels");
     const bool there = channel < channels.size() && channels[channel].is_number();
     return there ? std::optional(channels[channel].get<double>()) : std::nullopt;
 }
 
 std::string item_title(const Json* item) {
-    return item == nullptr ? "" : monitor::text(*item, "name");
+    return item == nullptr ? "" : status_fields::text(*item, "name");
 }
 
 void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& style) {
@@ -181,7 +181,8 @@ void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& styl
     lines.push_back(ends.take());
     std::size_t count = 0;
     for (const Json* item : {before, after}) {
-        count = std::max(count, item == nullptr ? 0 : monitor::list(*item, "channels").size());
+        count =
+            std::max(count, item == nullptr ? 0 : status_fields::list(*item, "channels").size());
     }
     for (std::size_t channel = 0; channel < std::min(count, kChannelCount); ++channel) {
         Line line(style);
@@ -190,7 +191,7 @@ void add_channels(Lines& lines, const MonitorView& view, const ScreenStyle& styl
             const auto pulse = channel_of(item, channel);
             line.add(pulse_number(pulse));
             line.add(bar(pulse, width, style.unicode),
-                     stale(view) ? kDim : colour_of(monitor::text(*item, "state")));
+                     stale(view) ? kDim : colour_of(status_fields::text(*item, "state")));
             line.add(std::string(kGap, ' '));
         }
         lines.push_back(line.take());
@@ -202,20 +203,20 @@ Lines items(const MonitorView& view, const ScreenStyle& style) {
     std::size_t index = 0;
     const std::size_t selected = selected_item(view);
     const bool old = stale(view);
-    add_part(lines, "INPUTS", monitor::list(view.status, "inputs"), style,
+    add_part(lines, "INPUTS", status_fields::list(view.status, "inputs"), style,
              [&](const Json& item) { return input_line(item, index++ == selected, old, style); });
-    add_part(lines, "OUTPUTS", monitor::list(view.status, "outputs"), style,
+    add_part(lines, "OUTPUTS", status_fields::list(view.status, "outputs"), style,
              [&](const Json& item) { return output_line(item, index++ == selected, old, style); });
     return lines;
 }
 
 Lines surroundings(const MonitorView& view, const ScreenStyle& style) {
     Lines lines;
-    add_part(lines, "PORTS", monitor::list(view.status, "ports"), style,
+    add_part(lines, "PORTS", status_fields::list(view.status, "ports"), style,
              [&](const Json& item) { return port_line(item, style); });
-    add_part(lines, "SENSOR BUSES", monitor::list(view.status, "sensor_buses"), style,
+    add_part(lines, "SENSOR BUSES", status_fields::list(view.status, "sensor_buses"), style,
              [&](const Json& item) { return bus_line(item, style); });
-    add_part(lines, "VALUES", monitor::list(view.status, "values"), style,
+    add_part(lines, "VALUES", status_fields::list(view.status, "values"), style,
              [&](const Json& item) { return value_line(item, style); });
     return lines;
 }
@@ -257,12 +258,13 @@ std::string keys_line(const ScreenLayout& layout, std::size_t top, const ScreenS
 }  // namespace
 
 std::size_t selectable(const Json& status) {
-    return list(status, "inputs").size() + list(status, "outputs").size();
+    return status_fields::list(status, "inputs").size() +
+           status_fields::list(status, "outputs").size();
 }
 
 std::size_t selected_item(const MonitorView& view) {
-    const bool outputs = !list(view.status, "outputs").empty();
-    return view.selected.value_or(outputs ? list(view.status, "inputs").size() : 0);
+    const bool outputs = !status_fields::list(view.status, "outputs").empty();
+    return view.selected.value_or(outputs ? status_fields::list(view.status, "inputs").size() : 0);
 }
 
 std::size_t top_after_pages(const MonitorView& view, const ScreenStyle& style, int pages) {
@@ -275,7 +277,7 @@ std::size_t top_after_pages(const MonitorView& view, const ScreenStyle& style, i
 std::size_t top_that_shows_selected(const MonitorView& view, const ScreenStyle& style) {
     const ScreenLayout layout = layout_of(view, style);
     const std::size_t item = selected_item(view);
-    const std::size_t titles = item < list(view.status, "inputs").size() ? 1 : 2;
+    const std::size_t titles = item < status_fields::list(view.status, "inputs").size() ? 1 : 2;
     const std::size_t line = item + titles;
     return line < layout.room ? 0 : std::min(line, layout.last_top());
 }
@@ -300,18 +302,20 @@ std::string monitor_line(const MonitorView& view) {
     if (view.status.is_null() || !view.connected) {
         return view.notice.empty() ? "waiting for the daemon" : view.notice;
     }
-    std::string text = monitor::text(view.status, "name");
+    std::string text = status_fields::text(view.status, "name");
     if (stale(view)) {
         text += fmt::format("  STANDS STILL since {}", short_duration(figures_age(view)));
     }
-    for (const Json& input : monitor::list(view.status, "inputs")) {
-        text += fmt::format("  {} {} {:.1f}/s", monitor::text(input, "name"), input_state(input),
-                            monitor::number(input, "rate_hz").value_or(0));
+    for (const Json& input : status_fields::list(view.status, "inputs")) {
+        text +=
+            fmt::format("  {} {} {:.1f}/s", status_fields::text(input, "name"), input_state(input),
+                        status_fields::number(input, "rate_hz").value_or(0));
     }
-    for (const Json& output : monitor::list(view.status, "outputs")) {
-        text += fmt::format("  {} {} {:.1f}/s late {}", monitor::text(output, "name"),
-                            output_state(output), monitor::number(output, "rate_hz").value_or(0),
-                            short_duration(us_of(monitor::field(output, "lateness"), "p99_us")));
+    for (const Json& output : status_fields::list(view.status, "outputs")) {
+        text +=
+            fmt::format("  {} {} {:.1f}/s late {}", status_fields::text(output, "name"),
+                        output_state(output), status_fields::number(output, "rate_hz").value_or(0),
+                        short_duration(us_of(status_fields::field(output, "lateness"), "p99_us")));
     }
     return text;
 }

@@ -48,21 +48,21 @@ int ask_for_recording(const RecordOptions& options) {
     }
     auto answer = ask_daemon(*socket, "record", kAnswerPatience);
     const Instant end = later(monotonic_now(), kDiskPatience);
-    while (answer && monitor::text(*answer, "state") == "writing" && monotonic_now() < end) {
+    while (answer && status_fields::text(*answer, "state") == "writing" && monotonic_now() < end) {
         ::nanosleep(&kAskPause, nullptr);
-        const auto number = monitor::count(*answer, "number");
+        const auto number = status_fields::count(*answer, "number");
         answer = ask_daemon(*socket, fmt::format("record {}", number), kAnswerPatience);
     }
     if (!answer) {
         return complain(answer.error(), kExitFailed);
     }
-    if (monitor::text(*answer, "state") != "written") {
-        const std::string reason = monitor::text(*answer, "reason");
+    if (status_fields::text(*answer, "state") != "written") {
+        const std::string reason = status_fields::text(*answer, "reason");
         return complain(
             "nothing was recorded: " + (reason.empty() ? "the disk is too slow" : reason),
             kExitFailed);
     }
-    fmt::print("{}\n", monitor::raw_text(*answer, "folder"));
+    fmt::print("{}\n", status_fields::raw_text(*answer, "folder"));
     return kExitFine;
 }
 

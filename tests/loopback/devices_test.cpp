@@ -94,7 +94,8 @@ TEST_F(Loopback, OutputWhoseDeviceIsGoneSaysThatItCannotSendAndNothingOfControl)
     const auto state = [&] {
         repeater.send_if_due();
         const auto status = ask_daemon(folder() / "control", "status", kPatience);
-        return status ? monitor::text(monitor::list(*status, "outputs")[0], "state") : "";
+        return status ? status_fields::text(status_fields::list(*status, "outputs")[0], "state")
+                      : "";
     };
     EXPECT_TRUE(eventually([&] { return state() == "control"; }));
 

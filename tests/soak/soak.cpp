@@ -157,9 +157,9 @@ class Soak {
         part.resident_kib = daemon_->memory_kib("VmRSS");
         part.data_kib = daemon_->memory_kib("VmData");
         if (const auto status = ask_daemon(folder_ / "control", "status", 5s)) {
-            for (const auto& output : monitor::list(*status, "outputs")) {
-                part.frames += monitor::count(output, "frames");
-                part.misses += monitor::count(output, "deadline_misses");
+            for (const auto& output : status_fields::list(*status, "outputs")) {
+                part.frames += status_fields::count(output, "frames");
+                part.misses += status_fields::count(output, "deadline_misses");
             }
         }
         part.bare_wakes = bare_.wakes();
