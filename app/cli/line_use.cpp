@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include "core/quotes.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
 namespace {
 
 /// Not a channel protocol; its line is that of i.Bus.
-constexpr std::string_view kSensorProtocol = "ibus-sensor";
 
 }  // namespace
 
@@ -21,7 +21,7 @@ bool is_device_path(std::string_view name) {
 tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
                                                   const std::string& baud) {
     const std::string allowed =
-        fmt::format("allowed: {}, {}", protocol_list(LinkKind::serial), kSensorProtocol);
+        fmt::format("allowed: {}, {}", protocol_list(LinkKind::serial), kSensorBusName);
     if (protocol.empty()) {
         return tl::unexpected(fmt::format(
             "a serial device needs --protocol, which sets rate, parity and stop bits; {}",
@@ -31,7 +31,7 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
     if (!baud.empty()) {
         given.emplace("baud", baud);
     }
-    auto uses = choose_protocols(protocol == kSensorProtocol ? "ibus" : protocol,
+    auto uses = choose_protocols(protocol == kSensorBusName ? "ibus" : protocol,
                                  SettingScope::input, given);
     if (!uses) {
         return tl::unexpected(std::move(uses.error()));

@@ -10,6 +10,7 @@
 #include "app/doctor/line_heard.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus::doctor {
 namespace {
@@ -51,7 +52,7 @@ std::string channels_of(const LineStory& story) {
 
 std::string describe_frames(const LineStory& story) {
     std::string text = name_of(story.protocol);
-    const bool sensor_bus = story.protocol == "ibus-sensor";
+    const bool sensor_bus = story.protocol == kSensorBusName;
     if (!sensor_bus) {
         text += channels_of(story);
     }
@@ -167,7 +168,7 @@ void judge_frames(const LineStory& story, std::vector<Finding>& findings) {
                     "SERVO and SENS are joined on this wire.",
                     "Name the same device in [input.NAME] and in [sensor_bus.NAME]."));
     }
-    if (story.protocol == "ibus-sensor" && story.replies > 0) {
+    if (story.protocol == kSensorBusName && story.replies > 0) {
         findings.push_back(finding(
             Severity::note, "line.sensors_answer", "sensors reply on it already",
             "Two sensors that reply at one address destroy each other's bytes.",
@@ -256,11 +257,11 @@ std::vector<HeardKey> heard_keys(const LineStory& story) {
 
 std::vector<std::string> configuration_lines(const LineStory& story, const std::string& device) {
     const bool readable = story.sound == LineSound::frames ||
-                          (story.sound == LineSound::inverted && story.protocol != "ibus-sensor");
+                          (story.sound == LineSound::inverted && story.protocol != kSensorBusName);
     if (!readable) {
         return {};
     }
-    if (story.protocol == "ibus-sensor") {
+    if (story.protocol == kSensorBusName) {
         return {"[sensor_bus.telemetry]",
                 fmt::format("device = {}", in_quotes(device)),
                 "role   = \"sensor\"",

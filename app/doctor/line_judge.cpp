@@ -11,12 +11,12 @@
 #include "app/wire/frames/frame_finder.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/codecs/sbus/sbus.h"
 
 namespace tribus::doctor {
 namespace {
 
-constexpr std::string_view kSensorBus = "ibus-sensor";
 /// Too many for a coincidence, but few enough for the shortest listening time.
 constexpr std::uint64_t kFewestFramesToJudge = 3;
 
@@ -188,7 +188,7 @@ std::optional<LineStory> with_sensor_bus(const Heard& heard, std::optional<LineS
     LineStory story = ibus.value_or(story_of(heard));
     if (!ibus) {
         story.sound = LineSound::frames;
-        story.protocol = kSensorBus;
+        story.protocol = kSensorBusName;
         story.frames = tally.frames.frames;
         story.lost_bytes = tally.frames.skipped_bytes;
         story.period = usual_step(starts);
@@ -230,7 +230,7 @@ std::optional<LineStory> judge_inversion(std::span<const Heard> heard) {
     const std::array<InversionTest, 4> tests{{{kSbusLine, kSbusProtocol.name, inverted_sbus},
                                               {kFastSbusLine, kSbusProtocol.name, inverted_sbus},
                                               {kIbusLine, kIbusProtocol.name, inverted_ibus},
-                                              {kIbusLine, kSensorBus, inverted_sensor_bus}}};
+                                              {kIbusLine, kSensorBusName, inverted_sensor_bus}}};
     for (const InversionTest& test : tests) {
         for (const Heard& one : heard) {
             const auto inversion = one.line == test.line ? test.judge(one) : std::nullopt;

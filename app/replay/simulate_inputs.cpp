@@ -10,6 +10,7 @@
 #include "app/cli/streams.h"
 #include "config/schema/value_catalog.h"
 #include "core/quotes.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/recordings/candump.h"
 #include "transports/recordings/recording.h"
 
@@ -123,7 +124,7 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
         sources.push_back({.kind = SimulatedSource::Kind::sensor_bus,
                            .index = i,
                            .name = bus.name,
-                           .protocol = "ibus-sensor",
+                           .protocol = kSensorBusName,
                            .port = &bus.port,
                            .usual_period = kUsualSlot});
     }

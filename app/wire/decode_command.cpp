@@ -24,6 +24,7 @@
 #include "app/wire/decode_sensor.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/quotes.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/codecs/ibus_sensor/types.h"
 #include "transports/registry/registry.h"
 
@@ -235,7 +236,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArgume
     if (arguments.protocol != "auto" && find_protocol(arguments.protocol) == nullptr) {
         return tl::unexpected(
             fmt::format("--protocol: {} is not a known protocol; allowed: auto, {}, {}",
-                        in_quotes(arguments.protocol), protocol_list(), kSensorProtocol));
+                        in_quotes(arguments.protocol), protocol_list(), kSensorBusName));
     }
     if (arguments.as.empty()) {
         return choose_protocols(arguments.protocol, SettingScope::input, arguments.given);
@@ -255,11 +256,11 @@ std::string mistake_with_sensors(const DecodeArguments& arguments) {
     }
     if (!arguments.given.empty()) {
         return fmt::format("--{}: {} has no such setting; leave it out",
-                           arguments.given.begin()->first, kSensorProtocol);
+                           arguments.given.begin()->first, kSensorBusName);
     }
     if (!arguments.interface.empty() || arguments.kind() == RecordingKind::candump) {
         return fmt::format("{} is read from bytes of a serial line, not from a candump log",
-                           kSensorProtocol);
+                           kSensorBusName);
     }
     return {};
 }
@@ -288,7 +289,7 @@ int decode_sensor_file(InputFile& file, std::string beginning, const DecodeArgum
     if (recording->kind == RecordingKind::candump) {
         return fail(
             fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
-                        file.name(), kSensorProtocol, protocol_list(LinkKind::can)),
+                        file.name(), kSensorBusName, protocol_list(LinkKind::can)),
             kExitWrongUse);
     }
     return decode_sensor_parsed(*recording, arguments);
@@ -309,11 +310,11 @@ int run_sensor_decode(const DecodeArguments& arguments) {
 }
 
 int run_decode(const DecodeArguments& arguments) {
-    if (arguments.protocol == kSensorProtocol) {
+    if (arguments.protocol == kSensorBusName) {
         return run_sensor_decode(arguments);
     }
     if (!arguments.dialect.empty()) {
-        return fail(fmt::format("--dialect: only --protocol {} has dialects", kSensorProtocol),
+        return fail(fmt::format("--dialect: only --protocol {} has dialects", kSensorBusName),
                     kExitWrongUse);
     }
     auto uses = asked_for(arguments);
@@ -367,7 +368,7 @@ Command decode_command() {
          .help =
              "auto: the protocol that finds the most frames; single lines may be frames of another",
          .shows_value = true,
-         .type_name = choices_type("auto," + protocol_list() + "," + kSensorProtocol)},
+         .type_name = choices_type("auto," + protocol_list() + "," + std::string(kSensorBusName))},
         {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
         {.name = "--dialect",
          .value = &arguments->dialect,

@@ -6,6 +6,7 @@
 #include "app/wire/fitting_protocols.h"
 #include "app/wire/sensors/sensor_conversation.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
 
@@ -25,7 +26,7 @@ int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
     if (tally.frames.frames > 0 || tally.frames.bytes == 0) {
         return kExitFine;
     }
-    messages << no_frame_text(recording, kSensorProtocol);
+    messages << no_frame_text(recording, kSensorBusName);
     return kExitFailed;
 }
 

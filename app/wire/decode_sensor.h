@@ -10,8 +10,6 @@
 /// `decode` for the sensor bus, which has no channel frames but requests and replies.
 namespace tribus {
 
-inline constexpr const char* kSensorProtocol = "ibus-sensor";
-
 /// Decodes a whole recording and prints heading, exchanges and summary. Returns the exit status:
 /// kExitFailed if there are bytes but no frame.
 int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,

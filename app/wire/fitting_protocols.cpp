@@ -10,6 +10,7 @@
 #include "app/wire/frames/frame_finder.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/counted.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
 namespace {
@@ -58,7 +59,7 @@ std::string no_frame_text(const Recording& recording, std::string_view asked) {
         bytes += burst.bytes.size();
     }
     if (!can) {
-        add(kSensorProtocol, sensor_frames(recording));
+        add(kSensorBusName, sensor_frames(recording));
     }
     return fmt::format(
         "tribus: no frame of {} in {}; {}\n", asked,

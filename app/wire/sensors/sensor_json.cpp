@@ -3,6 +3,7 @@
 
 #include "app/wire/frames/frame_json.h"
 #include "app/wire/sensors/sensor_text.h"
+#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
 namespace {
@@ -71,7 +72,7 @@ void append_sensor_json(std::string& text, const SensorExchange& exchange,
     if (exchange.asked.start) {
         object["t_us"] = whole_microseconds(*exchange.asked.start);
     }
-    object["protocol"] = "ibus-sensor";
+    object["protocol"] = kSensorBusName;
     object["address"] = exchange.asked.frame.address;
     object["asked"] = explained.asked;
     object["answer"] = explained.answer;

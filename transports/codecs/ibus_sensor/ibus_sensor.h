@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "core/time.h"
 #include "transports/codecs/codec.h"
@@ -13,6 +14,9 @@
 /// Frames of the i.Bus sensor bus (docs/protocols/ibus.md, "Sensor bus: wire" and "Sensor bus:
 /// frames"): 115200 8N1, one wire for both directions. The receiver asks, sensors answer. Pure.
 namespace tribus {
+
+/// Name of the protocol on the bus, where a protocol is chosen or reported.
+inline constexpr std::string_view kSensorBusName = "ibus-sensor";
 
 /// Number of addresses, 1 to 15. Address 0 is the receiver's own voltage and never on the wire.
 inline constexpr std::size_t kMostSensors = 15;
