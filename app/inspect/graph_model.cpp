@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "app/cli/screen_parts.h"
+#include "config/schema/choices.h"
 #include "transports/links/gpio/gpio_place.h"
 
 namespace tribus {

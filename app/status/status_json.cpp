@@ -9,7 +9,8 @@
 
 #include "app/cli/cause_text.h"
 #include "app/cli/object_text.h"
-#include "config/show/effective_channels.h"
+#include "config/schema/choices.h"
+#include "config/show/fields_json.h"
 #include "core/link_cause.h"
 #include "pipelines/engine/machine_facts.h"
 

@@ -13,6 +13,7 @@
 
 #include "config/language/nearest.h"
 #include "config/read/rules.h"
+#include "config/schema/choices.h"
 #include "core/quotes.h"
 #include "pipelines/engine/output.h"
 

@@ -9,6 +9,7 @@
 
 #include "config/language/nearest.h"
 #include "config/read/values.h"
+#include "config/schema/choices.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 

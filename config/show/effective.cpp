@@ -13,6 +13,7 @@
 #include "config/show/effective_channels.h"
 #include "config/show/effective_lines.h"
 #include "config/show/effective_values.h"
+#include "config/show/fields_json.h"
 #include "config/show/write_toml.h"
 
 namespace tribus {

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/read/line.h"
-#include "config/show/effective_channels.h"
+#include "config/show/fields_json.h"
 
 namespace tribus {
 

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "config/read/values.h"
-#include "config/show/effective_channels.h"
+#include "config/show/fields_json.h"
 
 namespace tribus {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "config/keys/keys.h"
 #include "config/schema/notation.h"
-#include "config/show/effective_channels.h"
+#include "config/show/fields_json.h"
 
 namespace tribus {
 namespace {

@@ -20,7 +20,7 @@ void Loop::write_nodes(Instant now) {
                       : WriteStatus::lost;
         switch (status) {
             case WriteStatus::written:
-                capture(port, frames, now);
+                capture(port, Transmission(frames), now);
                 node.written();
                 break;
             case WriteStatus::busy:

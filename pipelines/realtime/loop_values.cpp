@@ -29,7 +29,7 @@ Instant Loop::advance_values(Instant now) {
                                                    : link->write(write.bytes);
         clock_ = monotonic_now();
         if (status == WriteStatus::written) {
-            capture(port, write.bytes, clock_);
+            capture(port, Transmission(write.bytes), clock_);
             values.written(write.bus, clock_);
         } else {
             values.dropped(write.bus);

@@ -25,8 +25,8 @@ using AnyEncoder = std::variant<std::unique_ptr<ByteEncoder>, std::unique_ptr<Ca
 class Transmission {
   public:
     Transmission() = default;
-    Transmission(std::span<const std::uint8_t> bytes) : content_(bytes) {}
-    Transmission(std::span<const CanFrame> frames) : content_(frames) {}
+    explicit Transmission(std::span<const std::uint8_t> bytes) : content_(bytes) {}
+    explicit Transmission(std::span<const CanFrame> frames) : content_(frames) {}
 
     bool empty() const {
         return std::visit([](const auto& content) { return content.empty(); }, content_);
@@ -63,11 +63,12 @@ class FrameEncoder {
     /// Encodes one frame that is sent at `now`. Valid until the next call.
     Transmission encode(const ChannelFrame& frame, Instant now) {
         if (const auto* bytes = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_)) {
-            return std::span<const std::uint8_t>(wire_).first((*bytes)->write(frame, wire_, now));
+            const std::size_t length = (*bytes)->write(frame, wire_, now);
+            return Transmission(std::span<const std::uint8_t>(wire_).first(length));
         }
         const std::span<CanFrame, kMostSnapshotFrames> room(frames_);
         const auto& can = std::get<std::unique_ptr<CanEncoder>>(encoder_);
-        return std::span<const CanFrame>(room).first(can->write(frame, room, now));
+        return Transmission(std::span<const CanFrame>(room).first(can->write(frame, room, now)));
     }
 
   private:
