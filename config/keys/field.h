@@ -68,16 +68,23 @@ struct Notation<std::string> : SameNotation<std::string, SettingType::text> {
     }
 };
 
-/// A `std::size_t` is a channel, which counts from 1 in the language.
 template <std::integral T>
 struct Notation<T> {
-    static constexpr std::int64_t kFirst = std::is_same_v<T, std::size_t> ? 1 : 0;
     static constexpr SettingType kType = SettingType::integer;
     static T from(const SettingValue& value) {
-        return static_cast<T>(std::get<std::int64_t>(value) - kFirst);
+        return static_cast<T>(std::get<std::int64_t>(value));
     }
-    static std::optional<SettingValue> to(T member) {
-        return static_cast<std::int64_t>(member) + kFirst;
+    static std::optional<SettingValue> to(T member) { return static_cast<std::int64_t>(member); }
+};
+
+/// A channel counts from 1 in the language, and from 0 in the program.
+struct ChannelNotation {
+    static constexpr SettingType kType = SettingType::integer;
+    static std::size_t from(const SettingValue& value) {
+        return static_cast<std::size_t>(std::get<std::int64_t>(value) - 1);
+    }
+    static std::optional<SettingValue> to(std::size_t member) {
+        return static_cast<std::int64_t>(member) + 1;
     }
 };
 
@@ -131,18 +138,23 @@ constexpr auto& member_of(Object& object) {
 }
 
 template <auto... path>
-struct MemberAt;
+struct TypesOf;
 template <auto first, auto... rest>
-struct MemberAt<first, rest...> {
+struct TypesOf<first, rest...> {
     using Owner = typename PartsOf<decltype(first)>::Owner;
     using Member = std::remove_cvref_t<decltype(member_of<first, rest...>(std::declval<Owner&>()))>;
-    using Written = Notation<Member>;
+};
+
+/// The member at the end of the path, which the language writes as `Written` says.
+template <class Written, auto... path>
+struct Access {
+    using Owner = typename TypesOf<path...>::Owner;
 
     static void set(void* object, const SettingValue& value) {
-        member_of<first, rest...>(*static_cast<Owner*>(object)) = Written::from(value);
+        member_of<path...>(*static_cast<Owner*>(object)) = Written::from(value);
     }
     static std::optional<SettingValue> get(const void* object) {
-        return Written::to(member_of<first, rest...>(*static_cast<const Owner*>(object)));
+        return Written::to(member_of<path...>(*static_cast<const Owner*>(object)));
     }
     static std::optional<SettingValue> initial() {
         const Owner object{};

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <type_traits>
@@ -18,17 +17,22 @@ using enum SettingType;
 /// unless it is a double, which has several notations, or the row has choices of its own.
 template <auto... path>
 constexpr Key row(Setting setting) {
-    using Member = typename MemberAt<path...>::Member;
+    using Member = typename TypesOf<path...>::Member;
     constexpr bool kSaysType =
         !std::is_same_v<Member, double> && !std::is_same_v<Member, std::optional<double>>;
     if (kSaysType && setting.choices.empty()) {
         setting.type = Notation<Member>::kType;
         setting.choices = choices_of<Member>();
     }
-    Key key{.setting = setting, .field = MemberAt<path...>::kField};
-    if (std::is_same_v<Member, std::size_t>) {
-        key.field.initial = nullptr;  // no channel is the usual one
-    }
+    return {.setting = setting, .field = Access<Notation<Member>, path...>::kField};
+}
+
+/// A row that sets a channel. It has no default.
+template <auto... path>
+constexpr Key channel_row(Setting setting) {
+    setting.type = ChannelNotation::kType;
+    Key key{.setting = setting, .field = Access<ChannelNotation, path...>::kField};
+    key.field.initial = nullptr;
     return key;
 }
 

@@ -16,7 +16,7 @@ inline constexpr std::array<std::string_view, 7> kShapingKeys{"reverse", "trim",
                                                               "slew",    "min",  "max"};
 
 inline constexpr std::array kLossRuleKeys{
-    row<&ValueRule::channel>(
+    channel_row<&ValueRule::channel>(
         channel_number("channel", "Channel to judge, as the receiver numbers it", "3")),
     row<&ValueRule::below>(
         pulse_key("below", "The link is lost while the channel is below this value", "950")),
@@ -33,7 +33,7 @@ inline constexpr std::array kLossRuleKeys{
 };
 
 inline constexpr std::array kReleaseRuleKeys{
-    row<&ValueRule::channel>(channel_number("channel", "Channel of the output", "3")),
+    channel_row<&ValueRule::channel>(channel_number("channel", "Channel of the output", "3")),
     row<&ValueRule::below>(
         pulse_key("below", "Control is released by a value below this one", "1050")),
     row<&ValueRule::above>(

@@ -62,7 +62,7 @@ inline constexpr std::array kLineKeys{
          .help = "Role `fresh`: period of the wave. At least twice the `period` of its outputs, "
                  "best four times",
          .example = "\"60ms\""}),
-    row<&LineConfig::task, &LineTask::rule, &ValueRule::channel>(
+    channel_row<&LineConfig::task, &LineTask::rule, &ValueRule::channel>(
         channel_number("channel", "Role `switch`: channel of the output", "9")),
     row<&LineConfig::task, &LineTask::rule, &ValueRule::below>(
         pulse_key("below", "Role `switch`: on while the channel is below this value", "1300")),

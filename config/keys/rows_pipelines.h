@@ -16,7 +16,7 @@ inline constexpr std::array kHandoverKeys{
          .required = true,
          .help = "Name of the input that has the channel",
          .example = "\"main\""}},
-    row<&HandoverSettings::channel>(
+    channel_row<&HandoverSettings::channel>(
         {.key = "channel",
          .required = true,
          .least = 1,

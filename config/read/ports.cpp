@@ -194,6 +194,20 @@ void check_phase(const OutputConfig& output, const TableContent& content, Mistak
     }
 }
 
+/// What an input and an output have in common.
+template <class PortDraft>
+void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
+               const TableContent& content, PortDraft& draft, Mistakes& mistakes) {
+    check_inverted(content, mistakes);
+    draft.where = entry.where;
+    draft.port_sound = port_sound(port, content);
+    draft.config.name = entry.key;
+    draft.config.protocol = port.protocol;
+    draft.config.settings = own_settings(port, content);
+    draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, mistakes);
+    draft.config.port = port_config(port, content);
+}
+
 void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {
     const SettingValues& settings = draft.config.settings;
     draft.needs_pipeline = protocol.needs_pipeline == nullptr || protocol.needs_pipeline(settings);
@@ -213,20 +227,12 @@ InputDraft read_input(const Entry& entry, const Table& table, Reading reading) {
     const TableContent content =
         read_table({table, entry.value.where, title, "input", name_of(port.protocol)}, port.keys,
                    reading, port.tolerated);
-    check_inverted(content, reading.mistakes);
     InputDraft draft;
-    draft.where = entry.where;
+    read_port(entry, port, SettingScope::input, content, draft, reading.mistakes);
     if (content.given("timeout")) {
         draft.timeout = content.where("timeout");
     }
     draft.timeout_sound = content.sound("timeout");
-    draft.port_sound = port_sound(port, content);
-    draft.config.name = entry.key;
-    draft.config.protocol = port.protocol;
-    draft.config.settings = own_settings(port, content);
-    draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::input,
-                                             content, reading.mistakes);
-    draft.config.port = port_config(port, content);
     draft.config.supervision = read_supervision(content, port.protocol, draft.config.settings,
                                                 draft.settings_sound, reading);
     if (const Entry* map = content.find("map")) {
@@ -244,24 +250,16 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
     const TableContent content =
         read_table({table, entry.value.where, title, "output", name_of(port.protocol)}, port.keys,
                    reading, port.tolerated);
-    check_inverted(content, reading.mistakes);
     OutputDraft draft;
-    draft.where = entry.where;
+    read_port(entry, port, SettingScope::output, content, draft, reading.mistakes);
     draft.period = content.where("period");
     draft.period_sound = content.sound("period");
-    draft.port_sound = port_sound(port, content);
-    draft.config.name = entry.key;
-    draft.config.protocol = port.protocol;
-    draft.config.settings = own_settings(port, content);
-    draft.settings_sound = check_by_protocol(port, draft.config.settings, SettingScope::output,
-                                             content, reading.mistakes);
     if (draft.settings_sound) {
         read_values_used(*port.protocol, content, draft);
     } else if (port.protocol != nullptr && port.protocol->needs_pipeline != nullptr) {
         // It may be an output for values only, which the other mistake hides.
         draft.needs_pipeline = false;
     }
-    draft.config.port = port_config(port, content);
     if (port.protocol != nullptr) {
         draft.config.schedule.period =
             own_period(*port.protocol, draft.config.settings, draft.settings_sound);
