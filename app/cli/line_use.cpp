@@ -8,12 +8,6 @@
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
-namespace {
-
-/// Not a channel protocol; its line is that of i.Bus.
-
-}  // namespace
-
 bool is_device_path(std::string_view name) {
     return name.find('/') != std::string_view::npos;
 }
@@ -31,6 +25,7 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
     if (!baud.empty()) {
         given.emplace("baud", baud);
     }
+    // The sensor bus has no channels; its line is that of i.Bus.
     auto uses = choose_protocols(protocol == kSensorBusName ? "ibus" : protocol,
                                  SettingScope::input, given);
     if (!uses) {

@@ -44,8 +44,8 @@ struct Key {
     std::string_view name() const { return setting.key; }
 };
 
-/// What holds where the key is left out: `fallback` of the row or else the initial value of its
-/// member. Absent if the key is required, or if the row says in words what holds.
+/// The default of the key: `fallback` of the row, or else the initial value of its member. Absent
+/// if the key is required, or if the row says in words what holds without it.
 std::optional<SettingValue> default_of(const Key& key);
 
 /// The keys at the top of a file.

@@ -15,7 +15,7 @@
 namespace tribus {
 namespace {
 
-/// What one failsafe table says; nothing if there is none.
+/// Content of one failsafe table. Empty if there is no table.
 struct Given {
     std::optional<TableContent> content;
     std::optional<ValueRule> release_when;

@@ -194,7 +194,7 @@ void check_phase(const OutputConfig& output, const TableContent& content, Mistak
     }
 }
 
-/// What an input and an output have in common.
+/// Reads the part that inputs and outputs share.
 template <class PortDraft>
 void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
                const TableContent& content, PortDraft& draft, Mistakes& mistakes) {

@@ -47,7 +47,8 @@ class TableContent {
     /// The valid values that were given, and the defaults of all other keys.
     const SettingValues& values() const { return values_; }
 
-    /// Sets the members of `object` that the rows name.
+    /// Sets the members of `object` that the rows name: given values, and defaults of rows. Members
+    /// without a value stay as they are.
     template <class Owner>
     void read_into(Owner& object) const {
         set_members(&object, &kOwner<Owner>, false);

@@ -71,7 +71,7 @@ struct InputConfig {
     bool operator==(const InputConfig&) const = default;
 };
 
-/// What an output on CAN does while another node sends frames with its ids.
+/// Reaction of an output on CAN to another node that sends frames with the same ids.
 enum class ForeignSender : std::uint8_t { failsafe, ignore };
 
 /// Default upper limit of the period of an output. A protocol may set its own.

@@ -116,7 +116,7 @@ class Input {
     const std::string& name() const { return name_; }
 
   private:
-    /// What goes on over a reload, beside the decoder and the state of the link.
+    /// A reload keeps this state, besides the decoder and the state of the link.
     struct Ongoing {
         /// Maps positions in the received bytes to the times at which they were read.
         ReadTimes read_times{};

@@ -179,7 +179,7 @@ class Output {
     Duration period() const { return schedule_.period(); }
 
   private:
-    /// What goes on over a reload, whatever the settings are.
+    /// A reload keeps this state, whatever the settings are.
     struct Ongoing {
         Glide glide{};
         /// Stage that results from the inputs; never `cannot_send`.

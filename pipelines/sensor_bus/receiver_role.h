@@ -114,7 +114,7 @@ class ReceiverRole final : public SensorBusRole {
         int misses = 0;
     };
 
-    /// What goes on over a reload, beside the sensors that were found.
+    /// A reload keeps this state, besides the sensors that were found.
     struct Ongoing {
         SensorFrameParser parser{};
         EchoCanceller echo{};

@@ -97,7 +97,7 @@ class SensorRole final : public SensorBusRole {
         Instant until = kNever;
     };
 
-    /// What goes on over a reload, beside the prepared answers.
+    /// A reload keeps this state, besides the prepared answers.
     struct Ongoing {
         SensorFrameParser parser{};
         EchoCanceller echo{};

@@ -132,11 +132,11 @@ class Encoder {
     }
 
     /// Gives the board of the named values that it sends; they are looked up here by name. Call at
-    /// the start, before the first `encode`. A value has no number without a board or if the board
+    /// the start, before the first `write`. A value has no number without a board or if the board
     /// lacks its name. The board must outlive the encoder.
     virtual void use(const ValueBoard& /*board*/) {}
     /// Sets the node that it sends as, for protocols with nodes. Call at the start, before the
-    /// first `encode`. Must outlive the encoder.
+    /// first `write`. Must outlive the encoder.
     virtual void send_as(const dronecan::NodeIdentity& /*identity*/) {}
     /// Continues where `before`, an encoder of the same protocol and settings, ended, so that
     /// receivers see one sender.

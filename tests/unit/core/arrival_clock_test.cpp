@@ -9,6 +9,8 @@
 namespace tribus::test::arrival_clock_test {
 namespace {
 
+using namespace test::arrivals;
+
 using namespace std::chrono_literals;
 
 TEST(ArrivalClock, knows_no_interval_before_the_second_frame) {

@@ -2,7 +2,7 @@
 
 #include "core/arrival_clock.h"
 
-namespace tribus::test {
+namespace tribus::test::arrivals {
 
 inline Instant at(Duration since_start) {
     return Instant(since_start);
@@ -16,4 +16,4 @@ inline ArrivalClock arrivals_each(Duration interval, Instant first, int count) {
     return arrivals;
 }
 
-}  // namespace tribus::test
+}  // namespace tribus::test::arrivals

@@ -9,6 +9,8 @@
 namespace tribus::test::schedule_test {
 namespace {
 
+using namespace test::arrivals;
+
 using namespace std::chrono_literals;
 
 /// The latest frame was written when it arrived.
