@@ -8,7 +8,7 @@ namespace tribus {
 namespace {
 
 std::string device_name(const PortConfig& config) {
-    return (config.link == LinkKind::can ? "interface " : "device ") + config.device;
+    return std::string(config.medium->place.key) + " " + config.device;
 }
 
 std::string device_name(const LineConfig& config) {
@@ -78,7 +78,8 @@ std::unique_ptr<Link> Appliance::open_or_wait(std::size_t port, MissingDevices m
     if (link) {
         return std::move(*link);
     }
-    if (missing == MissingDevices::wait_for_absent && is_missing(plans_[port].config)) {
+    if (missing == MissingDevices::wait_for_absent &&
+        plans_[port].config.medium->is_missing(plans_[port].config.device)) {
         waits_for_.push_back(link.error());
     } else if (missing != MissingDevices::wait_for) {
         errors.push_back(link.error());

@@ -141,8 +141,7 @@ class Appliance {
     void reopen_lines(std::vector<DeviceEvent>& events);
     LoopSettings loop_settings(LineExchange* lines);
     PortCarry carry_port(const PortPlan& plan, const Appliance& before) const;
-    bool same_can_use(const PortPlan& plan, const Appliance& before,
-                      const PortPlan& plan_before) const;
+    bool same_use(const PortPlan& plan, const Appliance& before, const PortPlan& plan_before) const;
     std::vector<std::string> open_beside(const Appliance& before, std::vector<PortCarry>& ports,
                                          std::vector<std::unique_ptr<Link>>& links);
     void retire_parts(const Leaving& leaving);

@@ -17,12 +17,14 @@ bool has_reader(const PortWiring& wiring) {
 
 }  // namespace
 
-/// The number of outputs must be equal: frames of a lane that are on their way then stay so.
-bool Appliance::same_can_use(const PortPlan& plan, const Appliance& before,
-                             const PortPlan& plan_before) const {
-    return plan.wiring.outputs.size() == plan_before.wiring.outputs.size() &&
-           can_socket_settings(*engine_, values_.get(), plan) ==
-               can_socket_settings(*before.engine_, before.values_.get(), plan_before);
+/// With many users the number of outputs must be equal: frames of a lane that are on their way then
+/// stay so.
+bool Appliance::same_use(const PortPlan& plan, const Appliance& before,
+                         const PortPlan& plan_before) const {
+    return (plan.config.medium->users != Users::many ||
+            plan.wiring.outputs.size() == plan_before.wiring.outputs.size()) &&
+           link_use(*engine_, values_.get(), plan) ==
+               link_use(*before.engine_, before.values_.get(), plan_before);
 }
 
 PortCarry Appliance::carry_port(const PortPlan& plan, const Appliance& before) const {
@@ -32,15 +34,13 @@ PortCarry Appliance::carry_port(const PortPlan& plan, const Appliance& before) c
     if (known == before.plans_.end()) {
         return {};
     }
-    const bool can = plan.config.link == LinkKind::can;
-    const bool same_use =
-        can ? same_can_use(plan, before, *known) : plan.config.line == known->config.line;
     return {.from = static_cast<std::size_t>(known - before.plans_.begin()),
-            .takes_link = same_use,
-            .discards_unread = !can && has_reader(plan.wiring) && !has_reader(known->wiring)};
+            .takes_link = same_use(plan, before, *known),
+            .discards_unread = plan.config.medium->users != Users::many &&
+                               has_reader(plan.wiring) && !has_reader(known->wiring)};
 }
 
-/// A serial device cannot be open twice; a CAN interface can.
+/// Only a place with many users can be open twice.
 std::vector<std::string> Appliance::open_beside(const Appliance& before,
                                                 std::vector<PortCarry>& ports,
                                                 std::vector<std::unique_ptr<Link>>& links) {
@@ -52,7 +52,7 @@ std::vector<std::string> Appliance::open_beside(const Appliance& before,
             missing_[port] = before.missing_[*carry.from];
             continue;
         }
-        if (carry.from && plans_[port].config.link == LinkKind::serial) {
+        if (carry.from && plans_[port].config.medium->users != Users::many) {
             missing_[port] = true;
             continue;
         }

@@ -164,7 +164,7 @@ std::vector<CodecCost> measure_codecs(Duration length) {
         const auto in = settings_for(*protocol, SettingScope::input);
         const auto out = settings_for(*protocol, SettingScope::output);
         if (in && out) {
-            costs.push_back(protocol->link == LinkKind::serial
+            costs.push_back(protocol->shape == WireShape::bytes
                                 ? serial_cost(*protocol, *in, *out, share)
                                 : can_cost(*protocol, *in, *out, share));
         }

@@ -15,7 +15,7 @@ bool is_device_path(std::string_view name) {
 tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
                                                   const std::string& baud) {
     const std::string allowed =
-        fmt::format("allowed: {}, {}", protocol_list(LinkKind::serial), kSensorBusName);
+        fmt::format("allowed: {}, {}", protocol_list(WireShape::bytes), kSensorBusName);
     if (protocol.empty()) {
         return tl::unexpected(fmt::format(
             "a serial device needs --protocol, which sets rate, parity and stop bits; {}",
@@ -31,7 +31,7 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
     if (!uses) {
         return tl::unexpected(std::move(uses.error()));
     }
-    if (protocol == "auto" || uses->front().protocol->link != LinkKind::serial) {
+    if (protocol == "auto" || uses->front().protocol->shape != WireShape::bytes) {
         return tl::unexpected(fmt::format("--protocol {} does not run on a serial line; {}",
                                           in_quotes(protocol), allowed));
     }

@@ -126,10 +126,10 @@ tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting
     return std::move(*value);
 }
 
-std::vector<ProtocolUse> of_link(std::span<const ProtocolUse> uses, LinkKind link) {
+std::vector<ProtocolUse> of_shape(std::span<const ProtocolUse> uses, WireShape shape) {
     std::vector<ProtocolUse> found;
     std::ranges::copy_if(uses, std::back_inserter(found),
-                         [link](const ProtocolUse& use) { return use.protocol->link == link; });
+                         [shape](const ProtocolUse& use) { return use.protocol->shape == shape; });
     return found;
 }
 
@@ -140,10 +140,10 @@ Duration usual_period(const ProtocolUse& use) {
     return own.value_or(protocol.default_period);
 }
 
-std::string protocol_list(LinkKind link) {
+std::string protocol_list(WireShape shape) {
     std::vector<std::string_view> names;
     for (const Protocol* protocol : protocols()) {
-        if (protocol->link == link) {
+        if (protocol->shape == shape) {
             names.push_back(protocol->name);
         }
     }

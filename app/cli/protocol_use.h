@@ -29,8 +29,8 @@ struct ProtocolUse {
     std::optional<SupervisionSettings> supervision{};
 };
 
-/// The uses whose protocol runs on that kind of link.
-std::vector<ProtocolUse> of_link(std::span<const ProtocolUse> uses, LinkKind link);
+/// The uses whose protocol has that shape.
+std::vector<ProtocolUse> of_shape(std::span<const ProtocolUse> uses, WireShape shape);
 
 /// Usual time from one frame to the next: the protocol's default, which its settings may change.
 Duration usual_period(const ProtocolUse& use);
@@ -45,8 +45,8 @@ tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting
 
 /// Names of all protocols: `ibus, sbus`.
 std::string protocol_list();
-/// Names of the protocols on one kind of link.
-std::string protocol_list(LinkKind link);
+/// Names of the protocols of that shape.
+std::string protocol_list(WireShape shape);
 
 /// An option for a setting key of one or more protocols that applies to recorded bytes.
 struct SettingOption {

@@ -62,10 +62,10 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
 
 /// Why the protocol does not run on this kind of link; empty if it does.
 std::string link_refusal(const ExaminedPlace& examined, const Protocol& protocol) {
-    if (examined.link == protocol.link) {
+    if (examined.medium->shape == protocol.shape) {
         return {};
     }
-    return examined.link == LinkKind::serial
+    return examined.medium == &kSerialMedium
                ? fmt::format("{} runs on a CAN interface, such as can0; this is a serial device",
                              protocol.name)
                : fmt::format(
@@ -86,7 +86,7 @@ std::string permanent_refusal(const ExaminedPlace& examined, const Protocol& pro
 }
 
 std::string unknown_place(const ExaminedPlace& examined, const Protocol* named) {
-    const bool named_for_can = named != nullptr && named->link == LinkKind::can;
+    const bool named_for_can = named != nullptr && named->shape == WireShape::can_frames;
     if (examined.known || named_for_can) {
         return {};
     }
@@ -163,7 +163,10 @@ Decision refused(const ExaminedPlace& examined, std::string why) {
 }
 
 Attachment attachment_of(const ExaminedPlace& examined, const Protocol& protocol) {
-    return {.protocol = &protocol, .name = examined.name, .node = examined.node};
+    return {.protocol = &protocol,
+            .medium = examined.medium,
+            .name = examined.name,
+            .node = examined.node};
 }
 
 }  // namespace
@@ -176,9 +179,9 @@ std::vector<const Protocol*> offered_protocols(SettingScope way) {
     return offered;
 }
 
-std::vector<const Protocol*> offered_protocols(SettingScope way, LinkKind link) {
+std::vector<const Protocol*> offered_protocols(SettingScope way, WireShape shape) {
     std::vector<const Protocol*> offered = offered_protocols(way);
-    std::erase_if(offered, [link](const Protocol* one) { return one->link != link; });
+    std::erase_if(offered, [shape](const Protocol* one) { return one->shape != shape; });
     return offered;
 }
 
@@ -208,7 +211,7 @@ bool ExaminedPlace::usable() const {
 }
 
 std::string ExaminedPlace::refusal(const Protocol& protocol) const {
-    if (link != LinkKind::serial || protocol.link != LinkKind::serial || !facts.exists) {
+    if (medium != &kSerialMedium || protocol.shape != WireShape::bytes || !facts.exists) {
         return {};
     }
     return doctor::hardware_refusal(doctor::kind_of(facts), facts, protocol.line).value_or("");
@@ -219,7 +222,7 @@ Decision decide_input(const ExaminedPlace& examined, const Protocol* named) {
         return refused(examined, std::move(refusal));
     }
     const Protocol* protocol = named;
-    if (protocol == nullptr && examined.link == LinkKind::can) {
+    if (protocol == nullptr && examined.medium->shape == WireShape::can_frames) {
         protocol = &kCanProtocol;
     } else if (protocol == nullptr && examined.story && has_channels(*examined.story)) {
         protocol = find_protocol(examined.story->protocol);
@@ -241,13 +244,14 @@ Decision decide_input(const ExaminedPlace& examined, const Protocol* named) {
     return decision;
 }
 
-const Protocol& usual_output_protocol(LinkKind link) {
-    return link == LinkKind::serial ? kSbusProtocol : kCanProtocol;
+const Protocol& usual_output_protocol(WireShape shape) {
+    return shape == WireShape::bytes ? kSbusProtocol : kCanProtocol;
 }
 
 Decision decide_output(const ExaminedPlace& examined, const Protocol* named,
                        std::string_view trial) {
-    const Protocol& protocol = named != nullptr ? *named : usual_output_protocol(examined.link);
+    const Protocol& protocol =
+        named != nullptr ? *named : usual_output_protocol(examined.medium->shape);
     std::string refusal = unknown_place(examined, named);
     if (refusal.empty()) {
         refusal = permanent_refusal(examined, protocol);
@@ -263,8 +267,9 @@ Decision decide_output(const ExaminedPlace& examined, const Protocol* named,
 
 std::string port_conflict(const std::vector<Attachment>& others, const Attachment& one) {
     for (const Attachment& other : others) {
-        const bool same_device = other.node == one.node && one.protocol->link == LinkKind::serial &&
-                                 other.protocol->link == LinkKind::serial;
+        const bool same_device = other.node == one.node &&
+                                 one.protocol->shape == WireShape::bytes &&
+                                 other.protocol->shape == WireShape::bytes;
         if (same_device && other.protocol->line != one.protocol->line) {
             return fmt::format(
                 "a port has one rate and parity, and those of {} and {} differ; use another port",

@@ -13,6 +13,7 @@
 #include "app/doctor/serial_facts.h"
 #include "core/setting.h"
 #include "transports/codecs/protocol.h"
+#include "transports/links/serial/serial_medium.h"
 
 /// What `tribus init` knows about places (serial devices and CAN interfaces), and what it decides
 /// from that. Pure.
@@ -27,7 +28,7 @@ struct PlaceOption {
 /// The protocols for which `init` can write an input or output: those without required keys, which
 /// only the user knows. In the order of the registry.
 std::vector<const Protocol*> offered_protocols(SettingScope way);
-std::vector<const Protocol*> offered_protocols(SettingScope way, LinkKind link);
+std::vector<const Protocol*> offered_protocols(SettingScope way, WireShape shape);
 
 /// Reads `PLACE` or `PLACE=PROTOCOL`. If the protocol is named, the place may contain "=" too. The
 /// error does not name the option.
@@ -35,7 +36,7 @@ tl::expected<PlaceOption, std::string> parse_place_option(std::string_view text,
 
 /// What is known about a place.
 struct ExaminedPlace {
-    LinkKind link = LinkKind::serial;
+    const Medium* medium = &kSerialMedium;
     std::string name;  ///< for the configuration; of a USB adapter the stable name
     std::string node;  ///< "/dev/ttyUSB0"; for an interface its name
     std::string kind;  ///< for people: "USB adapter FTDI FT232R"
@@ -55,6 +56,7 @@ struct ExaminedPlace {
 /// An input or output of the configuration.
 struct Attachment {
     const Protocol* protocol = nullptr;
+    const Medium* medium = &kSerialMedium;
     std::string name;  ///< the device or interface, as written in the configuration
     std::string node;
     /// Keys whose defaults do not fit the line.
@@ -75,7 +77,7 @@ struct Decision {
 Decision decide_input(const ExaminedPlace& examined, const Protocol* named);
 
 /// Protocol of an output for which none is named: SBUS, on an interface the native format.
-const Protocol& usual_output_protocol(LinkKind link);
+const Protocol& usual_output_protocol(WireShape shape);
 
 /// Decides about an output at this place, with the usual protocol if none is named. `trial`: why
 /// the port did not accept the settings of the protocol; empty if it did, or was not opened.

@@ -84,7 +84,7 @@ void add_place(const Attachment& end, TableText& table) {
     if (end.name != end.node) {
         table.comment(fmt::format("This name stays the same; now it is {}.", node_of(end)));
     }
-    table.key(place_key(end.protocol->link).name(), in_quotes(end.name));
+    table.key(end.medium->place.key, in_quotes(end.name));
 }
 
 std::string input_text(const Attachment& input, std::string_view name, std::string_view file) {
@@ -227,7 +227,7 @@ std::string places(const std::vector<Attachment>& ends) {
 std::vector<std::string> input_names(const Plan& plan) {
     std::vector<std::string> names;
     std::ranges::transform(plan.inputs, std::back_inserter(names), [](const Attachment& input) {
-        return input.protocol->link == LinkKind::serial ? "receiver" : "bus";
+        return input.protocol->shape == WireShape::bytes ? "receiver" : "bus";
     });
     return numbered(std::move(names));
 }
@@ -235,7 +235,7 @@ std::vector<std::string> input_names(const Plan& plan) {
 std::vector<std::string> output_names(const Plan& plan) {
     std::vector<std::string> names;
     std::ranges::transform(plan.outputs, std::back_inserter(names), [](const Attachment& output) {
-        return output.protocol->link == LinkKind::serial ? "servos" : "bus";
+        return output.protocol->shape == WireShape::bytes ? "servos" : "bus";
     });
     return numbered(std::move(names));
 }

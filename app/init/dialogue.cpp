@@ -173,7 +173,7 @@ const Protocol* Dialogue::choose_protocol(std::string_view question,
 
 Dialogue::Step Dialogue::ask_what_now(const ExaminedPlace& examined, Attachment& input) {
     std::vector<Choice> choices{{"again", "listen once more"}, {"other", "choose another port"}};
-    const auto offered = offered_protocols(SettingScope::input, examined.link);
+    const auto offered = offered_protocols(SettingScope::input, examined.medium->shape);
     std::ranges::copy(choices_of(offered), std::back_inserter(choices));
     while (true) {
         const auto chosen = choose("What now?", choices, 0);
@@ -195,10 +195,10 @@ Dialogue::Step Dialogue::ask_what_now(const ExaminedPlace& examined, Attachment&
 Dialogue::Step Dialogue::try_input(const std::string& place, Attachment& input) {
     ExaminedPlace examined = ports_.look(place);
     const Protocol* named = nullptr;
-    if (examined.link == LinkKind::can) {
-        named =
-            choose_protocol("Which protocol does it carry?",
-                            offered_protocols(SettingScope::input, LinkKind::can), kCanProtocol);
+    if (examined.medium->shape == WireShape::can_frames) {
+        named = choose_protocol("Which protocol does it carry?",
+                                offered_protocols(SettingScope::input, WireShape::can_frames),
+                                kCanProtocol);
         if (named == nullptr) {
             return Step::ended;
         }
@@ -243,7 +243,7 @@ std::optional<Attachment> Dialogue::ask_output(const std::vector<Attachment>& in
             return std::nullopt;
         }
         ExaminedPlace examined = ports_.look(*place);
-        auto offered = offered_protocols(SettingScope::output, examined.link);
+        auto offered = offered_protocols(SettingScope::output, examined.medium->shape);
         std::erase_if(offered, [&](const Protocol* protocol) {
             const std::string refusal = examined.refusal(*protocol);
             if (!refusal.empty()) {
@@ -255,8 +255,8 @@ std::optional<Attachment> Dialogue::ask_output(const std::vector<Attachment>& in
         if (offered.empty()) {
             continue;
         }
-        const Protocol* const protocol = choose_protocol("Which protocol does it read?", offered,
-                                                         usual_output_protocol(examined.link));
+        const Protocol* const protocol = choose_protocol(
+            "Which protocol does it read?", offered, usual_output_protocol(examined.medium->shape));
         if (protocol == nullptr) {
             return std::nullopt;
         }

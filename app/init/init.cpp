@@ -42,7 +42,7 @@ constexpr std::string_view kStandardOutput = "-";
 /// protocols would be accepted.
 std::string protocols_to_name(const PlaceOption& option, SettingScope way,
                               const ExaminedPlace& examined, const Protocol& refused) {
-    std::vector<const Protocol*> offered = offered_protocols(way, examined.link);
+    std::vector<const Protocol*> offered = offered_protocols(way, examined.medium->shape);
     std::erase_if(offered, [&](const Protocol* protocol) {
         return way == SettingScope::input
                    ? !decide_input(examined, protocol).attachment
@@ -58,8 +58,9 @@ std::string protocols_to_name(const PlaceOption& option, SettingScope way,
 OrFailure<Attachment> decide(const PlaceOption& option, SettingScope way, Ports& ports,
                              Messages& messages) {
     ExaminedPlace examined = ports.look(option.place);
-    const bool fits = option.protocol == nullptr || option.protocol->link == examined.link;
-    const Protocol& usual = usual_output_protocol(examined.link);
+    const bool fits =
+        option.protocol == nullptr || option.protocol->shape == examined.medium->shape;
+    const Protocol& usual = usual_output_protocol(examined.medium->shape);
     std::string trial;
     if (fits && way == SettingScope::input) {
         examined = ports.listen(option.place);

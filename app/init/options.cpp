@@ -71,7 +71,7 @@ OrFailure<Request> read_options(const Options& options) {
                 fmt::format("--in {}: with --listen 0 the protocol must be named: {}", input.place,
                             options_with_protocols(
                                 input.place, SettingScope::input,
-                                offered_protocols(SettingScope::input, LinkKind::serial))),
+                                offered_protocols(SettingScope::input, WireShape::bytes))),
                 kExitWrongUse);
         }
     }

@@ -13,6 +13,7 @@
 #include "app/doctor/listener.h"
 #include "app/doctor/serial_judge.h"
 #include "transports/links/can/can_interface.h"
+#include "transports/links/can/can_medium.h"
 
 namespace tribus::init {
 namespace {
@@ -38,7 +39,7 @@ std::string stable_name(const std::string& path, const doctor::SerialFacts& fact
 }
 
 ExaminedPlace examined_port(const doctor::SerialFacts& facts, doctor::PortOpinion opinion) {
-    return {.link = LinkKind::serial,
+    return {.medium = &kSerialMedium,
             .name = facts.device,
             .node = facts.node,
             .kind = std::move(opinion.kind),
@@ -48,7 +49,7 @@ ExaminedPlace examined_port(const doctor::SerialFacts& facts, doctor::PortOpinio
 
 ExaminedPlace examined_interface(const std::string& name) {
     ExaminedPlace examined{
-        .link = LinkKind::can, .name = name, .node = name, .kind = "CAN interface"};
+        .medium = &kCanMedium, .name = name, .node = name, .kind = "CAN interface"};
     const auto interface = query_can_interface(name);
     if (!interface) {
         examined.findings.push_back(doctor::unknown_interface(name, interface.error()));
@@ -102,7 +103,7 @@ ExaminedPlace MachinePorts::look(const std::string& place) {
 
 ExaminedPlace MachinePorts::listen(const std::string& place) {
     ExaminedPlace examined = look(place);
-    if (examined.link != LinkKind::serial || listening_ == Duration::zero()) {
+    if (examined.medium != &kSerialMedium || listening_ == Duration::zero()) {
         return examined;
     }
     doctor::ExaminedPort port = doctor::examine_port(
@@ -115,7 +116,7 @@ ExaminedPlace MachinePorts::listen(const std::string& place) {
 }
 
 std::string MachinePorts::try_line(ExaminedPlace& examined, const LineSettings& line) {
-    if (examined.link != LinkKind::serial || listening_ == Duration::zero() || !examined.usable()) {
+    if (examined.medium != &kSerialMedium || listening_ == Duration::zero() || !examined.usable()) {
         return {};
     }
     doctor::Visit visit = doctor::try_port(examined.name, line);

@@ -51,7 +51,7 @@ void log_interface(const Appliance& appliance, const PortPlan& plan) {
 
 CanReport::CanReport(const Appliance& appliance) {
     for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
-        if (appliance.ports()[port].config.link == LinkKind::can) {
+        if (appliance.ports()[port].config.medium->shape == WireShape::can_frames) {
             interfaces_[appliance.ports()[port].config.device].port = port;
         }
     }

@@ -18,7 +18,7 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     : can_(appliance), sensor_buses_(appliance, start), nodes_(appliance) {
     const Configuration& configuration = appliance.configuration();
     for (const InputConfig& input : configuration.inputs) {
-        const bool on_can = input.port.link == LinkKind::can;
+        const bool on_can = input.port.medium->shape == WireShape::can_frames;
         input_names_.push_back(input.name);
         inputs_.push_back({.on_can = on_can, .start = start});
     }

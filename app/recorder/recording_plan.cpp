@@ -28,7 +28,7 @@ bool is_plain(char c) {
 
 RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan) {
     RecordedPort port{.ring = plan.wiring.capture,
-                      .can = plan.config.link == LinkKind::can,
+                      .can = plan.config.medium->shape == WireShape::can_frames,
                       .device = plan.config.device,
                       .byte_time = plan.config.line.bytes_time(1),
                       .read_file = {},
@@ -68,7 +68,7 @@ std::string replay_command(const Configuration& configuration,
     }
     for (const OutputConfig& output : configuration.outputs) {
         command += fmt::format(" --out {0}=simulated-{0}.{1}", output.name,
-                               output.port.link == LinkKind::can ? "log" : "txt");
+                               output.port.medium->shape == WireShape::can_frames ? "log" : "txt");
     }
     return command;
 }

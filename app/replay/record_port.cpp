@@ -23,8 +23,9 @@
 #include "app/replay/capture_text.h"
 #include "pipelines/realtime/capture_ring.h"
 #include "pipelines/realtime/clock.h"
-#include "transports/links/can/can_socket.h"
-#include "transports/links/serial/serial_port.h"
+#include "transports/links/can/can_link.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/serial/serial_medium.h"
 
 namespace tribus {
 namespace {
@@ -49,20 +50,10 @@ tl::expected<UniqueFd, std::string> make_file(const PortRecording& recording) {
 tl::expected<std::unique_ptr<Link>, std::string> open_link(const std::string& port,
                                                            const std::optional<ProtocolUse>& use) {
     if (!use) {
-        auto socket = CanSocket::open(port, {.wanted = {{.id = 0, .mask = 0, .extended = false},
-                                                        {.id = 0, .mask = 0, .extended = true}},
-                                             .sent = {},
-                                             .fd = false});
-        if (!socket) {
-            return tl::unexpected(std::move(socket.error()));
-        }
-        return std::unique_ptr<Link>(std::move(*socket));
+        return kCanMedium.open(port, {.wanted = {{.id = 0, .mask = 0, .extended = false},
+                                                 {.id = 0, .mask = 0, .extended = true}}});
     }
-    auto line = SerialPort::open(port, use->line);
-    if (!line) {
-        return tl::unexpected(std::move(line.error()));
-    }
-    return std::unique_ptr<Link>(std::move(*line));
+    return kSerialMedium.open(port, {.line = use->line});
 }
 
 /// Records one port into one file.

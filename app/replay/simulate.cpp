@@ -67,7 +67,7 @@ class SinkRecorder final : public OutputObserver {
           format_(format),
           log_(engine) {
         for (std::size_t sink = 0; sink < sinks.size(); ++sink) {
-            if (format_ == "timed" && sinks[sink].port->link == LinkKind::serial) {
+            if (format_ == "timed" && sinks[sink].port->medium->shape == WireShape::bytes) {
                 texts_[sink] = kTimedHeading;
             }
         }

@@ -50,13 +50,13 @@ tl::expected<Recording, std::string> load_recording(const std::string& path,
     const bool log = kind == RecordingKind::candump;
     auto recording = parse_recording(*content, path);
     const bool empty = recording && is_empty(*recording);
-    if (source.port->link == LinkKind::can && !log && !empty) {
+    if (source.port->medium->shape == WireShape::can_frames && !log && !empty) {
         return tl::unexpected(fmt::format(
             "{}: this is not a log of CAN frames, but {} has the protocol {}; it takes lines such "
             "as (1436509052.249713) can0 123#1122, as candump -L writes them",
             path, title_of(source), source.protocol));
     }
-    if (source.port->link == LinkKind::serial && log) {
+    if (source.port->medium->shape == WireShape::bytes && log) {
         return tl::unexpected(fmt::format(
             "{}: this is a log of CAN frames, but {} has the protocol {}; it takes recorded "
             "bytes: raw, hex, timed hex or the CSV of a Saleae serial decoder",

@@ -78,7 +78,7 @@ std::vector<PortReport> port_reports(const Appliance& appliance) {
     for (std::size_t port = 0; port < appliance.ports().size(); ++port) {
         const PortConfig& config = appliance.ports()[port].config;
         PortReport report{config.device, appliance.port_present(port), std::nullopt};
-        if (config.link == LinkKind::can) {
+        if (config.medium->shape == WireShape::can_frames) {
             report.can = appliance.can_status(port);
         }
         reports.push_back(std::move(report));

@@ -179,7 +179,7 @@ int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinte
 
 int decode_recording(const Recording& recording, std::span<const ProtocolUse> uses,
                      FramePrinter& printer, std::ostream& messages) {
-    const std::vector<ProtocolUse> serial = of_link(uses, LinkKind::serial);
+    const std::vector<ProtocolUse> serial = of_shape(uses, WireShape::bytes);
     if (serial.size() == 1) {
         return decode_known(recording, serial.front(), printer, messages);
     }

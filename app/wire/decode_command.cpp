@@ -93,7 +93,7 @@ std::optional<RecordingKind> early_kind(std::string_view beginning) {
 
 bool only_can(std::span<const ProtocolUse> uses) {
     return std::ranges::all_of(
-        uses, [](const ProtocolUse& use) { return use.protocol->link == LinkKind::can; });
+        uses, [](const ProtocolUse& use) { return use.protocol->shape == WireShape::can_frames; });
 }
 
 /// The protocols that the kind of recording allows. The error says what is wrong.
@@ -101,21 +101,22 @@ tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const Pr
                                                               RecordingKind kind,
                                                               std::string_view file_name,
                                                               std::string_view interface) {
-    const LinkKind link = kind == RecordingKind::candump ? LinkKind::can : LinkKind::serial;
-    if (link == LinkKind::serial && !interface.empty()) {
+    const WireShape shape =
+        kind == RecordingKind::candump ? WireShape::can_frames : WireShape::bytes;
+    if (shape == WireShape::bytes && !interface.empty()) {
         return tl::unexpected(
             fmt::format("--interface: {} is not a candump log, and only such a log has interfaces; "
                         "leave it out",
                         file_name));
     }
-    std::vector<ProtocolUse> suited = of_link(uses, link);
+    std::vector<ProtocolUse> suited = of_shape(uses, shape);
     if (!suited.empty()) {
         return suited;
     }
     const std::string_view asked = uses.front().protocol->name;
-    const std::string allowed = protocol_list(link);
+    const std::string allowed = protocol_list(shape);
     return tl::unexpected(
-        link == LinkKind::can
+        shape == WireShape::can_frames
             ? fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
                           file_name, asked, allowed)
             : fmt::format("{}: bytes of a serial line, but {} is read from CAN frames: lines such "
@@ -149,7 +150,7 @@ int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse
     if (arguments.explains_dronecan()) {
         TransferPrinter printer = transfer_printer(arguments);
         status = decode_dronecan_stream(source, printer, std::cout, std::cerr);
-    } else if (use.protocol->link == LinkKind::can) {
+    } else if (use.protocol->shape == WireShape::can_frames) {
         FramePrinter printer(arguments.decode_format(), RecordingKind::candump, std::cout,
                              std::cerr);
         status = decode_can_stream(source, use, printer, std::cout, std::cerr);
@@ -289,7 +290,7 @@ int decode_sensor_file(InputFile& file, std::string beginning, const DecodeArgum
     if (recording->kind == RecordingKind::candump) {
         return fail(
             fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
-                        file.name(), kSensorBusName, protocol_list(LinkKind::can)),
+                        file.name(), kSensorBusName, protocol_list(WireShape::can_frames)),
             kExitWrongUse);
     }
     return decode_sensor_parsed(*recording, arguments);

@@ -82,7 +82,7 @@ GivenSettings with_defaults(const Protocol& protocol, GivenSettings given) {
 /// The given format, or the protocol's usual one. The error says what is allowed.
 tl::expected<EncodeFormat, std::string> choose_format(const Protocol& protocol,
                                                       const EncodeArguments& arguments) {
-    const bool can = protocol.link == LinkKind::can;
+    const bool can = protocol.shape == WireShape::can_frames;
     if (arguments.format.empty()) {
         return can ? EncodeFormat::candump : EncodeFormat::binary;
     }
@@ -103,7 +103,7 @@ tl::expected<std::string, std::string> choose_interface(const Protocol& protocol
     if (given.empty()) {
         return std::string(kDefaultInterface);
     }
-    if (protocol.link != LinkKind::can) {
+    if (protocol.shape != WireShape::can_frames) {
         return tl::unexpected(
             fmt::format("--interface: {} does not run on CAN; leave it out", protocol.name));
     }

@@ -16,7 +16,7 @@ namespace tribus {
 namespace {
 
 std::uint64_t frames_of(const ProtocolUse& use, const Recording& recording) {
-    if (use.protocol->link == LinkKind::can) {
+    if (use.protocol->shape == WireShape::can_frames) {
         CanFrameFinder finder(use, [](const FoundFrame&) {});
         for (const RecordedCanFrame& frame : recording.can_frames) {
             finder.feed(frame);
@@ -51,7 +51,8 @@ std::string no_frame_text(const Recording& recording, std::string_view asked) {
                                    counted(frames, "frame"));
         }
     };
-    for (const ProtocolUse& use : of_link(uses.value(), can ? LinkKind::can : LinkKind::serial)) {
+    for (const ProtocolUse& use :
+         of_shape(uses.value(), can ? WireShape::can_frames : WireShape::bytes)) {
         add(use.protocol->name, frames_of(use, recording));
     }
     std::uint64_t bytes = 0;

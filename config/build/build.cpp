@@ -8,20 +8,18 @@
 
 #include "config/schema/value_catalog.h"
 #include "transports/codecs/dronecan/dronecan.h"
-#include "transports/links/can/can_socket.h"
 #include "transports/links/gpio/gpio_line.h"
-#include "transports/links/serial/serial_port.h"
 
 namespace tribus {
 namespace {
 
 Duration byte_time_of(const PortConfig& port) {
-    return port.link == LinkKind::serial ? port.line.bytes_time(1) : Duration::zero();
+    return port.medium->has_line ? port.line.bytes_time(1) : Duration::zero();
 }
 
 PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
     const auto shared = std::find_if(plans.begin(), plans.end(), [&](const PortPlan& plan) {
-        return plan.config.link == port.link && plan.config.device == port.device;
+        return plan.config.medium == port.medium && plan.config.device == port.device;
     });
     if (shared != plans.end()) {
         return *shared;
@@ -34,24 +32,6 @@ PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
 template <class Ids>
 void append(std::vector<CanIdMatch>& ids, const Ids& more) {
     ids.insert(ids.end(), more.begin(), more.end());
-}
-
-tl::expected<std::unique_ptr<Link>, std::string> open_can(const Engine& engine,
-                                                          const ValueEngine* values,
-                                                          const PortPlan& plan) {
-    auto socket = CanSocket::open(plan.config.device, can_socket_settings(engine, values, plan));
-    if (!socket) {
-        return tl::unexpected(socket.error());
-    }
-    return std::unique_ptr<Link>(std::move(*socket));
-}
-
-tl::expected<std::unique_ptr<Link>, std::string> open_serial(const PortPlan& plan) {
-    auto port = SerialPort::open(plan.config.device, plan.config.line);
-    if (!port) {
-        return tl::unexpected(port.error());
-    }
-    return std::unique_ptr<Link>(std::move(*port));
 }
 
 std::uint32_t outputs_of(const std::vector<ChannelRule>& rules) {
@@ -163,38 +143,37 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     return plans;
 }
 
-CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* values,
-                                      const PortPlan& plan) {
-    CanSocketSettings settings;
+LinkUse link_use(const Engine& engine, const ValueEngine* values, const PortPlan& plan) {
+    LinkUse use{.line = plan.config.line,
+                .wanted = {},
+                .sent = {},
+                .settings = plan.config.settings,
+                .way = plan.config.medium->users != Users::one ? SettingScope::both
+                       : plan.wiring.outputs.empty()           ? SettingScope::input
+                                                               : SettingScope::output};
     for (const std::size_t input : plan.wiring.inputs) {
-        append(settings.wanted, engine.inputs()[input].wanted_ids());
-        settings.fd = settings.fd || engine.inputs()[input].uses_fd();
+        append(use.wanted, engine.inputs()[input].wanted_ids());
+        use.fd = use.fd || engine.inputs()[input].uses_fd();
     }
     for (const std::size_t output : plan.wiring.outputs) {
-        append(settings.sent, engine.outputs()[output].sent_ids());
-        settings.fd = settings.fd || engine.outputs()[output].uses_fd();
+        append(use.sent, engine.outputs()[output].sent_ids());
+        use.fd = use.fd || engine.outputs()[output].uses_fd();
     }
     if (plan.wiring.node) {
-        append(settings.wanted, engine.node(*plan.wiring.node).wanted());
+        append(use.wanted, engine.node(*plan.wiring.node).wanted());
     }
     for (const std::size_t message : plan.wiring.value_messages) {
-        append(settings.wanted, values->wanted_ids(message));
-        settings.fd = settings.fd || values->uses_fd(message);
+        append(use.wanted, values->wanted_ids(message));
+        use.fd = use.fd || values->uses_fd(message);
     }
-    return settings;
-}
-
-bool is_missing(const PortConfig& port) {
-    return port.link == LinkKind::can ? CanSocket::is_missing(port.device)
-                                      : SerialPort::is_missing(port.device);
+    return use;
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
                                                            const Engine& engine,
                                                            const ValueEngine* values,
                                                            const PortPlan& plan) {
-    auto link =
-        plan.config.link == LinkKind::can ? open_can(engine, values, plan) : open_serial(plan);
+    auto link = plan.config.medium->open(plan.config.device, link_use(engine, values, plan));
     if (!link) {
         return at_place(configuration, plan.config.where, link.error());
     }

@@ -14,8 +14,8 @@
 #include "pipelines/realtime/gpio_thread.h"
 #include "pipelines/realtime/loop.h"
 #include "pipelines/values/value_engine.h"
-#include "transports/links/can/can_socket.h"
 #include "transports/links/link.h"
+#include "transports/links/medium.h"
 
 namespace tribus {
 
@@ -38,16 +38,11 @@ std::vector<LineTask> line_tasks(const Configuration& configuration);
 /// The devices and interfaces of the configuration, each once.
 std::vector<PortPlan> plan_ports(const Configuration& configuration);
 
-/// The requirements of all users of one CAN interface.
-CanSocketSettings can_socket_settings(const Engine& engine, const ValueEngine* values,
-                                      const PortPlan& plan);
-
-/// Whether no device or interface of that name exists (yet).
-bool is_missing(const PortConfig& port);
+/// What all users of one port need from its link.
+LinkUse link_use(const Engine& engine, const ValueEngine* values, const PortPlan& plan);
 
 /// Opens one device. Only this function and `open_line` open devices. Error: `file:line:column:
-/// ...`. A CAN interface receives and sends the ids of the engine's inputs and outputs and of the
-/// values.
+/// ...`.
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
                                                            const Engine& engine,
                                                            const ValueEngine* values,

@@ -53,7 +53,7 @@ bool alike_inputs(const InputConfig& a, const InputConfig& b) {
 
 bool alike_outputs(const OutputConfig& a, const OutputConfig& b) {
     return a.protocol == b.protocol && same_device(a.port, b.port) &&
-           (a.port.link == LinkKind::serial || a.settings == b.settings);
+           (a.protocol->shape == WireShape::bytes || a.settings == b.settings);
 }
 
 /// The pipeline of an output and the output's index in it.
@@ -206,14 +206,9 @@ std::vector<std::string> obstacles(const Configuration& running, const Configura
 }  // namespace
 
 bool same_device(const PortConfig& a, const PortConfig& b) {
-    if (a.link != b.link) {
-        return false;
-    }
-    if (a.device == b.device || a.link == LinkKind::can) {
-        return a.device == b.device;
-    }
-    std::error_code missing;
-    return std::filesystem::equivalent(a.device, b.device, missing);
+    return a.medium == b.medium &&
+           (a.device == b.device ||
+            (a.medium->is_same != nullptr && a.medium->is_same(a.device, b.device)));
 }
 
 CarryOver plan_carry_over(const Configuration& running, const Configuration& fresh) {

@@ -29,7 +29,7 @@ std::vector<CanIdMatch> copy(std::span<const CanIdMatch> ids) {
 }
 
 bool on_can(const PortConfig& port, bool port_sound, bool settings_sound) {
-    return port_sound && settings_sound && port.link == LinkKind::can;
+    return port_sound && settings_sound && port.medium->shape == WireShape::can_frames;
 }
 
 std::vector<CanUse> can_uses(const Draft& draft) {

@@ -90,8 +90,9 @@ void check_devices(const Draft& draft, Mistakes& mistakes) {
     };
     for (std::size_t i = 0; i < uses.size(); ++i) {
         for (std::size_t j = i + 1; j < uses.size(); ++j) {
-            if (uses[i].port->link == LinkKind::serial && uses[j].port->link == LinkKind::serial &&
-                uses[i].port->device == uses[j].port->device) {
+            const PortConfig& port = *uses[i].port;
+            if (port.medium->users != Users::many && port.medium == uses[j].port->medium &&
+                port.device == uses[j].port->device) {
                 const bool in_order = !before(uses[j], uses[i]);
                 check_pair(uses[in_order ? i : j], uses[in_order ? j : i], mistakes);
             }

@@ -144,20 +144,48 @@ const Key& key_named(std::span<const Key> keys, std::string_view name) {
     return *key;
 }
 
-const Key& place_key(LinkKind link) {
-    return link == LinkKind::can ? kInterfaceKey : kDeviceKey;
+Key place_key(const Medium& medium) {
+    return row<&PortConfig::device>(medium.place);
 }
 
-std::vector<Key> protocol_keys(const Protocol& protocol, SettingScope scope) {
-    std::vector<Key> keys{place_key(protocol.link)};
-    if (protocol.link == LinkKind::can && scope == SettingScope::output) {
-        keys.push_back(kForeignSenderKey);
-    }
-    for (const Setting& setting : protocol.settings) {
+namespace {
+
+void append_settings(std::span<const Setting> settings, SettingScope scope,
+                     std::vector<Key>& keys) {
+    for (const Setting& setting : settings) {
         if (setting.scope == SettingScope::both || setting.scope == scope) {
             keys.push_back({setting});
         }
     }
+}
+
+void append_own_keys(const Protocol& protocol, SettingScope scope, std::vector<Key>& keys) {
+    if (protocol.shape == WireShape::can_frames && scope == SettingScope::output) {
+        keys.push_back(kForeignSenderKey);
+    }
+    append_settings(protocol.settings, scope, keys);
+}
+
+}  // namespace
+
+std::vector<Key> protocol_keys(const Protocol& protocol, const Medium& medium, SettingScope scope) {
+    std::vector<Key> keys{place_key(medium)};
+    append_settings(medium.settings, scope, keys);
+    append_own_keys(protocol, scope, keys);
+    return keys;
+}
+
+std::vector<Key> protocol_keys(const Protocol& protocol, SettingScope scope) {
+    const std::vector<const Medium*> media = media_for(protocol.shape);
+    std::vector<Key> keys;
+    for (const Medium* medium : media) {
+        keys.push_back(place_key(*medium));
+        keys.back().setting.required = media.size() == 1;
+    }
+    for (const Medium* medium : media) {
+        append_settings(medium->settings, scope, keys);
+    }
+    append_own_keys(protocol, scope, keys);
     return keys;
 }
 

@@ -9,6 +9,7 @@
 #include "config/keys/field.h"
 #include "core/setting.h"
 #include "transports/codecs/protocol.h"
+#include "transports/links/medium.h"
 
 /// THE key table of the configuration language: key, type, default, range, help. The checks, the
 /// reader, the effective configuration and the JSON schema are made from it. The type determines
@@ -76,11 +77,13 @@ std::span<const Key> output_failsafe_keys();
 /// The row with that name, which must exist.
 const Key& key_named(std::span<const Key> keys, std::string_view name);
 
-/// The key that names the device or interface: `device` or `interface`.
-const Key& place_key(LinkKind link);
+/// The key that names the place on a medium, such as `device`.
+Key place_key(const Medium& medium);
 
-/// The keys that an input or output has because of its protocol: its place, those of its kind of
-/// link, and those of the protocol.
+/// The keys that an input or output has because of its protocol and medium. The place is the first.
+std::vector<Key> protocol_keys(const Protocol& protocol, const Medium& medium, SettingScope scope);
+/// The same for all media that carry the protocol, each key once. If there are several media, none
+/// of their places is required.
 std::vector<Key> protocol_keys(const Protocol& protocol, SettingScope scope);
 
 /// Names of all protocols in the registry.

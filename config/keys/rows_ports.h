@@ -4,6 +4,8 @@
 #include <string_view>
 
 #include "config/keys/rows_channels.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/serial/serial_medium.h"
 
 /// Rows of inputs and outputs.
 namespace tribus::key_rows {
@@ -13,16 +15,8 @@ using enum SettingType;
 inline constexpr Key kProtocolKey{
     {.key = "protocol", .required = true, .help = "Protocol on the wire", .example = "\"sbus\""},
     KeyKind::protocol};
-inline constexpr Key kDeviceKey = row<&PortConfig::device>(
-    {.key = "device",
-     .required = true,
-     .help = "Serial device, such as \"/dev/ttyAMA2\" or a stable name under /dev/serial/by-id",
-     .example = "\"/dev/ttyAMA2\""});
-inline constexpr Key kInterfaceKey =
-    row<&PortConfig::device>({.key = "interface",
-                              .required = true,
-                              .help = "CAN interface, such as \"can0\"",
-                              .example = "\"can0\""});
+inline constexpr Key kDeviceKey = row<&PortConfig::device>(kDeviceSetting);
+inline constexpr Key kInterfaceKey = row<&PortConfig::device>(kInterfaceSetting);
 inline constexpr Key kForeignSenderKey = row<&OutputConfig::foreign_sender>(
     {.key = "foreign_sender",
      .help = "Outputs on CAN: what happens while another node sends frames with the ids of this "

@@ -8,6 +8,7 @@
 
 #include "core/quotes.h"
 #include "pipelines/dronecan/node_settings.h"
+#include "transports/links/can/can_medium.h"
 
 namespace tribus {
 namespace {
@@ -29,7 +30,7 @@ DroneCanDraft read_dronecan(const Entry& entry, const Table& table, Reading read
     DroneCanDraft draft;
     draft.where = entry.where;
     draft.config.name = entry.key;
-    draft.config.port.link = LinkKind::can;
+    draft.config.port.medium = &kCanMedium;
     content.read_into(draft.config.port);
     draft.config.port.where = content.where("interface");
     content.read_into(draft.config);

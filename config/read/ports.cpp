@@ -34,9 +34,19 @@ const Protocol* meant_protocol(const Table& table, std::span<const Key> keys) {
     return nullptr;
 }
 
-/// The keys of an input or output, which depend on its protocol.
+/// The medium whose place the table names, or the usual one of the protocol.
+const Medium* meant_medium(const Table& table, const Protocol& protocol) {
+    const std::vector<const Medium*> media = media_for(protocol.shape);
+    const auto named = std::ranges::find_if(
+        media, [&table](const Medium* medium) { return table.find(medium->place.key) != nullptr; });
+    return named == media.end() ? media.front() : *named;
+}
+
+/// The keys of an input or output, which depend on its protocol and its medium.
 struct PortKeys {
     const Protocol* protocol = nullptr;
+    /// Null if the protocol is unknown.
+    const Medium* medium = nullptr;
     std::vector<Key> keys;
     /// If the protocol is unknown: the keys of all protocols, which are not reported.
     std::vector<std::string_view> tolerated;
@@ -44,15 +54,17 @@ struct PortKeys {
 
 /// Order of the keys in messages: protocol, place, common keys, keys of the protocol.
 PortKeys port_keys(const Table& table, std::span<const Key> common, SettingScope scope) {
-    PortKeys port{meant_protocol(table, common), {common.begin(), common.end()}, {}};
+    PortKeys port{meant_protocol(table, common), nullptr, {common.begin(), common.end()}, {}};
+    if (port.protocol != nullptr) {
+        port.medium = meant_medium(table, *port.protocol);
+        const auto own = protocol_keys(*port.protocol, *port.medium, scope);
+        port.keys.insert(port.keys.begin() + 1, own.front());
+        port.keys.insert(port.keys.end(), own.begin() + 1, own.end());
+        return port;
+    }
     for (const Protocol* protocol : protocols()) {
-        const auto own = protocol_keys(*protocol, scope);
-        if (protocol == port.protocol) {
-            port.keys.insert(port.keys.begin() + 1, own.front());
-            port.keys.insert(port.keys.end(), own.begin() + 1, own.end());
-        } else if (port.protocol == nullptr) {
-            std::ranges::move(names_of(own), std::back_inserter(port.tolerated));
-        }
+        std::ranges::move(names_of(protocol_keys(*protocol, scope)),
+                          std::back_inserter(port.tolerated));
     }
     return port;
 }
@@ -61,16 +73,14 @@ std::string_view name_of(const Protocol* protocol) {
     return protocol == nullptr ? std::string_view{} : protocol->name;
 }
 
-SettingValues own_settings(const PortKeys& port, const TableContent& content) {
-    SettingValues settings;
-    if (port.protocol != nullptr) {
-        for (const Setting& setting : port.protocol->settings) {
-            if (const SettingValue* value = content.values().find(setting.key)) {
-                settings.set(setting.key, *value);
-            }
+SettingValues values_of(std::span<const Setting> settings, const TableContent& content) {
+    SettingValues values;
+    for (const Setting& setting : settings) {
+        if (const SettingValue* value = content.values().find(setting.key)) {
+            values.set(setting.key, *value);
         }
     }
-    return settings;
+    return values;
 }
 
 /// Place of the value at the end of a path of keys, or of the last part of the path that exists.
@@ -123,10 +133,10 @@ void check_inverted(const TableContent& content, Mistakes& mistakes) {
 PortConfig port_config(const PortKeys& port, const TableContent& content) {
     PortConfig config;
     if (port.protocol != nullptr) {
-        const std::string_view place = place_key(port.protocol->link).name();
-        config.link = port.protocol->link;
+        config.medium = port.medium;
         content.read_into(config);
-        config.where = content.where(place);
+        config.settings = values_of(port.medium->settings, content);
+        config.where = content.where(port.medium->place.key);
         config.line = port.protocol->line;
         const auto baud = content.values().get_or("baud", std::int64_t{config.line.baud});
         config.line.baud = static_cast<std::uint32_t>(baud);
@@ -134,17 +144,36 @@ PortConfig port_config(const PortKeys& port, const TableContent& content) {
     return config;
 }
 
-bool port_sound(const PortKeys& port, const TableContent& content) {
-    if (port.protocol == nullptr) {
-        return false;
+/// Runs the medium's own check if the place and each key of the medium are valid.
+bool check_by_medium(const PortConfig& port, SettingScope scope, const TableContent& content,
+                     Mistakes& mistakes) {
+    const bool sound = std::ranges::all_of(
+        port.medium->settings, [&](const Setting& setting) { return content.sound(setting.key); });
+    if (!sound || port.medium->check == nullptr) {
+        return sound;
     }
-    const std::string_view place = place_key(port.protocol->link).name();
-    return content.given(place) && content.sound(place) && content.sound("baud") &&
-           content.sound("protocol");
+    const auto found = port.medium->check(port.device, port.settings, scope);
+    for (const SettingMistake& mistake : found) {
+        mistakes.add(where_of(mistake.path, content), mistake.text);
+    }
+    return found.empty();
 }
 
-/// The time of one frame on the wire and a pause of one byte.
+bool port_sound(const PortConfig& port, SettingScope scope, const TableContent& content,
+                Mistakes& mistakes) {
+    if (port.medium == nullptr) {
+        return false;
+    }
+    const std::string_view place = port.medium->place.key;
+    return content.given(place) && content.sound(place) && content.sound("baud") &&
+           content.sound("protocol") && check_by_medium(port, scope, content, mistakes);
+}
+
+/// The time of one frame on the wire and a pause of one byte. Zero without a line.
 Duration wire_period(const OutputConfig& output) {
+    if (!output.port.medium->has_line) {
+        return Duration::zero();
+    }
     return output.port.line.bytes_time(output.protocol->longest_frame + 1);
 }
 
@@ -200,12 +229,14 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
                const TableContent& content, PortDraft& draft, Mistakes& mistakes) {
     check_inverted(content, mistakes);
     draft.where = entry.where;
-    draft.port_sound = port_sound(port, content);
     draft.config.name = entry.key;
     draft.config.protocol = port.protocol;
-    draft.config.settings = own_settings(port, content);
+    if (port.protocol != nullptr) {
+        draft.config.settings = values_of(port.protocol->settings, content);
+    }
     draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, mistakes);
     draft.config.port = port_config(port, content);
+    draft.port_sound = port_sound(draft.config.port, scope, content, mistakes);
 }
 
 void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {

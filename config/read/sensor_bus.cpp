@@ -12,6 +12,7 @@
 #include "config/schema/choices.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
+#include "transports/links/serial/serial_medium.h"
 
 namespace tribus {
 namespace {
@@ -208,6 +209,7 @@ SensorBusDraft read_sensor_bus(const Entry& entry, const Table& table, const Dra
     SensorBusConfig& config = bus.config;
     config.name = entry.key;
     bus.where = entry.where;
+    config.port.medium = &kSerialMedium;
     config.port.where = content.where("device");
     config.port.line.baud = kBaud;
     bus.port_sound = content.given("device") && content.sound("device");

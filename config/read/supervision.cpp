@@ -75,7 +75,7 @@ bool is_about_flags(std::string_view key) {
 }
 
 bool has_flags(const Protocol& protocol, const SettingValues& settings) {
-    return protocol.link == LinkKind::can || protocol.signals_failsafe(settings);
+    return protocol.shape == WireShape::can_frames || protocol.signals_failsafe(settings);
 }
 
 SupervisionSettings read_supervision(const TableContent& content, const Protocol* protocol,

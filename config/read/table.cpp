@@ -21,21 +21,46 @@ const Key* exact_key(std::string_view name, std::span<const Key> keys) {
     return key == keys.end() ? nullptr : &*key;
 }
 
-/// If `name` is the place key of another kind of link, such as "device" on CAN: the right place
-/// key.
-const Key* place_instead(std::string_view name, const TableRef& ref, std::span<const Key> keys) {
-    const Protocol* own = find_protocol(ref.protocol);
-    const bool is_place = std::ranges::any_of(protocols(), [name](const Protocol* protocol) {
-        return place_key(protocol->link).name() == name;
-    });
-    return own != nullptr && is_place ? exact_key(place_key(own->link).name(), keys) : nullptr;
+bool is_place(std::string_view name) {
+    return std::ranges::any_of(media(),
+                               [name](const Medium* medium) { return medium->place.key == name; });
 }
 
-void report_other_link(const TableRef& ref, const Entry& entry, const Key& place,
-                       Mistakes& mistakes) {
-    mistakes.add(entry.where, fmt::format("unknown key {} in {}; protocol {} has {} instead: {}",
+/// If `name` is the place key of another medium, such as "device" on CAN: the right place key.
+const Key* place_instead(std::string_view name, const TableRef& ref, std::span<const Key> keys) {
+    if (find_protocol(ref.protocol) == nullptr || !is_place(name)) {
+        return nullptr;
+    }
+    const auto own =
+        std::ranges::find_if(keys, [](const Key& key) { return is_place(key.name()); });
+    return own == keys.end() ? nullptr : &*own;
+}
+
+/// The media that carry the protocol: the key of each place, `between`, and what the key means.
+std::string places_of(const Protocol& protocol, std::string_view between) {
+    std::string places;
+    for (const Medium* medium : media_for(protocol.shape)) {
+        places += fmt::format("{}{}{}{}", places.empty() ? "" : ", or ",
+                              in_quotes(medium->place.key), between, medium->place.help);
+    }
+    return places;
+}
+
+void report_other_place(const TableRef& ref, const Entry& entry, const Key& place, bool taken,
+                        Mistakes& mistakes) {
+    const Protocol& protocol = *find_protocol(ref.protocol);
+    const bool would_do = std::ranges::any_of(
+        media_for(protocol.shape),
+        [&entry](const Medium* medium) { return medium->place.key == entry.key; });
+    if (taken && would_do) {
+        mistakes.add(entry.where,
+                     fmt::format("{} in {}, which has {} already; leave one of them out",
+                                 in_quotes(entry.key), ref.title, in_quotes(place.name())));
+        return;
+    }
+    mistakes.add(entry.where, fmt::format("unknown key {} in {}; protocol {} has {}",
                                           in_quotes(entry.key), ref.title, in_quotes(ref.protocol),
-                                          in_quotes(place.name()), place.setting.help));
+                                          places_of(protocol, " instead: ")));
 }
 
 void report_unknown(const TableRef& ref, const Entry& entry, std::span<const Key> keys,
@@ -72,7 +97,7 @@ std::vector<TableContent::Item> match(const TableRef& ref, std::span<const Key> 
         const bool taken = std::any_of(items.begin(), items.end(),
                                        [meant](const auto& item) { return item.key == meant; });
         if (place != nullptr) {
-            report_other_link(ref, entry, *place, mistakes);
+            report_other_place(ref, entry, *place, taken, mistakes);
         } else {
             report_unknown(ref, entry, keys, mistakes);
         }
@@ -108,6 +133,12 @@ std::string meaning_of(const Setting& setting) {
 
 void report_missing(const TableRef& ref, const Key& key, Reading reading) {
     if (reading.lost.affects(ref.where)) {
+        return;
+    }
+    const Protocol* const protocol = find_protocol(ref.protocol);
+    if (protocol != nullptr && is_place(key.name())) {
+        reading.mistakes.add(
+            ref.where, fmt::format("{} lacks {}", ref.title, places_of(*protocol, "; required: ")));
         return;
     }
     const std::string meaning = key.kind == KeyKind::protocol
@@ -166,7 +197,7 @@ TableContent read_table(const TableRef& ref, std::span<const Key> keys, Reading 
             } else if (auto value = default_of(key)) {
                 values.set(key.name(), std::move(*value));
             }
-        } else if (has_value(key) && !item->other_link) {
+        } else if (has_value(key) && !item->other_place) {
             auto value = key.kind == KeyKind::protocol
                              ? read_protocol_name(ref, item->entry->value, reading.mistakes)
                              : read_value(key, item->entry->value, reading.mistakes);

@@ -36,8 +36,8 @@ class TableContent {
         const Key* key = nullptr;
         const Entry* entry = nullptr;
         bool sound = true;
-        /// The entry is the place key of another kind of link. Its value is not checked.
-        bool other_link = false;
+        /// The entry is the place key of another medium. Its value is not checked.
+        bool other_place = false;
     };
 
     TableContent(Location where, std::span<const Key> keys, std::vector<Item> items,

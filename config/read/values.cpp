@@ -17,6 +17,7 @@
 #include "core/quotes.h"
 #include "transports/codecs/dbc/value_reader.h"
 #include "transports/codecs/dronecan/value_reader.h"
+#include "transports/links/can/can_medium.h"
 
 namespace tribus {
 namespace {
@@ -154,7 +155,7 @@ std::optional<ValueMessageConfig> read_message(const TableContent& content, Mist
     if (!sound || config.port.device.empty()) {
         return std::nullopt;
     }
-    config.port.link = LinkKind::can;
+    config.port.medium = &kCanMedium;
     config.port.where = content.where("interface");
     config.names = read_own_names(content, config, mistakes);
     config.timeout = default_timeout(config);

@@ -21,6 +21,7 @@
 #include "transports/codecs/ibus_sensor/types.h"
 #include "transports/codecs/protocol.h"
 #include "transports/links/gpio/gpio_place.h"
+#include "transports/links/medium.h"
 
 /// The configuration as plain values: a checked file with every default.
 namespace tribus {
@@ -48,12 +49,13 @@ struct RuntimeConfig {
     bool operator==(const RuntimeConfig&) const = default;
 };
 
-/// The serial device or CAN interface that an input or output uses.
+/// The place that an input or output uses, such as a serial device or a CAN interface.
 struct PortConfig {
-    LinkKind link = LinkKind::serial;
-    std::string device;  ///< path of a device, or name of an interface
-    LineSettings line;   ///< serial only
-    Location where;      ///< place of the value of `device` or `interface`
+    const Medium* medium = nullptr;
+    std::string device;      ///< the place, by the name that the medium gives it
+    LineSettings line;       ///< if the medium has a line
+    SettingValues settings;  ///< values of the medium's own keys
+    Location where;          ///< place of the value of `device`
 
     bool operator==(const PortConfig&) const = default;
 };

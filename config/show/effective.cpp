@@ -24,7 +24,7 @@ using Json = nlohmann::ordered_json;
 Json port_json(const PortConfig& port, const Protocol& protocol) {
     Json json = Json::object();
     json["protocol"] = protocol.name;
-    json[std::string(place_key(port.link).name())] = port.device;
+    json[std::string(port.medium->place.key)] = port.device;
     return json;
 }
 
@@ -49,14 +49,18 @@ Json input_json(const InputConfig& input) {
     for (const ChannelRule& rule : input.channels) {
         json["map"][std::to_string(rule.output + 1)] = channel_json(rule, {});
     }
-    json.update(values_json(input.settings, protocol_keys(*input.protocol, SettingScope::input)));
+    const auto own_keys = protocol_keys(*input.protocol, *input.port.medium, SettingScope::input);
+    json.update(values_json(input.port.settings, own_keys));
+    json.update(values_json(input.settings, own_keys));
     return json;
 }
 
 Json output_json(const OutputConfig& output) {
-    const auto own_keys = protocol_keys(*output.protocol, SettingScope::output);
+    const auto own_keys =
+        protocol_keys(*output.protocol, *output.port.medium, SettingScope::output);
     Json json = port_json(output.port, *output.protocol);
     json.update(fields_json(output, output_keys()));
+    json.update(values_json(output.port.settings, own_keys));
     json.update(fields_json(output, own_keys));
     json.update(values_json(output.settings, own_keys));
     return json;

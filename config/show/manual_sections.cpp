@@ -60,26 +60,28 @@ std::vector<Key> copy(std::span<const Key> keys) {
     return {keys.begin(), keys.end()};
 }
 
-std::string quoted_list(LinkKind link, SettingScope way) {
+std::string quoted_list(WireShape shape, SettingScope way) {
     std::vector<std::string> names;
     for (const Protocol* protocol : protocols()) {
-        if (protocol->link == link && protocol->goes(way)) {
+        if (protocol->shape == shape && protocol->goes(way)) {
             names.push_back(fmt::format("`{}`", protocol->name));
         }
     }
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// What all inputs, or outputs, have, and what those on one kind of link have.
+/// What all inputs, or outputs, have, and what those on one medium have.
 std::vector<Key> port_keys(SettingScope way) {
     std::vector<Key> keys = copy(way == SettingScope::input ? input_keys() : output_keys());
     std::size_t place = 1;
-    for (const LinkKind link : {LinkKind::serial, LinkKind::can}) {
-        Key key = place_key(link);
+    for (const Medium* medium : media()) {
+        Key key = place_key(*medium);
         key.setting.required = false;
-        key.setting.absent =
-            link == LinkKind::can ? "required on CAN" : "required on a serial line";
+        key.setting.absent = medium->place_absent;
         keys.insert(keys.begin() + std::ptrdiff_t(place++), key);
+        for (const Setting& setting : medium->settings) {
+            keys.push_back({setting});
+        }
     }
     if (way == SettingScope::output) {
         keys.push_back(key_rows::kForeignSenderKey);
@@ -88,11 +90,15 @@ std::vector<Key> port_keys(SettingScope way) {
 }
 
 std::string place_text(SettingScope way) {
+    std::vector<std::string> places;
+    for (const Medium* medium : media()) {
+        places.push_back(fmt::format("`{}` on {} ({})", medium->place.key, medium->name,
+                                     quoted_list(medium->shape, way)));
+    }
     return fmt::format(
-        "Of `device` and `interface` the protocol requires one: `device` of serial protocols "
-        "({}), `interface` of those on CAN ({}). Each protocol has [keys of its "
-        "own](#keys-of-protocols) besides.",
-        quoted_list(LinkKind::serial, way), quoted_list(LinkKind::can, way));
+        "One key names the place: {}. Each protocol has [keys of its own](#keys-of-protocols) "
+        "besides.",
+        fmt::join(places, ", or "));
 }
 
 void add_ports(std::vector<ManualSection>& sections) {
@@ -125,7 +131,7 @@ void add_ports(std::vector<ManualSection>& sections) {
 }
 
 std::string line_text(const Protocol& protocol) {
-    if (protocol.link == LinkKind::can) {
+    if (protocol.shape == WireShape::can_frames) {
         return "on CAN";
     }
     return fmt::format("on a serial line, {} baud 8{}{} unless `baud` says otherwise",

@@ -86,12 +86,12 @@ struct Bus {
 
 void add_ports(const Configuration& configuration, Bus& bus) {
     for (const InputConfig& input : configuration.inputs) {
-        if (input.protocol->link == LinkKind::can) {
+        if (input.protocol->shape == WireShape::can_frames) {
             bus.readers.push_back(&input);
         }
     }
     for (const OutputConfig& output : configuration.outputs) {
-        if (output.protocol->link == LinkKind::can) {
+        if (output.protocol->shape == WireShape::can_frames) {
             bus.speakers.push_back(&output);
         }
     }

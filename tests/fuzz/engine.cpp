@@ -160,7 +160,7 @@ class Witness final : public OutputObserver {
     };
     static Ear make_ear(const Protocol& protocol, const SettingValues& settings) {
         Ear ear;
-        if (protocol.link == LinkKind::serial) {
+        if (protocol.shape == WireShape::bytes) {
             ear.serial = make_byte_decoder(protocol, settings);
             ear.read_at.reserve(kMostSteps * kMostBytesOfStep);
         } else {

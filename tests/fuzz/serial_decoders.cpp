@@ -13,7 +13,7 @@ namespace {
 std::vector<const Protocol*> readable() {
     std::vector<const Protocol*> found;
     for (const Protocol* protocol : protocols()) {
-        if (protocol->link == LinkKind::serial && protocol->make_decoder != nullptr) {
+        if (protocol->shape == WireShape::bytes && protocol->make_decoder != nullptr) {
             found.push_back(protocol);
         }
     }

@@ -34,12 +34,12 @@ inline CanIdMatch standard_id(std::uint32_t id, std::uint32_t mask = kMostStanda
 }
 
 /// Reads 0x123 and sends the four ids from kFirstSent on.
-inline CanSocketSettings usual_settings() {
+inline LinkUse usual_settings() {
     return {.wanted = {standard_id(0x123)}, .sent = {standard_id(kFirstSent, 0x7FC)}, .fd = false};
 }
 
 inline std::unique_ptr<CanSocket> open_link(const std::string& interface,
-                                            const CanSocketSettings& settings = usual_settings()) {
+                                            const LinkUse& settings = usual_settings()) {
     auto link = CanSocket::open(interface, settings);
     EXPECT_TRUE(link) << link.error();
     return link ? std::move(*link) : nullptr;

@@ -195,7 +195,7 @@ TEST(LabCanSocket, KnowsWhenAFrameArrivedAlthoughItIsReadLate) {
 TEST(LabCanSocket, CarriesFdFramesBothWays) {
     const VirtualBus bus;
     RawCan node(bus.name());
-    CanSocketSettings settings = usual_settings();
+    LinkUse settings = usual_settings();
     settings.fd = true;
     const auto link = open_link(bus.name(), settings);
     LinkDriver driver(*link);
@@ -229,7 +229,7 @@ TEST(LabCanSocket, WhatASocketHasNoRoomForIsCounted) {
     EXPECT_GT(driver.counts().received, 500U);
 }
 
-std::string open_problem(const std::string& interface, const CanSocketSettings& settings) {
+std::string open_problem(const std::string& interface, const LinkUse& settings) {
     const auto link = CanSocket::open(interface, settings);
     return link ? "none" : link.error();
 }
@@ -242,7 +242,7 @@ TEST(LabCanSocketOpening, NamesTheInterfacesThatThereAre) {
 }
 
 TEST(LabCanSocketOpening, RefusesFdWhereTheInterfaceHasNone) {
-    CanSocketSettings settings = usual_settings();
+    LinkUse settings = usual_settings();
     settings.fd = true;
     const PacedBus bus(125'000);
     const std::string problem = open_problem(bus.near(), settings);
@@ -254,7 +254,7 @@ TEST(LabCanSocketOpening, RefusesFdWhereTheInterfaceHasNone) {
 
 TEST(LabCanSocketOpening, TakesAsManyFiltersAsTheKernelAndNoMore) {
     const VirtualBus bus;
-    CanSocketSettings settings;
+    LinkUse settings;
     for (std::uint32_t id = 0; id < 512; ++id) {
         settings.wanted.push_back(standard_id(id));
     }

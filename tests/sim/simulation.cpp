@@ -106,7 +106,7 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
                        std::uint64_t seed)
     : engine_(build_engine(configuration)) {
     for (const OutputConfig& output : configuration.outputs) {
-        const bool can = output.port.link == LinkKind::can;
+        const bool can = output.port.medium->shape == WireShape::can_frames;
         const bool own_format = output.protocol->name == "can";
         readers_.push_back(can ? nullptr : make_byte_decoder(*output.protocol, output.settings));
         can_readers_.push_back(own_format ? make_can_decoder(*output.protocol, {}) : nullptr);
@@ -115,7 +115,7 @@ Simulation::Simulation(const Configuration& configuration, std::vector<Sender> s
     }
     for (Sender& sender : senders) {
         const Protocol* protocol = find_protocol(sender.protocol);
-        const bool can = protocol->link == LinkKind::can;
+        const bool can = protocol->shape == WireShape::can_frames;
         SettingValues eighteen_channels;
         eighteen_channels.set("channels", std::int64_t{18});
         Wire& wire = wires_.emplace_back(Wire{

@@ -62,7 +62,7 @@ class TinyCanEncoder final : public CanEncoder {
 inline const Protocol kTinyCan{
     .name = "tiny",
     .description = "For tests",
-    .link = LinkKind::can,
+    .shape = WireShape::can_frames,
     .line = {},
     .settings = {},
     .default_period = std::chrono::milliseconds(20),
@@ -79,7 +79,7 @@ inline const Protocol kTinyCan{
 inline const Protocol kOtherTinyCan{
     .name = "other",
     .description = "For tests",
-    .link = LinkKind::can,
+    .shape = WireShape::can_frames,
     .line = {},
     .settings = {},
     .make_decoder = [](const SettingValues&) -> AnyDecoder {

@@ -14,13 +14,12 @@
 #include "core/pulse.h"
 #include "core/setting.h"
 #include "core/time.h"
+#include "core/wire_shape.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/frame_encoder.h"
 
 namespace tribus {
-
-enum class LinkKind : std::uint8_t { serial, can };
 
 /// A decoder, by what arrives.
 using AnyDecoder = std::variant<std::unique_ptr<ByteDecoder>, std::unique_ptr<CanDecoder>>;
@@ -37,8 +36,8 @@ struct NamedUse {
 struct Protocol {
     std::string_view name;
     std::string_view description;
-    LinkKind link = LinkKind::serial;
-    /// Serial protocols only.
+    WireShape shape = WireShape::bytes;
+    /// Of a serial line that carries it. Protocols of bytes only.
     LineSettings line;
     /// Keys of this protocol, in addition to those of every input or output.
     std::span<const Setting> settings;

@@ -2,8 +2,11 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
+#include "core/wire_shape.h"
 #include "transports/codecs/protocol.h"
+#include "transports/links/medium.h"
 
 namespace tribus {
 
@@ -12,5 +15,11 @@ std::span<const Protocol* const> protocols();
 
 /// The protocol with that name, or null. Reentrant.
 const Protocol* find_protocol(std::string_view name);
+
+/// All media of the program, one line each in the source. Reentrant.
+std::span<const Medium* const> media();
+
+/// The media that carry protocols of that shape, at least one. Reentrant.
+std::vector<const Medium*> media_for(WireShape shape);
 
 }  // namespace tribus

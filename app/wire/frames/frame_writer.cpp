@@ -156,7 +156,7 @@ class CanLogWriter final : public FrameWriter {
 
 std::unique_ptr<FrameWriter> make_frame_writer(const ProtocolUse& use, EncodeFormat format,
                                                std::string_view interface, std::ostream& results) {
-    if (use.protocol->link == LinkKind::can) {
+    if (use.protocol->shape == WireShape::can_frames) {
         return std::make_unique<CanLogWriter>(use, interface, results);
     }
     return std::make_unique<SerialWriter>(use, format, results);

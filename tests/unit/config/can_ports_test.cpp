@@ -13,6 +13,8 @@
 #include "tests/support/can_snapshots.h"
 #include "tests/unit/config/main_job.h"
 #include "transports/codecs/native_can/channels.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/serial/serial_medium.h"
 
 /// Inputs and outputs with protocol "can" as a user writes them.
 namespace tribus::test::can_ports_test {
@@ -182,7 +184,7 @@ TEST(CanPorts, WhatIsWrittenAsTheWrongPlaceIsNotJudgedAsTheRightOne) {
 TEST(CanPorts, HaveTheDefaultsOfTheNativeFormat) {
     const Configuration configuration = loaded(bus_job_with(0, ""));
     const InputConfig& input = configuration.inputs.at(0);
-    EXPECT_EQ(input.port.link, LinkKind::can);
+    EXPECT_EQ(input.port.medium, &kCanMedium);
     EXPECT_EQ(input.port.device, "can0");
     EXPECT_EQ(input.supervision.timeout, milliseconds(100));
     const OutputConfig& output = configuration.outputs.at(0);
@@ -288,13 +290,13 @@ to = ["d", "e", "f"]
     const auto plans = plan_ports(configuration);
     ASSERT_EQ(plans.size(), 3U);
     EXPECT_EQ(plans[0].config.device, "can0");
-    EXPECT_EQ(plans[0].config.link, LinkKind::can);
+    EXPECT_EQ(plans[0].config.medium, &kCanMedium);
     EXPECT_EQ(plans[0].wiring.inputs, (std::vector<std::size_t>{0, 2}));
     EXPECT_EQ(plans[0].wiring.outputs, (std::vector<std::size_t>{0, 1}));
     EXPECT_EQ(plans[1].config.device, "can1");
     EXPECT_EQ(plans[1].wiring.inputs, std::vector<std::size_t>{1});
     // A serial device of the same name does not belong to that interface.
-    EXPECT_EQ(plans[2].config.link, LinkKind::serial);
+    EXPECT_EQ(plans[2].config.medium, &kSerialMedium);
     EXPECT_EQ(plans[2].wiring.outputs, std::vector<std::size_t>{2});
 }
 

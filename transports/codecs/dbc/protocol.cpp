@@ -121,7 +121,7 @@ AnyEncoder make_dbc_encoder(const SettingValues& settings) {
 const Protocol kDbcProtocol{
     .name = "dbc",
     .description = "Messages that a DBC file describes",
-    .link = LinkKind::can,
+    .shape = WireShape::can_frames,
     .line = {},
     .settings = kDbcSettings,
     .default_period = std::chrono::milliseconds(20),

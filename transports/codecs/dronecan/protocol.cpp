@@ -305,7 +305,7 @@ AnyEncoder make_encoder(const SettingValues& settings) {
 const Protocol kDroneCanProtocol{
     .name = "dronecan",
     .description = "DroneCAN: RCInput, ArrayCommand, RawCommand",
-    .link = LinkKind::can,
+    .shape = WireShape::can_frames,
     .line = {},
     .settings = dronecan::kDroneCanSettings,
     .default_period = std::chrono::milliseconds(10),

@@ -110,7 +110,7 @@ CanChannelsFormat CanChannelsFormat::from_settings(const SettingValues& settings
 const Protocol kCanProtocol{
     .name = "can",
     .description = "The native format: 16 or 18 channels in protected CAN or CAN FD frames",
-    .link = LinkKind::can,
+    .shape = WireShape::can_frames,
     .line = {},
     .settings = kSettings,
     .default_period = std::chrono::milliseconds(can_channels::kDefaultPeriodMilliseconds),

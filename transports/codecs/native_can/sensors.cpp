@@ -156,7 +156,7 @@ CanFrame SensorCanEncoder::make_frame(std::size_t i, Instant now) {
 const Protocol kSensorsProtocol{
     .name = "sensors",
     .description = "The readings of a sensor bus, a CAN frame for each address",
-    .link = LinkKind::can,
+    .shape = WireShape::can_frames,
     .line = {},
     .settings = kSensorSettings,
     .default_period = kDefaultPeriod,

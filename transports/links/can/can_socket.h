@@ -18,20 +18,10 @@
 #include "transports/links/can/can_link.h"
 #include "transports/links/can/can_transmitter.h"
 #include "transports/links/can/clock_step.h"
+#include "transports/links/medium.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus {
-
-/// Requirements of all users of one interface.
-struct CanSocketSettings {
-    std::vector<CanIdMatch> wanted;  ///< ids that inputs read
-    /// Ids that outputs send. Needed to receive confirmations and to notice other senders of these
-    /// ids.
-    std::vector<CanIdMatch> sent;
-    bool fd = false;  ///< an input or output uses FD frames
-
-    bool operator==(const CanSocketSettings&) const = default;
-};
 
 /// A SocketCAN interface. Thread-bound. No heap after `open`.
 ///
@@ -42,8 +32,8 @@ class CanSocket final : public CanLink {
   public:
     /// Opens the interface, even if it is down. The error begins with the interface and says what
     /// to do. May block: not for the data path.
-    static tl::expected<std::unique_ptr<CanSocket>, std::string> open(
-        const std::string& interface, const CanSocketSettings& settings);
+    static tl::expected<std::unique_ptr<CanSocket>, std::string> open(const std::string& interface,
+                                                                      const LinkUse& settings);
 
     /// Whether no network interface has that name although it is valid: it may be plugged in later.
     static bool is_missing(const std::string& interface);
@@ -53,7 +43,7 @@ class CanSocket final : public CanLink {
     ~CanSocket() override;
 
     ReadStatus read(CanReception& reception, Instant now, Duration wall_time) override;
-    /// All frames need ids of CanSocketSettings::sent and must not be remote frames.
+    /// All frames need ids of LinkUse::sent and must not be remote frames.
     WriteStatus write(std::size_t lane, std::span<const CanFrame> snapshot, Instant now) override;
     Instant poll(Instant now) override;
     CanLinkStatus status() const override { return {transmitter_.state(), counts_}; }

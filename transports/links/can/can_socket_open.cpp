@@ -69,8 +69,8 @@ std::string bind_problem(int error) {
 
 }  // namespace
 
-tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(
-    const std::string& interface, const CanSocketSettings& settings) {
+tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std::string& interface,
+                                                                      const LinkUse& settings) {
     const auto failed = [&interface](const std::string& why) {
         return tl::unexpected(interface + ": " + why);
     };

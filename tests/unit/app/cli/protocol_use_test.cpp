@@ -96,8 +96,8 @@ TEST(ProtocolUse, AProtocolThatOnlySendsCannotBeRead) {
 }
 
 TEST(ProtocolUse, ListsTheProtocolsOfOneKindOfLink) {
-    EXPECT_EQ(protocol_list(LinkKind::serial), "ibus, sbus");
-    EXPECT_EQ(protocol_list(LinkKind::can), "can, dbc, sensors, dronecan");
+    EXPECT_EQ(protocol_list(WireShape::bytes), "ibus, sbus");
+    EXPECT_EQ(protocol_list(WireShape::can_frames), "can, dbc, sensors, dronecan");
 }
 
 TEST(ProtocolUse, NumbersMayBeHexadecimal) {

@@ -22,7 +22,7 @@ namespace tribus::init::test::configuration_text_test {
 namespace {
 
 ExaminedPlace port_of(const Protocol& protocol, const std::string& number) {
-    return protocol.link == LinkKind::serial ? free_port(number) : interface_named("can" + number);
+    return protocol.shape == WireShape::bytes ? free_port(number) : interface_named("can" + number);
 }
 Attachment input_of(const Protocol& protocol, const std::string& number = "0") {
     return decide_input(port_of(protocol, number), &protocol).attachment.value();

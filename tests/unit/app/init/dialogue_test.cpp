@@ -13,6 +13,8 @@
 #include "transports/codecs/ibus/ibus.h"
 #include "transports/codecs/native_can/channels.h"
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/serial/serial_medium.h"
 
 namespace tribus::init::test::dialogue_test {
 namespace {
@@ -35,7 +37,7 @@ class DescribedPorts : public Ports {
         }
         ExaminedPlace examined = interface_named(place);
         examined.known = place.find('/') != std::string::npos;
-        examined.link = examined.known ? LinkKind::serial : LinkKind::can;
+        examined.medium = examined.known ? &kSerialMedium : &kCanMedium;
         return examined;
     }
     ExaminedPlace listen(const std::string& place) override {

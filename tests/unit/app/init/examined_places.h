@@ -4,13 +4,15 @@
 
 #include "app/doctor/line_heard.h"
 #include "app/init/attachment.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/serial/serial_medium.h"
 
 /// Places for the tests of `tribus init`.
 namespace tribus::init::test {
 
 /// A USB adapter that runs every protocol.
 inline ExaminedPlace free_port(const std::string& number) {
-    ExaminedPlace examined{.link = LinkKind::serial,
+    ExaminedPlace examined{.medium = &kSerialMedium,
                            .name = "/dev/serial/by-id/usb-FTDI_" + number,
                            .node = "/dev/ttyUSB" + number,
                            .kind = "USB adapter, FTDI FT232R"};
@@ -27,7 +29,7 @@ inline ExaminedPlace free_port(const std::string& number) {
 
 /// The mini UART of a Raspberry Pi, which has no parity bit.
 inline ExaminedPlace mini_uart() {
-    ExaminedPlace examined{.link = LinkKind::serial,
+    ExaminedPlace examined{.medium = &kSerialMedium,
                            .name = "/dev/ttyS0",
                            .node = "/dev/ttyS0",
                            .kind = "mini UART of a Raspberry Pi"};
@@ -38,7 +40,7 @@ inline ExaminedPlace mini_uart() {
 }
 
 inline ExaminedPlace interface_named(const std::string& name) {
-    return {.link = LinkKind::can, .name = name, .node = name, .kind = "CAN interface"};
+    return {.medium = &kCanMedium, .name = name, .node = name, .kind = "CAN interface"};
 }
 
 inline ExaminedPlace with_problem(ExaminedPlace examined, std::string_view id,

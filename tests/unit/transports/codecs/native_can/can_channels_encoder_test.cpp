@@ -301,7 +301,7 @@ TEST(CanProtocol, MakesCodecsAsTheSettingsSay) {
     ASSERT_EQ(decoder->wanted().size(), 4U);
     EXPECT_EQ(encoder.encoder().sent()[0].id, 0x123U);
     EXPECT_TRUE(encoder.encoder().sent()[0].extended);
-    EXPECT_EQ(kCanProtocol.link, LinkKind::can);
+    EXPECT_EQ(kCanProtocol.shape, WireShape::can_frames);
     EXPECT_TRUE(kCanProtocol.signals_failsafe(settings));
     const auto frames = encoder.encode(numbered_snapshot(1), can_time({})).can_frames();
     EXPECT_EQ(frames[0].data[0],

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "core/can_frame.h"
+#include "core/line_settings.h"
+#include "core/setting.h"
+#include "core/wire_shape.h"
+#include "transports/links/link.h"
+
+namespace tribus {
+
+/// What the users of one place need from its link. A medium reads the members that concern it.
+struct LinkUse {
+    LineSettings line = {};
+    std::vector<CanIdMatch> wanted = {};  ///< ids that inputs read
+    /// Ids that outputs send. Needed to receive confirmations and to notice other senders of these
+    /// ids.
+    std::vector<CanIdMatch> sent = {};
+    bool fd = false;              ///< an input or output uses FD frames
+    SettingValues settings = {};  ///< values of the medium's own keys
+    /// On a medium with one user a place: input or output. Else both.
+    SettingScope way = SettingScope::both;
+
+    bool operator==(const LinkUse&) const = default;
+};
+
+/// Who may use one place of a medium at the same time.
+enum class Users : std::uint8_t {
+    one,           ///< one input or one output
+    one_each_way,  ///< one input and one output, by the same link
+    many,          ///< any number, and a link may be opened while another one is open
+};
+
+/// A way to carry protocols, such as serial ports. Each medium is a line of the table in
+/// transports/registry/registry.cpp. No function may be called on the data path.
+struct Medium {
+    /// A noun for messages: "protocol X does not run on NAME".
+    std::string_view name;
+    /// It carries all protocols of this shape.
+    WireShape shape = WireShape::bytes;
+    /// The key of an input or output that names the place: a device, an interface.
+    Setting place;
+    /// What the manual says of an input or output without that key: "required on CAN".
+    std::string_view place_absent;
+    /// Further keys of an input or output on this medium.
+    std::span<const Setting> settings = {};
+    /// Errors in the place and in valid settings. Null: none possible.
+    std::vector<SettingMistake> (*check)(const std::string& place, const SettingValues& settings,
+                                         SettingScope way) = nullptr;
+    /// Whether its bytes have a rate, a parity and stop bits (LinkUse::line), and so a duration.
+    bool has_line = false;
+    Users users = Users::one;
+    /// Whether nothing has that name now: it may be plugged in later.
+    bool (*is_missing)(const std::string& place) = nullptr;
+    /// Whether two different names stand for one place. Null: never.
+    bool (*is_same)(const std::string& a, const std::string& b) = nullptr;
+    /// Why the place can never be used, if that is known: "this is a folder; give ...". Else empty.
+    /// Null: never known.
+    std::string (*refusal)(const std::string& place) = nullptr;
+    /// The error begins with the place and says what to do. May block.
+    tl::expected<std::unique_ptr<Link>, std::string> (*open)(const std::string& place,
+                                                             const LinkUse& use) = nullptr;
+};
+
+/// The same as a link of its own type, for `Medium::open`.
+template <class Opened>
+tl::expected<std::unique_ptr<Link>, std::string> as_link(
+    tl::expected<std::unique_ptr<Opened>, std::string> opened) {
+    if (!opened) {
+        return tl::unexpected(std::move(opened.error()));
+    }
+    return std::unique_ptr<Link>(std::move(*opened));
+}
+
+}  // namespace tribus
