@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kPageWidth = 120;
 
 constexpr std::string_view kPageHead =
-    "<!-- Made from the key table: tribus schema --format markdown > docs/configuration.md -->\n\n"
+    "<!-- Made by tribus schema --format markdown -->\n\n"
     "# Configuration: every key\n\n"
     "The same in a terminal: `man tribus.toml`.\n";
 

@@ -56,6 +56,19 @@ TEST_F(InstalledPages, are_there) {
     EXPECT_GE(pages().size(), 25U);
 }
 
+TEST_F(InstalledPages, list_the_keys_of_this_program) {
+    const std::string keys = "/usr/share/doc/tribus/docs/configuration.md";
+    EXPECT_EQ(text_of_file(root() / keys.substr(1)),
+              run_in_shell(TRIBUS_PROGRAM " schema --format markdown").output);
+    const std::string schema = "/usr/share/tribus/tribus.schema.json";
+    EXPECT_EQ(text_of_file(root() / schema.substr(1)),
+              run_in_shell(TRIBUS_PROGRAM " schema").output);
+    EXPECT_EQ(
+        run_in_shell("zcat '" + (root() / "usr/share/man/man5/tribus.toml.5.gz").string() + "'")
+            .output,
+        run_in_shell(TRIBUS_PROGRAM " schema --format man").output);
+}
+
 TEST_F(InstalledPages, link_to_what_is_installed) {
     std::size_t count = 0;
     for (const fs::path& page : pages()) {
@@ -94,8 +107,8 @@ TEST_F(InstalledPages, name_files_that_are_installed) {
             ++count;
         }
     }
-    for (const char* source : {"deploy/man/tribus.1", "deploy/man/tribus.toml.5",
-                               "deploy/debian/description", "app/doctor/line_advice.cpp"}) {
+    for (const char* source :
+         {"deploy/man/tribus.1", "deploy/debian/description", "app/doctor/line_advice.cpp"}) {
         for (const std::string& path :
              paths_in(text_of_file(fs::path(TRIBUS_SOURCE_DIR) / source))) {
             EXPECT_TRUE(has(path)) << source << " names " << path;

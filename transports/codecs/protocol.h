@@ -32,7 +32,7 @@ struct NamedUse {
 };
 
 /// Description of a protocol for the rest of the program. Each one is a line of the table in
-/// transports/registry/registry.cpp. The functions are pure and reentrant.
+/// transports/registry/protocols.inc. The functions are pure and reentrant.
 struct Protocol {
     std::string_view name;
     std::string_view description;

@@ -39,7 +39,7 @@ enum class Users : std::uint8_t {
 };
 
 /// A way to carry protocols, such as serial ports. Each medium is a line of the table in
-/// transports/registry/registry.cpp. No function may be called on the data path.
+/// transports/registry/media.inc. No function may be called on the data path.
 struct Medium {
     /// A noun for messages: "protocol X does not run on NAME".
     std::string_view name;

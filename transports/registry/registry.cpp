@@ -4,36 +4,33 @@
 #include <array>
 #include <iterator>
 
-#include "transports/codecs/dbc/dbc.h"
-#include "transports/codecs/dronecan/dronecan.h"
-#include "transports/codecs/ibus/ibus.h"
-#include "transports/codecs/native_can/channels.h"
-#include "transports/codecs/native_can/sensors.h"
-#include "transports/codecs/sbus/sbus.h"
-#include "transports/links/can/can_medium.h"
-#include "transports/links/serial/serial_medium.h"
-
 namespace tribus {
+
+#define TRIBUS_ROW(name) extern const Protocol name;
+#include "transports/registry/protocols.inc"
+#undef TRIBUS_ROW
+#define TRIBUS_ROW(name) extern const Medium name;
+#include "transports/registry/media.inc"
+#undef TRIBUS_ROW
+
+#define TRIBUS_ROW(name) &name,
 
 std::span<const Protocol* const> protocols() {
     static constexpr std::array kProtocols{
-        &kIbusProtocol, &kSbusProtocol,    &kCanProtocol,
-        &kDbcProtocol,  &kSensorsProtocol, &kDroneCanProtocol,
+#include "transports/registry/protocols.inc"
     };
     return kProtocols;
 }
 
 const Protocol* find_protocol(std::string_view name) {
-    for (const Protocol* protocol : protocols()) {
-        if (protocol->name == name) {
-            return protocol;
-        }
-    }
-    return nullptr;
+    const auto found = std::ranges::find(protocols(), name, &Protocol::name);
+    return found == protocols().end() ? nullptr : *found;
 }
 
 std::span<const Medium* const> media() {
-    static constexpr std::array kMedia{&kSerialMedium, &kCanMedium};
+    static constexpr std::array kMedia{
+#include "transports/registry/media.inc"
+    };
     return kMedia;
 }
 

@@ -11,6 +11,7 @@
 #include "config/show/manual_sections.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/unit/config/main_job.h"
+#include "transports/registry/registry.h"
 
 /// The example of every key in the manual, in a whole configuration that must be valid with it.
 namespace tribus::test::key_examples_test {
@@ -104,19 +105,22 @@ std::string signal(std::string_view name, std::string_view lines) {
            std::string(kInput) + std::string(kPipeline);
 }
 
+std::string protocol_line(const Protocol& protocol) {
+    return "protocol = \"" + std::string(protocol.name) + "\"\n";
+}
+std::string place_line(const Medium& medium) {
+    return std::string(medium.place.key) + " = " + std::string(medium.place.example) + "\n";
+}
+
 /// For all keys of a section, by its anchor.
 std::map<std::string, std::string> contexts() {
     const std::string serial = "protocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n";
-    const std::string ibus = "protocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n";
-    return {
+    std::map<std::string, std::string> contexts{
         {"runtime", around("[runtime]\nHERE\n")},
         {"input", input(serial)},
         {"failsafe_when",
          input(serial + "[[input.receiver.failsafe_when]]\nchannel = 3\nbelow = 950\n")},
         {"output", output(serial)},
-        {"ibus", input(ibus)},
-        {"sbus", input(serial)},
-        {"can", input("protocol = \"can\"\ninterface = \"can0\"\n")},
         {"dbc", input("protocol = \"dbc\"\ninterface = \"can0\"\ndbc = \"rover.dbc\"\n"
                       "signals = { Command = { Steering = 1 }, Heartbeat = { State = { fixed = 5 } "
                       "} }\n")},
@@ -152,6 +156,11 @@ std::map<std::string, std::string> contexts() {
         {"dronecan_node", around("[dronecan.bus]\ninterface = \"can0\"\nnode_id = 7\nHERE\n")},
         {"recorder", around("[recorder]\nHERE\n")},
     };
+    for (const Protocol* protocol : protocols()) {
+        const Medium& medium = *media_for(protocol->shape).front();
+        contexts.emplace(protocol->name, input(protocol_line(*protocol) + place_line(medium)));
+    }
+    return contexts;
 }
 
 /// For keys that go with others than the rest of their section.
@@ -161,11 +170,9 @@ std::map<std::string, std::string> special_contexts() {
         "interface = \"can0\"\n"
         "dronecan = \"uavcan.equipment.power.BatteryInfo\"\n");
     const std::string on_can = output("protocol = \"can\"\ninterface = \"can0\"\n");
-    return {
-        {"input-interface", input("protocol = \"can\"\n")},
+    std::map<std::string, std::string> contexts{
         {"failsafe_when-all_zero",
          input("protocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n[[input.receiver.failsafe_when]]\n")},
-        {"output-interface", output("protocol = \"can\"\n")},
         {"output-phase", output("protocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
                                 "schedule = \"grid\"\n")},
         {"output-foreign_sender", on_can},
@@ -224,6 +231,18 @@ std::map<std::string, std::string> special_contexts() {
         {"dbc-signals-data_id", signal("Steering", "checksum = \"p01\"\n")},
         {"dbc-signals-from", signal("Speed", "")},
     };
+    for (const Medium* medium : media()) {
+        const auto carried = std::ranges::find(protocols(), medium->shape, &Protocol::shape);
+        const std::string protocol = protocol_line(**carried);
+        contexts.emplace("input-" + std::string(medium->place.key), input(protocol));
+        contexts.emplace("output-" + std::string(medium->place.key), output(protocol));
+        for (const Setting& setting : medium->settings) {
+            const std::string lines = protocol + place_line(*medium);
+            contexts.emplace("input-" + std::string(setting.key), input(lines));
+            contexts.emplace("output-" + std::string(setting.key), output(lines));
+        }
+    }
+    return contexts;
 }
 
 Lines split(const std::string& text) {

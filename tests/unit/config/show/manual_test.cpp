@@ -16,21 +16,6 @@
 namespace tribus::test::manual_test {
 namespace {
 
-std::filesystem::path source(const char* path) {
-    return std::filesystem::path(TRIBUS_SOURCE_DIR) / path;
-}
-
-TEST(Manual, PageIsTheCommittedFile) {
-    EXPECT_EQ(content_of(source("docs/configuration.md")), manual_markdown())
-        << "the key table has changed; run: tribus schema --format markdown > "
-           "docs/configuration.md";
-}
-
-TEST(Manual, ManualPageIsTheCommittedFile) {
-    EXPECT_EQ(content_of(source("deploy/man/tribus.toml.5")), manual_mdoc())
-        << "the key table has changed; run: tribus schema --format man > deploy/man/tribus.toml.5";
-}
-
 bool shows(const ManualSection& section, const Key& key) {
     return std::ranges::any_of(section.keys, [&](const Key& row) {
         return row.name() == key.name() && row.setting.help == key.setting.help;
