@@ -11,6 +11,7 @@
 #include "config/schema/notation.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
+#include "transports/registry/registry.h"
 
 namespace tribus::doctor {
 namespace {
@@ -23,10 +24,10 @@ constexpr Duration kUsualTimeout = std::chrono::milliseconds(100);
 constexpr std::uint64_t kBadShare = 100;
 
 std::string name_of(std::string_view protocol) {
-    if (protocol == "ibus") {
-        return "i.Bus";
+    if (protocol == kSensorBusName) {
+        return "the i.Bus sensor bus";
     }
-    return protocol == "sbus" ? "SBUS" : "the i.Bus sensor bus";
+    return std::string(find_protocol(protocol)->title);
 }
 
 std::string format_of(const LineSettings& line) {
@@ -44,7 +45,7 @@ std::string seconds_text(Duration time) {
 }
 
 std::string channels_of(const LineStory& story) {
-    if (story.protocol == "ibus") {
+    if (story.protocol != "sbus") {
         return fmt::format(", {} channels", story.channels);
     }
     return fmt::format("{}, 16 channels and 2 switches", story.sbus2 ? " (SBUS2)" : "");
@@ -153,7 +154,7 @@ void judge_frames(const LineStory& story, std::vector<Finding>& findings) {
                     "Ground the receiver at the board, keep the wire short and away from motors, "
                     "and use a fast inverter."));
     }
-    if (story.failsafe == story.frames && story.frames > 0 && story.protocol == "sbus") {
+    if (story.failsafe == story.frames && story.frames > 0) {
         findings.push_back(
             finding(Severity::advice, "line.failsafe", "every frame is marked failsafe",
                     "The receiver has no radio link.", "Switch the transmitter on, or bind it."));

@@ -13,6 +13,7 @@
 #include "transports/codecs/ibus/ibus.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/registry/registry.h"
 
 namespace tribus::doctor {
 namespace {
@@ -198,21 +199,43 @@ std::optional<LineStory> with_sensor_bus(const Heard& heard, std::optional<LineS
     return story;
 }
 
-Reading read_any(const Heard& heard) {
-    if (heard.line != kIbusLine) {
-        return read_frames(heard, kSbusProtocol);
-    }
-    Reading reading = read_frames(heard, kIbusProtocol);
-    reading.story = with_sensor_bus(heard, std::move(reading.story));
-    return reading;
+/// Whether a smaller share of the bytes is outside frames.
+bool is_cleaner(const LineStory& story, const LineStory& other) {
+    return story.lost_bytes * other.bytes < other.lost_bytes * story.bytes;
 }
 
-/// The reading with the smallest share of bytes outside frames; the first of equal ones.
+/// SBUS is recognised with any line settings but those of i.Bus, to see wrong ones; another
+/// protocol with its own settings only.
+bool may_carry(const LineSettings& line, const Protocol& protocol) {
+    return &protocol == &kSbusProtocol ? line != kIbusLine : line == protocol.line;
+}
+
+Reading read_any(const Heard& heard) {
+    Reading best;
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->shape != WireShape::bytes || !protocol->goes(SettingScope::input) ||
+            !may_carry(heard.line, *protocol)) {
+            continue;
+        }
+        Reading reading = read_frames(heard, *protocol);
+        best.ibus2 += reading.ibus2;
+        if (reading.story && (!best.story || is_cleaner(*reading.story, *best.story))) {
+            best.story = std::move(reading.story);
+        }
+    }
+    const bool may_be_sensor_bus = !best.story || best.story->protocol == kIbusProtocol.name;
+    if (heard.line == kIbusLine && may_be_sensor_bus) {
+        best.story = with_sensor_bus(heard, std::move(best.story));
+    }
+    return best;
+}
+
+/// The cleanest reading; the first of equal ones.
 std::optional<LineStory> best_of(std::span<const Heard> heard, bool believe_damage) {
     std::optional<LineStory> best;
     for (const Heard& one : heard) {
         auto story = read_any(believe_damage ? one : undamaged(one)).story;
-        if (story && (!best || story->lost_bytes * best->bytes < best->lost_bytes * story->bytes)) {
+        if (story && (!best || is_cleaner(*story, *best))) {
             best = std::move(story);
             best->damaged = count_bytes(one).damaged;
         }
@@ -279,7 +302,8 @@ std::string_view sound_name(LineSound sound) {
 
 LineStory judge_line(std::span<const Heard> heard) {
     if (auto story = best_of(heard, true)) {
-        const bool without_parity = story->line != kIbusLine && story->line.parity == Parity::none;
+        const bool without_parity =
+            story->protocol == kSbusProtocol.name && story->line.parity == Parity::none;
         story->sound = without_parity ? LineSound::wrong_parity : LineSound::frames;
         return *std::move(story);
     }

@@ -3,7 +3,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <memory>
 #include <utility>
@@ -14,6 +13,7 @@
 #include "app/doctor/line_heard.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/serial/serial_port.h"
+#include "transports/registry/registry.h"
 
 namespace tribus::doctor {
 namespace {
@@ -26,7 +26,18 @@ constexpr int kPollMilliseconds = 20;
 /// More than any line delivers in a minute; a pty has no rate.
 constexpr std::size_t kMostBytes = std::size_t{1} << 21;
 
-constexpr std::array<LineSettings, 3> kLines{kIbusLine, kSbusLine, kFastSbusLine};
+/// The line settings of all protocols that can be read, each once.
+std::vector<LineSettings> lines_to_hear() {
+    std::vector<LineSettings> lines{kIbusLine, kSbusLine, kFastSbusLine};
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->shape == WireShape::bytes && protocol->goes(SettingScope::input) &&
+            std::ranges::find(lines, protocol->line) == lines.end()) {
+            lines.push_back(protocol->line);
+        }
+    }
+    return lines;
+}
+
 /// For senders that omit the parity bit of SBUS.
 constexpr LineSettings kSbusWithoutParity{.baud = 100'000};
 
@@ -99,7 +110,7 @@ Visit try_port(const std::string& device, const LineSettings& line) {
 Visit visit_port(const std::string& device, Duration time,
                  const std::function<void(std::string_view)>& says) {
     Visit visit;
-    for (const LineSettings& line : kLines) {
+    for (const LineSettings& line : lines_to_hear()) {
         if (!add_trial(device, line, visit)) {
             return visit;
         }

@@ -61,6 +61,7 @@ class TinyCanEncoder final : public CanEncoder {
 
 inline const Protocol kTinyCan{
     .name = "tiny",
+    .title = "tiny",
     .description = "For tests",
     .shape = WireShape::can_frames,
     .line = {},
@@ -78,6 +79,7 @@ inline const Protocol kTinyCan{
 /// The same protocol under the id 0x124. It only reads.
 inline const Protocol kOtherTinyCan{
     .name = "other",
+    .title = "tiny",
     .description = "For tests",
     .shape = WireShape::can_frames,
     .line = {},

@@ -34,7 +34,10 @@ struct NamedUse {
 /// Description of a protocol for the rest of the program. Each one is a line of the table in
 /// transports/registry/protocols.inc. The functions are pure and reentrant.
 struct Protocol {
+    /// As in configurations.
     std::string_view name;
+    /// As people call it.
+    std::string_view title;
     std::string_view description;
     WireShape shape = WireShape::bytes;
     /// Of a serial line that carries it. Protocols of bytes only.

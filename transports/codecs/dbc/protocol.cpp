@@ -120,6 +120,7 @@ AnyEncoder make_dbc_encoder(const SettingValues& settings) {
 // sent every 20 ms at most (docs/protocols/can.md, "J1939 joysticks" and "Drive units and robots").
 const Protocol kDbcProtocol{
     .name = "dbc",
+    .title = "DBC",
     .description = "Messages that a DBC file describes",
     .shape = WireShape::can_frames,
     .line = {},

@@ -304,6 +304,7 @@ AnyEncoder make_encoder(const SettingValues& settings) {
 
 const Protocol kDroneCanProtocol{
     .name = "dronecan",
+    .title = "DroneCAN",
     .description = "DroneCAN: RCInput, ArrayCommand, RawCommand",
     .shape = WireShape::can_frames,
     .line = {},

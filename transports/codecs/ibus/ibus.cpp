@@ -151,6 +151,7 @@ AnyEncoder make_ibus_encoder(const SettingValues& settings) {
 // need 7 ms (docs/protocols/ibus.md, "Period and gaps").
 const Protocol kIbusProtocol{
     .name = "ibus",
+    .title = "i.Bus",
     .description = "FlySky i.Bus servo frames, 14 or 18 channels",
     .line = {.baud = 115200, .parity = Parity::none, .stop_bits = 1},
     .settings = kIbusSettings,

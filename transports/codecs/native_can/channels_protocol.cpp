@@ -109,6 +109,7 @@ CanChannelsFormat CanChannelsFormat::from_settings(const SettingValues& settings
 
 const Protocol kCanProtocol{
     .name = "can",
+    .title = "CAN",
     .description = "The native format: 16 or 18 channels in protected CAN or CAN FD frames",
     .shape = WireShape::can_frames,
     .line = {},

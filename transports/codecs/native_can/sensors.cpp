@@ -155,6 +155,7 @@ CanFrame SensorCanEncoder::make_frame(std::size_t i, Instant now) {
 
 const Protocol kSensorsProtocol{
     .name = "sensors",
+    .title = "sensors on CAN",
     .description = "The readings of a sensor bus, a CAN frame for each address",
     .shape = WireShape::can_frames,
     .line = {},

@@ -124,6 +124,7 @@ Pulse raw_zero(const SettingValues& settings) {
 // "Synchronisation").
 const Protocol kSbusProtocol{
     .name = "sbus",
+    .title = "SBUS",
     .description = "Futaba SBUS, and SBUS2 frames as input",
     .line = {.baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true},
     .settings = kSbusSettings,

@@ -1,0 +1,160 @@
+#include "transports/codecs/framed_decoder.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/streams.h"
+
+namespace tribus::test::framed_decoder_test {
+namespace {
+
+/// A frame of this test: 5A, the number of payload bytes, the payload, the sum of all before.
+class TinyDecoder final : public FramedDecoder {
+    std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override {
+        if (bytes[0] != 0x5A) {
+            return 0;
+        }
+        return bytes.size() < 2 ? 2 : std::size_t{3} + bytes[1] % 90U;
+    }
+    bool check_holds(std::span<const std::uint8_t> frame) const override {
+        const auto body = frame.first(frame.size() - 1);
+        return frame.back() ==
+               static_cast<std::uint8_t>(std::accumulate(body.begin(), body.end(), 0U));
+    }
+    void read(std::span<const std::uint8_t> frame, ChannelFrame& channels) const override {
+        channels.set(0, Pulse::from_microseconds(frame.size() > 3 ? frame[2] : 0));
+    }
+};
+
+Bytes tiny_frame(const Bytes& payload) {
+    Bytes frame{0x5A, static_cast<std::uint8_t>(payload.size())};
+    append(frame, payload);
+    frame.push_back(static_cast<std::uint8_t>(std::accumulate(frame.begin(), frame.end(), 0U)));
+    return frame;
+}
+
+const Bytes kFrame = tiny_frame({7, 0x5A, 9});
+
+/// Frames whose payloads are full of first bytes of frames.
+FrameStream frames_full_of_beginnings(std::uint32_t seed, std::size_t count) {
+    Random random(seed);
+    FrameStream stream;
+    for (std::size_t i = 0; i < count; ++i) {
+        Bytes payload(1 + random.below(20));
+        std::ranges::generate(
+            payload, [&] { return random.below(3) == 0 ? std::uint8_t{0x5A} : random.byte(); });
+        stream.add_frame(tiny_frame(payload));
+    }
+    return stream;
+}
+
+TEST(FramedDecoder, FindsFramesBetweenOtherBytes) {
+    TinyDecoder decoder;
+    Bytes bytes{1, 2, 3};
+    append(bytes, kFrame);
+    bytes.push_back(4);
+    append(bytes, kFrame);
+    const auto frames = feed(decoder, bytes, kOneRead, Instant(Duration(5)));
+    ASSERT_EQ(frames.size(), 2U);
+    EXPECT_EQ(frames[0].first_byte, 3U);
+    EXPECT_EQ(frames[1].first_byte, 4 + kFrame.size());
+    EXPECT_EQ(frames[1].length, kFrame.size());
+    EXPECT_EQ(frames[1].channels.received, Instant(Duration(5)));
+    EXPECT_TRUE(frames[1].channels.good());
+    EXPECT_EQ(decoder.skipped_bytes(), 4U);
+}
+
+TEST(FramedDecoder, FindsTheSameFramesHoweverReadsCutTheStream) {
+    const FrameStream stream = frames_full_of_beginnings(1, 200);
+    TinyDecoder whole;
+    const auto expected = feed(whole, stream.bytes);
+    EXPECT_EQ(expected.size(), 200U);
+    for (std::uint32_t seed = 0; seed < 50; ++seed) {
+        TinyDecoder decoder;
+        const Split split = seed == 0 ? kByteByByte : Split{.longest = 2 * seed, .seed = seed};
+        EXPECT_TRUE(same_frames(feed(decoder, stream.bytes, split), expected)) << seed;
+        EXPECT_EQ(decoder.skipped_bytes(), whole.skipped_bytes()) << seed;
+    }
+}
+
+TEST(FramedDecoder, RefusesAFrameWhoseCheckIsWrong) {
+    for (std::size_t at = 0; at < kFrame.size(); ++at) {
+        TinyDecoder decoder;
+        Bytes bytes = kFrame;
+        bytes[at] ^= 0x80;
+        append(bytes, kFrame);
+        auto frames = feed(decoder, bytes);
+        DecodedFrame late;
+        while (decoder.silence(late)) {
+            frames.push_back(late);
+        }
+        ASSERT_EQ(frames.size(), 1U) << at;
+        EXPECT_EQ(frames[0].first_byte, kFrame.size()) << at;
+    }
+}
+
+TEST(FramedDecoder, CountsWhatItRefuses) {
+    TinyDecoder decoder;
+    Bytes bytes = kFrame;
+    ++bytes.back();
+    feed(decoder, bytes);
+    decoder.damaged_byte();
+    EXPECT_EQ(count_of(decoder, "checksum"), 1U);
+    EXPECT_EQ(count_of(decoder, "damaged"), 1U);
+}
+
+TEST(FramedDecoder, AFaultCostsOnlyFramesThatItTouchesOnceTheLineIsSilent) {
+    const FrameStream stream = frames_full_of_beginnings(2, 3);
+    TinyDecoder unhurt;
+    const auto clean = feed(unhurt, stream.bytes);
+    for (std::size_t at = 0; at < stream.bytes.size(); ++at) {
+        for (const FaultKind kind : {FaultKind::lost, FaultKind::added, FaultKind::damaged}) {
+            const Fault fault{kind, at, 0x5A};
+            TinyDecoder decoder;
+            auto frames = feed(decoder, stream.bytes, fault, kOneRead);
+            DecodedFrame late;
+            while (decoder.silence(late)) {
+                frames.push_back(late);
+            }
+            const Damage damage = compare(stream, fault, clean, frames);
+            EXPECT_LE(damage.missing.size(), 1U) << fault;
+            EXPECT_EQ(decoder.waiting(), 0U) << fault;
+        }
+    }
+}
+
+TEST(FramedDecoder, AFrameHasNoDamagedByte) {
+    const FrameStream stream = frames_full_of_beginnings(3, 300);
+    Random random(4);
+    TinyDecoder decoder;
+    expect_no_frame_over_damage(decoder, stream.bytes, random, 40);
+}
+
+TEST(FramedDecoder, AFrameOfNinetyBytesWithADamagedLastByteIsNone) {
+    TinyDecoder decoder;
+    const Bytes frame = tiny_frame(Bytes(87, 1));
+    EXPECT_TRUE(feed(decoder, frame, {FaultKind::damaged, frame.size() - 1, 0}, kOneRead).empty());
+    EXPECT_EQ(feed(decoder, frame).size(), 1U);
+}
+
+TEST(FramedDecoder, APauseEndsAnIncompleteFrame) {
+    TinyDecoder decoder;
+    feed(decoder, std::span(kFrame).first(kFrame.size() - 1));
+    EXPECT_EQ(decoder.waiting(), kFrame.size() - 1);
+    DecodedFrame frame;
+    EXPECT_FALSE(decoder.silence(frame));
+    EXPECT_EQ(decoder.waiting(), 0U);
+    EXPECT_EQ(feed(decoder, kFrame).size(), 1U);
+}
+
+TEST(FramedDecoder, ForgetsWhatAnUnpluggedLineSent) {
+    TinyDecoder decoder;
+    feed(decoder, std::span(kFrame).first(4));
+    decoder.reset();
+    EXPECT_TRUE(feed(decoder, std::span(kFrame).subspan(4)).empty());
+}
+
+}  // namespace
+}  // namespace tribus::test::framed_decoder_test

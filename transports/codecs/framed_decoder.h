@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/channel_frame.h"
+#include "transports/codecs/codec.h"
+
+namespace tribus {
+
+/// Base of a decoder whose frames begin with a known byte, say how long they are, and carry a
+/// check. The derived class says how a frame is laid out; this class finds frames in the stream.
+/// It looks at a frame once all of its bytes are there. If the check fails, it searches on from the
+/// second byte, so that a frame behind a false beginning is found. A pause on the line ends an
+/// incomplete frame. Thread-bound; no heap.
+class FramedDecoder : public ByteDecoder {
+  public:
+    void damaged_byte() final;
+    bool silence(DecodedFrame& frame) final;
+    void reset() final;
+    std::optional<DecodedFrame> finish() final;
+    std::span<const NamedCount> rejected() const final { return rejected_; }
+    std::uint64_t skipped_bytes() const final { return skipped_bytes_; }
+
+  private:
+    /// How many bytes of a frame that begins with `bytes`, at least one, must be there to judge it:
+    /// 0 if none begins so; `bytes.size()` if it is whole; more if it is not whole or its length is
+    /// not known yet, at most LineBuffer::kCapacity.
+    virtual std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const = 0;
+    /// Whether the check of a whole frame is right.
+    virtual bool check_holds(std::span<const std::uint8_t> frame) const = 0;
+    /// Sets channels and flags from a frame whose check is right.
+    virtual void read(std::span<const std::uint8_t> frame, ChannelFrame& channels) const = 0;
+
+    Taken decode(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame) final;
+    enum class Candidate : std::uint8_t { none, incomplete, whole };
+    Candidate look(std::size_t& length);
+    bool search(bool more_may_come, Instant received, DecodedFrame& frame);
+
+    std::array<NamedCount, 2> rejected_{{{"checksum"}, {"damaged"}}};
+    std::uint64_t skipped_bytes_ = 0;
+};
+
+}  // namespace tribus
