@@ -28,24 +28,36 @@ std::size_t indent_of(std::string_view line, std::size_t column_width) {
     return begin == kOptionIndent ? column_width : begin;
 }
 
+/// Where the next line begins: behind a blank, or behind a comma of choices in braces that alone
+/// are too long. npos: nowhere.
+std::size_t next_line_of(const std::string& line, std::size_t indent) {
+    const std::size_t blank = line.rfind(' ', kColumns);
+    const std::size_t word = line.find_last_not_of(' ', blank);
+    if (blank != std::string::npos && word != std::string::npos && word >= indent) {
+        return blank + 1;
+    }
+    const std::size_t comma = line.rfind(',', kColumns - 1);
+    if (comma != std::string::npos && line.find('{') < comma) {
+        return comma + 1;
+    }
+    const std::size_t late = line.find(' ', kColumns);
+    return late == std::string::npos ? late : late + 1;
+}
+
 void append_broken(std::string& text, std::string line, std::size_t column_width) {
     const std::size_t indent = indent_of(line, column_width);
     while (line.size() > kColumns) {
-        std::size_t end = line.rfind(' ', kColumns);
-        if (end == std::string::npos || line.find_last_not_of(' ', end) == std::string::npos ||
-            line.find_last_not_of(' ', end) < indent) {
-            end = line.find(' ', kColumns);
-        }
-        if (end == std::string::npos) {
+        const std::size_t next = next_line_of(line, indent);
+        if (next == std::string::npos) {
             break;
         }
-        text += line.substr(0, end) + '\n';
-        line = std::string(indent, ' ') + line.substr(end + 1);
+        text += line.substr(0, line[next - 1] == ' ' ? next - 1 : next) + '\n';
+        line = std::string(indent, ' ') + line.substr(next);
     }
     text += line;
 }
 
-/// Help that breaks lines at 80 columns, at blanks only.
+/// Help that breaks lines at 80 columns: at blanks, and long lists of choices at commas.
 class HelpFormatter : public CLI::Formatter {
   public:
     std::string make_help(const CLI::App* app, std::string name,

@@ -9,6 +9,8 @@ _tribus()
         words=("${COMP_WORDS[1]}")
     fi
     help=$("$program" "${words[@]}" --help 2>/dev/null) || return 0
+    # Many choices take several lines.
+    help=$(sed -e ':more' -e '/{[^}]*,$/{N' -e 's/\n *//' -e 'b more' -e '}' <<<"$help")
     if ((COMP_CWORD > 1)) && [[ $current != -* ]]; then
         # The choices of an option are in its line: --format TEXT:{toml,json}
         local choices

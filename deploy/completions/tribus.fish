@@ -9,10 +9,11 @@ function __tribus_options
     tribus $words[2] --help 2>/dev/null | string match -rg '^ +(?:-[a-zA-Z],)?(--[a-z0-9_-]+)'
 end
 
-# The choices of an option are in its line: --format TEXT:{toml,json}
+# The choices of an option are in its line, many of them in several lines: --format TEXT:{toml,json}
 function __tribus_choices
     set -l words (commandline -opc)
     tribus $words[2] --help 2>/dev/null |
+        string collect | string replace -ra ',\n +' ',' | string split \n |
         string match -rg -- "^ +(?:-[a-zA-Z],)?$words[-1] [^{]*\{([^}]*)\}" | string split ,
 end
 

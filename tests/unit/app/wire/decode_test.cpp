@@ -160,7 +160,8 @@ TEST(Decode, AutoFindsTheFrameOfEveryLineInTheOrderOfTheFile) {
 TEST(Decode, AutoSaysSoWhenNoProtocolFits) {
     const Outcome outcome = decoded("01 02 03\n", "auto", DecodeFormat::json);
     EXPECT_EQ(outcome.status, kExitFailed);
-    EXPECT_EQ(outcome.messages, "tribus: no frame of ibus or sbus in 3 bytes\n");
+    EXPECT_TRUE(outcome.messages.starts_with("tribus: no frame of ibus or sbus"));
+    EXPECT_TRUE(outcome.messages.ends_with(" in 3 bytes\n")) << outcome.messages;
     EXPECT_EQ(outcome.results,
               "{\"summary\":{\"bytes\":3,\"frames\":0,\"rejected\":{},\"skipped_bytes\":3,"
               "\"input\":\"hex\"}}\n");

@@ -115,7 +115,7 @@ std::string place_line(const Medium& medium) {
 /// For all keys of a section, by its anchor.
 std::map<std::string, std::string> contexts() {
     const std::string serial = "protocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n";
-    std::map<std::string, std::string> contexts{
+    return {
         {"runtime", around("[runtime]\nHERE\n")},
         {"input", input(serial)},
         {"failsafe_when",
@@ -156,11 +156,12 @@ std::map<std::string, std::string> contexts() {
         {"dronecan_node", around("[dronecan.bus]\ninterface = \"can0\"\nnode_id = 7\nHERE\n")},
         {"recorder", around("[recorder]\nHERE\n")},
     };
-    for (const Protocol* protocol : protocols()) {
-        const Medium& medium = *media_for(protocol->shape).front();
-        contexts.emplace(protocol->name, input(protocol_line(*protocol) + place_line(medium)));
-    }
-    return contexts;
+}
+
+std::string default_context(const Protocol& protocol, bool of_output) {
+    const std::string lines =
+        protocol_line(protocol) + place_line(*media_for(protocol.shape).front());
+    return of_output ? output(lines) : input(lines);
 }
 
 /// For keys that go with others than the rest of their section.
@@ -176,7 +177,6 @@ std::map<std::string, std::string> special_contexts() {
         {"output-phase", output("protocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
                                 "schedule = \"grid\"\n")},
         {"output-foreign_sender", on_can},
-        {"ibus-channels", output("protocol = \"ibus\"\ndevice = \"/dev/ttyB\"\n")},
         {"dronecan-from_node", on_dronecan("input.receiver", "")},
         {"dronecan-first", on_dronecan("output.servos", "node_id = 42\ncarries = \"servos\"\n")},
         {"dronecan-scale", on_dronecan("input.receiver", "")},
@@ -287,10 +287,16 @@ TEST(KeyExamples, OfEveryKeyAreValid) {
             ASSERT_FALSE(key.setting.example.empty()) << name << " has no example";
             const auto own = special.find(name);
             const auto shared = general.find(section.anchor);
-            ASSERT_TRUE(own != special.end() || shared != general.end()) << name;
+            const Protocol* const protocol = find_protocol(section.anchor);
+            ASSERT_TRUE(own != special.end() || shared != general.end() || protocol != nullptr)
+                << name;
+            const std::string context =
+                own != special.end() ? own->second
+                : shared != general.end()
+                    ? shared->second
+                    : default_context(*protocol, key.setting.scope == SettingScope::output);
             const std::string text =
-                with_example(own != special.end() ? own->second : shared->second, key.name(),
-                             words_of(key, section.way).example);
+                with_example(context, key.name(), words_of(key, section.way).example);
             EXPECT_EQ(mistakes_in(text, folder / "t.toml"), Lines{}) << name << "\n" << text;
             ++count;
         }
