@@ -26,6 +26,7 @@ PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
     }
     PortPlan& plan = plans.emplace_back(PortPlan{port, {}});
     plan.wiring.byte_time = byte_time_of(port);
+    plan.wiring.has_datagrams = port.medium->has_datagrams;
     return plan;
 }
 

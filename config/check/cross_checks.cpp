@@ -65,9 +65,15 @@ std::vector<PortUse> port_uses(const Draft& draft) {
 
 /// `earlier` stands before `later` in the file.
 void check_pair(const PortUse& earlier, const PortUse& later, Mistakes& mistakes) {
-    const std::string already = fmt::format("device {} is already used by [{}.{}] in line {}",
-                                            in_quotes(later.port->device), earlier.direction,
-                                            earlier.name, earlier.port->where.line);
+    const Medium& medium = *later.port->medium;
+    const std::string already = fmt::format(
+        "{} {} is already used by [{}.{}] in line {}", medium.place.key,
+        in_quotes(later.port->device), earlier.direction, earlier.name, earlier.port->where.line);
+    if (medium.users == Users::one) {
+        mistakes.add(later.port->where, fmt::format("{}; one {} serves one input or one output",
+                                                    already, medium.place.key));
+        return;
+    }
     const bool bus = earlier.direction == kBus || later.direction == kBus;
     if (!earlier.goes_with(later)) {
         mistakes.add(

@@ -36,12 +36,13 @@ const Key* place_instead(std::string_view name, const TableRef& ref, std::span<c
     return own == keys.end() ? nullptr : &*own;
 }
 
-/// The media that carry the protocol: the key of each place, `between`, and what the key means.
+/// The media that carry the protocol: `"device"`, `between`, what the key means; then the others.
 std::string places_of(const Protocol& protocol, std::string_view between) {
     std::string places;
     for (const Medium* medium : media_for(protocol.shape)) {
-        places += fmt::format("{}{}{}{}", places.empty() ? "" : ", or ",
-                              in_quotes(medium->place.key), between, medium->place.help);
+        places +=
+            fmt::format("{}{}{}{}", places.empty() ? "" : "; or ", in_quotes(medium->place.key),
+                        places.empty() ? between : ": ", medium->place.help);
     }
     return places;
 }

@@ -21,10 +21,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json port_json(const PortConfig& port, const Protocol& protocol) {
+Json port_json(const PortConfig& port, const Protocol& protocol, std::span<const Key> own_keys) {
     Json json = Json::object();
     json["protocol"] = protocol.name;
     json[std::string(port.medium->place.key)] = port.device;
+    json.update(values_json(port.settings, own_keys));
     return json;
 }
 
@@ -39,7 +40,8 @@ bool is_checked(const InputConfig& input, std::string_view key) {
 Json input_json(const InputConfig& input) {
     SupervisionSettings supervision = input.supervision;
     supervision.frame_lost_run = supervision.frame_lost_run.value_or(supervision.timeout);
-    Json json = port_json(input.port, *input.protocol);
+    const auto own_keys = protocol_keys(*input.protocol, *input.port.medium, SettingScope::input);
+    Json json = port_json(input.port, *input.protocol, own_keys);
     json.update(in_order_of_rows(fields_json(supervision, input_keys()), input_keys(),
                                  [&](std::string_view key) { return is_checked(input, key); }));
     json["failsafe_when"] = Json::array();
@@ -49,8 +51,6 @@ Json input_json(const InputConfig& input) {
     for (const ChannelRule& rule : input.channels) {
         json["map"][std::to_string(rule.output + 1)] = channel_json(rule, {});
     }
-    const auto own_keys = protocol_keys(*input.protocol, *input.port.medium, SettingScope::input);
-    json.update(values_json(input.port.settings, own_keys));
     json.update(values_json(input.settings, own_keys));
     return json;
 }
@@ -58,9 +58,8 @@ Json input_json(const InputConfig& input) {
 Json output_json(const OutputConfig& output) {
     const auto own_keys =
         protocol_keys(*output.protocol, *output.port.medium, SettingScope::output);
-    Json json = port_json(output.port, *output.protocol);
+    Json json = port_json(output.port, *output.protocol, own_keys);
     json.update(fields_json(output, output_keys()));
-    json.update(values_json(output.port.settings, own_keys));
     json.update(fields_json(output, own_keys));
     json.update(values_json(output.settings, own_keys));
     return json;

@@ -41,6 +41,11 @@ class Engine {
                  const DamagedMarks& damaged, Instant now) {
         return announce(input, inputs_[input].receive(bytes, damaged, now));
     }
+    /// The bytes received so far were a datagram: what is unfinished in it will not be completed.
+    /// Returns true if its end completed a frame.
+    bool datagram_ended(std::size_t input, Instant now) {
+        return announce(input, inputs_[input].datagram_ended(now));
+    }
     /// Takes a CAN frame that arrived at `at` on the interface of one input.
     bool receive(std::size_t input, const CanFrame& frame, Instant at) {
         return announce(input, inputs_[input].receive(frame, at));

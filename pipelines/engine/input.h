@@ -81,6 +81,9 @@ class Input {
     /// Takes one CAN frame that arrived at `at`. Returns true if it completed a frame of channels.
     /// Ignores unwanted ids.
     bool receive(const CanFrame& frame, Instant at);
+    /// Ends the frame received in part: no byte of it will follow. Returns true if the end
+    /// completed a frame.
+    bool datagram_ended(Instant now) { return pause(now); }
     /// Discards a frame received in part and counts the loss of the device.
     void device_lost();
     /// Call after the caller did not read from `since` to `now`. Before, pass the waiting bytes to

@@ -41,6 +41,8 @@ struct PortWiring {
     std::optional<std::size_t> node{};
     /// Duration of one byte on the wire. Zero if unknown or meaningless.
     Duration byte_time{};
+    /// Each read is a datagram: no frame goes on beyond it.
+    bool has_datagrams = false;
     /// Records all that passes, with the same times that the engine gets. Null: nothing is
     /// recorded. Must outlive the loop.
     CaptureRing* capture = nullptr;

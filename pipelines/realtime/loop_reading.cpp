@@ -27,8 +27,10 @@ bool Loop::hand_on_bytes(const PortWiring& wiring, Instant at) {
     bool frame_came = false;
     const bool clean = reception_.damaged.none();
     for (const std::size_t input : wiring.inputs) {
-        if (clean ? engine_.receive(input, reception_.view(), at)
-                  : engine_.receive(input, reception_.view(), reception_.damaged, at)) {
+        bool came = clean ? engine_.receive(input, reception_.view(), at)
+                          : engine_.receive(input, reception_.view(), reception_.damaged, at);
+        came = (wiring.has_datagrams && engine_.datagram_ended(input, at)) || came;
+        if (came) {
             input_timing_[input]->frame_came(at);
             frame_came = true;
         }

@@ -296,13 +296,13 @@ TEST_F(ReloadsUnderLoad, AHundredInARowDelayNoFrameAndLeakNothing) {
         without.push_back(longest_gap(i, false));
         if (i == kWarmUp) {
             descriptors = program_->open_descriptors();
-            memory = {program_->memory_kib("VmRSS"), program_->memory_kib("VmData")};
+            memory = {program_->memory_kib("RssAnon"), program_->memory_kib("VmData")};
         }
     }
     tell("with a reload", with);
     tell("without", without);
-    std::printf("memory after %d and %d reloads: VmRSS %ld and %ld KiB, VmData %ld and %ld KiB\n",
-                kWarmUp, kReloads, memory[0], program_->memory_kib("VmRSS"), memory[1],
+    std::printf("memory after %d and %d reloads: RssAnon %ld and %ld KiB, VmData %ld and %ld KiB\n",
+                kWarmUp, kReloads, memory[0], program_->memory_kib("RssAnon"), memory[1],
                 program_->memory_kib("VmData"));
     EXPECT_EQ(marked_, 0U) << "some frames were not fresh and in control";
     EXPECT_EQ(servos_.strays(), 0U);
@@ -310,7 +310,7 @@ TEST_F(ReloadsUnderLoad, AHundredInARowDelayNoFrameAndLeakNothing) {
     EXPECT_EQ(program_->open_descriptors(), descriptors);
     // A sanitizer keeps freed memory for a while.
     if (heap_trap_works()) {
-        EXPECT_LE(program_->memory_kib("VmRSS"), memory[0] + 128);
+        EXPECT_LE(program_->memory_kib("RssAnon"), memory[0] + 128);
         EXPECT_LE(program_->memory_kib("VmData"), memory[1] + 128);
     }
     EXPECT_EQ(count_of("in failsafe", program_->errors()), 0U);

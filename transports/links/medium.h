@@ -56,6 +56,8 @@ struct Medium {
                                          SettingScope way) = nullptr;
     /// Whether its bytes have a rate, a parity and stop bits (LinkUse::line), and so a duration.
     bool has_line = false;
+    /// Whether each read is a datagram: no frame goes on beyond it.
+    bool has_datagrams = false;
     Users users = Users::one;
     /// Whether nothing has that name now: it may be plugged in later.
     bool (*is_missing)(const std::string& place) = nullptr;

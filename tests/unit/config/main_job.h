@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "config/load.h"
+#include "transports/registry/registry.h"
 
 namespace tribus::test {
 
@@ -43,6 +44,16 @@ inline std::vector<std::string> mistakes_in(std::string_view text,
         }
     }
     return lines;
+}
+
+/// `; or "KEY": HELP` for each medium that carries bytes, but the usual one.
+inline std::string other_places() {
+    std::string places;
+    for (const Medium* medium : media_for(WireShape::bytes)) {
+        const std::string key(medium->place.key);
+        places += key == "device" ? "" : "; or \"" + key + "\": " + std::string(medium->place.help);
+    }
+    return places;
 }
 
 /// Loads a text that must be a valid configuration.

@@ -20,8 +20,10 @@ std::string protocols_in_quotes(SettingScope way) {
     return list;
 }
 
-/// INPUTS and OUTPUTS stand for the protocols of that way.
+/// INPUTS and OUTPUTS stand for the protocols of that way, OTHER_PLACES for the keys of further
+/// media that carry bytes.
 std::string written_out(std::string text) {
+    text = std::regex_replace(text, std::regex("OTHER_PLACES"), other_places());
     text = std::regex_replace(text, std::regex("INPUTS"), protocols_in_quotes(SettingScope::input));
     return std::regex_replace(text, std::regex("OUTPUTS"),
                               protocols_in_quotes(SettingScope::output));
@@ -69,7 +71,7 @@ channels = 18)",
      R"(t.toml:1:1: [input.receiver] lacks "protocol"; required: one of INPUTS)"},
     {"missing_device", 3, "",
      R"(t.toml:1:1: [input.receiver] lacks "device"; required: Serial device, such as )"
-     R"("/dev/ttyAMA2" or a stable name under /dev/serial/by-id)"},
+     R"("/dev/ttyAMA2" or a stable name under /dev/serial/by-idOTHER_PLACES)"},
     {"empty_device", 3, R"(device = "")",
      R"(t.toml:3:10: "device" is ""; allowed: text in quotes, not empty)"},
     {"device_of_a_wrong_type", 3, "device = 3",
