@@ -1,0 +1,24 @@
+#pragma once
+
+#include <sys/socket.h>
+
+#include <optional>
+#include <string>
+
+namespace tribus {
+
+/// An IP address with a port, as sockets take it.
+struct UdpAddress {
+    sockaddr_storage storage{};
+    socklen_t size = 0;
+    /// Only programs on this machine reach it.
+    bool loopback = false;
+
+    const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&storage); }
+};
+
+/// Reads `127.0.0.1:5501` or `[::1]:5501`: an address in digits and a port from 1 to 65535. Names
+/// are not looked up, because that may block. Nothing if it is neither. Pure.
+std::optional<UdpAddress> parse_udp_address(const std::string& text);
+
+}  // namespace tribus

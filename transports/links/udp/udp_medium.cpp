@@ -1,0 +1,58 @@
+#include "transports/links/udp/udp_medium.h"
+
+#include <array>
+
+#include "transports/links/udp/udp_link.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::array kUdpSettings{
+    Setting{.key = "public",
+            .type = SettingType::boolean,
+            .fallback = "false",
+            .help = "`true`: allows an `address` outside of this machine. UDP has no password: who "
+                    "reaches the address of an input moves the servos",
+            .example = "true"},
+};
+
+std::vector<SettingMistake> check(const std::string& place, const SettingValues& settings,
+                                  SettingScope /*way*/) {
+    const auto address = parse_udp_address(place);
+    if (!address) {
+        return {{{"address"},
+                 "\"address\" is \"" + place +
+                     "\"; allowed: an IP address in digits and a port, such as \"127.0.0.1:5501\" "
+                     "or \"[::1]:5501\""}};
+    }
+    if (!address->loopback && !settings.get_or("public", false)) {
+        return {{{"address"},
+                 "\"address\" is \"" + place +
+                     "\", outside of this machine; allowed: a loopback address, such as "
+                     "\"127.0.0.1:5501\", or add public = true (UDP has no password: who reaches "
+                     "an input moves the servos)"}};
+    }
+    return {};
+}
+
+}  // namespace
+
+const Medium kUdpMedium{
+    .name = "UDP",
+    .shape = WireShape::bytes,
+    .place = {.key = "address",
+              .required = true,
+              .help = "IP address and port for UDP, one frame a datagram: an input receives there, "
+                      "an output sends there",
+              .example = "\"127.0.0.1:5501\""},
+    .place_absent = "required on UDP",
+    .settings = kUdpSettings,
+    .check = check,
+    .has_datagrams = true,
+    .users = Users::one,
+    .is_missing = UdpLink::is_missing,
+    .open = [](const std::string& address,
+               const LinkUse& use) { return as_link(UdpLink::open(address, use.way)); },
+};
+
+}  // namespace tribus
