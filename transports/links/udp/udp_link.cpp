@@ -55,7 +55,11 @@ tl::expected<std::unique_ptr<UdpLink>, std::string> UdpLink::open(const std::str
     }
     UniqueFd fd = socket_for(*parsed);
     if (!fd.valid()) {
-        return failed(std::string("cannot make a socket: ") + std::strerror(errno));
+        return failed(errno == EAFNOSUPPORT
+                          ? std::string("this program may not use the network; for a service see "
+                                        "/usr/share/doc/tribus/docs/service.md, \"UDP in the "
+                                        "service\"")
+                          : std::string("cannot make a socket: ") + std::strerror(errno));
     }
     if (way == SettingScope::input) {
         ::setsockopt(fd.get(), SOL_SOCKET, SO_RCVBUF, &kReceiveBufferBytes,
