@@ -50,6 +50,9 @@ SettingValues dbc_settings() {
 }
 
 std::optional<SettingValues> settings_for(const Protocol& protocol, SettingScope direction) {
+    if (!protocol.goes(direction)) {
+        return std::nullopt;
+    }
     if (auto use = use_protocol(protocol, direction, {})) {
         return std::move(use->settings);
     }

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "core/quotes.h"
-#include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
 bool is_device_path(std::string_view name) {
@@ -14,8 +13,7 @@ bool is_device_path(std::string_view name) {
 
 tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
                                                   const std::string& baud) {
-    const std::string allowed =
-        fmt::format("allowed: {}, {}", protocol_list(WireShape::bytes), kSensorBusName);
+    const std::string allowed = "allowed: " + protocol_list(WireShape::bytes);
     if (protocol.empty()) {
         return tl::unexpected(fmt::format(
             "a serial device needs --protocol, which sets rate, parity and stop bits; {}",
@@ -25,9 +23,7 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
     if (!baud.empty()) {
         given.emplace("baud", baud);
     }
-    // The sensor bus has no channels; its line is that of i.Bus.
-    auto uses = choose_protocols(protocol == kSensorBusName ? "ibus" : protocol,
-                                 SettingScope::input, given);
+    auto uses = choose_protocols(protocol, SettingScope::input, given);
     if (!uses) {
         return tl::unexpected(std::move(uses.error()));
     }

@@ -61,10 +61,12 @@ const Setting* find_setting(const Protocol& protocol, SettingScope direction,
     return nullptr;
 }
 
-std::vector<std::string_view> known_protocols() {
+std::vector<std::string_view> known_protocols(SettingScope direction) {
     std::vector<std::string_view> names;
     for (const Protocol* protocol : protocols()) {
-        names.push_back(protocol->name);
+        if (direction == SettingScope::input || protocol->has_channels()) {
+            names.push_back(protocol->name);
+        }
     }
     return names;
 }
@@ -150,8 +152,8 @@ std::string protocol_list(WireShape shape) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-std::string protocol_list() {
-    return fmt::format("{}", fmt::join(known_protocols(), ", "));
+std::string protocol_list(SettingScope direction) {
+    return fmt::format("{}", fmt::join(known_protocols(direction), ", "));
 }
 
 std::vector<SettingOption> setting_options(SettingScope direction) {
@@ -233,7 +235,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> choose_protocols(std::string
     const Protocol* const named = find_protocol(name);
     if (named == nullptr && name != "auto") {
         return Refused(fmt::format("--protocol: {} is not a known protocol; {}", in_quotes(name),
-                                   suggestion(name, known_protocols())));
+                                   suggestion(name, known_protocols(direction))));
     }
     std::vector<ProtocolUse> uses;
     std::string refused;

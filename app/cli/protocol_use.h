@@ -43,8 +43,8 @@ using GivenSettings = std::map<std::string, std::string, std::less<>>;
 tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
                                                           std::string_view text);
 
-/// Names of all protocols: `ibus, sbus`.
-std::string protocol_list();
+/// Names of all protocols that can be decoded (input) or encoded: `ibus, sbus`.
+std::string protocol_list(SettingScope direction);
 /// Names of the protocols of that shape.
 std::string protocol_list(WireShape shape);
 

@@ -24,9 +24,6 @@ constexpr Duration kUsualTimeout = std::chrono::milliseconds(100);
 constexpr std::uint64_t kBadShare = 100;
 
 std::string name_of(std::string_view protocol) {
-    if (protocol == kSensorBusName) {
-        return "the i.Bus sensor bus";
-    }
     return std::string(find_protocol(protocol)->title);
 }
 

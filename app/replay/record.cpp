@@ -119,7 +119,7 @@ Command record_command() {
                     {.name = "--protocol",
                      .value = &options->protocol,
                      .help = "Protocol of a serial line; sets rate, parity and stop bits",
-                     .type_name = choices_type(protocol_list(WireShape::bytes) + ",ibus-sensor")},
+                     .type_name = choices_type(protocol_list(WireShape::bytes))},
                     {.name = "--baud",
                      .value = &options->baud,
                      .help = "Rate, if it is not the protocol's own"},

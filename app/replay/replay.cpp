@@ -268,7 +268,7 @@ Command replay_command() {
                     {.name = "--protocol",
                      .value = &options->place.protocol,
                      .help = "Protocol of a serial line; sets rate, parity and stop bits",
-                     .type_name = choices_type(protocol_list(WireShape::bytes) + ",ibus-sensor")},
+                     .type_name = choices_type(protocol_list(WireShape::bytes))},
                     {.name = "--baud",
                      .value = &options->place.baud,
                      .help = "Rate, if it is not the protocol's own"},

@@ -13,15 +13,10 @@
 #include <vector>
 
 #include "app/cli/exit_status.h"
-#include "app/wire/fitting_protocols.h"
 #include "core/counted.h"
 
 namespace tribus {
 namespace {
-
-Burst raw_burst(std::string_view bytes) {
-    return {.start = std::nullopt, .bytes = {bytes.begin(), bytes.end()}, .damaged = {}};
-}
 
 /// Which protocol decodes which burst of a recording.
 struct Allotment {
@@ -154,66 +149,35 @@ int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses
     return kExitFailed;
 }
 
-/// `recording` holds the bytes in which the protocol found no frame.
-void explain_no_frame(const Recording& recording, const ProtocolUse& use, const Tally& tally,
-                      std::ostream& messages) {
-    if (tally.frames == 0 && tally.bytes > 0) {
-        messages << no_frame_text(recording, use.protocol->name);
-    }
-}
-
-int decode_known(const Recording& recording, const ProtocolUse& use, FramePrinter& printer,
-                 std::ostream& messages) {
-    printer.heading();
-    FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
-    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
-        finder.feed(burst, recording.bursts[burst]);
-    }
-    finder.finish();
-    printer.summary(finder.tally());
-    explain_no_frame(recording, use, finder.tally(), messages);
-    return kExitFine;
-}
-
 }  // namespace
 
-int decode_recording(const Recording& recording, std::span<const ProtocolUse> uses,
-                     FramePrinter& printer, std::ostream& messages) {
+FrameDecoding::FrameDecoding(const ProtocolUse& use, FramePrinter printer)
+    : protocol_(use.protocol->name),
+      printer_(std::move(printer)),
+      finder_(use, [this](const FoundFrame& found) { printer_.frame(found); }) {}
+
+void FrameDecoding::finish(const LogFacts& /*facts*/) {
+    finder_.finish();
+    printer_.summary(finder_.tally());
+}
+
+DecodedAmount FrameDecoding::amount() const {
+    const Tally tally = finder_.tally();
+    return {tally.frames, tally.bytes};
+}
+
+int decode_bytes(const Recording& recording, std::span<const ProtocolUse> uses,
+                 FramePrinter& printer, std::ostream& messages) {
     const std::vector<ProtocolUse> serial = of_shape(uses, WireShape::bytes);
     if (serial.size() == 1) {
-        return decode_known(recording, serial.front(), printer, messages);
+        FrameDecoding decoding(serial.front(), printer);
+        return decode_recording(recording, decoding, messages);
     }
     const Allotment allotment = allot(recording, serial);
     if (allotment.frames_of_best == 0) {
         return decode_unknown(recording, serial, printer, messages);
     }
     return decode_allotted(recording, serial, allotment, printer);
-}
-
-int decode_stream(const std::function<std::string()>& read, const ProtocolUse& use,
-                  FramePrinter& printer, std::ostream& results, std::ostream& messages) {
-    printer.heading();
-    FrameFinder finder(use, [&](const FoundFrame& found) { printer.frame(found); });
-    /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
-    constexpr std::size_t kMostKept = std::size_t{64} * 1024;
-    std::string kept;
-    while (results.good()) {
-        const std::string bytes = read();
-        if (bytes.empty()) {
-            break;
-        }
-        finder.feed(0, raw_burst(bytes));
-        results.flush();
-        if (finder.tally().frames == 0 && kept.size() < kMostKept) {
-            kept += bytes;
-        }
-    }
-    finder.finish();
-    printer.summary(finder.tally());
-    Recording without_frame;
-    without_frame.bursts.push_back(raw_burst(kept));
-    explain_no_frame(without_frame, use, finder.tally(), messages);
-    return kExitFine;
 }
 
 }  // namespace tribus

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <utility>
 
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +10,6 @@
 #include <vector>
 
 #include "app/cli/exit_status.h"
-#include "app/wire/fitting_protocols.h"
 #include "app/wire/frames/can_frame_finder.h"
 #include "core/counted.h"
 
@@ -45,27 +45,41 @@ std::uint64_t most_snapshots(std::span<const ProtocolUse> uses, const Recording&
     return frames_of_best;
 }
 
+CanDecoding::CanDecoding(const ProtocolUse& use, FramePrinter printer)
+    : protocol_(use.protocol->name),
+      printer_(std::move(printer)),
+      finder_(use, [this](const FoundFrame& found) { printer_.frame(found); }) {}
+
+void CanDecoding::finish(const LogFacts& facts) {
+    CanTally tally = finder_.tally();
+    tally.error_frames = facts.error_frames;
+    tally.log_start = facts.log_start;
+    printer_.can_summary(tally);
+}
+
+DecodedAmount CanDecoding::amount() const {
+    const CanTally tally = finder_.tally();
+    return {tally.frames, tally.can_frames};
+}
+
 int decode_can_recording(const Recording& recording, std::span<const ProtocolUse> uses,
                          FramePrinter& printer, std::ostream& messages) {
     std::uint64_t frames_of_best = 0;
-    const std::size_t best = uses.size() == 1 ? 0 : best_of(uses, recording, frames_of_best);
-    printer.heading();
-    CanFrameFinder finder(uses[best], [&](const FoundFrame& found) { printer.frame(found); });
-    feed_all(finder, recording);
-    CanTally tally = finder.tally();
-    tally.error_frames = recording.error_frames;
-    tally.log_start = recording.log_start;
-    const bool unknown = uses.size() > 1 && frames_of_best == 0 && tally.can_frames > 0;
-    if (!unknown) {
-        printer.can_summary(tally);
-        if (tally.frames == 0 && tally.can_frames > 0) {
-            messages << no_frame_text(recording, uses[best].protocol->name);
-        }
-        return kExitFine;
+    const std::size_t best = best_of(uses, recording, frames_of_best);
+    if (uses.size() == 1 || frames_of_best > 0 || recording.can_frames.empty()) {
+        CanDecoding decoding(uses[best], printer);
+        return decode_recording(recording, decoding, messages);
     }
     // The counters of one protocol's rejected frames would mean nothing here.
-    tally.rejected.clear();
-    tally.other_can_frames = tally.can_frames;
+    CanTally tally{.can_frames = recording.can_frames.size(),
+                   .other_can_frames = recording.can_frames.size(),
+                   .rejected = {},
+                   .error_frames = recording.error_frames,
+                   .log_start = recording.log_start};
+    for (const RecordedCanFrame& recorded : recording.can_frames) {
+        tally.bytes += recorded.frame.remote ? 0 : recorded.frame.length;
+    }
+    printer.heading();
     printer.can_summary(tally);
     std::vector<std::string_view> names;
     for (const ProtocolUse& use : uses) {
@@ -74,21 +88,6 @@ int decode_can_recording(const Recording& recording, std::span<const ProtocolUse
     messages << fmt::format("tribus: no snapshot of {} in {}\n", fmt::join(names, " or "),
                             counted(tally.can_frames, "CAN frame"));
     return kExitFailed;
-}
-
-int decode_can_stream(const CanLogSource& source, const ProtocolUse& use, FramePrinter& printer,
-                      std::ostream& results, std::ostream& messages) {
-    printer.heading();
-    results.flush();
-    CanFrameFinder finder(use, [&printer](const FoundFrame& found) { printer.frame(found); });
-    const CanLogEnd end = read_can_log(
-        source, [&finder](const RecordedCanFrame& frame) { finder.feed(frame); }, results,
-        messages);
-    CanTally tally = finder.tally();
-    tally.error_frames = end.error_frames;
-    tally.log_start = end.log_start;
-    printer.can_summary(tally);
-    return end.failed ? kExitFailed : kExitFine;
 }
 
 }  // namespace tribus

@@ -137,58 +137,72 @@ std::function<std::string()> reader_of(InputFile& file, std::string& beginning,
     };
 }
 
-TransferPrinter transfer_printer(const DecodeArguments& arguments) {
-    return {arguments.decode_format(), terminal_columns(), std::cout, std::cerr};
+std::unique_ptr<Decoding> transfer_decoding(const DecodeArguments& arguments) {
+    return std::make_unique<TransferDecoding>(
+        TransferPrinter(arguments.decode_format(), terminal_columns(), std::cout, std::cerr));
+}
+
+FramePrinter frame_printer(RecordingKind kind, const DecodeArguments& arguments) {
+    return {arguments.decode_format(), kind, std::cout, std::cerr};
+}
+
+/// What the options make of a recording in this protocol.
+std::unique_ptr<Decoding> make_decoding(const ProtocolUse& use, RecordingKind kind,
+                                        const DecodeArguments& arguments) {
+    if (use.protocol == &kSensorBusProtocol) {
+        return std::make_unique<SensorDecoding>(
+            SensorPrinter(arguments.decode_format(), kind, SensorTypes(arguments.sensor_dialect()),
+                          std::cout, std::cerr));
+    }
+    if (arguments.explains_dronecan()) {
+        return transfer_decoding(arguments);
+    }
+    if (use.protocol->shape == WireShape::can_frames) {
+        return std::make_unique<CanDecoding>(use, frame_printer(kind, arguments));
+    }
+    return std::make_unique<FrameDecoding>(use, frame_printer(kind, arguments));
 }
 
 int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse& use,
-                       const DecodeArguments& arguments) {
+                       RecordingKind kind, const DecodeArguments& arguments) {
     std::string failed;
     const auto read = reader_of(file, beginning, failed);
-    int status = kExitFine;
-    const CanLogSource source{read, file.name(), arguments.interface};
-    if (arguments.explains_dronecan()) {
-        TransferPrinter printer = transfer_printer(arguments);
-        status = decode_dronecan_stream(source, printer, std::cout, std::cerr);
-    } else if (use.protocol->shape == WireShape::can_frames) {
-        FramePrinter printer(arguments.decode_format(), RecordingKind::candump, std::cout,
-                             std::cerr);
-        status = decode_can_stream(source, use, printer, std::cout, std::cerr);
-    } else {
-        FramePrinter printer(arguments.decode_format(), RecordingKind::raw, std::cout, std::cerr);
-        status = decode_stream(read, use, printer, std::cout, std::cerr);
-    }
+    const auto decoding = make_decoding(use, kind, arguments);
+    const int status =
+        kind == RecordingKind::candump
+            ? decode_log({read, file.name(), arguments.interface}, *decoding, std::cout, std::cerr)
+            : decode_stream(read, *decoding, std::cout, std::cerr);
     return failed.empty() ? status : fail(failed, kExitFailed);
 }
 
-int decode_sensor_parsed(const Recording& recording, const DecodeArguments& arguments) {
-    const SensorTypes types(arguments.sensor_dialect());
-    SensorPrinter printer(arguments.decode_format(), recording.kind, types, std::cout, std::cerr);
-    return decode_sensor_recording(recording, printer, std::cerr);
-}
-
-int decode_can_parsed(const Recording& recording, std::span<const ProtocolUse> uses,
-                      const DecodeArguments& arguments) {
-    const bool told = arguments.any_protocol() && only_dronecan(recording, uses);
-    if (told || arguments.explains_dronecan()) {
-        TransferPrinter printer = transfer_printer(arguments);
-        return decode_dronecan_recording(recording, printer);
+/// By the one protocol of several that fits best.
+int decode_by_best(const Recording& recording, std::span<const ProtocolUse> uses,
+                   const DecodeArguments& arguments) {
+    const bool can = recording.kind == RecordingKind::candump;
+    if (can && arguments.any_protocol() && only_dronecan(recording, uses)) {
+        return decode_recording(recording, *transfer_decoding(arguments), std::cerr);
     }
-    FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
-    return decode_can_recording(recording, uses, printer, std::cerr);
+    FramePrinter printer = frame_printer(recording.kind, arguments);
+    return can ? decode_can_recording(recording, uses, printer, std::cerr)
+               : decode_bytes(recording, uses, printer, std::cerr);
 }
 
-int decode_parsed(Recording recording, const std::string& name, std::span<const ProtocolUse> uses,
+int decode_parsed(Recording recording, const std::string& name, std::vector<ProtocolUse> uses,
                   const DecodeArguments& arguments) {
-    if (arguments.any_protocol() && is_sensor_bus(recording)) {
-        return decode_sensor_parsed(recording, arguments);
+    if (recording.kind == RecordingKind::candump) {
+        auto taken = take_interface(std::move(recording), name, arguments.interface);
+        if (!taken) {
+            return fail(taken.error(), kExitFailed);
+        }
+        recording = std::move(*taken);
+    } else if (arguments.any_protocol() && is_sensor_bus(recording)) {
+        uses = {{.protocol = &kSensorBusProtocol, .settings = {}, .line = kSensorBusProtocol.line}};
     }
-    if (recording.kind != RecordingKind::candump) {
-        FramePrinter printer(arguments.decode_format(), recording.kind, std::cout, std::cerr);
-        return decode_recording(recording, uses, printer, std::cerr);
+    if (uses.size() > 1) {
+        return decode_by_best(recording, uses, arguments);
     }
-    const auto taken = take_interface(std::move(recording), name, arguments.interface);
-    return taken ? decode_can_parsed(*taken, uses, arguments) : fail(taken.error(), kExitFailed);
+    const auto decoding = make_decoding(uses.front(), recording.kind, arguments);
+    return decode_recording(recording, *decoding, std::cerr);
 }
 
 /// `uses` are all CAN or all serial, unless the kind is not known yet.
@@ -216,7 +230,7 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
                                 recording_kind_name(*kind), kKindHint),
                     kExitFailed);
     }
-    return decode_parsed(std::move(*recording), name, uses, arguments);
+    return decode_parsed(std::move(*recording), name, std::move(uses), arguments);
 }
 
 /// Reads as much of the file as is needed to recognise its format.
@@ -236,8 +250,8 @@ tl::expected<std::string, std::string> read_beginning(InputFile& file) {
 tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArguments& arguments) {
     if (arguments.protocol != "auto" && find_protocol(arguments.protocol) == nullptr) {
         return tl::unexpected(
-            fmt::format("--protocol: {} is not a known protocol; allowed: auto, {}, {}",
-                        in_quotes(arguments.protocol), protocol_list(), kSensorBusName));
+            fmt::format("--protocol: {} is not a known protocol; allowed: auto, {}",
+                        in_quotes(arguments.protocol), protocol_list(SettingScope::input)));
     }
     if (arguments.as.empty()) {
         return choose_protocols(arguments.protocol, SettingScope::input, arguments.given);
@@ -250,71 +264,8 @@ tl::expected<std::vector<ProtocolUse>, std::string> asked_for(const DecodeArgume
     });
 }
 
-/// Why the options do not fit the sensor bus; empty if they do.
-std::string mistake_with_sensors(const DecodeArguments& arguments) {
-    if (!arguments.as.empty()) {
-        return kAsAlone;
-    }
-    if (!arguments.given.empty()) {
-        return fmt::format("--{}: {} has no such setting; leave it out",
-                           arguments.given.begin()->first, kSensorBusName);
-    }
-    if (!arguments.interface.empty() || arguments.kind() == RecordingKind::candump) {
-        return fmt::format("{} is read from bytes of a serial line, not from a candump log",
-                           kSensorBusName);
-    }
-    return {};
-}
-
-int decode_sensor_file(InputFile& file, std::string beginning, const DecodeArguments& arguments) {
-    const auto given = arguments.kind();
-    const auto kind = given ? given : early_kind(beginning);
-    if (kind == RecordingKind::raw) {
-        const SensorTypes types(arguments.sensor_dialect());
-        SensorPrinter printer(arguments.decode_format(), *kind, types, std::cout, std::cerr);
-        std::string failed;
-        const int status =
-            decode_sensor_stream(reader_of(file, beginning, failed), printer, std::cout);
-        return failed.empty() ? status : fail(failed, kExitFailed);
-    }
-    const auto rest = file.read_all();
-    if (!rest) {
-        return fail(rest.error(), kExitFailed);
-    }
-    const std::string content = beginning + *rest;
-    const auto recording =
-        kind ? parse_recording(content, file.name(), *kind) : parse_recording(content, file.name());
-    if (!recording) {
-        return fail(fmt::format("{} ({})", recording.error(), kKindHint), kExitFailed);
-    }
-    if (recording->kind == RecordingKind::candump) {
-        return fail(
-            fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",
-                        file.name(), kSensorBusName, protocol_list(WireShape::can_frames)),
-            kExitWrongUse);
-    }
-    return decode_sensor_parsed(*recording, arguments);
-}
-
-int run_sensor_decode(const DecodeArguments& arguments) {
-    const std::string mistake = mistake_with_sensors(arguments);
-    if (!mistake.empty()) {
-        return fail(mistake, kExitWrongUse);
-    }
-    auto file = InputFile::open(arguments.file);
-    if (!file) {
-        return fail(file.error(), kExitFailed);
-    }
-    auto beginning = read_beginning(*file);
-    return beginning ? decode_sensor_file(*file, std::move(*beginning), arguments)
-                     : fail(beginning.error(), kExitFailed);
-}
-
 int run_decode(const DecodeArguments& arguments) {
-    if (arguments.protocol == kSensorBusName) {
-        return run_sensor_decode(arguments);
-    }
-    if (!arguments.dialect.empty()) {
+    if (!arguments.dialect.empty() && arguments.protocol != kSensorBusName) {
         return fail(fmt::format("--dialect: only --protocol {} has dialects", kSensorBusName),
                     kExitWrongUse);
     }
@@ -345,7 +296,7 @@ int run_decode(const DecodeArguments& arguments) {
         uses = without_dronecan(*uses);
     }
     if (flows && uses->size() == 1) {
-        return decode_as_it_comes(*file, std::move(*beginning), uses->front(), arguments);
+        return decode_as_it_comes(*file, std::move(*beginning), uses->front(), *kind, arguments);
     }
     const auto rest = file->read_all();
     if (!rest) {
@@ -369,7 +320,7 @@ Command decode_command() {
          .help =
              "auto: the protocol that finds the most frames; single lines may be frames of another",
          .shows_value = true,
-         .type_name = choices_type("auto," + protocol_list() + "," + std::string(kSensorBusName))},
+         .type_name = choices_type("auto," + protocol_list(SettingScope::input))},
         {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
         {.name = "--dialect",
          .value = &arguments->dialect,

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <numeric>
 #include <ostream>
+#include <utility>
 #include <vector>
 
-#include "app/cli/exit_status.h"
 #include "app/wire/decode_can.h"
 #include "app/wire/dronecan/dronecan_explainer.h"
 
@@ -19,14 +19,6 @@ void explain_recording(const Recording& recording, DroneCanExplainer& explainer)
     explainer.finish();
 }
 
-void print_summary(const DroneCanExplainer& explainer, std::uint64_t error_frames,
-                   Duration log_start, TransferPrinter& printer) {
-    TransferTally tally = explainer.tally();
-    tally.error_frames = error_frames;
-    tally.log_start = log_start;
-    printer.summary(tally);
-}
-
 }  // namespace
 
 bool is_dronecan(const Recording& recording) {
@@ -37,27 +29,16 @@ bool is_dronecan(const Recording& recording) {
     return explainer.tally().of_known_type > all / 2;
 }
 
-int decode_dronecan_recording(const Recording& recording, TransferPrinter& printer) {
-    printer.heading();
-    DroneCanExplainer explainer(
-        [&printer](const ExplainedTransfer& transfer) { printer.transfer(transfer); });
-    explain_recording(recording, explainer);
-    print_summary(explainer, recording.error_frames, recording.log_start, printer);
-    return kExitFine;
-}
+TransferDecoding::TransferDecoding(TransferPrinter printer)
+    : printer_(std::move(printer)),
+      explainer_([this](const ExplainedTransfer& transfer) { printer_.transfer(transfer); }) {}
 
-int decode_dronecan_stream(const CanLogSource& source, TransferPrinter& printer,
-                           std::ostream& results, std::ostream& messages) {
-    printer.heading();
-    results.flush();
-    DroneCanExplainer explainer(
-        [&printer](const ExplainedTransfer& transfer) { printer.transfer(transfer); });
-    const CanLogEnd end = read_can_log(
-        source, [&explainer](const RecordedCanFrame& frame) { explainer.feed(frame); }, results,
-        messages);
-    explainer.finish();
-    print_summary(explainer, end.error_frames, end.log_start, printer);
-    return end.failed ? kExitFailed : kExitFine;
+void TransferDecoding::finish(const LogFacts& facts) {
+    explainer_.finish();
+    TransferTally tally = explainer_.tally();
+    tally.error_frames = facts.error_frames;
+    tally.log_start = facts.log_start;
+    printer_.summary(tally);
 }
 
 std::vector<ProtocolUse> without_dronecan(std::span<const ProtocolUse> uses) {

@@ -1,15 +1,13 @@
 #pragma once
 
-#include <iosfwd>
 #include <span>
 #include <vector>
 
 #include "app/cli/protocol_use.h"
+#include "app/wire/decoding.h"
 #include "app/wire/dronecan/dronecan_printer.h"
-#include "app/wire/frames/can_log.h"
 #include "transports/recordings/recording.h"
 
-/// `decode` for DroneCAN: all transfers of a bus, not only those with channels.
 namespace tribus {
 
 inline constexpr const char* kDroneCanName = "dronecan";
@@ -17,12 +15,22 @@ inline constexpr const char* kDroneCanName = "dronecan";
 /// True if most transfers of the log are complete and of known types.
 bool is_dronecan(const Recording& recording);
 
-/// Decodes a whole log and prints heading, transfers and summary. Returns the exit status.
-int decode_dronecan_recording(const Recording& recording, TransferPrinter& printer);
+/// All transfers of a DroneCAN bus, not only those with channels.
+class TransferDecoding final : public Decoding {
+  public:
+    explicit TransferDecoding(TransferPrinter printer);
 
-/// Decodes a log while its lines arrive, like decode_can_stream.
-int decode_dronecan_stream(const CanLogSource& source, TransferPrinter& printer,
-                           std::ostream& results, std::ostream& messages);
+    void heading() override { printer_.heading(); }
+    void feed_frame(const RecordedCanFrame& frame) override { explainer_.feed(frame); }
+    void finish(const LogFacts& facts) override;
+    /// The summary tells what the frames were, whatever they were.
+    DecodedAmount amount() const override { return {}; }
+    std::string_view protocol() const override { return kDroneCanName; }
+
+  private:
+    TransferPrinter printer_;
+    DroneCanExplainer explainer_;
+};
 
 /// All protocols except DroneCAN, which cannot be told from others before the whole log is there.
 std::vector<ProtocolUse> without_dronecan(std::span<const ProtocolUse> uses);

@@ -1,22 +1,26 @@
 #pragma once
 
-#include <functional>
-#include <iosfwd>
-#include <string>
-
+#include "app/wire/decoding.h"
 #include "app/wire/sensors/sensor_printer.h"
-#include "transports/recordings/recording.h"
 
-/// `decode` for the sensor bus, which has no channel frames but requests and replies.
 namespace tribus {
 
-/// Decodes a whole recording and prints heading, exchanges and summary. Returns the exit status:
-/// kExitFailed if there are bytes but no frame.
-int decode_sensor_recording(const Recording& recording, SensorPrinter& printer,
-                            std::ostream& messages);
+/// The sensor bus, which has no channel frames but requests and replies.
+class SensorDecoding final : public Decoding {
+  public:
+    explicit SensorDecoding(SensorPrinter printer);
 
-/// Decodes raw bytes as they arrive. `read` returns the next bytes, none at the end.
-int decode_sensor_stream(const std::function<std::string()>& read, SensorPrinter& printer,
-                         std::ostream& results);
+    void heading() override { printer_.heading(); }
+    void feed_burst(std::size_t index, const Burst& burst) override;
+    void finish(const LogFacts& facts) override;
+    DecodedAmount amount() const override;
+    std::string_view protocol() const override;
+    int status_of_nothing() const override;
+
+  private:
+    SensorPrinter printer_;
+    SensorConversation conversation_;
+    SensorFrameFinder finder_;
+};
 
 }  // namespace tribus

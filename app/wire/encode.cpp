@@ -124,8 +124,8 @@ tl::expected<ProtocolUse, std::string> asked_for(const EncodeArguments& argument
         return configured_use(arguments.as, SettingScope::output);
     }
     if (arguments.protocol.empty()) {
-        return tl::unexpected(
-            fmt::format("--protocol or --as is required; allowed: {}", protocol_list()));
+        return tl::unexpected(fmt::format("--protocol or --as is required; allowed: {}",
+                                          protocol_list(SettingScope::output)));
     }
     const auto plain = choose_protocols(arguments.protocol, SettingScope::output, arguments.given);
     if (!plain) {
@@ -215,7 +215,7 @@ Command encode_command() {
         {.name = "--protocol",
          .value = &arguments->protocol,
          .help = "Protocol to encode",
-         .type_name = choices_type(protocol_list())},
+         .type_name = choices_type(protocol_list(SettingScope::output))},
         {.name = "--as", .value = &arguments->as, .help = kAsHelp, .type_name = "FILE:NAME"},
         {.name = "--format",
          .value = &arguments->format,

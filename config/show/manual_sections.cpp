@@ -180,6 +180,9 @@ void add_protocols(std::vector<ManualSection>& sections) {
              "the keys that all have. They are options of `tribus decode` and `tribus encode` "
              "too."});
     for (const Protocol* protocol : protocols()) {
+        if (!protocol->has_channels()) {
+            continue;
+        }
         std::vector<Key> keys;
         for (const Setting& setting : protocol->settings) {
             keys.push_back({setting});

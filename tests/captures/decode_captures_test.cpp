@@ -47,7 +47,7 @@ std::string decoded(std::string_view name, std::string_view protocol, DecodeForm
     std::ostringstream results;
     std::ostringstream messages;
     FramePrinter printer(format, recording->kind, results, messages);
-    EXPECT_EQ(decode_recording(*recording, *uses, printer, messages), kExitFine);
+    EXPECT_EQ(decode_bytes(*recording, *uses, printer, messages), kExitFine);
     return results.str();
 }
 
@@ -177,7 +177,7 @@ TEST_F(Captures, ArduPilotScaleReadsItsOwnVector) {
     ASSERT_TRUE(recording && uses);
     std::ostringstream results;
     FramePrinter printer(DecodeFormat::text, recording->kind, results, results);
-    decode_recording(*recording, *uses, printer, results);
+    decode_bytes(*recording, *uses, printer, results);
     EXPECT_NE(results.str().find(" 1562 1496 1000 1531 1806 2006 1495 1495  875"),
               std::string::npos);
 }

@@ -57,8 +57,8 @@ Outcome decoded(const std::string& log, DecodeFormat format) {
     const auto recording = parse_recording(log, "vectors.log", RecordingKind::candump);
     EXPECT_TRUE(recording) << recording.error();
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        TransferPrinter printer(format, std::nullopt, results, messages);
-        return decode_dronecan_recording(recording.value_or(Recording{}), printer);
+        TransferDecoding decoding(TransferPrinter(format, std::nullopt, results, messages));
+        return decode_recording(recording.value_or(Recording{}), decoding, messages);
     });
 }
 

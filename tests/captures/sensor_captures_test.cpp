@@ -52,8 +52,9 @@ Decoded decoded(std::string_view name) {
     const SensorTypes types;
     std::ostringstream results;
     std::ostringstream messages;
-    SensorPrinter printer(DecodeFormat::json, recording.kind, types, results, messages);
-    EXPECT_EQ(decode_sensor_recording(recording, printer, messages), kExitFine) << messages.str();
+    SensorDecoding decoding(
+        SensorPrinter(DecodeFormat::json, recording.kind, types, results, messages));
+    EXPECT_EQ(decode_recording(recording, decoding, messages), kExitFine) << messages.str();
     Decoded result;
     std::istringstream lines(results.str());
     for (std::string line; std::getline(lines, line);) {

@@ -64,8 +64,8 @@ CanFrame any_frame() {
 std::vector<std::string> lines_of(const Recording& recording, DecodeFormat format) {
     std::ostringstream results;
     std::ostringstream messages;
-    TransferPrinter printer(format, 60, results, messages);
-    decode_dronecan_recording(recording, printer);
+    TransferDecoding decoding(TransferPrinter(format, 60, results, messages));
+    decode_recording(recording, decoding, messages);
     std::vector<std::string> lines;
     std::istringstream text(results.str());
     for (std::string line; std::getline(text, line);) {

@@ -74,6 +74,9 @@ struct Protocol {
     AnyDecoder (*make_decoder)(const SettingValues&) = nullptr;
     AnyEncoder (*make_encoder)(const SettingValues&) = nullptr;
 
+    /// Whether frames of channels are made of it, or it of them. If not, only `decode`, `record`
+    /// and `replay` know it.
+    bool has_channels() const { return make_decoder != nullptr || make_encoder != nullptr; }
     /// Whether there is a codec for this direction.
     bool goes(SettingScope way) const {
         return (way == SettingScope::output || make_decoder != nullptr) &&

@@ -1,14 +1,19 @@
 #include "app/wire/sensors/sensor_printer.h"
 
 #include <ostream>
+#include <utility>
 
 #include "app/wire/sensors/sensor_text.h"
 
 namespace tribus {
 
-SensorPrinter::SensorPrinter(DecodeFormat format, RecordingKind input, const SensorTypes& types,
+SensorPrinter::SensorPrinter(DecodeFormat format, RecordingKind input, SensorTypes types,
                              std::ostream& results, std::ostream& messages)
-    : format_(format), input_(input), types_(types), results_(results), messages_(messages) {}
+    : format_(format),
+      input_(input),
+      types_(std::move(types)),
+      results_(results),
+      messages_(messages) {}
 
 void SensorPrinter::heading() {
     std::string text;

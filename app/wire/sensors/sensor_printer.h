@@ -15,9 +15,9 @@ namespace tribus {
 /// types; if the type is not known yet, they are printed raw.
 class SensorPrinter {
   public:
-    /// The summary of a CSV goes to `messages`, all other output to `results`. `types`, `results`
-    /// and `messages` must outlive the printer.
-    SensorPrinter(DecodeFormat format, RecordingKind input, const SensorTypes& types,
+    /// The summary of a CSV goes to `messages`, all other output to `results`. `results` and
+    /// `messages` must outlive the printer.
+    SensorPrinter(DecodeFormat format, RecordingKind input, SensorTypes types,
                   std::ostream& results, std::ostream& messages);
 
     void heading();
@@ -27,7 +27,7 @@ class SensorPrinter {
   private:
     DecodeFormat format_;
     RecordingKind input_;
-    const SensorTypes& types_;
+    SensorTypes types_;
     std::ostream& results_;
     std::ostream& messages_;
 };

@@ -10,6 +10,7 @@
 
 #include "core/time.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/protocol.h"
 
 /// Frames of the i.Bus sensor bus (docs/protocols/ibus.md, "Sensor bus: wire" and "Sensor bus:
 /// frames"): 115200 8N1, one wire for both directions. The receiver asks, sensors answer. Pure.
@@ -17,6 +18,9 @@ namespace tribus {
 
 /// Name of the protocol on the bus, where a protocol is chosen or reported.
 inline constexpr std::string_view kSensorBusName = "ibus-sensor";
+
+/// Without channels: no input or output has it.
+extern const Protocol kSensorBusProtocol;
 
 /// Number of addresses, 1 to 15. Address 0 is the receiver's own voltage and never on the wire.
 inline constexpr std::size_t kMostSensors = 15;

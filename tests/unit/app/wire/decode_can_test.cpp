@@ -59,7 +59,8 @@ Outcome streamed(const std::vector<std::string>& pieces, const std::string& inte
             return next < pieces.size() ? pieces[next++] : std::string();
         };
         const CanLogSource source{.read = read, .name = "standard input", .interface = interface};
-        return decode_can_stream(source, use_of(kTinyCan), printer, results, messages);
+        CanDecoding decoding(use_of(kTinyCan), printer);
+        return decode_log(source, decoding, results, messages);
     });
 }
 

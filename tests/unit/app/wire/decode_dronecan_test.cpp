@@ -50,8 +50,8 @@ Outcome decoded(std::string_view log, DecodeFormat format,
     const auto recording = parse_recording(log, "can.log", RecordingKind::candump);
     EXPECT_TRUE(recording) << recording.error();
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        TransferPrinter printer(format, columns, results, messages);
-        return decode_dronecan_recording(recording.value_or(Recording{}), printer);
+        TransferDecoding decoding(TransferPrinter(format, columns, results, messages));
+        return decode_recording(recording.value_or(Recording{}), decoding, messages);
     });
 }
 
@@ -252,12 +252,13 @@ TEST(DecodeDroneCan, AStreamIsExplainedLineByLineAndLinesThatAreNoneAreReported)
     std::size_t next = 0;
     std::string after_first;
     const Outcome outcome = outcome_of([&](std::ostringstream& results, std::ostream& messages) {
-        TransferPrinter printer(DecodeFormat::json, std::nullopt, results, messages);
+        TransferDecoding decoding(
+            TransferPrinter(DecodeFormat::json, std::nullopt, results, messages));
         const auto read = [&] {
             after_first = next == 1 ? results.str() : after_first;
             return next < pieces.size() ? pieces[next++] : std::string();
         };
-        return decode_dronecan_stream({read, "standard input", ""}, printer, results, messages);
+        return decode_log({read, "standard input", ""}, decoding, results, messages);
     });
     EXPECT_NE(after_first.find("\"uptime_sec\":1234"), std::string::npos);
     EXPECT_EQ(outcome.lines().size(), 3U);

@@ -42,8 +42,8 @@ Outcome decoded(std::string_view content, DecodeFormat format,
     EXPECT_TRUE(recording) << recording.error();
     const SensorTypes types(dialect);
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        SensorPrinter printer(format, recording->kind, types, results, messages);
-        return decode_sensor_recording(*recording, printer, messages);
+        SensorDecoding decoding(SensorPrinter(format, recording->kind, types, results, messages));
+        return decode_recording(*recording, decoding, messages);
     });
 }
 

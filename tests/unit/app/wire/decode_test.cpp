@@ -37,7 +37,7 @@ Outcome decoded(const std::string& content, std::string_view protocol, DecodeFor
     EXPECT_TRUE(recording && uses);
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
         FramePrinter printer(format, recording->kind, results, messages);
-        return decode_recording(*recording, *uses, printer, messages);
+        return decode_bytes(*recording, *uses, printer, messages);
     });
 }
 
@@ -105,7 +105,7 @@ TEST(Decode, DamagedByteCostsItsFrameOnly) {
     const auto uses = choose_protocols("ibus", SettingScope::input, {});
     std::ostringstream results;
     FramePrinter printer(DecodeFormat::json, recording->kind, results, results);
-    decode_recording(*recording, *uses, printer, results);
+    decode_bytes(*recording, *uses, printer, results);
     EXPECT_NE(results.str().find("\"bytes\":64,\"frames\":1,\"rejected\":{\"checksum\":0,"
                                  "\"damaged\":1,\"ibus2\":0,\"length\":0},\"skipped_bytes\":32"),
               std::string::npos)
@@ -204,7 +204,8 @@ TEST(Decode, StreamWithoutAFrameNamesTheProtocolThatFindsSome) {
     std::ostringstream results;
     std::ostringstream messages;
     FramePrinter printer(DecodeFormat::json, RecordingKind::raw, results, messages);
-    decode_stream(read, uses->front(), printer, results, messages);
+    FrameDecoding decoding(uses->front(), printer);
+    decode_stream(read, decoding, results, messages);
     EXPECT_EQ(
         messages.str(),
         "tribus: no frame of sbus in 64 bytes; protocols that find frames: ibus (2 frames)\n");
@@ -228,7 +229,8 @@ TEST(Decode, StreamPrintsAFrameBeforeTheNextBytesAreRead) {
         printed.push_back(results.str().size());
         return chunks[next++];
     };
-    EXPECT_EQ(decode_stream(read, uses->front(), printer, results, results), kExitFine);
+    FrameDecoding decoding(uses->front(), printer);
+    EXPECT_EQ(decode_stream(read, decoding, results, results), kExitFine);
     ASSERT_EQ(printed.size(), 3U);
     EXPECT_EQ(printed[1], printed[0]);
     EXPECT_GT(printed[2], printed[1]);

@@ -1,0 +1,72 @@
+#include "app/wire/decoding.h"
+
+#include <ostream>
+
+#include "app/cli/exit_status.h"
+#include "app/wire/fitting_protocols.h"
+
+namespace tribus {
+namespace {
+
+int status_of(const Decoding& decoding, const Recording& recording, std::ostream& messages) {
+    const DecodedAmount amount = decoding.amount();
+    if (amount.frames > 0 || amount.given == 0) {
+        return kExitFine;
+    }
+    messages << no_frame_text(recording, decoding.protocol());
+    return decoding.status_of_nothing();
+}
+
+}  // namespace
+
+int Decoding::status_of_nothing() const {
+    return kExitFine;
+}
+
+int decode_recording(const Recording& recording, Decoding& decoding, std::ostream& messages) {
+    decoding.heading();
+    for (std::size_t index = 0; index < recording.bursts.size(); ++index) {
+        decoding.feed_burst(index, recording.bursts[index]);
+    }
+    for (const RecordedCanFrame& frame : recording.can_frames) {
+        decoding.feed_frame(frame);
+    }
+    decoding.finish({recording.error_frames, recording.log_start});
+    return status_of(decoding, recording, messages);
+}
+
+int decode_stream(const std::function<std::string()>& read, Decoding& decoding,
+                  std::ostream& results, std::ostream& messages) {
+    /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
+    constexpr std::size_t kMostKept = std::size_t{64} * 1024;
+    Recording kept;
+    Burst& all = kept.bursts.emplace_back();
+    decoding.heading();
+    while (results.good()) {
+        const std::string bytes = read();
+        if (bytes.empty()) {
+            break;
+        }
+        decoding.feed_burst(
+            0, {.start = std::nullopt, .bytes = {bytes.begin(), bytes.end()}, .damaged = {}});
+        results.flush();
+        if (decoding.amount().frames == 0 && all.bytes.size() < kMostKept) {
+            all.bytes.insert(all.bytes.end(), bytes.begin(), bytes.end());
+        }
+    }
+    decoding.finish({});
+    return status_of(decoding, kept, messages);
+}
+
+int decode_log(const CanLogSource& source, Decoding& decoding, std::ostream& results,
+               std::ostream& messages) {
+    decoding.heading();
+    results.flush();
+    const CanLogEnd end = read_can_log(
+        source, [&decoding](const RecordedCanFrame& frame) { decoding.feed_frame(frame); }, results,
+        messages);
+    decoding.finish({end.error_frames, end.log_start});
+    return end.failed ? kExitFailed : kExitFine;
+}
+
+}  // namespace tribus
