@@ -112,82 +112,6 @@ void Loop::request_end() {
     set_event(wake_up_.get());
 }
 
-/// A frame made at `now` is valid for one period. After that it is dropped as stale.
-WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& sent, Duration period,
-                            Instant now) {
-    ByteLink* bytes = link.as_bytes();
-    const WriteStatus asked = bytes != nullptr ? bytes->ask() : WriteStatus::written;
-    clock_ = monotonic_now();
-    if (asked != WriteStatus::written) {
-        return asked;
-    }
-    if (clock_ - now > period) {
-        return WriteStatus::busy;
-    }
-    return bytes != nullptr ? bytes->write_asked(sent.bytes())
-                            : link.as_can()->write(lane, sent.can_frames(), clock_);
-}
-
-namespace {
-
-void count(WriteStatus status, Output& output) {
-    switch (status) {
-        case WriteStatus::written:
-            output.written();
-            break;
-        case WriteStatus::busy:
-            output.dropped_busy();
-            break;
-        case WriteStatus::unavailable:
-            output.dropped_unavailable();
-            break;
-        case WriteStatus::lost:
-            output.dropped_lost();
-            break;
-    }
-}
-
-}  // namespace
-
-void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
-    if (port.wiring.capture == nullptr) {
-        return;
-    }
-    port.wiring.capture->record(sent.bytes(), at);
-    for (const CanFrame& frame : sent.can_frames()) {
-        port.wiring.capture->record(Direction::written, frame, at);
-    }
-}
-
-void Loop::write_outputs(Instant now) {
-    for (const std::size_t index : engine_.ran()) {
-        Output& output = engine_.output(index);
-        const Transmission sent = output.take();
-        if (sent.empty()) {
-            continue;
-        }
-        const auto [port_index, lane] = routes_[index];
-        Port& port = ports_[port_index];
-        const WriteStatus status =
-            port.link ? hand_over(*port.link, lane, sent, output.period(), now) : WriteStatus::lost;
-        clock_ = monotonic_now();
-        count(status, output);
-        if (status == WriteStatus::written) {
-            output_timing_[index]->frame_went({.due = output.latest_due(),
-                                               .taken = now,
-                                               .handed_over = clock_,
-                                               .read = output.latest().received,
-                                               .period = output.period()});
-            capture(port, sent, clock_);
-            if (settings_.lines != nullptr && is_fresh(output, clock_)) {
-                settings_.lines->set_fresh(index, clock_);
-            }
-        } else if (status == WriteStatus::lost && port.link) {
-            lose(port);
-        }
-    }
-}
-
 Instant Loop::poll_can_links(Instant now) {
     Instant next = kNever;
     for (const std::size_t port : can_ports_) {
@@ -208,7 +132,11 @@ Instant Loop::advance(Instant now) {
     if (settings_.lines != nullptr && !engine_.ran().empty()) {
         settings_.lines->set_states(engine_.shown_on_lines());
     }
-    next = std::min({next, poll_can_links(now), advance_values(now)});
+    next = std::min(next, poll_can_links(now));
+    if (settings_.values != nullptr) {
+        next = std::min(next, settings_.values->poll(engine_, now));
+        write_buses(now);
+    }
     for (std::size_t port = 0, left = quiet_ports_; left > 0; ++port) {
         if (ports_[port].quiet_until != kNever) {
             next = std::min(next, ports_[port].quiet_until);

@@ -237,11 +237,15 @@ class Loop {
     ReadStatus catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
                                  Instant now);
     bool is_long(const PortWiring& wiring, Duration absence) const;
+    template <class Told>
+    void send(Port& port, std::size_t lane, const Transmission& sent, Duration valid_for,
+              Instant now, Told told);
+    void note_sent(std::size_t index, const Output& output, Instant now);
     void write_outputs(Instant now);
-    WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent, Duration period,
-                          Instant now);
+    void write_buses(Instant now);
+    WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent,
+                          Duration valid_for, Instant now);
     static void capture(const Port& port, const Transmission& sent, Instant at);
-    Instant advance_values(Instant now);
     void write_nodes(Instant now);
     /// Returns when to call `poll` of the links again.
     Instant poll_can_links(Instant now);
