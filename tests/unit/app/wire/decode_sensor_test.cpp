@@ -201,6 +201,27 @@ TEST(DecodeSensorProgram, RawBytesOfAPipeAreRead) {
     EXPECT_NE(result.output.find("\"requests\":1"), std::string::npos) << result.output;
 }
 
+TEST(DecodeSensorProgram, AStreamWithoutAFrameNamesTheProtocolThatFindsSome) {
+    // An i.Bus frame in raw bytes: 14 channels at 1500 us.
+    std::string frame = "\\040\\100";
+    for (int slot = 0; slot < 14; ++slot) {
+        frame += "\\334\\005";
+    }
+    const Ended result = run_in_shell("printf '" + frame +
+                                      "\\121\\363' | \"$TRIBUS\" decode --protocol ibus-sensor");
+    EXPECT_EQ(result.status, 1);
+    EXPECT_NE(result.output.find("tribus: no frame of ibus-sensor in 32 bytes; protocols that find "
+                                 "frames: ibus (1 frame)\n"),
+              std::string::npos)
+        << result.output;
+}
+
+TEST(DecodeSensorProgram, NoChannelsAreEncodedForTheBus) {
+    const Ended result = run_in_shell("echo | \"$TRIBUS\" encode --protocol ibus-sensor");
+    EXPECT_EQ(result.status, 2);
+    EXPECT_NE(result.output.find("the sensor bus has no channels"), std::string::npos);
+}
+
 TEST(DecodeSensorProgram, WhatDoesNotGoTogetherEndsWithTwo) {
     EXPECT_EQ(run_in_shell(std::string(kHex) + "--dialect inav").status, 2);
     EXPECT_EQ(run_in_shell(std::string(kHex) + "--protocol ibus-sensor --dialect x").status, 2);
