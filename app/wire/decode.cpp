@@ -153,7 +153,7 @@ int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses
 
 FrameDecoding::FrameDecoding(const ProtocolUse& use, FramePrinter printer)
     : protocol_(use.protocol->name),
-      printer_(std::move(printer)),
+      printer_(printer),
       finder_(use, [this](const FoundFrame& found) { printer_.frame(found); }) {}
 
 void FrameDecoding::finish(const LogFacts& /*facts*/) {

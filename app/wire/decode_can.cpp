@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <utility>
 
 #include <cstddef>
 #include <cstdint>
@@ -47,7 +46,7 @@ std::uint64_t most_snapshots(std::span<const ProtocolUse> uses, const Recording&
 
 CanDecoding::CanDecoding(const ProtocolUse& use, FramePrinter printer)
     : protocol_(use.protocol->name),
-      printer_(std::move(printer)),
+      printer_(printer),
       finder_(use, [this](const FoundFrame& found) { printer_.frame(found); }) {}
 
 void CanDecoding::finish(const LogFacts& facts) {

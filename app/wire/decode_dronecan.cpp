@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <numeric>
 #include <ostream>
-#include <utility>
 #include <vector>
 
 #include "app/wire/decode_can.h"
@@ -30,7 +29,7 @@ bool is_dronecan(const Recording& recording) {
 }
 
 TransferDecoding::TransferDecoding(TransferPrinter printer)
-    : printer_(std::move(printer)),
+    : printer_(printer),
       explainer_([this](const ExplainedTransfer& transfer) { printer_.transfer(transfer); }) {}
 
 void TransferDecoding::finish(const LogFacts& facts) {

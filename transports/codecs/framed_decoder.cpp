@@ -5,8 +5,6 @@
 namespace tribus {
 namespace {
 
-enum RejectCause : std::size_t { kChecksum, kDamaged };
-
 bool any_damaged(const LineBuffer& buffer, std::size_t count) {
     constexpr std::size_t kMostAtOnce = DamageMarks::kWordBits - 1;
     for (std::size_t at = 0; buffer.any_damaged() && at < count; at += kMostAtOnce) {

@@ -36,6 +36,7 @@ class FramedDecoder : public ByteDecoder {
     virtual void read(std::span<const std::uint8_t> frame, ChannelFrame& channels) const = 0;
 
     Taken decode(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame) final;
+    enum RejectCause : std::size_t { kChecksum, kDamaged };
     enum class Candidate : std::uint8_t { none, incomplete, whole };
     Candidate look(std::size_t& length);
     bool search(bool more_may_come, Instant received, DecodedFrame& frame);

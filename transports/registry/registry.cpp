@@ -13,7 +13,7 @@ namespace tribus {
 #include "transports/registry/media.inc"
 #undef TRIBUS_ROW
 
-#define TRIBUS_ROW(name) &name,
+#define TRIBUS_ROW(name) &(name),
 
 std::span<const Protocol* const> protocols() {
     static constexpr std::array kProtocols{
