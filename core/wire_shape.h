@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// What the frames of a protocol are on the wire.
+/// The form in which a link carries a protocol.
 enum class WireShape : std::uint8_t { bytes, can_frames };
 
 }  // namespace tribus

@@ -28,8 +28,8 @@ std::size_t indent_of(std::string_view line, std::size_t column_width) {
     return begin == kOptionIndent ? column_width : begin;
 }
 
-/// Where the next line begins: behind a blank, or behind a comma of choices in braces that alone
-/// are too long. npos: nowhere.
+/// Returns the start of the next line: behind a blank, or behind a comma if a list of choices in
+/// braces is too long for one line. npos: the line cannot be broken.
 std::size_t next_line_of(const std::string& line, std::size_t indent) {
     const std::size_t blank = line.rfind(' ', kColumns);
     const std::size_t word = line.find_last_not_of(' ', blank);

@@ -146,7 +146,7 @@ FramePrinter frame_printer(RecordingKind kind, const DecodeArguments& arguments)
     return {arguments.decode_format(), kind, std::cout, std::cerr};
 }
 
-/// What the options make of a recording in this protocol.
+/// Makes the decoding that the options ask for.
 std::unique_ptr<Decoding> make_decoding(const ProtocolUse& use, RecordingKind kind,
                                         const DecodeArguments& arguments) {
     if (use.protocol == &kSensorBusProtocol) {
@@ -175,7 +175,7 @@ int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse
     return failed.empty() ? status : fail(failed, kExitFailed);
 }
 
-/// By the one protocol of several that fits best.
+/// Decodes by the one of several protocols that fits best.
 int decode_by_best(const Recording& recording, std::span<const ProtocolUse> uses,
                    const DecodeArguments& arguments) {
     const bool can = recording.kind == RecordingKind::candump;

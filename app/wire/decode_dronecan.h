@@ -23,7 +23,7 @@ class TransferDecoding final : public Decoding {
     void heading() override { printer_.heading(); }
     void feed_frame(const RecordedCanFrame& frame) override { explainer_.feed(frame); }
     void finish(const LogFacts& facts) override;
-    /// The summary tells what the frames were, whatever they were.
+    /// Nothing: its summary already explains every frame, so no other protocol is suggested.
     DecodedAmount amount() const override { return {}; }
     std::string_view protocol() const override { return kDroneCanName; }
 

@@ -11,11 +11,11 @@
 #include "core/time.h"
 #include "transports/recordings/recording.h"
 
-/// The one way of `decode`: whatever is decoded, and whether a recording is there as a whole or
-/// arrives piece by piece.
+/// The steps of `decode`. They are the same for every protocol, and for a whole recording and one
+/// that arrives piece by piece.
 namespace tribus {
 
-/// What a log of CAN frames says besides its frames.
+/// Facts of a log of CAN frames besides the frames.
 struct LogFacts {
     std::uint64_t error_frames = 0;
     Duration log_start{};
@@ -27,7 +27,7 @@ struct DecodedAmount {
     std::uint64_t given = 0;   ///< bytes, or CAN frames
 };
 
-/// What `decode` prints of a recording: heading, a line for whatever is found, summary.
+/// Prints a recording for `decode`: heading, a line for each frame, exchange or transfer, summary.
 class Decoding {
   public:
     Decoding() = default;

@@ -38,7 +38,7 @@ std::vector<LineTask> line_tasks(const Configuration& configuration);
 /// The devices and interfaces of the configuration, each once.
 std::vector<PortPlan> plan_ports(const Configuration& configuration);
 
-/// What all users of one port need from its link.
+/// Returns the needs of all users of one port.
 LinkUse link_use(const Engine& engine, const ValueEngine* values, const PortPlan& plan);
 
 /// Opens one device. Only this function and `open_line` open devices. Error: `file:line:column:

@@ -36,7 +36,8 @@ const Key* place_instead(std::string_view name, const TableRef& ref, std::span<c
     return own == keys.end() ? nullptr : &*own;
 }
 
-/// The media that carry the protocol: `"device"`, `between`, what the key means; then the others.
+/// Lists the media that carry the protocol: `"device"`, `between`, the meaning of the key; then the
+/// others.
 std::string places_of(const Protocol& protocol, std::string_view between) {
     std::string places;
     for (const Medium* medium : media_for(protocol.shape)) {

@@ -70,7 +70,7 @@ std::string quoted_list(WireShape shape, SettingScope way) {
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// What all inputs, or outputs, have, and what those on one medium have.
+/// Returns the keys of all inputs, or outputs, and those of each medium.
 std::vector<Key> port_keys(SettingScope way) {
     std::vector<Key> keys = copy(way == SettingScope::input ? input_keys() : output_keys());
     std::size_t place = 1;

@@ -52,7 +52,7 @@ void tell(ValueEngine& values, std::size_t bus, WriteStatus status, Instant at) 
 
 }  // namespace
 
-/// What was made at `now` is valid for some time. After that it is dropped as stale.
+/// Drops what was made at `now` as stale if it is older than `valid_for` when the link takes it.
 WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& sent,
                             Duration valid_for, Instant now) {
     ByteLink* bytes = link.as_bytes();
@@ -78,7 +78,7 @@ void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
     }
 }
 
-/// The one way out. `told` learns what became of it, before the port is given up if it is lost.
+/// Every sender uses this function. Calls `told` with the result before it gives up a lost port.
 template <class Told>
 void Loop::send(Port& port, std::size_t lane, const Transmission& sent, Duration valid_for,
                 Instant now, Told told) {

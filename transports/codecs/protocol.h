@@ -40,7 +40,7 @@ struct Protocol {
     std::string_view title;
     std::string_view description;
     WireShape shape = WireShape::bytes;
-    /// Of a serial line that carries it. Protocols of bytes only.
+    /// Settings of a serial line for it. Only for protocols of bytes.
     LineSettings line;
     /// Keys of this protocol, in addition to those of every input or output.
     std::span<const Setting> settings;
@@ -74,8 +74,8 @@ struct Protocol {
     AnyDecoder (*make_decoder)(const SettingValues&) = nullptr;
     AnyEncoder (*make_encoder)(const SettingValues&) = nullptr;
 
-    /// Whether frames of channels are made of it, or it of them. If not, only `decode`, `record`
-    /// and `replay` know it.
+    /// Whether it carries channels. If not, no input or output has it, but `decode`, `record`,
+    /// `replay` and `doctor` know it.
     bool has_channels() const { return make_decoder != nullptr || make_encoder != nullptr; }
     /// Whether there is a codec for this direction.
     bool goes(SettingScope way) const {

@@ -16,7 +16,7 @@
 
 namespace tribus {
 
-/// What the users of one place need from its link. A medium reads the members that concern it.
+/// Needs of the users of one place. A medium reads the members that concern it.
 struct LinkUse {
     LineSettings line = {};
     std::vector<CanIdMatch> wanted = {};  ///< ids that inputs read
@@ -41,13 +41,13 @@ enum class Users : std::uint8_t {
 /// A way to carry protocols, such as serial ports. Each medium is a line of the table in
 /// transports/registry/media.inc. No function may be called on the data path.
 struct Medium {
-    /// A noun for messages: "protocol X does not run on NAME".
+    /// A noun for the manual: "`device` on NAME".
     std::string_view name;
     /// It carries all protocols of this shape.
     WireShape shape = WireShape::bytes;
     /// The key of an input or output that names the place: a device, an interface.
     Setting place;
-    /// What the manual says of an input or output without that key: "required on CAN".
+    /// The default of that key in the manual: "required on CAN".
     std::string_view place_absent;
     /// Further keys of an input or output on this medium.
     std::span<const Setting> settings = {};

@@ -19,7 +19,7 @@ namespace tribus {
 /// Name of the protocol on the bus, where a protocol is chosen or reported.
 inline constexpr std::string_view kSensorBusName = "ibus-sensor";
 
-/// Without channels: no input or output has it.
+/// The protocol of the bus. It has no channels, so no input or output has it.
 extern const Protocol kSensorBusProtocol;
 
 /// Number of addresses, 1 to 15. Address 0 is the receiver's own voltage and never on the wire.
