@@ -18,8 +18,9 @@ Two packages of one commit are the same bytes; SOURCE_DATE_EPOCH is by default t
 
 # Those that need no tools but their libraries.
 test_suites="unit_tests property_tests sim_tests loopback_tests"
-# How long a guest may take for the demo, or for one of them.
-guest_seconds=1800
+# How long a guest may take for the demo, or for one of them: 12 minutes on an idle host, more than
+# 30 beside other work. Only a guest that hangs takes longer than this.
+guest_seconds=7200
 
 wrong_use() {
     echo "deploy/package.sh: $*; --help says more" >&2
