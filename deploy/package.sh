@@ -201,8 +201,8 @@ if [ $with_tests = ON ] && [ $with_trial = ON ]; then
     for suite in $test_suites; do
         echo "Tests: $suite" >&2
         board_clock=""
-        # These run programs in real time, for which an emulator is too slow.
-        [ "$suite" != loopback_tests ] || board_clock=--counted-clock
+        # These have parts that run in real time, for which an emulator is too slow.
+        case $suite in unit_tests | loopback_tests) board_clock=--counted-clock ;; esac
         run_there "$folder/tests/$suite" --gtest_brief=1 || fail "$suite failed"
     done
     if [ $with_ports = ON ]; then

@@ -47,25 +47,33 @@ echo "Unpacking Debian $release for $architecture into $folder" >&2
 mkdir -p "$folder"
 folder=$(cd "$folder" && pwd)
 root=$folder/sysroot
-as_root rm -rf "$root"
-# No security updates: nothing of this is shipped, and on the mirrors the list for armhf differs
-# from the signed one.
+
+# unpack SUITE: No security updates: nothing of this is shipped, and on the mirrors the list for armhf
+# differs from the signed one.
 # shellcheck disable=SC2016,SC2086,SC2154 # $1 is the hook's; lists of words, from deploy/prepare.sh
-as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
-    --include="libc6-dev,$standard_library,bash,busybox-static,$kernel" \
-    --include="$(echo $build_libraries $test_libraries | tr ' ' ,)" \
-    --setup-hook='for place in bin lib sbin; do
-            mkdir -p "$1/usr/$place"
-            ln -s "usr/$place" "$1/$place"
-        done' \
-    --extract-hook='mkdir -p "$1/DEBIAN" "$1/proc" "$1/sys" "$1/tmp"
-        for package in "$1"/var/cache/apt/archives/*.deb; do
-            for text in symbols shlibs; do
-                dpkg-deb --ctrl-tarfile "$package" | tar -xO "./$text" 2>/dev/null \
-                    >>"$1/DEBIAN/$text" || true
-            done
-        done' \
-    "$release" "$root" http://deb.debian.org/debian >&2
+unpack() {
+    as_root rm -rf "$root"
+    as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
+        --include="libc6-dev,$standard_library,bash,busybox-static,$kernel" \
+        --include="$(echo $build_libraries $test_libraries | tr ' ' ,)" \
+        --setup-hook='for place in bin lib sbin; do
+                mkdir -p "$1/usr/$place"
+                ln -s "usr/$place" "$1/$place"
+            done' \
+        --extract-hook='mkdir -p "$1/DEBIAN" "$1/proc" "$1/sys" "$1/tmp"
+            for package in "$1"/var/cache/apt/archives/*.deb; do
+                for text in symbols shlibs; do
+                    dpkg-deb --ctrl-tarfile "$package" | tar -xO "./$text" 2>/dev/null \
+                        >>"$1/DEBIAN/$text" || true
+                done
+            done' \
+        --extract-hook="grep -q '^Codename: $release\$' \"\$1\"/var/lib/apt/lists/*InRelease" \
+        "$1" "$root" http://deb.debian.org/debian >&2
+}
+
+# Mirrors were seen whose list for armhf is not the signed one under the release's own name, but is
+# under the name stable.
+unpack "$release" || unpack stable
 as_root chown -R "$(id -u)" "$root"
 ln -sf busybox "$root/bin/sh"
 
