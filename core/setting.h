@@ -66,6 +66,8 @@ struct Setting {
     std::string_view unit = {};
     std::span<const std::string_view> choices = {};
     SettingScope scope = SettingScope::both;
+    /// Only where the bytes pass a serial line, which has a rate.
+    bool of_line = false;
     std::string_view help = {};
     /// A value as one would write it in the file, for the manual.
     std::string_view example = {};

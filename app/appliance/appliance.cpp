@@ -73,7 +73,7 @@ std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
 
 std::unique_ptr<Link> Appliance::open_or_wait(std::size_t port, MissingDevices missing,
                                               std::vector<std::string>& errors) {
-    auto link = open_port(configuration_, *engine_, values_.get(), plans_[port]);
+    auto link = open_port(configuration_, stations(), plans_[port]);
     missing_[port] = !link;
     if (link) {
         return std::move(*link);
@@ -192,7 +192,7 @@ std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
             events.push_back({name, false});
         }
         if (missing_[port]) {
-            if (auto link = open_port(configuration_, *engine_, values_.get(), plans_[port])) {
+            if (auto link = open_port(configuration_, stations(), plans_[port])) {
                 loop_->give(port, std::move(*link));
                 missing_[port] = false;
                 events.push_back({name, true});
@@ -225,12 +225,9 @@ void Appliance::reopen_lines(std::vector<DeviceEvent>& events) {
 }
 
 bool Appliance::uses_fd(const PortWiring& wiring) const {
-    const auto fd_input = [this](std::size_t i) { return engine_->inputs()[i].uses_fd(); };
-    const auto fd_output = [this](std::size_t i) { return engine_->outputs()[i].uses_fd(); };
-    const auto fd_message = [this](std::size_t i) { return values_->uses_fd(i); };
-    return std::ranges::any_of(wiring.inputs, fd_input) ||
-           std::ranges::any_of(wiring.outputs, fd_output) ||
-           std::ranges::any_of(wiring.value_messages, fd_message);
+    return std::ranges::any_of(wiring.stations, [stations = stations()](Station station) {
+        return stations.uses_fd(station);
+    });
 }
 
 void Appliance::end() {

@@ -128,6 +128,7 @@ class Appliance {
 
   private:
     explicit Appliance(Configuration configuration);
+    Stations stations() const { return {*engine_, values_.get()}; }
     std::vector<std::string> open_devices(MissingDevices missing);
     std::unique_ptr<Link> open_or_wait(std::size_t port, MissingDevices missing,
                                        std::vector<std::string>& errors);

@@ -11,8 +11,9 @@
 namespace tribus {
 namespace {
 
-bool has_reader(const PortWiring& wiring) {
-    return !wiring.inputs.empty() || !wiring.sensor_buses.empty();
+std::size_t outputs_on(const PortPlan& plan) {
+    return static_cast<std::size_t>(
+        std::ranges::count(plan.wiring.stations, StationKind::output, &Station::kind));
 }
 
 }  // namespace
@@ -22,9 +23,8 @@ bool has_reader(const PortWiring& wiring) {
 bool Appliance::same_use(const PortPlan& plan, const Appliance& before,
                          const PortPlan& plan_before) const {
     return (plan.config.medium->users != Users::many ||
-            plan.wiring.outputs.size() == plan_before.wiring.outputs.size()) &&
-           link_use(*engine_, values_.get(), plan) ==
-               link_use(*before.engine_, before.values_.get(), plan_before);
+            outputs_on(plan) == outputs_on(plan_before)) &&
+           link_use(stations(), plan) == link_use(before.stations(), plan_before);
 }
 
 PortCarry Appliance::carry_port(const PortPlan& plan, const Appliance& before) const {
@@ -37,7 +37,8 @@ PortCarry Appliance::carry_port(const PortPlan& plan, const Appliance& before) c
     return {.from = static_cast<std::size_t>(known - before.plans_.begin()),
             .takes_link = same_use(plan, before, *known),
             .discards_unread = plan.config.medium->users != Users::many &&
-                               has_reader(plan.wiring) && !has_reader(known->wiring)};
+                               wants_bytes(plan.wiring.stations) &&
+                               !wants_bytes(known->wiring.stations)};
 }
 
 /// Only a place with many users can be open twice.
@@ -56,7 +57,7 @@ std::vector<std::string> Appliance::open_beside(const Appliance& before,
             missing_[port] = true;
             continue;
         }
-        auto link = open_port(configuration_, *engine_, values_.get(), plans_[port]);
+        auto link = open_port(configuration_, stations(), plans_[port]);
         if (link) {
             links.back() = std::move(*link);
         } else {

@@ -86,7 +86,7 @@ tl::expected<LatenessResult, std::string> measure_lateness(const LatenessSetting
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
     for (const PortPlan& plan : plan_ports(*configuration)) {
-        const bool is_output = !plan.wiring.outputs.empty();
+        const bool is_output = first_of(plan.wiring.stations, StationKind::output).has_value();
         wiring.push_back(plan.wiring);
         links.push_back(is_output ? std::make_unique<StampingLink>(engine->outputs().front(),
                                                                    grid_stamps, periods)

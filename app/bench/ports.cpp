@@ -148,12 +148,12 @@ tl::expected<Distribution, std::string> through_engine(const std::string& in, By
     std::vector<std::unique_ptr<Link>> links;
     for (const PortPlan& plan : plan_ports(*checked)) {
         wiring.push_back(plan.wiring);
-        if (!plan.wiring.outputs.empty()) {
+        if (first_of(plan.wiring.stations, StationKind::output)) {
             links.push_back(
                 std::make_unique<StampingLink>(engine->outputs().front(), stamps, 2 * frames));
             continue;
         }
-        auto port = open_port(*checked, *engine, nullptr, plan);
+        auto port = open_port(*checked, Stations(*engine, nullptr), plan);
         if (!port) {
             return tl::unexpected(port.error());
         }

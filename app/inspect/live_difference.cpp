@@ -32,11 +32,7 @@ constexpr Duration kSettled = std::chrono::seconds(30);
 constexpr Instant kBegin{std::chrono::seconds(1)};
 
 struct NullObserver final : OutputObserver {
-    void wrote(std::size_t /*output*/, Instant /*at*/, const Transmission& /*sent*/) override {}
-};
-
-struct Undamaged {
-    bool operator[](std::size_t /*position*/) const { return false; }
+    void wrote(Station /*station*/, Instant /*at*/, const Transmission& /*sent*/) override {}
 };
 
 /// Settings for an encoder that sends to `input`. If an output has the setting "channels" and an
@@ -85,10 +81,10 @@ class Sender {
             frame_.received = due_;
             const Transmission sent = encoder_->encode(frame_, due_);
             if (!sent.bytes().empty()) {
-                loop.receive(to_, sent.bytes(), Undamaged{}, due_);
+                loop.receive(input_station(to_), sent.bytes(), due_);
             }
             for (const CanFrame& frame : sent.can_frames()) {
-                loop.receive(to_, frame, due_);
+                loop.receive(input_station(to_), frame, due_);
             }
         }
         due_ = later(due_, interval_);

@@ -106,9 +106,10 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
     const auto values = build_value_engine(configuration, *engine);
     const auto plans = plan_ports(configuration);
     const auto plan = std::ranges::find_if(plans, [&](const PortPlan& candidate) {
-        return std::ranges::find(candidate.wiring.inputs, input) != candidate.wiring.inputs.end();
+        const auto& stations = candidate.wiring.stations;
+        return std::ranges::find(stations, input_station(input)) != stations.end();
     });
-    auto link = open_port(configuration, *engine, values.get(), *plan);
+    auto link = open_port(configuration, Stations(*engine, values.get()), *plan);
     if (!link) {
         return tl::unexpected(link.error());
     }

@@ -41,7 +41,7 @@ void log_interface(const Appliance& appliance, const PortPlan& plan) {
         return;
     }
     log_info("{}", summary(*interface));
-    const bool sends = !plan.wiring.outputs.empty();
+    const bool sends = first_of(plan.wiring.stations, StationKind::output).has_value();
     for (const std::string& sentence : advice(*interface, sends, appliance.uses_fd(plan.wiring))) {
         log_warning("{}: {}", interface->name, sentence);
     }

@@ -34,24 +34,22 @@ RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan)
                       .read_file = {},
                       .written_file = {},
                       .ring_file = {}};
-    const PortWiring& wiring = plan.wiring;
+    const std::span stations(plan.wiring.stations);
     if (port.can) {
         port.read_file = port.device + "-in.log";
         port.written_file = port.device + "-out.log";
         return port;
     }
-    if (!wiring.sensor_buses.empty()) {
-        const std::string& bus = configuration.sensor_buses[wiring.sensor_buses.front()].name;
+    if (const auto index = first_of(stations, StationKind::sensor_bus)) {
+        const std::string& bus = configuration.sensor_buses[*index].name;
         port.read_file = fmt::format("sensor_bus-{}-in.txt", bus);
         port.written_file = fmt::format("sensor_bus-{}-out.txt", bus);
     }
-    if (!wiring.inputs.empty()) {
-        port.read_file =
-            fmt::format("input-{}.txt", configuration.inputs[wiring.inputs.front()].name);
+    if (const auto index = first_of(stations, StationKind::input)) {
+        port.read_file = fmt::format("input-{}.txt", configuration.inputs[*index].name);
     }
-    if (!wiring.outputs.empty()) {
-        port.written_file =
-            fmt::format("output-{}.txt", configuration.outputs[wiring.outputs.front()].name);
+    if (const auto index = first_of(stations, StationKind::output)) {
+        port.written_file = fmt::format("output-{}.txt", configuration.outputs[*index].name);
     }
     return port;
 }

@@ -73,17 +73,20 @@ class SinkRecorder final : public OutputObserver {
         }
     }
 
-    void wrote(std::size_t output, Instant at, const Transmission& sent) override {
+    /// What DroneCAN nodes send is in no file.
+    void wrote(Station station, Instant at, const Transmission& sent) override {
+        if (station.kind == StationKind::dronecan_node) {
+            return;
+        }
+        const std::size_t sink =
+            station.kind == StationKind::sensor_bus ? first_bus_ + station.index : station.index;
         for (const CanFrame& frame : sent.can_frames()) {
-            append_candump_line(texts_[output], at.time_since_epoch(), sinks_[output].port->device,
+            append_candump_line(texts_[sink], at.time_since_epoch(), sinks_[sink].port->device,
                                 frame);
         }
         if (!sent.bytes().empty()) {
-            append(texts_[output], at, sent.bytes());
+            append(texts_[sink], at, sent.bytes());
         }
-    }
-    void bus_wrote(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override {
-        append(texts_[first_bus_ + bus], at, bytes);
     }
     void polled(Instant at) override { log_.look(at); }
     const std::string& text(std::size_t sink) const { return texts_[sink]; }
@@ -139,23 +142,14 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
 void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival,
             const Arrivals& arrivals) {
     if (const auto* frame = std::get_if<ArrivedCanFrame>(&arrival.what)) {
-        const CanFrame& arrived = arrivals.can_frames[frame->index];
-        if (source.kind == SimulatedSource::Kind::value_message) {
-            loop.receive_values(source.index, arrived, arrival.at);
-        } else {
-            loop.receive(source.index, arrived, arrival.at);
-        }
+        loop.receive(source.station, arrivals.can_frames[frame->index], arrival.at);
     } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
         const std::span bytes(&byte->value, 1);
         const std::array damaged{byte->damaged};
-        if (source.kind == SimulatedSource::Kind::sensor_bus) {
-            loop.receive_on_bus(source.index, bytes, damaged, arrival.at);
-        } else {
-            if (byte->untimed) {
-                loop.forget_read_time(source.index);
-            }
-            loop.receive(source.index, bytes, damaged, arrival.at);
+        if (byte->untimed && source.station.kind == StationKind::input) {
+            loop.forget_read_time(source.station.index);
         }
+        loop.receive(source.station, bytes, damaged, arrival.at);
     }
 }
 

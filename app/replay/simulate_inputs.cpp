@@ -24,15 +24,10 @@ bool is_empty(const Recording& recording) {
 /// Name in messages.
 std::string title_of(const SimulatedSource& source) {
     const std::string name = in_quotes(source.name);
-    switch (source.kind) {
-        case SimulatedSource::Kind::input:
-            return "input " + name;
-        case SimulatedSource::Kind::sensor_bus:
-            return "sensor bus " + name;
-        case SimulatedSource::Kind::value_message:
-            break;
-    }
-    return fmt::format("[values.{}]", source.name);
+    return source.station.kind == StationKind::input ? "input " + name
+           : source.station.kind == StationKind::sensor_bus
+               ? "sensor bus " + name
+               : fmt::format("[values.{}]", source.name);
 }
 
 /// The recording, if it fits the source's kind of link. An empty one fits both.
@@ -109,8 +104,7 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
     std::vector<SimulatedSource> sources;
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
         const InputConfig& input = configuration.inputs[i];
-        sources.push_back({.kind = SimulatedSource::Kind::input,
-                           .index = i,
+        sources.push_back({.station = {.kind = StationKind::input, .index = i},
                            .name = input.name,
                            .protocol = input.protocol->name,
                            .port = &input.port,
@@ -121,8 +115,7 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
     }
     for (std::size_t i = 0; i < configuration.sensor_buses.size(); ++i) {
         const SensorBusConfig& bus = configuration.sensor_buses[i];
-        sources.push_back({.kind = SimulatedSource::Kind::sensor_bus,
-                           .index = i,
+        sources.push_back({.station = {.kind = StationKind::sensor_bus, .index = i},
                            .name = bus.name,
                            .protocol = kSensorBusName,
                            .port = &bus.port,
@@ -131,8 +124,7 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
     std::size_t message = 0;
     for (const ValuesConfig& values : configuration.values) {
         if (const auto* source = std::get_if<ValueMessageConfig>(&values.source)) {
-            sources.push_back({.kind = SimulatedSource::Kind::value_message,
-                               .index = message++,
+            sources.push_back({.station = {.kind = StationKind::value_message, .index = message++},
                                .name = values.name,
                                .protocol = std::holds_alternative<DbcValueSource>(source->layout)
                                                ? "dbc"

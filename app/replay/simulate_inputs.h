@@ -14,16 +14,14 @@
 #include "config/schema/schema.h"
 #include "core/can_frame.h"
 #include "core/time.h"
+#include "pipelines/stations/station.h"
 
 /// Recordings as input of a configuration, for `simulate`.
 namespace tribus {
 
 /// A part of a configuration that can receive a recording.
 struct SimulatedSource {
-    enum class Kind : std::uint8_t { input, sensor_bus, value_message };
-    Kind kind = Kind::input;
-    /// Index of the input or bus; for a message, among the messages with values.
-    std::size_t index = 0;
+    Station station;
     std::string_view name;
     std::string_view protocol;
     const PortConfig* port = nullptr;

@@ -1,6 +1,7 @@
 #include "config/build/build.h"
 
 #include <algorithm>
+#include <span>
 #include <utility>
 #include <variant>
 
@@ -30,8 +31,7 @@ PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
     return plan;
 }
 
-template <class Ids>
-void append(std::vector<CanIdMatch>& ids, const Ids& more) {
+void append(std::vector<CanIdMatch>& ids, std::span<const CanIdMatch> more) {
     ids.insert(ids.end(), more.begin(), more.end());
 }
 
@@ -116,65 +116,57 @@ std::vector<LineTask> line_tasks(const Configuration& configuration) {
 
 std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     std::vector<PortPlan> plans;
+    const auto add = [&](StationKind kind, std::size_t index, const PortConfig& port) -> PortPlan& {
+        PortPlan& plan = plan_for(plans, port);
+        plan.wiring.stations.push_back({.kind = kind, .index = index});
+        return plan;
+    };
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
-        plan_for(plans, configuration.inputs[i].port).wiring.inputs.push_back(i);
+        add(StationKind::input, i, configuration.inputs[i].port);
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        plan_for(plans, configuration.outputs[i].port).wiring.outputs.push_back(i);
+        add(StationKind::output, i, configuration.outputs[i].port);
     }
     const auto nodes = plan_nodes(configuration, {});
     for (std::size_t i = 0; i < nodes.size(); ++i) {
-        plan_for(plans, nodes[i].port).wiring.node = i;
+        add(StationKind::dronecan_node, i, nodes[i].port);
     }
     if (!needs_values(configuration)) {
         return plans;
     }
     for (std::size_t i = 0; i < configuration.sensor_buses.size(); ++i) {
-        PortPlan& plan = plan_for(plans, configuration.sensor_buses[i].port);
-        plan.wiring.sensor_buses.push_back(i);
         // The port must be read at once, because a request needs its answer in time.
-        plan.wiring.byte_time = {};
+        add(StationKind::sensor_bus, i, configuration.sensor_buses[i].port).wiring.byte_time = {};
     }
     std::size_t message = 0;
     for (const ValuesConfig& values : configuration.values) {
         if (const auto* source = std::get_if<ValueMessageConfig>(&values.source)) {
-            plan_for(plans, source->port).wiring.value_messages.push_back(message++);
+            add(StationKind::value_message, message++, source->port);
         }
     }
     return plans;
 }
 
-LinkUse link_use(const Engine& engine, const ValueEngine* values, const PortPlan& plan) {
+LinkUse link_use(const Stations& stations, const PortPlan& plan) {
     LinkUse use{.line = plan.config.line,
                 .wanted = {},
                 .sent = {},
                 .settings = plan.config.settings,
-                .way = plan.config.medium->users != Users::one ? SettingScope::both
-                       : plan.wiring.outputs.empty()           ? SettingScope::input
-                                                               : SettingScope::output};
-    for (const std::size_t input : plan.wiring.inputs) {
-        append(use.wanted, engine.inputs()[input].wanted_ids());
-        use.fd = use.fd || engine.inputs()[input].uses_fd();
-    }
-    for (const std::size_t output : plan.wiring.outputs) {
-        append(use.sent, engine.outputs()[output].sent_ids());
-        use.fd = use.fd || engine.outputs()[output].uses_fd();
-    }
-    if (plan.wiring.node) {
-        append(use.wanted, engine.node(*plan.wiring.node).wanted());
-    }
-    for (const std::size_t message : plan.wiring.value_messages) {
-        append(use.wanted, values->wanted_ids(message));
-        use.fd = use.fd || values->uses_fd(message);
+                .way = plan.config.medium->users != Users::one               ? SettingScope::both
+                       : first_of(plan.wiring.stations, StationKind::output) ? SettingScope::output
+                                                                             : SettingScope::input};
+    for (const Station& station : plan.wiring.stations) {
+        append(use.wanted, stations.wanted_ids(station));
+        append(use.sent, stations.sent_ids(station));
+        use.fd = use.fd || stations.uses_fd(station);
     }
     return use;
 }
 
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
-                                                           const Engine& engine,
-                                                           const ValueEngine* values,
+                                                           const Stations& stations,
                                                            const PortPlan& plan) {
-    auto link = plan.config.medium->open(plan.config.device, link_use(engine, values, plan));
+    auto link = plan.config.medium->open(plan.config.device, link_use(stations, plan));
     if (!link) {
         return at_place(configuration, plan.config.where, link.error());
     }

@@ -13,6 +13,7 @@
 #include "pipelines/engine/engine.h"
 #include "pipelines/realtime/gpio_thread.h"
 #include "pipelines/realtime/loop.h"
+#include "pipelines/stations/stations.h"
 #include "pipelines/values/value_engine.h"
 #include "transports/links/link.h"
 #include "transports/links/medium.h"
@@ -39,13 +40,12 @@ std::vector<LineTask> line_tasks(const Configuration& configuration);
 std::vector<PortPlan> plan_ports(const Configuration& configuration);
 
 /// Returns the needs of all users of one port.
-LinkUse link_use(const Engine& engine, const ValueEngine* values, const PortPlan& plan);
+LinkUse link_use(const Stations& stations, const PortPlan& plan);
 
 /// Opens one device. Only this function and `open_line` open devices. Error: `file:line:column:
 /// ...`.
 tl::expected<std::unique_ptr<Link>, std::string> open_port(const Configuration& configuration,
-                                                           const Engine& engine,
-                                                           const ValueEngine* values,
+                                                           const Stations& stations,
                                                            const PortPlan& plan);
 
 /// Opens one GPIO line. An output gets its level before the first frame. Error as above.

@@ -25,11 +25,16 @@ std::string home_in_protocols(std::string_view name, const Key& tables, std::str
         if (!only.empty() && protocol->name != only) {
             continue;
         }
-        const auto keys = protocol_keys(*protocol, *tables.protocol_scope);
-        if (std::any_of(keys.begin(), keys.end(),
-                        [name](const Key& key) { return key.name() == name; })) {
-            return fmt::format("[{}.NAME] with protocol {}", tables.name(),
-                               in_quotes(protocol->name));
+        const auto media = media_for(protocol->shape);
+        const auto knows = [&](const Medium* medium) {
+            return std::ranges::count(protocol_keys(*protocol, *medium, *tables.protocol_scope),
+                                      name, &Key::name) > 0;
+        };
+        const auto first = std::ranges::find_if(media, knows);
+        if (first != media.end()) {
+            return fmt::format(
+                "[{}.NAME] with protocol {}{}", tables.name(), in_quotes(protocol->name),
+                std::ranges::all_of(media, knows) ? "" : " and " + in_quotes((*first)->place.key));
         }
     }
     return {};

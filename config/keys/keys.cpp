@@ -150,28 +150,30 @@ Key place_key(const Medium& medium) {
 
 namespace {
 
-void append_settings(std::span<const Setting> settings, SettingScope scope,
+void append_settings(std::span<const Setting> settings, SettingScope scope, bool on_line,
                      std::vector<Key>& keys) {
     for (const Setting& setting : settings) {
-        if (setting.scope == SettingScope::both || setting.scope == scope) {
+        if ((setting.scope == SettingScope::both || setting.scope == scope) &&
+            (on_line || !setting.of_line)) {
             keys.push_back({setting});
         }
     }
 }
 
-void append_own_keys(const Protocol& protocol, SettingScope scope, std::vector<Key>& keys) {
+void append_own_keys(const Protocol& protocol, SettingScope scope, bool on_line,
+                     std::vector<Key>& keys) {
     if (protocol.shape == WireShape::can_frames && scope == SettingScope::output) {
         keys.push_back(kForeignSenderKey);
     }
-    append_settings(protocol.settings, scope, keys);
+    append_settings(protocol.settings, scope, on_line, keys);
 }
 
 }  // namespace
 
 std::vector<Key> protocol_keys(const Protocol& protocol, const Medium& medium, SettingScope scope) {
     std::vector<Key> keys{place_key(medium)};
-    append_settings(medium.settings, scope, keys);
-    append_own_keys(protocol, scope, keys);
+    append_settings(medium.settings, scope, medium.has_line, keys);
+    append_own_keys(protocol, scope, medium.has_line, keys);
     return keys;
 }
 
@@ -183,9 +185,9 @@ std::vector<Key> protocol_keys(const Protocol& protocol, SettingScope scope) {
         keys.back().setting.required = media.size() == 1;
     }
     for (const Medium* medium : media) {
-        append_settings(medium->settings, scope, keys);
+        append_settings(medium->settings, scope, true, keys);
     }
-    append_own_keys(protocol, scope, keys);
+    append_own_keys(protocol, scope, true, keys);
     return keys;
 }
 

@@ -52,10 +52,6 @@ class Engine {
     }
     /// Takes a CAN frame of another node on the interface of one output.
     void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at);
-    /// Takes a CAN frame of another node on the interface of one DroneCAN node.
-    void receive_node(std::size_t node, const CanFrame& frame, Instant at) {
-        nodes_[node]->receive(frame, at);
-    }
     /// The device of one input is gone.
     void device_lost(std::size_t input) { inputs_[input].device_lost(); }
     /// Unread bytes of one input were discarded.

@@ -28,21 +28,13 @@ std::string error_text(const char* what) {
     return std::string(what) + " failed: " + std::strerror(errno);
 }
 
-bool is_can(const Engine& engine, const PortWiring& wiring) {
-    return !wiring.value_messages.empty() || wiring.node ||
-           std::ranges::any_of(wiring.inputs,
-                               [&](std::size_t i) { return engine.inputs()[i].on_can(); }) ||
-           std::ranges::any_of(wiring.outputs,
-                               [&](std::size_t i) { return engine.outputs()[i].on_can(); });
-}
-
 }  // namespace
 
 Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::unique_ptr<Link>> links,
            LoopSettings settings)
     : engine_(engine),
       settings_(settings),
-      routes_(engine.outputs().size()),
+      stations_(engine, settings.values),
       newest_at_ns_(engine.inputs().size()),
       input_status_(engine.inputs().size()),
       output_status_(engine.outputs().size()),
@@ -55,20 +47,20 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
     for (std::size_t i = 0; i < engine.outputs().size(); ++i) {
         output_timing_.push_back(std::make_unique<OutputTiming>());
     }
-    bus_ports_.resize(bus_states_.size());
     for (std::size_t i = 0; i < wiring.size(); ++i) {
         Port& port = ports_.emplace_back();
         port.wiring = wiring[i];
         port.link = std::move(links[i]);
         port.place = std::make_unique<std::size_t>(i);
         port.pacer = ReadPacer(wiring[i].byte_time);
-        for (std::size_t lane = 0; lane < wiring[i].outputs.size(); ++lane) {
-            routes_[wiring[i].outputs[lane]] = {.port = i, .lane = lane};
+        std::size_t lane = 0;
+        for (const Station& station : wiring[i].stations) {
+            auto& routes = routes_[static_cast<std::size_t>(station.kind)];
+            routes.resize(std::max(routes.size(), station.index + 1));
+            routes[station.index] = {.port = i, .lane = sends(station) ? lane++ : 0};
         }
-        for (const std::size_t bus : wiring[i].sensor_buses) {
-            bus_ports_[bus] = i;
-        }
-        if (is_can(engine, wiring[i])) {
+        if (std::ranges::any_of(port.wiring.stations,
+                                [this](Station station) { return stations_.on_can(station); })) {
             can_ports_.push_back(i);
         }
     }
@@ -124,19 +116,14 @@ Instant Loop::poll_can_links(Instant now) {
 
 /// Runs and sends what is due. Returns when something will be due next.
 Instant Loop::advance(Instant now) {
-    Instant next = engine_.poll(now);
-    write_outputs(now);
-    if (engine_.node_count() > 0) {
-        write_nodes(now);
-    }
+    Instant next = stations_.poll(now);
+    send_ready(now);
     if (settings_.lines != nullptr && !engine_.ran().empty()) {
         settings_.lines->set_states(engine_.shown_on_lines());
     }
     next = std::min(next, poll_can_links(now));
-    if (settings_.values != nullptr) {
-        next = std::min(next, settings_.values->poll(engine_, now));
-        write_buses(now);
-    }
+    next = std::min(next, stations_.poll_values(now));
+    send_ready(now);
     for (std::size_t port = 0, left = quiet_ports_; left > 0; ++port) {
         if (ports_[port].quiet_until != kNever) {
             next = std::min(next, ports_[port].quiet_until);
@@ -200,11 +187,8 @@ void Loop::begin() {
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
     read_until_ = clock_;
-    engine_.start(clock_);
+    stations_.start(clock_);
     set_devices_present();
-    if (settings_.values != nullptr) {
-        settings_.values->start(clock_);
-    }
     look_at_lines(clock_);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -22,6 +23,7 @@
 #include "pipelines/realtime/snapshot.h"
 #include "pipelines/realtime/timing.h"
 #include "pipelines/rules/line_words.h"
+#include "pipelines/stations/stations.h"
 #include "pipelines/values/value_engine.h"
 #include "transports/links/can/can_link.h"
 #include "transports/links/link.h"
@@ -29,16 +31,9 @@
 
 namespace tribus {
 
-/// How one port is connected to the engine. A serial device may serve one input and one output, a
-/// CAN interface many of each. All numbers are indices.
+/// What sits on one port, and how it is read.
 struct PortWiring {
-    std::vector<std::size_t> inputs;
-    std::vector<std::size_t> outputs;
-    /// In the value engine.
-    std::vector<std::size_t> sensor_buses{};
-    std::vector<std::size_t> value_messages{};
-    /// DroneCAN node on this interface.
-    std::optional<std::size_t> node{};
+    std::vector<Station> stations{};
     /// Duration of one byte on the wire. Zero if unknown or meaningless.
     Duration byte_time{};
     /// Each read is a datagram: no frame goes on beyond it.
@@ -204,7 +199,7 @@ class Loop {
         /// The port is not watched until then. `kNever`: it is watched.
         Instant quiet_until = kNever;
     };
-    /// Port and lane of an output.
+    /// Port and lane of a station that sends.
     struct Route {
         std::size_t port = 0;
         std::size_t lane = 0;
@@ -218,12 +213,11 @@ class Loop {
     void take_link(std::size_t port, Port& before, const PortCarry& carry, Instant now);
     void read_second_sockets(Loop& before, Instant now);
     void take_waiting(Loop& before);
-    static bool wants_bytes(const PortWiring& wiring);
     void discard_unread_of(Link& link, Instant now);
     void watch(std::size_t port);
     void set_watched(std::size_t port, bool watched);
     void lose(Port& port);
-    void set_device_present(const Port& port, bool present);
+    void set_device_present(const Port& port);
     void set_devices_present();
     void accept_given_links();
     void read_port(std::size_t port, Instant now);
@@ -237,16 +231,12 @@ class Loop {
     ReadStatus catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
                                  Instant now);
     bool is_long(const PortWiring& wiring, Duration absence) const;
-    template <class Told>
-    void send(Port& port, std::size_t lane, const Transmission& sent, Duration valid_for,
-              Instant now, Told told);
-    void note_sent(std::size_t index, const Output& output, Instant now);
-    void write_outputs(Instant now);
-    void write_buses(Instant now);
+    void send_ready(Instant now);
+    void send(Station station, const Transmission& sent, Instant now);
     WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent,
                           Duration valid_for, Instant now);
     static void capture(const Port& port, const Transmission& sent, Instant at);
-    void write_nodes(Instant now);
+    void note_sent(std::size_t output, Instant now);
     /// Returns when to call `poll` of the links again.
     Instant poll_can_links(Instant now);
     Instant advance(Instant now);
@@ -268,12 +258,12 @@ class Loop {
 
     Engine& engine_;
     LoopSettings settings_;
+    Stations stations_;
     std::deque<Port> ports_;
-    std::vector<Route> routes_;
+    /// By kind and index of a station.
+    std::array<std::vector<Route>, kStationKinds> routes_;
     /// Indices of the ports that are CAN interfaces.
     std::vector<std::size_t> can_ports_;
-    /// Index of the port of each sensor bus.
-    std::vector<std::size_t> bus_ports_;
     std::size_t quiet_ports_ = 0;
     UniqueFd epoll_;
     bool has_epoll_pwait2_ = true;

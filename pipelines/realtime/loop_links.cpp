@@ -21,16 +21,12 @@ void Loop::watch(std::size_t port) {
     epoll_event event{};
     // The kernel reports a hang-up without EPOLLIN. Bytes that nobody reads would wake the thread
     // for ever. A CAN socket also reports what became of sent frames.
-    const bool wanted = wants_bytes(ports_[port].wiring) || link->as_can() != nullptr;
+    const bool wanted = wants_bytes(ports_[port].wiring.stations) || link->as_can() != nullptr;
     event.events = wanted ? EPOLLIN : 0U;
     event.data.ptr = ports_[port].place.get();
     if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, link->descriptor(), &event) != 0) {
         lose(ports_[port]);
     }
-}
-
-bool Loop::wants_bytes(const PortWiring& wiring) {
-    return !wiring.inputs.empty() || !wiring.sensor_buses.empty();
 }
 
 void Loop::set_watched(std::size_t port, bool watched) {
@@ -46,13 +42,9 @@ void Loop::lose(Port& port) {
         --quiet_ports_;
     }
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
-    for (const std::size_t input : port.wiring.inputs) {
-        engine_.device_lost(input);
+    for (const Station& station : port.wiring.stations) {
+        stations_.device_lost(station);
     }
-    for (const std::size_t bus : port.wiring.sensor_buses) {
-        settings_.values->device_lost(bus);
-    }
-    set_device_present(port, false);
     // Closing may take long in the kernel, so the main thread does it.
     port.lost.store(port.link.release(), std::memory_order_release);
 }
@@ -78,21 +70,21 @@ void Loop::accept_given_links() {
         Link* given = ports_[port].given.exchange(nullptr, std::memory_order_acquire);
         if (given != nullptr) {
             ports_[port].link.reset(given);
-            set_device_present(ports_[port], true);
+            set_device_present(ports_[port]);
             watch(port);
         }
     }
 }
 
-void Loop::set_device_present(const Port& port, bool present) {
-    for (const std::size_t output : port.wiring.outputs) {
-        engine_.output(output).set_device_present(present);
+void Loop::set_device_present(const Port& port) {
+    for (const Station& station : port.wiring.stations) {
+        stations_.set_device_present(station, port.link != nullptr);
     }
 }
 
 void Loop::set_devices_present() {
     for (const Port& port : ports_) {
-        set_device_present(port, port.link != nullptr);
+        set_device_present(port);
     }
 }
 

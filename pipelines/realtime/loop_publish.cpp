@@ -108,7 +108,8 @@ void Loop::publish_can_status() {
         if (ports_[port].link) {
             const CanLinkStatus status = ports_[port].link->as_can()->status();
             ports_[port].can_status.publish(status);
-            if (const auto node = ports_[port].wiring.node) {
+            if (const auto node =
+                    first_of(ports_[port].wiring.stations, StationKind::dronecan_node)) {
                 engine_.node(*node).set_bus_counters(status.counts.sent, status.counts.received,
                                                      status.counts.error_frames);
             }

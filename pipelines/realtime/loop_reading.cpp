@@ -12,8 +12,6 @@ namespace {
 /// Capacity of a terminal's line buffer (N_TTY_BUF_SIZE, of which one byte stays free). Bytes that
 /// the kernel holds beyond it become readable only some time after a read.
 constexpr std::size_t kLineBufferBytes = 4095;
-/// On a port with only a sensor bus, bytes that waited longer are useless.
-constexpr Duration kLongAbsenceOfBus = std::chrono::milliseconds(50);
 /// The default timeout of an input. A shorter absence is not reported.
 constexpr Duration kToldAbsence = std::chrono::milliseconds(100);
 
@@ -26,17 +24,14 @@ bool Loop::hand_on_bytes(const PortWiring& wiring, Instant at) {
     }
     bool frame_came = false;
     const bool clean = reception_.damaged.none();
-    for (const std::size_t input : wiring.inputs) {
-        bool came = clean ? engine_.receive(input, reception_.view(), at)
-                          : engine_.receive(input, reception_.view(), reception_.damaged, at);
-        came = (wiring.has_datagrams && engine_.datagram_ended(input, at)) || came;
+    for (const Station& station : wiring.stations) {
+        bool came = clean ? stations_.receive(station, reception_.view(), at)
+                          : stations_.receive(station, reception_.view(), reception_.damaged, at);
+        came = (wiring.has_datagrams && stations_.datagram_ended(station, at)) || came;
         if (came) {
-            input_timing_[input]->frame_came(at);
+            input_timing_[station.index]->frame_came(at);
             frame_came = true;
         }
-    }
-    for (const std::size_t bus : wiring.sensor_buses) {
-        settings_.values->receive(bus, reception_.view(), reception_.damaged, at);
     }
     return frame_came;
 }
@@ -73,19 +68,10 @@ void Loop::hand_on_can(const PortWiring& wiring) {
         if (wiring.capture != nullptr) {
             wiring.capture->record(Direction::read, received.frame, received.at);
         }
-        for (const std::size_t input : wiring.inputs) {
-            if (engine_.receive(input, received.frame, received.at)) {
-                input_timing_[input]->frame_came(received.at);
+        for (const Station& station : wiring.stations) {
+            if (stations_.receive(station, received.frame, received.at)) {
+                input_timing_[station.index]->frame_came(received.at);
             }
-        }
-        for (const std::size_t message : wiring.value_messages) {
-            settings_.values->receive(message, received.frame, received.at);
-        }
-        if (wiring.node) {
-            engine_.receive_node(*wiring.node, received.frame, received.at);
-        }
-        for (const std::size_t output : wiring.outputs) {
-            engine_.watch_for_foreign_sender(output, received.frame, received.at);
         }
     }
 }
@@ -133,10 +119,8 @@ void Loop::read_quiet_ports(Instant now) {
 
 /// Whether everything that waited for this time is useless on that port.
 bool Loop::is_long(const PortWiring& wiring, Duration absence) const {
-    return wiring.inputs.empty() ? absence >= kLongAbsenceOfBus
-                                 : std::ranges::any_of(wiring.inputs, [&](std::size_t input) {
-                                       return absence >= engine_.inputs()[input].link().timeout();
-                                   });
+    return std::ranges::any_of(
+        wiring.stations, [&](Station station) { return absence >= stations_.useful_for(station); });
 }
 
 /// Reads every waiting byte. It may have come at any time since `since`.
@@ -156,11 +140,8 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
     }
     if (discards) {
         link.discard_unread();
-        for (const std::size_t input : wiring.inputs) {
-            engine_.bytes_discarded(input);
-        }
-        for (const std::size_t bus : wiring.sensor_buses) {
-            settings_.values->bytes_discarded(bus, now);
+        for (const Station& station : wiring.stations) {
+            stations_.bytes_discarded(station, now);
         }
     }
     return status;
@@ -181,7 +162,7 @@ void Loop::catch_up(Instant since, Instant now) {
         ReadStatus status = ReadStatus::nothing;
         if (CanLink* can = port.link->as_can()) {
             status = read_can(port.wiring, *can, now);
-        } else if (wants_bytes(port.wiring)) {
+        } else if (wants_bytes(port.wiring.stations)) {
             status = catch_up_on_bytes(port.wiring, *port.link->as_bytes(), since, now);
         }
         if (status == ReadStatus::lost) {

@@ -58,15 +58,9 @@ void Loop::take_over(Loop& before, Instant now) {
     read_second_sockets(before, now);
     take_waiting(before);
     take_ports(before, now);
-    engine_.start(now);
-    engine_.continue_from(before.engine_, carry_.engine, now);
+    stations_.start(now);
+    stations_.continue_from(before.stations_, carry_.engine, carry_.values, now);
     set_devices_present();
-    if (settings_.values != nullptr) {
-        settings_.values->start(now);
-        if (before.settings_.values != nullptr) {
-            settings_.values->continue_from(*before.settings_.values, carry_.values, carry_.engine);
-        }
-    }
     if (settings_.lines != nullptr) {
         levels_ = settings_.lines->levels();
         engine_.set_lines(levels_, now);
@@ -143,8 +137,8 @@ void Loop::take_link(std::size_t index, Port& before, const PortCarry& carry, In
         discard_unread_of(*port.link, now);
     }
     if (port.link->as_bytes() != nullptr &&
-        wants_bytes(port.wiring) != wants_bytes(before.wiring)) {
-        set_watched(index, wants_bytes(port.wiring));
+        wants_bytes(port.wiring.stations) != wants_bytes(before.wiring.stations)) {
+        set_watched(index, wants_bytes(port.wiring.stations));
     }
 }
 

@@ -28,7 +28,8 @@ ValueEngine::ValueEngine(ValueEngineSettings settings)
     }
     readings_.resize(most_values);
     make_health_watch();
-    bus_writes_.reserve(buses_.size());
+    ran_.reserve(buses_.size());
+    transmissions_.resize(buses_.size());
 }
 
 /// Covers the inputs and outputs that named values refer to.
@@ -143,12 +144,12 @@ Instant ValueEngine::poll(const Engine& engine, Instant now) {
         next_health_ = now + HealthWatch::kPeriod;
     }
     Instant next = next_health_;
-    bus_writes_.clear();
+    ran_.clear();
     for (std::size_t bus = 0; bus < roles_.size(); ++bus) {
         if (roles_[bus]->due() <= now) {
-            const auto bytes = roles_[bus]->run(now, board_);
-            if (!bytes.empty()) {
-                bus_writes_.push_back({.bus = bus, .bytes = bytes});
+            transmissions_[bus] = Transmission(roles_[bus]->run(now, board_));
+            if (!transmissions_[bus].empty()) {
+                ran_.push_back(bus);
             }
         }
         next = std::min(next, roles_[bus]->due());

@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -18,6 +19,7 @@
 #include "pipelines/sensor_bus/receiver_role.h"
 #include "pipelines/sensor_bus/sensor_role.h"
 #include "transports/codecs/can_value_reader.h"
+#include "transports/codecs/frame_encoder.h"
 
 namespace tribus {
 
@@ -94,8 +96,11 @@ class ValueEngine {
     /// `before`, which is unusable afterwards.
     void continue_from(ValueEngine& before, const ValueCarry& carry, const EngineCarry& engine);
 
-    /// Takes bytes of one bus, read at `now`. `damaged[i]` is true if byte i was damaged on the
-    /// line.
+    /// Takes undamaged bytes of one bus, read at `now`.
+    void receive(std::size_t bus, std::span<const std::uint8_t> bytes, Instant now) {
+        role(bus).receive(bytes, now, board_);
+    }
+    /// The same for bytes with damage. `damaged[i]` is true if byte i was damaged on the line.
     template <class DamagedMarks>
     void receive(std::size_t bus, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
                  Instant now) {
@@ -122,14 +127,11 @@ class ValueEngine {
     /// after `receive` too.
     Instant poll(const Engine& engine, Instant now);
 
-    /// Bytes that a bus sends, to be written at once.
-    struct BusWrite {
-        std::size_t bus = 0;
-        std::span<const std::uint8_t> bytes;
-    };
-    /// What the last `poll` made.
-    std::span<const BusWrite> bus_writes() const { return bus_writes_; }
-    /// The bytes of a BusWrite were handed over, or could not be sent.
+    /// Indices of the buses that have something to send after the last `poll`, at once.
+    std::span<const std::size_t> ran() const { return ran_; }
+    /// Takes what one of them sends. Valid until the next `poll`.
+    Transmission take(std::size_t bus) { return std::exchange(transmissions_[bus], {}); }
+    /// What was taken was handed over, or could not be sent.
     void written(std::size_t bus, Instant now) { role(bus).written(now, board_); }
     void dropped(std::size_t bus) { role(bus).dropped(); }
 
@@ -157,7 +159,8 @@ class ValueEngine {
     std::vector<ConstantValue> constants_;
     std::optional<HealthWatch> health_watch_;
     Instant next_health_ = kNever;
-    std::vector<BusWrite> bus_writes_;
+    std::vector<std::size_t> ran_;
+    std::vector<Transmission> transmissions_;  ///< one for each bus
 };
 
 }  // namespace tribus

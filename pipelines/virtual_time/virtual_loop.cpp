@@ -6,45 +6,28 @@ namespace tribus {
 
 VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start,
                          ValueEngine* values)
-    : engine_(&engine), observer_(observer), values_(values), now_(start) {
-    engine_->start(start);
-    if (values_ != nullptr) {
-        values_->start(start);
-    }
+    : engine_(&engine), stations_(engine, values), observer_(observer), now_(start) {
+    stations_.start(start);
     poll(start);
 }
 
-void VirtualLoop::poll(Instant at) {
-    next_ = engine_->poll(at);
-    for (const std::size_t output : engine_->ran()) {
-        const Transmission sent = engine_->output(output).take();
-        if (!sent.empty()) {
-            engine_->output(output).written();
-            observer_.wrote(output, at, sent);
+void VirtualLoop::send_ready(Instant at) {
+    for (const Station& station : stations_.ready()) {
+        for (Transmission sent = stations_.take(station, at); !sent.empty();
+             sent = stations_.take(station, at)) {
+            observer_.wrote(station, at, sent);
+            stations_.handed_over(station, WriteStatus::written, at);
         }
     }
-    for (std::size_t node = 0; node < engine_->node_count(); ++node) {
-        for (auto frames = engine_->node(node).frames_to_send(at); !frames.empty();
-             frames = engine_->node(node).frames_to_send(at)) {
-            observer_.node_wrote(node, at, frames);
-            engine_->node(node).written();
-        }
-    }
-    next_ = std::min(next_, poll_values(at));
-    observer_.polled(at);
-    now_ = at;
 }
 
-Instant VirtualLoop::poll_values(Instant at) {
-    if (values_ == nullptr) {
-        return kNever;
-    }
-    const Instant next = values_->poll(*engine_, at);
-    for (const ValueEngine::BusWrite& write : values_->bus_writes()) {
-        observer_.bus_wrote(write.bus, at, write.bytes);
-        values_->written(write.bus, at);
-    }
-    return next;
+void VirtualLoop::poll(Instant at) {
+    next_ = stations_.poll(at);
+    send_ready(at);
+    next_ = std::min(next_, stations_.poll_values(at));
+    send_ready(at);
+    observer_.polled(at);
+    now_ = at;
 }
 
 void VirtualLoop::run_until(Instant until) {
@@ -61,7 +44,7 @@ void VirtualLoop::come_back(Instant since, Instant until) {
 
 void VirtualLoop::go_on_with(Engine& next, ValueEngine* values, Instant at) {
     engine_ = &next;
-    values_ = values;
+    stations_ = Stations(next, values);
     poll(at);
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/time.h"
 #include "pipelines/engine/engine.h"
+#include "pipelines/stations/stations.h"
 #include "pipelines/values/value_engine.h"
 
 namespace tribus {
@@ -14,14 +15,8 @@ namespace tribus {
 class OutputObserver {
   public:
     virtual ~OutputObserver() = default;
-    /// An output handed over `sent`.
-    virtual void wrote(std::size_t output, Instant at, const Transmission& sent) = 0;
-    /// A sensor bus wrote `bytes`.
-    virtual void bus_wrote(std::size_t /*bus*/, Instant /*at*/,
-                           std::span<const std::uint8_t> /*bytes*/) {}
-    /// A DroneCAN node wrote `frames`.
-    virtual void node_wrote(std::size_t /*node*/, Instant /*at*/,
-                            std::span<const CanFrame> /*frames*/) {}
+    /// A station handed over `sent`.
+    virtual void wrote(Station station, Instant at, const Transmission& sent) = 0;
     /// The engine was polled, whether or not an output wrote.
     virtual void polled(Instant /*at*/) {}
 };
@@ -37,54 +32,32 @@ class VirtualLoop {
     /// Runs every deadline before `until`, each exactly at its instant, and stops there.
     void run_until(Instant until);
 
-    /// Bytes arrive at `at`, after all deadlines before it.
-    template <class DamagedMarks>
-    void receive(std::size_t input, std::span<const std::uint8_t> bytes,
-                 const DamagedMarks& damaged, Instant at) {
+    /// Undamaged bytes arrive at `at`, after all deadlines before it.
+    void receive(Station station, std::span<const std::uint8_t> bytes, Instant at) {
         run_until(at);
-        engine_->receive(input, bytes, damaged, at);
+        stations_.receive(station, bytes, at);
         poll(at);
     }
-
+    /// The same for bytes with damage: see `Stations::receive`.
+    template <class DamagedMarks>
+    void receive(Station station, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
+                 Instant at) {
+        run_until(at);
+        stations_.receive(station, bytes, damaged, at);
+        poll(at);
+    }
+    /// A CAN frame of another node arrives on the interface of a station.
+    void receive(Station station, const CanFrame& frame, Instant at) {
+        run_until(at);
+        stations_.receive(station, frame, at);
+        poll(at);
+    }
     /// See `Engine::forget_read_time`.
     void forget_read_time(std::size_t input) { engine_->forget_read_time(input); }
-
-    /// A CAN frame arrives at an input.
-    void receive(std::size_t input, const CanFrame& frame, Instant at) {
+    /// The device of a station is gone.
+    void device_lost(Station station, Instant at) {
         run_until(at);
-        engine_->receive(input, frame, at);
-        poll(at);
-    }
-    /// The device of an input is gone.
-    void device_lost(std::size_t input, Instant at) {
-        run_until(at);
-        engine_->device_lost(input);
-        poll(at);
-    }
-    /// Bytes arrive on a sensor bus.
-    template <class DamagedMarks>
-    void receive_on_bus(std::size_t bus, std::span<const std::uint8_t> bytes,
-                        const DamagedMarks& damaged, Instant at) {
-        run_until(at);
-        values_->receive(bus, bytes, damaged, at);
-        poll(at);
-    }
-    /// A CAN frame arrives on the interface of a message with values.
-    void receive_values(std::size_t message, const CanFrame& frame, Instant at) {
-        run_until(at);
-        values_->receive(message, frame, at);
-        poll(at);
-    }
-    /// A CAN frame arrives on the interface of a node of DroneCAN.
-    void receive_node(std::size_t node, const CanFrame& frame, Instant at) {
-        run_until(at);
-        engine_->receive_node(node, frame, at);
-        poll(at);
-    }
-    /// A CAN frame of another node arrives on the interface of an output.
-    void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at) {
-        run_until(at);
-        engine_->watch_for_foreign_sender(output, frame, at);
+        stations_.device_lost(station);
         poll(at);
     }
 
@@ -104,11 +77,11 @@ class VirtualLoop {
 
   private:
     void poll(Instant at);
-    Instant poll_values(Instant at);
+    void send_ready(Instant at);
 
     Engine* engine_;
+    Stations stations_;
     OutputObserver& observer_;
-    ValueEngine* values_;
     Instant now_;
     Instant next_ = kNever;
 };

@@ -127,7 +127,11 @@ class Witness final : public OutputObserver {
         }
     }
 
-    void wrote(std::size_t output, Instant at, const Transmission& sent) override {
+    void wrote(Station station, Instant at, const Transmission& sent) override {
+        if (station.kind != StationKind::output) {
+            return;
+        }
+        const std::size_t output = station.index;
         std::optional<ChannelFrame> frame;
         if (!sent.bytes().empty()) {
             frame = latest_of(readers_[output], sent.bytes(), at);
@@ -311,20 +315,17 @@ class Play {
         if (!encoders_[input].on_can()) {
             witness_.damaged(input, loop_->now());
             constexpr std::array<std::uint8_t, 1> kByte{0};
-            loop_->receive(input, kByte, OneDamaged{}, loop_->now());
+            loop_->receive(input_station(input), kByte, OneDamaged{}, loop_->now());
         }
     }
     /// The witness receives it first, because the engine may write its values at once.
     void say(std::size_t input, std::span<const std::uint8_t> bytes) {
         witness_.heard(input, bytes, loop_->now());
-        struct Undamaged {
-            bool operator[](std::size_t /*position*/) const { return false; }
-        };
-        loop_->receive(input, bytes, Undamaged{}, loop_->now());
+        loop_->receive(input_station(input), bytes, loop_->now());
     }
     void say(std::size_t input, const CanFrame& frame) {
         witness_.heard(input, frame, loop_->now());
-        loop_->receive(input, frame, loop_->now());
+        loop_->receive(input_station(input), frame, loop_->now());
     }
 
     const Configuration& configuration_;

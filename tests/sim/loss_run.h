@@ -60,12 +60,11 @@ class LossRun final : public OutputObserver {
         : engine_(build_engine(configuration)) {
         VirtualLoop loop(*engine_, *this, Instant{});
         for (const WireFrame& frame : wire) {
-            loop.receive(0, std::span(frame.bytes), std::vector<bool>(frame.bytes.size()),
-                         frame.at);
+            loop.receive(input_station(0), frame.bytes, frame.at);
         }
         loop.run_until(study_end());
     }
-    void wrote(std::size_t /*output*/, Instant at, const Transmission& sent) override {
+    void wrote(Station /*station*/, Instant at, const Transmission& sent) override {
         if (at < study_times().back) {
             cause_while_lost_ = engine_->inputs()[0].state().cause;
         }

@@ -69,10 +69,7 @@ struct Seen {
 };
 
 struct Unheard final : OutputObserver {
-    void wrote(std::size_t /*output*/, Instant /*at*/, const Transmission& /*sent*/) override {}
-};
-struct Undamaged {
-    bool operator[](std::size_t /*position*/) const { return false; }
+    void wrote(Station /*station*/, Instant /*at*/, const Transmission& /*sent*/) override {}
 };
 
 /// One engine, from its start.
@@ -109,7 +106,7 @@ class Machine {
             frame.set(channel, Pulse::from_microseconds(1500 + number_ % 2));
         }
         ++number_;
-        loop_.receive(input, encoders_[input].encode(frame, now_).bytes(), Undamaged{}, now_);
+        loop_.receive(input_station(input), encoders_[input].encode(frame, now_).bytes(), now_);
     }
 
     Unheard nobody_;

@@ -150,14 +150,14 @@ class Trio final : public OutputObserver {
                 if (sent) {
                     std::array<std::uint8_t, kLongestSerialFrame> wire{};
                     const std::size_t length = SbusEncoder().write(*sent, wire, Instant{});
-                    loop.receive(i, std::span(wire).first(length), std::bitset<64>{}, at);
+                    loop.receive(input_station(i), std::span(wire).first(length), at);
                 }
             }
         }
         loop.run_until(kEnd);
     }
 
-    void wrote(std::size_t /*output*/, Instant at, const Transmission& sent) override {
+    void wrote(Station /*station*/, Instant at, const Transmission& sent) override {
         const SbusFrame frame = parse_sbus(sent.bytes().first<kSbusFrameLength>());
         says_.push_back({at, 880 + frame.raw[0] * 0.625, frame.frame_lost, frame.failsafe});
     }

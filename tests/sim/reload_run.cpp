@@ -8,13 +8,6 @@
 #include "tests/sim/simulation.h"
 
 namespace tribus::test {
-namespace {
-
-struct NothingDamaged {
-    bool operator[](std::size_t /*position*/) const { return false; }
-};
-
-}  // namespace
 
 std::unique_ptr<ReloadRun::Stage> ReloadRun::stage_of(const std::string& text) {
     auto stage = std::make_unique<Stage>();
@@ -37,11 +30,11 @@ std::size_t ReloadRun::input_index(const std::string& name) const {
 }
 
 void ReloadRun::receive(const std::string& input, std::span<const std::uint8_t> bytes, Instant at) {
-    loop_->receive(input_index(input), bytes, NothingDamaged{}, at);
+    loop_->receive(input_station(input_index(input)), bytes, at);
 }
 
 void ReloadRun::receive(const std::string& input, const CanFrame& frame, Instant at) {
-    loop_->receive(input_index(input), frame, at);
+    loop_->receive(input_station(input_index(input)), frame, at);
 }
 
 void ReloadRun::reload(const std::string& text, Instant at) {
@@ -66,20 +59,15 @@ void ReloadRun::reload(const std::string& text, Instant at) {
     loop_->go_on_with(*stage_->engine, stage_->values.get(), at);
 }
 
-void ReloadRun::wrote(std::size_t output, Instant at, const Transmission& sent) {
-    const std::string& name = stage_->configuration.outputs[output].name;
+void ReloadRun::wrote(Station station, Instant at, const Transmission& sent) {
+    const Configuration& configuration = stage_->configuration;
+    const std::string name =
+        station.kind == StationKind::output       ? configuration.outputs[station.index].name
+        : station.kind == StationKind::sensor_bus ? configuration.sensor_buses[station.index].name
+                                                  : "node " + std::to_string(station.index);
     said_[name].push_back({at,
                            {sent.bytes().begin(), sent.bytes().end()},
                            {sent.can_frames().begin(), sent.can_frames().end()}});
-}
-
-void ReloadRun::node_wrote(std::size_t node, Instant at, std::span<const CanFrame> frames) {
-    said_["node " + std::to_string(node)].push_back({at, {}, {frames.begin(), frames.end()}});
-}
-
-void ReloadRun::bus_wrote(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) {
-    const std::string& name = stage_->configuration.sensor_buses[bus].name;
-    said_[name].push_back({at, {bytes.begin(), bytes.end()}, {}});
 }
 
 std::size_t ReloadRun::bus_index(const std::string& name) const {
@@ -91,7 +79,7 @@ std::size_t ReloadRun::bus_index(const std::string& name) const {
 
 void ReloadRun::receive_on_bus(const std::string& bus, std::span<const std::uint8_t> bytes,
                                Instant at) {
-    loop_->receive_on_bus(bus_index(bus), bytes, NothingDamaged{}, at);
+    loop_->receive({StationKind::sensor_bus, bus_index(bus)}, bytes, at);
 }
 
 SensorBusState ReloadRun::bus_state(const std::string& bus) const {

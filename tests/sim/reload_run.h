@@ -44,10 +44,8 @@ class ReloadRun final : public OutputObserver {
     /// Heap allocations in all reloads so far.
     std::uint64_t allocations() const { return allocations_; }
 
-    void wrote(std::size_t output, Instant at, const Transmission& sent) override;
-    /// Under the name "node 0", and so on, by its place.
-    void node_wrote(std::size_t node, Instant at, std::span<const CanFrame> frames) override;
-    void bus_wrote(std::size_t bus, Instant at, std::span<const std::uint8_t> bytes) override;
+    /// A node has the name "node 0", and so on, by its place.
+    void wrote(Station station, Instant at, const Transmission& sent) override;
     void receive_on_bus(const std::string& bus, std::span<const std::uint8_t> bytes, Instant at);
     SensorBusState bus_state(const std::string& bus) const;
     std::optional<double> value(const std::string& name, Instant now) const;

@@ -322,7 +322,7 @@ void Simulation::deliver_frames(Wire& wire) {
             // The frame keeps its time of arrival, as the kernel stamps it.
             engine_->receive(wire.sender.input, frame, wire.next_arrival);
         } else {
-            loop_->receive(wire.sender.input, frame, wire.next_arrival);
+            loop_->receive(input_station(wire.sender.input), frame, wire.next_arrival);
         }
     }
 }
@@ -334,7 +334,7 @@ void Simulation::deliver_piece(Wire& wire) {
     const std::bitset<kBytesPerRead> damaged = wire.reception.damaged >> begin;
     const auto bytes = wire.reception.view().subspan(begin, count);
     if (!away_since_) {
-        loop_->receive(input, bytes, damaged, wire.next_arrival);
+        loop_->receive(input_station(input), bytes, damaged, wire.next_arrival);
     } else if (discards(wire)) {
         engine_->bytes_discarded(input);
     } else {
@@ -352,7 +352,7 @@ void Simulation::lose_device(Wire& wire) {
     if (away_since_) {
         engine_->device_lost(wire.sender.input);
     } else {
-        loop_->device_lost(wire.sender.input, wire.next_arrival);
+        loop_->device_lost(input_station(wire.sender.input), wire.next_arrival);
     }
 }
 
@@ -411,7 +411,7 @@ void Simulation::reload(const Configuration& unchanged, Instant at) {
 
 void Simulation::receive(std::size_t input, const CanFrame& frame, Instant at) {
     HeapTrap trap;
-    loop_->receive(input, frame, at);
+    loop_->receive(input_station(input), frame, at);
     allocations_ += trap.allocations();
 }
 
@@ -450,7 +450,11 @@ std::optional<ChannelFrame> Simulation::heard(std::size_t output, Instant at,
     return found->channels;
 }
 
-void Simulation::wrote(std::size_t output, Instant at, const Transmission& sent) {
+void Simulation::wrote(Station station, Instant at, const Transmission& sent) {
+    if (station.kind != StationKind::output) {
+        return;
+    }
+    const std::size_t output = station.index;
     if (!sent.can_frames().empty()) {
         WrittenToCan& snapshot = written_to_can_[output].emplace_back();
         snapshot.at = at;

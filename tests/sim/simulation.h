@@ -120,7 +120,7 @@ class Simulation final : public OutputObserver {
     /// Allocations inside the engine since it started.
     std::uint64_t allocations() const { return allocations_; }
 
-    void wrote(std::size_t output, Instant at, const Transmission& sent) override;
+    void wrote(Station station, Instant at, const Transmission& sent) override;
 
   private:
     struct Wire {

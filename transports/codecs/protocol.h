@@ -95,6 +95,19 @@ inline std::unique_ptr<CanDecoder> make_can_decoder(const Protocol& protocol,
     return std::get<std::unique_ptr<CanDecoder>>(protocol.make_decoder(settings));
 }
 
+/// The key for the bit rate of a protocol whose devices differ in it.
+constexpr Setting baud_setting(std::string_view fallback, std::string_view example) {
+    return {.key = "baud",
+            .type = SettingType::integer,
+            .fallback = fallback,
+            .least = 9600,
+            .most = 1000000,
+            .unit = "baud",
+            .of_line = true,
+            .help = "Bit rate of the line",
+            .example = example};
+}
+
 /// For formats that can always, or never, signal failsafe.
 inline bool always_signals_failsafe(const SettingValues&) {
     return true;

@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include "core/write_status.h"
+
 namespace tribus {
 
 /// Most bytes that one read takes from one link: 22 ms of an i.Bus line at full speed.
@@ -26,14 +28,6 @@ enum class ReadStatus : std::uint8_t {
     received,  ///< at least one byte
     nothing,   ///< no bytes now
     lost,      ///< the device is gone; the link stays lost until it is opened again
-};
-
-enum class WriteStatus : std::uint8_t {
-    written,      ///< passed to the kernel, whose queue had no bytes of this sender
-    busy,         ///< not written, or not completely: dropped, a newer frame follows
-    unavailable,  ///< the line accepts nothing now (a bus is down or in bus-off): dropped; it may
-                  ///< return
-    lost,         ///< the device is gone; the link stays lost until it is opened again
 };
 
 class ByteLink;

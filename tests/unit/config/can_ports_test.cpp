@@ -77,7 +77,7 @@ constexpr Spoilt kMistakes[]{
     {"baud_of_a_bus", 3, R"(interface = "can0"
 baud = 500000)",
      R"(t.toml:4:1: unknown key "baud" in [input.cockpit]; it belongs in [input.NAME] )"
-     R"(with protocol "ibus"; allowed: "protocol", "interface", "timeout", )"
+     R"(with protocol "ibus" and "device"; allowed: "protocol", "interface", "timeout", )"
      R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
      R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "id", "extended", "fd", )"
      R"("crc", "channels")"},
@@ -292,13 +292,14 @@ to = ["d", "e", "f"]
     ASSERT_EQ(plans.size(), 3U);
     EXPECT_EQ(plans[0].config.device, "can0");
     EXPECT_EQ(plans[0].config.medium, &kCanMedium);
-    EXPECT_EQ(plans[0].wiring.inputs, (std::vector<std::size_t>{0, 2}));
-    EXPECT_EQ(plans[0].wiring.outputs, (std::vector<std::size_t>{0, 1}));
+    using enum StationKind;
+    EXPECT_EQ(plans[0].wiring.stations,
+              (std::vector<Station>{{input, 0}, {input, 2}, {output, 0}, {output, 1}}));
     EXPECT_EQ(plans[1].config.device, "can1");
-    EXPECT_EQ(plans[1].wiring.inputs, std::vector<std::size_t>{1});
+    EXPECT_EQ(plans[1].wiring.stations, (std::vector<Station>{{input, 1}}));
     // A serial device of the same name does not belong to that interface.
     EXPECT_EQ(plans[2].config.medium, &kSerialMedium);
-    EXPECT_EQ(plans[2].wiring.outputs, std::vector<std::size_t>{2});
+    EXPECT_EQ(plans[2].wiring.stations, (std::vector<Station>{{output, 2}}));
 }
 
 TEST(CanEffective, ShowsEveryDefault) {

@@ -272,8 +272,8 @@ TEST(DroneCanConfiguration, PutsTheNodeOnThePortOfItsInterface) {
     const auto can = std::ranges::find_if(
         plans, [](const PortPlan& plan) { return plan.config.device == "can1"; });
     ASSERT_NE(can, plans.end());
-    EXPECT_EQ(can->wiring.node, std::optional<std::size_t>(0));
-    EXPECT_EQ(can->wiring.outputs.size(), 1U);
+    EXPECT_EQ(can->wiring.stations,
+              (std::vector<Station>{{StationKind::output, 0}, {StationKind::dronecan_node, 0}}));
 }
 
 }  // namespace

@@ -109,14 +109,7 @@ namespace {
 constexpr std::array<std::string_view, 2> kSlotsChoices{"nibbles", "plain"};
 constexpr std::array<std::string_view, 2> kChannelsChoices{"14", "18"};
 constexpr std::array kIbusSettings{
-    Setting{.key = "baud",
-            .type = SettingType::integer,
-            .fallback = "115200",
-            .least = 9600,
-            .most = 1000000,
-            .unit = "baud",
-            .help = "Bit rate of the line",
-            .example = "100000"},
+    baud_setting("115200", "100000"),
     Setting{.key = "slots",
             .type = SettingType::choice,
             .fallback = "\"nibbles\"",

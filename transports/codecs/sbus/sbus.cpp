@@ -89,6 +89,7 @@ constexpr std::array kSbusSettings{
             .fallback = "100000",
             .unit = "baud",
             .choices = kBaudChoices,
+            .of_line = true,
             .help = "Bit rate of the line: 100000, or 200000 for the fast variant (DJI)",
             .example = "200000"},
     Setting{.key = "scale",
@@ -100,6 +101,7 @@ constexpr std::array kSbusSettings{
     Setting{.key = "inverted",
             .type = SettingType::boolean,
             .fallback = "false",
+            .of_line = true,
             .help = "Must be false: Linux has no setting that inverts a serial line. Use an "
                     "inverter",
             .example = "false"},

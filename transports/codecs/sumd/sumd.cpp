@@ -81,14 +81,7 @@ std::size_t SumdEncoder::write(const ChannelFrame& frame,
 namespace {
 
 constexpr std::array kSumdSettings{
-    Setting{.key = "baud",
-            .type = SettingType::integer,
-            .fallback = "115200",
-            .least = 9600,
-            .most = 1000000,
-            .unit = "baud",
-            .help = "Bit rate of the line",
-            .example = "115200"},
+    baud_setting("115200", "115200"),
     Setting{.key = "channels",
             .type = SettingType::integer,
             .fallback = "16",

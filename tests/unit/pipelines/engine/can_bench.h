@@ -92,15 +92,15 @@ class Bench final : public OutputObserver {
           seen_(engine_.outputs().size()),
           loop_(engine_, *this, at({})) {}
 
-    void wrote(std::size_t output, Instant when, const Transmission& sent) override {
-        seen_[output].push_back({when,
-                                 {sent.bytes().begin(), sent.bytes().end()},
-                                 {sent.can_frames().begin(), sent.can_frames().end()}});
+    void wrote(Station station, Instant when, const Transmission& sent) override {
+        seen_[station.index].push_back({when,
+                                        {sent.bytes().begin(), sent.bytes().end()},
+                                        {sent.can_frames().begin(), sent.can_frames().end()}});
     }
 
     void arrive(const CanFrames& frames, Instant when) {
         for (const CanFrame& frame : frames) {
-            loop_.receive(0, frame, when);
+            loop_.receive(input_station(0), frame, when);
         }
     }
     /// Sends a snapshot that arrives at `when`. Its values were `age` old then.

@@ -48,7 +48,7 @@ TEST(AbsentChannels, are_the_presets_of_the_output) {
 TEST(AbsentChannels, of_a_single_frame_do_not_move_the_throttle) {
     Bench bench(list(ibus_input()), list(sbus_output({0})));
     fourteen(bench, at(0ms), at(1s));
-    bench.loop().receive(0, kOneAt988, kUndamaged, at(1s));
+    bench.loop().receive(input_station(0), kOneAt988, at(1s));
     fourteen(bench, at(1008ms), at(2s));
     bench.said(at(2s));
     for (const Seen& seen : bench.seen()) {
@@ -65,7 +65,7 @@ TEST(AbsentChannels, of_a_sender_that_sends_one_for_good_are_a_loss_and_then_pre
     Bench bench(list(std::move(input)), list(sbus_output({0})));
     fourteen(bench, at(0ms), at(1s));
     for (Instant when = at(1s); when < at(3s); when += 8ms) {
-        bench.loop().receive(0, kOneAt988, kUndamaged, when);
+        bench.loop().receive(input_station(0), kOneAt988, when);
     }
     EXPECT_TRUE(bench.said(at(1200ms)).frame_lost);
     EXPECT_TRUE(bench.said(at(1450ms)).failsafe);

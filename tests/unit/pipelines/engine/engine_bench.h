@@ -19,8 +19,6 @@ namespace tribus::test::serial {
 
 using namespace std::chrono_literals;
 
-inline constexpr std::bitset<kLongestSerialFrame> kUndamaged{};
-
 inline Pulse us(std::int64_t microseconds) {
     return Pulse::from_microseconds(microseconds);
 }
@@ -65,9 +63,9 @@ class Bench final : public OutputObserver {
           seen_(engine_.outputs().size()),
           loop_(engine_, *this, Instant{}) {}
 
-    void wrote(std::size_t output, Instant when, const Transmission& sent) override {
+    void wrote(Station station, Instant when, const Transmission& sent) override {
         const auto frame = sent.bytes();
-        seen_[output].push_back({when, parse_sbus(frame.first<kSbusFrameLength>())});
+        seen_[station.index].push_back({when, parse_sbus(frame.first<kSbusFrameLength>())});
     }
 
     /// Sends an i.Bus frame with `first` on channel 1.
@@ -105,7 +103,7 @@ class Bench final : public OutputObserver {
     void send(ByteEncoder&& encoder, std::size_t input, Instant when, const ChannelFrame& frame) {
         std::array<std::uint8_t, kLongestSerialFrame> wire{};
         const std::size_t length = encoder.write(frame, wire, Instant{});
-        loop_.receive(input, std::span(wire).first(length), kUndamaged, when);
+        loop_.receive(input_station(input), std::span(wire).first(length), when);
     }
 
   private:

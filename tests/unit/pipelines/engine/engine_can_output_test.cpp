@@ -129,15 +129,15 @@ CanFrame foreign_frame(std::uint32_t id = kOutputFormat.base_id) {
 void foreign_frames(Bench& bench, Instant when, std::size_t output = 0,
                     std::uint32_t id = kOutputFormat.base_id) {
     for (int i = 0; i < 3; ++i) {
-        bench.loop().watch_for_foreign_sender(output, foreign_frame(id), when);
+        bench.loop().receive({StationKind::output, output}, foreign_frame(id), when);
     }
 }
 
 TEST(EngineForeignSender, two_frames_only_count) {
     Bench bench(list(can_output()));
     bench.snapshots(at(0ms), at(200ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(205ms));
+    bench.loop().receive({StationKind::output, 0}, foreign_frame(), at(205ms));
+    bench.loop().receive({StationKind::output, 0}, foreign_frame(), at(205ms));
     EXPECT_FALSE(bench.said(at(210ms)).failsafe());
     EXPECT_EQ(bench.output_counts().foreign_frames, 2U);
 }
@@ -146,7 +146,7 @@ TEST(EngineForeignSender, frames_a_second_apart_are_no_sender) {
     Bench bench(list(can_output()));
     for (int i = 1; i <= 5; ++i) {
         bench.snapshots(at((i - 1) * 1s), at(i * 1s));
-        bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(i * 1s));
+        bench.loop().receive({StationKind::output, 0}, foreign_frame(), at(i * 1s));
     }
     EXPECT_EQ(bench.output_counts().failsafe_entries, 0U);
 }
@@ -166,7 +166,7 @@ TEST(EngineForeignSender, keeps_it_there_for_a_second_after_its_last_frame) {
     bench.snapshots(at(0ms), at(205ms));
     foreign_frames(bench, at(205ms));
     bench.snapshots(at(210ms), at(700ms));
-    bench.loop().watch_for_foreign_sender(0, foreign_frame(), at(700ms));
+    bench.loop().receive({StationKind::output, 0}, foreign_frame(), at(700ms));
     bench.snapshots(at(700ms), at(2s));
     EXPECT_TRUE(bench.said(at(1690ms)).failsafe());
     EXPECT_FALSE(bench.said(at(1700ms)).failsafe());
@@ -209,7 +209,7 @@ TEST(EngineForeignSender, any_of_the_ids_of_the_output_and_no_other_is_meant) {
     CanFrame extended = foreign_frame();
     extended.extended = true;
     for (const CanFrame& other : {foreign_frame(0x3FF), foreign_frame(0x405), extended}) {
-        bench.loop().watch_for_foreign_sender(0, other, at(205ms));
+        bench.loop().receive({StationKind::output, 0}, other, at(205ms));
     }
     EXPECT_FALSE(bench.said(at(210ms)).failsafe());
     EXPECT_EQ(bench.output_counts().foreign_frames, 0U);

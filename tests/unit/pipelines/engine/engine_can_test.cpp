@@ -164,7 +164,7 @@ class EngineCanIds : public testing::Test {
 
     void expect_nothing_counted_for(CanFrame frame) {
         const InputCounts before = bench.input().counts();
-        bench.loop().receive(0, frame, at(100ms));
+        bench.loop().receive(input_station(0), frame, at(100ms));
         EXPECT_EQ(bench.input().counts().bytes, before.bytes);
         EXPECT_EQ(bench.input().counts().frames, before.frames);
         for (const NamedCount& cause : bench.input().decoder().rejected()) {
@@ -200,7 +200,7 @@ TEST_F(EngineCanIds, a_wanted_frame_that_is_damaged_is_counted_by_its_cause_and_
     CanFrame frame = first_frame();
     frame.data[3] ^= 0x10;
     const InputCounts before = bench.input().counts();
-    bench.loop().receive(0, frame, at(100ms));
+    bench.loop().receive(input_station(0), frame, at(100ms));
     EXPECT_EQ(bench.input().counts().bytes, before.bytes + 8);
     EXPECT_EQ(bench.input().counts().frames, before.frames);
     const auto rejected = bench.input().decoder().rejected();

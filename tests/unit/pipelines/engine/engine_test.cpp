@@ -204,7 +204,7 @@ TEST(EngineInputs, the_newest_of_several_frames_in_one_read_wins) {
         const std::size_t length = IbusEncoder(14).write(frame, wire, Instant{});
         burst.insert(burst.end(), wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length));
     }
-    bench.loop().receive(0, burst, std::bitset<128>{}, at(5ms));
+    bench.loop().receive(input_station(0), burst, at(5ms));
     EXPECT_EQ(bench.said(at(10ms)).raw[0], raw_of(1300));
 }
 

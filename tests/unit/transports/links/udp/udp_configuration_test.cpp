@@ -33,8 +33,9 @@ TEST(UdpConfiguration, GivesEachAddressAPortOfItsOwn) {
     EXPECT_TRUE(plans[0].wiring.has_datagrams);
     EXPECT_EQ(plans[0].wiring.byte_time, Duration::zero());
     const auto engine = build_engine(configuration);
-    EXPECT_EQ(link_use(*engine, nullptr, plans[0]).way, SettingScope::input);
-    EXPECT_EQ(link_use(*engine, nullptr, plans[1]).way, SettingScope::output);
+    const Stations stations(*engine, nullptr);
+    EXPECT_EQ(link_use(stations, plans[0]).way, SettingScope::input);
+    EXPECT_EQ(link_use(stations, plans[1]).way, SettingScope::output);
 }
 
 TEST(UdpConfiguration, IsPrintedAsItIsRead) {
@@ -80,6 +81,18 @@ TEST(UdpConfiguration, ABusHasNoAddress) {
                               R"(has "interface" instead: CAN interface, such as "can0")"});
 }
 
+TEST(UdpConfiguration, TheRateOfALineIsNoKeyBesideAnAddress) {
+    const auto mistakes = mistakes_in(job(kHere + "\nbaud = 200000", kThere));
+    ASSERT_EQ(mistakes.size(), 1U);
+    EXPECT_EQ(mistakes[0].substr(0, mistakes[0].find("; allowed")),
+              R"(t.toml:4:1: unknown key "baud" in [input.receiver]; it belongs in [input.NAME] )"
+              R"(with protocol "sbus" and "device")");
+}
+
+TEST(UdpConfiguration, AnInvertedLineIsNoKeyBesideAnAddress) {
+    EXPECT_EQ(mistakes_in(job(kHere + "\ninverted = false", kThere)).size(), 1U);
+}
+
 TEST(UdpConfiguration, APeriodIsNotLimitedByALine) {
     // 32 bytes at 115200 baud take 2.8 ms.
     EXPECT_EQ(mistakes_in(job(kHere, kThere + "\nperiod = \"1ms\"\nforce = true")), Lines{});
@@ -90,8 +103,8 @@ TEST(UdpConfiguration, AnAddressThatChangesItsWayIsOpenedAnew) {
     const auto after = loaded(job(kThere, kHere));
     const auto engine = build_engine(before);
     EXPECT_TRUE(same_device(plan_ports(before)[0].config, plan_ports(after)[1].config));
-    EXPECT_FALSE(link_use(*engine, nullptr, plan_ports(before)[0]) ==
-                 link_use(*engine, nullptr, plan_ports(after)[1]));
+    EXPECT_FALSE(link_use(Stations(*engine, nullptr), plan_ports(before)[0]) ==
+                 link_use(Stations(*engine, nullptr), plan_ports(after)[1]));
 }
 
 }  // namespace

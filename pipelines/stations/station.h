@@ -1,0 +1,51 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+namespace tribus {
+
+/// What can sit on a port.
+enum class StationKind : std::uint8_t {
+    input,
+    output,
+    dronecan_node,
+    sensor_bus,
+    value_message,  ///< reads named values from a CAN message
+};
+inline constexpr std::size_t kStationKinds = 5;
+
+/// One part of a configuration that sits on a port. A serial device may have an input and an
+/// output, a CAN interface many of each.
+struct Station {
+    StationKind kind = StationKind::input;
+    std::size_t index = 0;  ///< among the parts of its kind, in the order of the configuration
+
+    bool operator==(const Station&) const = default;
+};
+
+constexpr Station input_station(std::size_t index) {
+    return {.kind = StationKind::input, .index = index};
+}
+
+/// Index of the first station of that kind on a port. `nullopt` if there is none.
+constexpr std::optional<std::size_t> first_of(std::span<const Station> stations, StationKind kind) {
+    const auto found = std::ranges::find(stations, kind, &Station::kind);
+    return found == stations.end() ? std::nullopt : std::optional(found->index);
+}
+
+/// Whether one of them reads bytes.
+constexpr bool wants_bytes(std::span<const Station> stations) {
+    return first_of(stations, StationKind::input) || first_of(stations, StationKind::sensor_bus);
+}
+
+/// Whether it may have something to send.
+constexpr bool sends(const Station& station) {
+    return station.kind == StationKind::output || station.kind == StationKind::dronecan_node ||
+           station.kind == StationKind::sensor_bus;
+}
+
+}  // namespace tribus

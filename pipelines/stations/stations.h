@@ -1,0 +1,89 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/can_frame.h"
+#include "core/time.h"
+#include "core/write_status.h"
+#include "pipelines/engine/carry_over.h"
+#include "pipelines/engine/engine.h"
+#include "pipelines/stations/station.h"
+#include "pipelines/values/value_engine.h"
+#include "transports/codecs/frame_encoder.h"
+
+namespace tribus {
+
+/// All stations of a configuration. What drives them passes on what it reads, calls `poll` and
+/// `poll_values`, and after each of the two sends what the stations in `ready` have. Owns nothing,
+/// makes no system call, does not allocate after construction. Thread-bound.
+class Stations {
+  public:
+    /// `values` is null if no sensor bus or value is configured. Both must outlive this.
+    Stations(Engine& engine, ValueEngine* values);
+
+    void start(Instant now);
+    /// Call after `start`. The parts named in `carry` and `values` take over their state in
+    /// `before`, which is unusable afterwards.
+    void continue_from(Stations& before, const EngineCarry& carry, const ValueCarry& values,
+                       Instant now);
+
+    /// Takes undamaged bytes, read at `now`. Returns whether they completed a frame of an input.
+    bool receive(Station station, std::span<const std::uint8_t> bytes, Instant now);
+    /// The same for bytes with damage. `damaged[i]` is true if byte i was damaged on the line.
+    template <class DamagedMarks>
+    bool receive(Station station, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
+                 Instant now) {
+        if (station.kind == StationKind::sensor_bus) {
+            values_->receive(station.index, bytes, damaged, now);
+            return false;
+        }
+        return station.kind == StationKind::input &&
+               engine_->receive(station.index, bytes, damaged, now);
+    }
+    /// See `Engine::datagram_ended`.
+    bool datagram_ended(Station station, Instant now) {
+        return station.kind == StationKind::input && engine_->datagram_ended(station.index, now);
+    }
+    /// Takes a CAN frame of another node that arrived at `at`. Returns as above.
+    bool receive(Station station, const CanFrame& frame, Instant at);
+    /// The device is gone.
+    void device_lost(Station station);
+    /// Whether the device of an output is there. Other stations need not know.
+    void set_device_present(Station station, bool present);
+    /// Bytes that waited unread for this time or longer are of no use to it.
+    Duration useful_for(Station station) const;
+    /// Unread bytes were discarded.
+    void bytes_discarded(Station station, Instant now);
+
+    /// Runs every output and DroneCAN node that is due at `now`. Returns the time of the next call
+    /// at the latest. Call it after `receive` too.
+    Instant poll(Instant now);
+    /// The same for named values and sensor buses. Call it after `poll`, when what was ready has
+    /// been sent: values may be facts about that.
+    Instant poll_values(Instant now);
+    /// The stations that may have something to send after the latest poll.
+    std::span<const Station> ready() const { return ready_; }
+    /// Takes what it sends, once. Empty if it sends nothing. Valid until the next poll.
+    Transmission take(Station station, Instant now);
+    /// How old what it sends may be when it is handed over.
+    Duration valid_for(Station station) const;
+    /// Tells at `at` what became of what was taken.
+    void handed_over(Station station, WriteStatus status, Instant at);
+
+    bool on_can(Station station) const;
+    /// Whether it needs CAN FD.
+    bool uses_fd(Station station) const;
+    /// The CAN ids that it receives, and those that it sends. Empty if it is not on CAN.
+    std::span<const CanIdMatch> wanted_ids(Station station) const;
+    std::span<const CanIdMatch> sent_ids(Station station) const;
+
+  private:
+    Engine* engine_;
+    ValueEngine* values_;
+    std::vector<Station> ready_;
+};
+
+}  // namespace tribus

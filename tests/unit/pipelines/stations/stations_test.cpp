@@ -1,0 +1,90 @@
+#include "pipelines/stations/stations.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <vector>
+
+#include "tests/unit/pipelines/engine/engine_bench.h"
+
+namespace tribus::test::serial::stations_test {
+namespace {
+
+constexpr Station kOutput{StationKind::output, 0};
+
+TEST(Stations, APortTellsTheFirstOfAKind) {
+    constexpr std::array<Station, 3> kOnPort{
+        {{StationKind::output, 4}, {StationKind::input, 2}, {StationKind::input, 1}}};
+    EXPECT_EQ(first_of(kOnPort, StationKind::input), 2U);
+    EXPECT_EQ(first_of(kOnPort, StationKind::sensor_bus), std::nullopt);
+}
+
+TEST(Stations, OnlyInputsAndSensorBusesWantBytes) {
+    for (const auto kind : {StationKind::input, StationKind::sensor_bus}) {
+        EXPECT_TRUE(wants_bytes(std::array{Station{kind, 0}}));
+    }
+    for (const auto kind :
+         {StationKind::output, StationKind::dronecan_node, StationKind::value_message}) {
+        EXPECT_FALSE(wants_bytes(std::array{Station{kind, 0}}));
+    }
+}
+
+/// A receiver and an SBUS output that is due every 10 ms, without values.
+class StationsOfAPipeline : public testing::Test {
+  protected:
+    StationsOfAPipeline() { stations_.start(at(0ms)); }
+
+    Engine engine_{list(ibus_input()), list(sbus_output({0})), {}, {}};
+    Stations stations_{engine_, nullptr};
+};
+
+TEST_F(StationsOfAPipeline, AnOutputThatRanIsReadyUntilTheNextPoll) {
+    const Instant next = stations_.poll(at(0ms));
+    EXPECT_EQ(std::vector(stations_.ready().begin(), stations_.ready().end()),
+              std::vector{kOutput});
+    stations_.poll(next - 1ns);
+    EXPECT_TRUE(stations_.ready().empty());
+}
+
+TEST_F(StationsOfAPipeline, WhatAnOutputSendsIsTakenOnce) {
+    stations_.poll(at(0ms));
+    EXPECT_EQ(stations_.take(kOutput, at(0ms)).bytes().size(), kSbusFrameLength);
+    EXPECT_TRUE(stations_.take(kOutput, at(0ms)).empty());
+}
+
+TEST_F(StationsOfAPipeline, AnInputReceivesAndSendsNothing) {
+    stations_.poll(at(0ms));
+    EXPECT_TRUE(stations_.take(input_station(0), at(0ms)).empty());
+    EXPECT_FALSE(sends(input_station(0)));
+}
+
+TEST_F(StationsOfAPipeline, EachOutcomeIsCountedAsWhatItIs) {
+    using enum WriteStatus;
+    for (const WriteStatus status :
+         {written, busy, busy, unavailable, unavailable, unavailable, lost, lost, lost, lost}) {
+        stations_.handed_over(kOutput, status, at(0ms));
+    }
+    const OutputCounts& counts = engine_.outputs()[0].counts();
+    EXPECT_EQ(counts.frames, 1U);
+    EXPECT_EQ(counts.busy_drops, 2U);
+    EXPECT_EQ(counts.unavailable_drops, 3U);
+    EXPECT_EQ(counts.lost_drops, 4U);
+}
+
+TEST_F(StationsOfAPipeline, AFrameIsValidForItsPeriodAndBytesForTheTimeoutOfTheInput) {
+    EXPECT_EQ(stations_.valid_for(kOutput), engine_.outputs()[0].period());
+    EXPECT_EQ(stations_.useful_for(input_station(0)), engine_.inputs()[0].link().timeout());
+}
+
+TEST_F(StationsOfAPipeline, ALostDeviceIsCountedAtTheInputAndStopsTheOutput) {
+    stations_.device_lost(input_station(0));
+    EXPECT_EQ(engine_.inputs()[0].counts().device_losses, 1U);
+    EXPECT_EQ(engine_.outputs()[0].stage(), OutputStage::failsafe);
+    stations_.device_lost(kOutput);
+    EXPECT_EQ(engine_.outputs()[0].stage(), OutputStage::cannot_send);
+    stations_.set_device_present(kOutput, true);
+    EXPECT_EQ(engine_.outputs()[0].stage(), OutputStage::failsafe);
+}
+
+}  // namespace
+}  // namespace tribus::test::serial::stations_test
