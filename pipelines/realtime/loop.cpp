@@ -35,6 +35,7 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
     : engine_(engine),
       settings_(settings),
       stations_(engine, settings.values),
+      ports_(wiring.size()),
       newest_at_ns_(engine.inputs().size()),
       input_status_(engine.inputs().size()),
       output_status_(engine.outputs().size()),
@@ -48,7 +49,7 @@ Loop::Loop(Engine& engine, std::vector<PortWiring> wiring, std::vector<std::uniq
         output_timing_.push_back(std::make_unique<OutputTiming>());
     }
     for (std::size_t i = 0; i < wiring.size(); ++i) {
-        Port& port = ports_.emplace_back();
+        Port& port = ports_[i];
         port.wiring = wiring[i];
         port.link = std::move(links[i]);
         port.place = std::make_unique<std::size_t>(i);
@@ -121,9 +122,13 @@ Instant Loop::advance(Instant now) {
     if (settings_.lines != nullptr && !engine_.ran().empty()) {
         settings_.lines->set_states(engine_.shown_on_lines());
     }
-    next = std::min(next, poll_can_links(now));
-    next = std::min(next, stations_.poll_values(now));
-    send_ready(now);
+    if (!can_ports_.empty()) {
+        next = std::min(next, poll_can_links(now));
+    }
+    if (settings_.values != nullptr) {
+        next = std::min(next, stations_.poll_values(now));
+        send_ready(now);
+    }
     for (std::size_t port = 0, left = quiet_ports_; left > 0; ++port) {
         if (ports_[port].quiet_until != kNever) {
             next = std::min(next, ports_[port].quiet_until);

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
@@ -259,7 +258,7 @@ class Loop {
     Engine& engine_;
     LoopSettings settings_;
     Stations stations_;
-    std::deque<Port> ports_;
+    std::vector<Port> ports_;
     /// By kind and index of a station.
     std::array<std::vector<Route>, kStationKinds> routes_;
     /// Indices of the ports that are CAN interfaces.
@@ -294,14 +293,14 @@ class Loop {
     CanReception can_reception_;
     Instant next_publish_{};
     std::atomic<std::int64_t> published_at_ns_{0};
-    std::deque<std::atomic<std::int64_t>> newest_at_ns_;
+    std::vector<std::atomic<std::int64_t>> newest_at_ns_;
     /// The levels that the engine has.
     LineLevels levels_ = kNoLineActive;
-    std::deque<Snapshot<InputStatus>> input_status_;
-    std::deque<Snapshot<OutputStatus>> output_status_;
-    std::deque<Snapshot<SensorBusState>> bus_states_;
-    std::deque<Snapshot<ValueStatus>> value_status_;
-    std::deque<Snapshot<dronecan::NodeReport>> node_reports_;
+    std::vector<Snapshot<InputStatus>> input_status_;
+    std::vector<Snapshot<OutputStatus>> output_status_;
+    std::vector<Snapshot<SensorBusState>> bus_states_;
+    std::vector<Snapshot<ValueStatus>> value_status_;
+    std::vector<Snapshot<dronecan::NodeReport>> node_reports_;
     /// They move from loop to loop.
     std::vector<std::unique_ptr<InputTiming>> input_timing_;
     std::vector<std::unique_ptr<OutputTiming>> output_timing_;

@@ -66,16 +66,6 @@ void Stations::continue_from(Stations& before, const EngineCarry& carry, const V
     }
 }
 
-bool Stations::receive(Station station, std::span<const std::uint8_t> bytes, Instant now) {
-    if (station.kind == StationKind::input) {
-        return engine_->receive(station.index, bytes, now);
-    }
-    if (station.kind == StationKind::sensor_bus) {
-        values_->receive(station.index, bytes, now);
-    }
-    return false;
-}
-
 bool Stations::receive(Station station, const CanFrame& frame, Instant at) {
     switch (station.kind) {
         case StationKind::input:

@@ -31,7 +31,13 @@ class Stations {
                        Instant now);
 
     /// Takes undamaged bytes, read at `now`. Returns whether they completed a frame of an input.
-    bool receive(Station station, std::span<const std::uint8_t> bytes, Instant now);
+    bool receive(Station station, std::span<const std::uint8_t> bytes, Instant now) {
+        if (station.kind == StationKind::sensor_bus) {
+            values_->receive(station.index, bytes, now);
+            return false;
+        }
+        return station.kind == StationKind::input && engine_->receive(station.index, bytes, now);
+    }
     /// The same for bytes with damage. `damaged[i]` is true if byte i was damaged on the line.
     template <class DamagedMarks>
     bool receive(Station station, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
