@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-/// What became of a frame that was to be written.
+/// Outcome of writing one frame, or one snapshot of CAN frames.
 enum class WriteStatus : std::uint8_t {
     written,      ///< passed to the kernel, whose queue had no bytes of this sender
     busy,         ///< not written, or not completely: dropped, a newer frame follows

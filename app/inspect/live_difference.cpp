@@ -31,7 +31,7 @@ namespace {
 constexpr Duration kSettled = std::chrono::seconds(30);
 constexpr Instant kBegin{std::chrono::seconds(1)};
 
-struct NullObserver final : OutputObserver {
+struct NullObserver final : StationObserver {
     void wrote(Station /*station*/, Instant /*at*/, const Transmission& /*sent*/) override {}
 };
 

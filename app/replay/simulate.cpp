@@ -57,7 +57,7 @@ std::vector<SimulatedSink> simulated_sinks(const Configuration& configuration) {
 
 /// Keeps what outputs and sensor buses send: CAN frames as candump log, bytes in the requested
 /// format. Prints changes of state.
-class SinkRecorder final : public OutputObserver {
+class SinkRecorder final : public StationObserver {
   public:
     SinkRecorder(const Engine& engine, const std::vector<SimulatedSink>& sinks,
                  std::string_view format)
@@ -73,7 +73,7 @@ class SinkRecorder final : public OutputObserver {
         }
     }
 
-    /// What DroneCAN nodes send is in no file.
+    /// No file gets the frames of DroneCAN nodes.
     void wrote(Station station, Instant at, const Transmission& sent) override {
         if (station.kind == StationKind::dronecan_node) {
             return;

@@ -30,7 +30,7 @@
 
 namespace tribus {
 
-/// What sits on one port, and how it is read.
+/// The stations on one port, and how the port is read.
 struct PortWiring {
     std::vector<Station> stations{};
     /// Duration of one byte on the wire. Zero if unknown or meaningless.
@@ -229,7 +229,6 @@ class Loop {
     void catch_up(Instant since, Instant now);
     ReadStatus catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
                                  Instant now);
-    bool is_long(const PortWiring& wiring, Duration absence) const;
     void send_ready(Instant now);
     void send(Station station, const Transmission& sent, Instant now);
     WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent,

@@ -117,18 +117,12 @@ void Loop::read_quiet_ports(Instant now) {
     }
 }
 
-/// Whether everything that waited for this time is useless on that port.
-bool Loop::is_long(const PortWiring& wiring, Duration absence) const {
-    return std::ranges::any_of(
-        wiring.stations, [&](Station station) { return absence >= stations_.useful_for(station); });
-}
-
 /// Reads every waiting byte. It may have come at any time since `since`.
 ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Instant since,
                                    Instant now) {
     ReadStatus status = ReadStatus::received;
     std::size_t bytes = 0;
-    bool discards = is_long(wiring, now - since);
+    bool discards = now - since >= stations_.useful_for(wiring.stations);
     for (int reads = 0; !discards && reads < kMostReads; ++reads) {
         status = link.read(reception_);
         if (status != ReadStatus::received) {

@@ -8,7 +8,7 @@
 
 namespace tribus {
 
-/// What can sit on a port.
+/// The kinds of stations. `Stations` knows what each of them does.
 enum class StationKind : std::uint8_t {
     input,
     output,

@@ -1,11 +1,13 @@
 #include "pipelines/stations/stations.h"
 
+#include <algorithm>
 #include <chrono>
 
 namespace tribus {
 namespace {
 
-/// Half of a sensor's slot: after that time nobody waits for the answer of a sensor bus any more.
+/// Less than half of a slot of 7.7 ms (docs/protocols/ibus.md): after that time nobody waits for
+/// the answer of a sensor bus any more.
 constexpr Duration kMostAnswerDelay = std::chrono::microseconds(3500);
 /// Several periods of requests.
 constexpr Duration kUsefulOnBus = std::chrono::milliseconds(50);
@@ -100,10 +102,14 @@ void Stations::set_device_present(Station station, bool present) {
     }
 }
 
-Duration Stations::useful_for(Station station) const {
-    return station.kind == StationKind::input ? engine_->inputs()[station.index].link().timeout()
-           : station.kind == StationKind::sensor_bus ? kUsefulOnBus
-                                                     : kAnyDelay;
+Duration Stations::useful_for(std::span<const Station> on_port) const {
+    Duration shortest = kAnyDelay;
+    for (const Station& station : on_port) {
+        if (station.kind == StationKind::input) {
+            shortest = std::min(shortest, engine_->inputs()[station.index].link().timeout());
+        }
+    }
+    return shortest == kAnyDelay ? kUsefulOnBus : shortest;
 }
 
 void Stations::bytes_discarded(Station station, Instant now) {

@@ -59,8 +59,9 @@ class Stations {
     void device_lost(Station station);
     /// Whether the device of an output is there. Other stations need not know.
     void set_device_present(Station station, bool present);
-    /// Bytes that waited unread for this time or longer are of no use to it.
-    Duration useful_for(Station station) const;
+    /// Bytes that waited unread for this time or longer are of no use to a port with these
+    /// stations: the shortest timeout of its inputs; without inputs, some periods of a sensor bus.
+    Duration useful_for(std::span<const Station> on_port) const;
     /// Unread bytes were discarded.
     void bytes_discarded(Station station, Instant now);
 
@@ -72,11 +73,12 @@ class Stations {
     Instant poll_values(Instant now);
     /// The stations that may have something to send after the latest poll.
     std::span<const Station> ready() const { return ready_; }
-    /// Takes what it sends, once. Empty if it sends nothing. Valid until the next poll.
+    /// Takes its transmission. Empty if there is none, and after it was taken (a DroneCAN node:
+    /// after `handed_over`, which makes its next transfer the first). Valid until the next poll.
     Transmission take(Station station, Instant now);
-    /// How old what it sends may be when it is handed over.
+    /// Upper limit of the age of its transmission when the link takes it.
     Duration valid_for(Station station) const;
-    /// Tells at `at` what became of what was taken.
+    /// Tells it at `at` the outcome of the transmission that was taken.
     void handed_over(Station station, WriteStatus status, Instant at);
 
     bool on_can(Station station) const;

@@ -131,7 +131,7 @@ class ValueEngine {
     std::span<const std::size_t> ran() const { return ran_; }
     /// Takes what one of them sends. Valid until the next `poll`.
     Transmission take(std::size_t bus) { return std::exchange(transmissions_[bus], {}); }
-    /// What was taken was handed over, or could not be sent.
+    /// The caller handed over what it took from a bus, or could not send it.
     void written(std::size_t bus, Instant now) { role(bus).written(now, board_); }
     void dropped(std::size_t bus) { role(bus).dropped(); }
 

@@ -4,7 +4,7 @@
 
 namespace tribus {
 
-VirtualLoop::VirtualLoop(Engine& engine, OutputObserver& observer, Instant start,
+VirtualLoop::VirtualLoop(Engine& engine, StationObserver& observer, Instant start,
                          ValueEngine* values)
     : engine_(&engine), stations_(engine, values), observer_(observer), now_(start) {
     stations_.start(start);

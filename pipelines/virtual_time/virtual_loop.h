@@ -11,10 +11,10 @@
 
 namespace tribus {
 
-/// Gets what the engine writes under virtual time.
-class OutputObserver {
+/// Hears of each transmission under virtual time.
+class StationObserver {
   public:
-    virtual ~OutputObserver() = default;
+    virtual ~StationObserver() = default;
     /// A station handed over `sent`.
     virtual void wrote(Station station, Instant at, const Transmission& sent) = 0;
     /// The engine was polled, whether or not an output wrote.
@@ -26,7 +26,7 @@ class OutputObserver {
 class VirtualLoop {
   public:
     /// `values` is null if no sensor bus or value is configured. It must outlive the loop.
-    VirtualLoop(Engine& engine, OutputObserver& observer, Instant start,
+    VirtualLoop(Engine& engine, StationObserver& observer, Instant start,
                 ValueEngine* values = nullptr);
 
     /// Runs every deadline before `until`, each exactly at its instant, and stops there.
@@ -81,7 +81,7 @@ class VirtualLoop {
 
     Engine* engine_;
     Stations stations_;
-    OutputObserver& observer_;
+    StationObserver& observer_;
     Instant now_;
     Instant next_ = kNever;
 };

@@ -82,7 +82,7 @@ constexpr std::size_t kMostBytesOfStep = 64;
 
 /// Reads what outputs write, and records when inputs last received good values, both with decoders
 /// of its own.
-class Witness final : public OutputObserver {
+class Witness final : public StationObserver {
   public:
     explicit Witness(const Configuration& configuration) : configuration_(configuration) {
         for (const InputConfig& input : configuration.inputs) {

@@ -54,7 +54,7 @@ inline std::vector<StudiedFrame> decoded(const InputConfig& input,
 }
 
 /// Records an output's frames while the receiver loses its link and finds it again.
-class LossRun final : public OutputObserver {
+class LossRun final : public StationObserver {
   public:
     LossRun(const Configuration& configuration, const std::vector<WireFrame>& wire)
         : engine_(build_engine(configuration)) {

@@ -68,7 +68,7 @@ struct Seen {
     std::optional<std::size_t> input;
 };
 
-struct Unheard final : OutputObserver {
+struct Unheard final : StationObserver {
     void wrote(Station /*station*/, Instant /*at*/, const Transmission& /*sent*/) override {}
 };
 

@@ -130,7 +130,7 @@ struct Met {
     Duration longest_pause{};
 };
 
-class Trio final : public OutputObserver {
+class Trio final : public StationObserver {
   public:
     Trio(const Mode& mode, std::size_t victim, const Trouble& trouble)
         : engine_(build_engine(configuration_of(job_with(mode)))) {

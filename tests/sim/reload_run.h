@@ -27,7 +27,7 @@ struct Said {
 
 /// Runs one configuration after another under virtual time. Inputs and outputs are addressed by
 /// their names in the configuration that runs.
-class ReloadRun final : public OutputObserver {
+class ReloadRun final : public StationObserver {
   public:
     explicit ReloadRun(const std::string& text);
 

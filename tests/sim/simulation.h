@@ -89,7 +89,7 @@ ChannelFrame numbered_frame(std::uint32_t number);
 std::optional<std::uint32_t> number_of(const ChannelFrame& frame);
 
 /// Runs the whole engine under virtual time. All memory is allocated before the start.
-class Simulation final : public OutputObserver {
+class Simulation final : public StationObserver {
   public:
     Simulation(const Configuration& configuration, std::vector<Sender> senders, std::uint64_t seed);
 

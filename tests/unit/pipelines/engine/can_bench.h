@@ -83,7 +83,7 @@ struct Seen {
 
 /// An engine with one CAN input under virtual time, a sender on its bus, and what the outputs
 /// wrote.
-class Bench final : public OutputObserver {
+class Bench final : public StationObserver {
   public:
     explicit Bench(std::vector<OutputSettings> outputs, const CanChannelsFormat& format = {})
         : format_(format),

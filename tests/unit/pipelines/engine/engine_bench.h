@@ -55,7 +55,7 @@ struct Seen {
 };
 
 /// An engine under virtual time, and what its outputs wrote.
-class Bench final : public OutputObserver {
+class Bench final : public StationObserver {
   public:
     Bench(std::vector<InputSettings> inputs, std::vector<OutputSettings> outputs,
           std::vector<LineTask> lines = {})

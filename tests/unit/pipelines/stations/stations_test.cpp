@@ -11,6 +11,7 @@ namespace tribus::test::serial::stations_test {
 namespace {
 
 constexpr Station kOutput{StationKind::output, 0};
+constexpr Station kBus{StationKind::sensor_bus, 0};
 
 TEST(Stations, APortTellsTheFirstOfAKind) {
     constexpr std::array<Station, 3> kOnPort{
@@ -71,19 +72,36 @@ TEST_F(StationsOfAPipeline, EachOutcomeIsCountedAsWhatItIs) {
     EXPECT_EQ(counts.lost_drops, 4U);
 }
 
-TEST_F(StationsOfAPipeline, AFrameIsValidForItsPeriodAndBytesForTheTimeoutOfTheInput) {
-    EXPECT_EQ(stations_.valid_for(kOutput), engine_.outputs()[0].period());
-    EXPECT_EQ(stations_.useful_for(input_station(0)), engine_.inputs()[0].link().timeout());
+TEST_F(StationsOfAPipeline, AFrameIsValidForThePeriodOfItsOutput) {
+    EXPECT_EQ(stations_.valid_for(kOutput), 10ms);
 }
 
-TEST_F(StationsOfAPipeline, ALostDeviceIsCountedAtTheInputAndStopsTheOutput) {
+TEST_F(StationsOfAPipeline, BytesAreOfUseForTheTimeoutOfAnInputAlsoBesideASensorBus) {
+    const Duration timeout = engine_.inputs()[0].link().timeout();
+    ASSERT_GT(timeout, 50ms);
+    EXPECT_EQ(stations_.useful_for(std::array{input_station(0)}), timeout);
+    EXPECT_EQ(stations_.useful_for(std::array{input_station(0), kBus}), timeout);
+}
+
+TEST_F(StationsOfAPipeline, BytesOfASensorBusAloneAreOfUseFor50Milliseconds) {
+    EXPECT_EQ(stations_.useful_for(std::array{kBus}), 50ms);
+}
+
+TEST_F(StationsOfAPipeline, AnInputCountsTheLossOfItsDevice) {
     stations_.device_lost(input_station(0));
     EXPECT_EQ(engine_.inputs()[0].counts().device_losses, 1U);
-    EXPECT_EQ(engine_.outputs()[0].stage(), OutputStage::failsafe);
+}
+
+TEST_F(StationsOfAPipeline, AnOutputWithoutItsDeviceCannotSend) {
     stations_.device_lost(kOutput);
     EXPECT_EQ(engine_.outputs()[0].stage(), OutputStage::cannot_send);
     stations_.set_device_present(kOutput, true);
     EXPECT_EQ(engine_.outputs()[0].stage(), OutputStage::failsafe);
+}
+
+TEST_F(StationsOfAPipeline, AnAnswerOnASensorBusIsValidForLessThanHalfASlot) {
+    // A slot has 7.7 ms (docs/protocols/ibus.md).
+    EXPECT_EQ(stations_.valid_for(kBus), 3500us);
 }
 
 }  // namespace
