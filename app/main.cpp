@@ -20,7 +20,7 @@
 #include "app/replay/replay.h"
 #include "app/replay/simulate.h"
 #include "app/wire/dbc_command.h"
-#include "app/wire/decode.h"
+#include "app/wire/decode_command.h"
 #include "app/wire/encode.h"
 
 namespace {

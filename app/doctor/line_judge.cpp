@@ -153,13 +153,14 @@ Reading read_frames(const Heard& heard, const Protocol& protocol) {
     }
     use->line = heard.line;
     FrameWatch watch(&protocol == &kSbusProtocol);
-    FrameFinder finder(*use, [&](const FoundFrame& found) { watch.take(found); });
+    const auto finder =
+        make_frame_finder(*use, [&](const FoundFrame& found) { watch.take(found); });
     for (std::size_t index = 0; index < heard.bursts.size(); ++index) {
-        finder.feed(index, heard.bursts[index]);
+        finder->feed_burst(index, heard.bursts[index]);
     }
-    finder.finish();
-    Reading reading{.story = watch.finish(heard, finder.tally(), protocol.name)};
-    for (const NamedCount& cause : finder.tally().rejected) {
+    finder->finish();
+    Reading reading{.story = watch.finish(heard, finder->tally(), protocol.name)};
+    for (const NamedCount& cause : finder->tally().rejected) {
         reading.ibus2 += cause.name == "ibus2" ? cause.count : 0;
     }
     return reading;

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <functional>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,9 +17,9 @@
 #include "app/cli/configured_use.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/streams.h"
-#include "app/wire/decode.h"
-#include "app/wire/decode_can.h"
+#include "app/wire/decode_command.h"
 #include "app/wire/decode_dronecan.h"
+#include "app/wire/decode_frames.h"
 #include "app/wire/decode_sensor.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/quotes.h"
@@ -34,13 +33,12 @@ namespace {
 /// Two frames of any serial protocol: enough to tell raw bytes from text before the input ends.
 constexpr std::size_t kEnoughToTell = 64;
 
-const std::map<std::string, DecodeFormat> kFormats{
-    {"text", DecodeFormat::text}, {"json", DecodeFormat::json}, {"csv", DecodeFormat::csv}};
-const std::map<std::string, RecordingKind> kInputFormats{{"raw", RecordingKind::raw},
-                                                         {"hex", RecordingKind::hex},
-                                                         {"timed", RecordingKind::timed},
-                                                         {"saleae", RecordingKind::saleae},
-                                                         {"candump", RecordingKind::candump}};
+/// The position of a word in a list of names.
+std::optional<std::size_t> position_of(std::string_view word,
+                                       std::span<const std::string_view> names) {
+    const auto found = std::ranges::find(names, word);
+    return found == names.end() ? std::nullopt : std::optional(std::size_t(found - names.begin()));
+}
 
 struct DecodeArguments {
     std::string file;
@@ -52,16 +50,16 @@ struct DecodeArguments {
     std::string dialect;
     GivenSettings given;
 
-    DecodeFormat decode_format() const { return kFormats.at(format); }
+    DecodeFormat decode_format() const {
+        return DecodeFormat(position_of(format, kDecodeFormatNames).value_or(0));
+    }
     std::optional<RecordingKind> kind() const {
-        const auto named = kInputFormats.find(input_format);
-        return named == kInputFormats.end() ? std::nullopt : std::optional(named->second);
+        const auto named = position_of(input_format, kRecordingKindNames);
+        return named ? std::optional(RecordingKind(*named)) : std::nullopt;
     }
     SensorDialect sensor_dialect() const {
-        const auto* const named = std::ranges::find(kSensorDialectNames, dialect);
-        return named == kSensorDialectNames.end()
-                   ? SensorDialect::flysky
-                   : SensorDialect(named - kSensorDialectNames.begin());
+        const auto named = position_of(dialect, kSensorDialectNames);
+        return named ? SensorDialect(*named) : SensorDialect::flysky;
     }
     /// With settings, or as an input of a configuration, only the channels of DroneCAN are decoded.
     bool explains_dronecan() const {
@@ -137,30 +135,26 @@ std::function<std::string()> reader_of(InputFile& file, std::string& beginning,
     };
 }
 
-std::unique_ptr<Decoding> transfer_decoding(const DecodeArguments& arguments) {
-    return std::make_unique<TransferDecoding>(
-        TransferPrinter(arguments.decode_format(), terminal_columns(), std::cout, std::cerr));
+DecodeOutput output_of(RecordingKind kind, const DecodeArguments& arguments) {
+    return {arguments.decode_format(), kind, std::cout, std::cerr};
 }
 
-FramePrinter frame_printer(RecordingKind kind, const DecodeArguments& arguments) {
-    return {arguments.decode_format(), kind, std::cout, std::cerr};
+std::unique_ptr<Decoding> transfer_decoding(const DecodeArguments& arguments) {
+    return std::make_unique<TransferDecoding>(terminal_columns(),
+                                              output_of(RecordingKind::candump, arguments));
 }
 
 /// Makes the decoding that the options ask for.
 std::unique_ptr<Decoding> make_decoding(const ProtocolUse& use, RecordingKind kind,
                                         const DecodeArguments& arguments) {
     if (use.protocol == &kSensorBusProtocol) {
-        return std::make_unique<SensorDecoding>(
-            SensorPrinter(arguments.decode_format(), kind, SensorTypes(arguments.sensor_dialect()),
-                          std::cout, std::cerr));
+        return std::make_unique<SensorDecoding>(SensorTypes(arguments.sensor_dialect()),
+                                                output_of(kind, arguments));
     }
     if (arguments.explains_dronecan()) {
         return transfer_decoding(arguments);
     }
-    if (use.protocol->shape == WireShape::can_frames) {
-        return std::make_unique<CanDecoding>(use, frame_printer(kind, arguments));
-    }
-    return std::make_unique<FrameDecoding>(use, frame_printer(kind, arguments));
+    return std::make_unique<FrameDecoding>(use, output_of(kind, arguments));
 }
 
 int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse& use,
@@ -175,18 +169,6 @@ int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse
     return failed.empty() ? status : fail(failed, kExitFailed);
 }
 
-/// Decodes by the one of several protocols that fits best.
-int decode_by_best(const Recording& recording, std::span<const ProtocolUse> uses,
-                   const DecodeArguments& arguments) {
-    const bool can = recording.kind == RecordingKind::candump;
-    if (can && arguments.any_protocol() && only_dronecan(recording, uses)) {
-        return decode_recording(recording, *transfer_decoding(arguments), std::cerr);
-    }
-    FramePrinter printer = frame_printer(recording.kind, arguments);
-    return can ? decode_can_recording(recording, uses, printer, std::cerr)
-               : decode_bytes(recording, uses, printer, std::cerr);
-}
-
 int decode_parsed(Recording recording, const std::string& name, std::vector<ProtocolUse> uses,
                   const DecodeArguments& arguments) {
     if (recording.kind == RecordingKind::candump) {
@@ -198,11 +180,14 @@ int decode_parsed(Recording recording, const std::string& name, std::vector<Prot
     } else if (arguments.any_protocol() && is_sensor_bus(recording)) {
         uses = {{.protocol = &kSensorBusProtocol, .settings = {}, .line = kSensorBusProtocol.line}};
     }
-    if (uses.size() > 1) {
-        return decode_by_best(recording, uses, arguments);
+    const bool can = recording.kind == RecordingKind::candump;
+    if (uses.size() == 1 || (can && arguments.any_protocol() && only_dronecan(recording, uses))) {
+        const auto decoding = uses.size() == 1
+                                  ? make_decoding(uses.front(), recording.kind, arguments)
+                                  : transfer_decoding(arguments);
+        return decode_recording(recording, *decoding, std::cerr);
     }
-    const auto decoding = make_decoding(uses.front(), recording.kind, arguments);
-    return decode_recording(recording, *decoding, std::cerr);
+    return decode_frames(recording, uses, output_of(recording.kind, arguments));
 }
 
 /// `uses` are all CAN or all serial, unless the kind is not known yet.
@@ -227,7 +212,7 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
     }
     if (!recording) {
         return fail(fmt::format("{} (read as {}; {} selects another format)", recording.error(),
-                                recording_kind_name(*kind), kKindHint),
+                                kRecordingKindNames.at(std::size_t(*kind)), kKindHint),
                     kExitFailed);
     }
     return decode_parsed(std::move(*recording), name, std::move(uses), arguments);

@@ -5,8 +5,8 @@
 #include <ostream>
 #include <vector>
 
-#include "app/wire/decode_can.h"
-#include "app/wire/dronecan/dronecan_explainer.h"
+#include "app/wire/decode_frames.h"
+#include "app/wire/dronecan/dronecan_text.h"
 
 namespace tribus {
 namespace {
@@ -28,16 +28,27 @@ bool is_dronecan(const Recording& recording) {
     return explainer.tally().of_known_type > all / 2;
 }
 
-TransferDecoding::TransferDecoding(TransferPrinter printer)
-    : printer_(printer),
-      explainer_([this](const ExplainedTransfer& transfer) { printer_.transfer(transfer); }) {}
+TransferDecoding::TransferDecoding(std::optional<std::size_t> columns, const DecodeOutput& output)
+    : columns_(columns), output_(output), explainer_([this](const ExplainedTransfer& transfer) {
+          const auto text = [this](std::string& line, const ExplainedTransfer& shown) {
+              append_transfer_text(line, shown, columns_);
+          };
+          output_.results << in_format(output_.format, text, append_transfer_json,
+                                       append_transfer_csv, transfer);
+      }) {}
 
-void TransferDecoding::finish(const LogFacts& facts) {
+void TransferDecoding::heading() {
+    output_.heading(append_transfer_text_heading, append_transfer_csv_heading);
+}
+
+void TransferDecoding::finish(const LogFacts& log) {
     explainer_.finish();
     TransferTally tally = explainer_.tally();
-    tally.error_frames = facts.error_frames;
-    tally.log_start = facts.log_start;
-    printer_.summary(tally);
+    tally.log = log;
+    output_.summary([&](std::string& text) { append_transfer_summary_text(text, tally); },
+                    [&](std::string& text) {
+                        append_transfer_summary_json(text, tally, output_.input_name());
+                    });
 }
 
 std::vector<ProtocolUse> without_dronecan(std::span<const ProtocolUse> uses) {
@@ -48,7 +59,7 @@ std::vector<ProtocolUse> without_dronecan(std::span<const ProtocolUse> uses) {
 }
 
 bool only_dronecan(const Recording& recording, std::span<const ProtocolUse> uses) {
-    return is_dronecan(recording) && most_snapshots(without_dronecan(uses), recording) == 0;
+    return is_dronecan(recording) && most_frames(without_dronecan(uses), recording) == 0;
 }
 
 }  // namespace tribus

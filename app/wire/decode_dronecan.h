@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "app/cli/protocol_use.h"
 #include "app/wire/decoding.h"
-#include "app/wire/dronecan/dronecan_printer.h"
+#include "app/wire/dronecan/dronecan_explainer.h"
 #include "transports/recordings/recording.h"
 
 namespace tribus {
@@ -15,20 +17,22 @@ inline constexpr const char* kDroneCanName = "dronecan";
 /// True if most transfers of the log are complete and of known types.
 bool is_dronecan(const Recording& recording);
 
-/// All transfers of a DroneCAN bus, not only those with channels.
+/// All transfers of a DroneCAN bus, not only those with channels, one a line, then a summary.
 class TransferDecoding final : public Decoding {
   public:
-    explicit TransferDecoding(TransferPrinter printer);
+    /// `columns`: width of the terminal, if text goes to one.
+    TransferDecoding(std::optional<std::size_t> columns, const DecodeOutput& output);
 
-    void heading() override { printer_.heading(); }
+    void heading() override;
     void feed_frame(const RecordedCanFrame& frame) override { explainer_.feed(frame); }
-    void finish(const LogFacts& facts) override;
+    void finish(const LogFacts& log) override;
     /// Nothing: its summary already explains every frame, so no other protocol is suggested.
     DecodedAmount amount() const override { return {}; }
     std::string_view protocol() const override { return kDroneCanName; }
 
   private:
-    TransferPrinter printer_;
+    std::optional<std::size_t> columns_;
+    DecodeOutput output_;
     DroneCanExplainer explainer_;
 };
 

@@ -1,7 +1,5 @@
 #include "app/wire/decoding.h"
 
-#include <ostream>
-
 #include "app/cli/exit_status.h"
 #include "app/wire/fitting_protocols.h"
 
@@ -19,6 +17,10 @@ int status_of(const Decoding& decoding, const Recording& recording, std::ostream
 
 }  // namespace
 
+DecodedAmount amount_of(const Tally& tally) {
+    return {.frames = tally.frames, .given = tally.can ? tally.can->frames : tally.bytes};
+}
+
 int Decoding::status_of_nothing() const {
     return kExitFine;
 }
@@ -31,7 +33,7 @@ int decode_recording(const Recording& recording, Decoding& decoding, std::ostrea
     for (const RecordedCanFrame& frame : recording.can_frames) {
         decoding.feed_frame(frame);
     }
-    decoding.finish({recording.error_frames, recording.log_start});
+    decoding.finish(recording.log);
     return status_of(decoding, recording, messages);
 }
 
@@ -65,7 +67,7 @@ int decode_log(const CanLogSource& source, Decoding& decoding, std::ostream& res
     const CanLogEnd end = read_can_log(
         source, [&decoding](const RecordedCanFrame& frame) { decoding.feed_frame(frame); }, results,
         messages);
-    decoding.finish({end.error_frames, end.log_start});
+    decoding.finish(end.log);
     return end.failed ? kExitFailed : kExitFine;
 }
 

@@ -1,24 +1,65 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <iosfwd>
+#include <ostream>
 #include <string>
 #include <string_view>
 
 #include "app/wire/frames/can_log.h"
-#include "core/time.h"
+#include "app/wire/frames/frame_finder.h"
 #include "transports/recordings/recording.h"
 
 /// The steps of `decode`. They are the same for every protocol, and for a whole recording and one
 /// that arrives piece by piece.
 namespace tribus {
 
-/// Facts of a log of CAN frames besides the frames.
-struct LogFacts {
-    std::uint64_t error_frames = 0;
-    Duration log_start{};
+enum class DecodeFormat : std::uint8_t { text, json, csv };
+
+/// The formats' names, in their order.
+inline constexpr std::array<std::string_view, 3> kDecodeFormatNames{"text", "json", "csv"};
+
+/// What the function of the format appends for these arguments.
+template <class Text, class Json, class Csv, class... Arguments>
+std::string in_format(DecodeFormat format, Text text, Json json, Csv csv,
+                      const Arguments&... arguments) {
+    std::string line;
+    switch (format) {
+        case DecodeFormat::text:
+            text(line, arguments...);
+            break;
+        case DecodeFormat::json:
+            json(line, arguments...);
+            break;
+        case DecodeFormat::csv:
+            csv(line, arguments...);
+            break;
+    }
+    return line;
+}
+
+/// Where `decode` prints. The summary of a CSV goes to `messages`, all other output to `results`.
+/// Both must outlive it.
+struct DecodeOutput {
+    DecodeFormat format;
+    RecordingKind input;
+    std::ostream& results;
+    std::ostream& messages;
+
+    std::string_view input_name() const {
+        return kRecordingKindNames.at(static_cast<std::size_t>(input));
+    }
+    template <class Text, class Csv>
+    void heading(Text text, Csv csv) const {
+        results << in_format(
+            format, text, [](std::string&) {}, csv);
+    }
+    template <class Text, class Json>
+    void summary(Text text, Json json) const {
+        (format == DecodeFormat::csv ? messages : results) << in_format(format, text, json, text);
+    }
 };
 
 /// How much was decoded so far.
@@ -26,6 +67,7 @@ struct DecodedAmount {
     std::uint64_t frames = 0;  ///< of the protocol
     std::uint64_t given = 0;   ///< bytes, or CAN frames
 };
+DecodedAmount amount_of(const Tally& tally);
 
 /// Prints a recording for `decode`: heading, a line for each frame, exchange or transfer, summary.
 class Decoding {
@@ -40,7 +82,7 @@ class Decoding {
     virtual void feed_burst(std::size_t /*index*/, const Burst& /*burst*/) {}
     virtual void feed_frame(const RecordedCanFrame& /*frame*/) {}
     /// The recording ends here.
-    virtual void finish(const LogFacts& facts) = 0;
+    virtual void finish(const LogFacts& log) = 0;
 
     virtual DecodedAmount amount() const = 0;
     virtual std::string_view protocol() const = 0;

@@ -6,7 +6,6 @@
 
 #include "app/cli/protocol_use.h"
 #include "app/wire/decode_sensor.h"
-#include "app/wire/frames/can_frame_finder.h"
 #include "app/wire/frames/frame_finder.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/counted.h"
@@ -14,22 +13,6 @@
 
 namespace tribus {
 namespace {
-
-std::uint64_t frames_of(const ProtocolUse& use, const Recording& recording) {
-    if (use.protocol->shape == WireShape::can_frames) {
-        CanFrameFinder finder(use, [](const FoundFrame&) {});
-        for (const RecordedCanFrame& frame : recording.can_frames) {
-            finder.feed(frame);
-        }
-        return finder.tally().frames;
-    }
-    FrameFinder finder(use, [](const FoundFrame&) {});
-    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
-        finder.feed(burst, recording.bursts[burst]);
-    }
-    finder.finish();
-    return finder.tally().frames;
-}
 
 std::uint64_t sensor_frames(const Recording& recording) {
     SensorFrameFinder finder([](const ReceivedSensorFrame&) {});
@@ -53,7 +36,7 @@ std::string no_frame_text(const Recording& recording, std::string_view asked) {
     };
     for (const ProtocolUse& use :
          of_shape(uses.value(), can ? WireShape::can_frames : WireShape::bytes)) {
-        add(use.protocol->name, frames_of(use, recording));
+        add(use.protocol->name, find_frames(use, recording, [](const FoundFrame&) {}).frames);
     }
     std::uint64_t bytes = 0;
     for (const Burst& burst : recording.bursts) {

@@ -14,7 +14,7 @@
 
 #include "app/cli/exit_status.h"
 #include "app/cli/protocol_use.h"
-#include "app/wire/decode.h"
+#include "app/wire/decode_frames.h"
 #include "app/wire/encode.h"
 #include "tests/support/captures.h"
 #include "transports/recordings/recording.h"
@@ -46,8 +46,8 @@ std::string decoded(std::string_view name, std::string_view protocol, DecodeForm
     EXPECT_TRUE(uses) << uses.error();
     std::ostringstream results;
     std::ostringstream messages;
-    FramePrinter printer(format, recording->kind, results, messages);
-    EXPECT_EQ(decode_bytes(*recording, *uses, printer, messages), kExitFine);
+    const DecodeOutput output{format, recording->kind, results, messages};
+    EXPECT_EQ(decode_frames(*recording, of_shape(*uses, WireShape::bytes), output), kExitFine);
     return results.str();
 }
 
@@ -176,8 +176,8 @@ TEST_F(Captures, ArduPilotScaleReadsItsOwnVector) {
     const auto uses = choose_protocols("sbus", SettingScope::input, {{"scale", "ardupilot"}});
     ASSERT_TRUE(recording && uses);
     std::ostringstream results;
-    FramePrinter printer(DecodeFormat::text, recording->kind, results, results);
-    decode_bytes(*recording, *uses, printer, results);
+    const DecodeOutput output{DecodeFormat::text, recording->kind, results, results};
+    decode_frames(*recording, of_shape(*uses, WireShape::bytes), output);
     EXPECT_NE(results.str().find(" 1562 1496 1000 1531 1806 2006 1495 1495  875"),
               std::string::npos);
 }

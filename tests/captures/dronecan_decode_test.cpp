@@ -57,7 +57,8 @@ Outcome decoded(const std::string& log, DecodeFormat format) {
     const auto recording = parse_recording(log, "vectors.log", RecordingKind::candump);
     EXPECT_TRUE(recording) << recording.error();
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        TransferDecoding decoding(TransferPrinter(format, std::nullopt, results, messages));
+        TransferDecoding decoding(std::nullopt,
+                                  {format, RecordingKind::candump, results, messages});
         return decode_recording(recording.value_or(Recording{}), decoding, messages);
     });
 }

@@ -52,8 +52,7 @@ Decoded decoded(std::string_view name) {
     const SensorTypes types;
     std::ostringstream results;
     std::ostringstream messages;
-    SensorDecoding decoding(
-        SensorPrinter(DecodeFormat::json, recording.kind, types, results, messages));
+    SensorDecoding decoding(types, {DecodeFormat::json, recording.kind, results, messages});
     EXPECT_EQ(decode_recording(recording, decoding, messages), kExitFine) << messages.str();
     Decoded result;
     std::istringstream lines(results.str());

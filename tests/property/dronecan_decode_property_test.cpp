@@ -64,7 +64,7 @@ CanFrame any_frame() {
 std::vector<std::string> lines_of(const Recording& recording, DecodeFormat format) {
     std::ostringstream results;
     std::ostringstream messages;
-    TransferDecoding decoding(TransferPrinter(format, 60, results, messages));
+    TransferDecoding decoding(60, {format, RecordingKind::candump, results, messages});
     decode_recording(recording, decoding, messages);
     std::vector<std::string> lines;
     std::istringstream text(results.str());

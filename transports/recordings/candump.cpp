@@ -277,8 +277,7 @@ tl::expected<Recording, std::string> parse_candump(std::string_view content,
             recording.can_frames.push_back(std::move(**frame));
         }
     }
-    recording.log_start = reader.log_start();
-    recording.error_frames = reader.error_frames();
+    recording.log = reader.facts();
     return recording;
 }
 

@@ -28,10 +28,11 @@ class CandumpReader {
     /// reading may continue.
     tl::expected<std::optional<RecordedCanFrame>, std::string> next(std::string_view line);
 
-    /// Time of the log's zero: that of its first line, or of a comment `# zero (1436509052.249713)`
-    /// above it, as the flight recorder writes it.
-    Duration log_start() const { return log_start_.value_or(Duration::zero()); }
-    std::uint64_t error_frames() const { return error_frames_; }
+    /// The facts so far. The comment above the first line that sets the log's zero is
+    /// `# zero (1436509052.249713)`, as the flight recorder writes it.
+    LogFacts facts() const {
+        return {.start = log_start_.value_or(Duration::zero()), .error_frames = error_frames_};
+    }
 
   private:
     std::string file_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -40,6 +41,18 @@ enum class RecordingKind : std::uint8_t {
     candump,  ///< `(1436509052.249713) can0 123#1122`: CAN frames, as in a log of `candump -L`
 };
 
+/// The kinds' names, in the order of RecordingKind.
+inline constexpr std::array<std::string_view, 5> kRecordingKindNames{"raw", "hex", "timed",
+                                                                     "saleae", "candump"};
+
+/// Facts of a log of CAN frames besides its frames.
+struct LogFacts {
+    /// Time of the log's zero, usually since 1970: that of its first line, or of a comment.
+    Duration start{};
+    /// Number of error frames. They are left out, since they are not frames of the bus.
+    std::uint64_t error_frames = 0;
+};
+
 /// Recorded bytes or CAN frames in the order of the line. `timed`: every burst has a start, and
 /// none is before that of the burst before it.
 struct Recording {
@@ -48,11 +61,7 @@ struct Recording {
     std::vector<Burst> bursts;
     /// Only of a candump log, in the order of time.
     std::vector<RecordedCanFrame> can_frames;
-    /// Time of the recording's zero in the log, usually since 1970: that of the first line, or of a
-    /// comment.
-    Duration log_start{};
-    /// Number of error frames in the log. They are left out, since they are not frames of the bus.
-    std::uint64_t error_frames = 0;
+    LogFacts log{};
 };
 
 /// Whether the first bytes of an input can only be raw bytes: at least one in 16 does not occur in

@@ -77,9 +77,7 @@ struct TransferTally {
     std::uint64_t responses = 0;
     std::uint64_t answered = 0;  ///< requests whose response came
     std::map<TransferStream, TransferCounts> streams;
-    /// From the log itself, see Recording.
-    std::uint64_t error_frames = 0;
-    Duration log_start{};
+    LogFacts log{};
 };
 
 /// Assembles the transfers of all nodes, of known and unknown types, by the rules of

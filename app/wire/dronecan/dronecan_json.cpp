@@ -110,8 +110,8 @@ void append_transfer_summary_json(std::string& text, const TransferTally& tally,
                               {"responses", tally.responses},
                               {"unanswered", tally.requests - tally.answered},
                               {"transfers", std::move(streams)},
-                              {"error_frames", tally.error_frames},
-                              {"log_start_us", whole_microseconds(tally.log_start)},
+                              {"error_frames", tally.log.error_frames},
+                              {"log_start_us", whole_microseconds(tally.log.start)},
                               {"input", input}};
     text += plain_json({{"summary", summary}});
     text += '\n';

@@ -9,6 +9,7 @@
 
 #include "app/wire/dronecan/dronecan_fields.h"
 #include "app/wire/frames/frame_json.h"
+#include "app/wire/frames/frame_text.h"
 #include "core/counted.h"
 
 namespace tribus {
@@ -162,14 +163,13 @@ void append_transfer_text(std::string& text, const ExplainedTransfer& transfer,
 
 void append_transfer_summary_text(std::string& text, const TransferTally& tally) {
     const std::string rejected = rejected_text(tally.counts);
-    const std::int64_t start = whole_microseconds(tally.log_start);
-    text += fmt::format(
-        "{} in {} of {}, {}, {}, {}, rejected:{}; 0 is {}.{:06} of the log\n",
-        counted(tally.counts.front(), "transfer"), counted(tally.can_frames, "CAN frame"),
-        counted(tally.bytes, "byte"), counted(tally.other_can_frames, "other CAN frame"),
-        counted(tally.error_frames, "error frame"),
-        counted(tally.repeated_frames, "repeated frame"), rejected.empty() ? " none" : rejected,
-        start / 1'000'000, start % 1'000'000);
+    text += fmt::format("{} in {} of {}, {}, {}, {}, rejected:{}; 0 is {} of the log\n",
+                        counted(tally.counts.front(), "transfer"),
+                        counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
+                        counted(tally.other_can_frames, "other CAN frame"),
+                        counted(tally.log.error_frames, "error frame"),
+                        counted(tally.repeated_frames, "repeated frame"),
+                        rejected.empty() ? " none" : rejected, log_time_text(tally.log.start));
     if (tally.requests + tally.responses > 0) {
         text += fmt::format("{}, {}, {} without one\n", counted(tally.requests, "request"),
                             counted(tally.responses, "response"),

@@ -102,9 +102,7 @@ class LogReader {
             messages_ << "tribus: "
                       << no_such_interface(source_.name, source_.interface, interfaces_) << '\n';
         }
-        return {.error_frames = reader_.error_frames(),
-                .log_start = reader_.log_start(),
-                .failed = missing || failed_ || mistakes_ > 0};
+        return {.log = reader_.facts(), .failed = missing || failed_ || mistakes_ > 0};
     }
 
   private:

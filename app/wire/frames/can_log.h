@@ -29,8 +29,7 @@ struct CanLogSource {
 
 /// Result of reading a log.
 struct CanLogEnd {
-    std::uint64_t error_frames = 0;
-    Duration log_start{};
+    LogFacts log;
     /// A line could not be used, the interface was missing, or there was a second one that was not
     /// asked for.
     bool failed = false;

@@ -1,18 +1,62 @@
 #include "app/wire/frames/frame_finder.h"
 
+#include <algorithm>
+#include <deque>
 #include <utility>
 
+#include "transports/codecs/can_codec.h"
+#include "transports/codecs/line_pauses.h"
+
 namespace tribus {
+namespace {
 
-FrameFinder::FrameFinder(const ProtocolUse& use, FrameHandler handler)
-    : protocol_(use.protocol),
-      line_(use.line),
-      handler_(std::move(handler)),
-      decoder_(make_byte_decoder(*use.protocol, use.settings)),
-      pauses_(use.line.bytes_time(1)),
-      judge_(use.supervision) {}
+class SerialFrameFinder final : public FrameFinder {
+  public:
+    SerialFrameFinder(const ProtocolUse& use, FrameHandler handler)
+        : protocol_(use.protocol),
+          line_(use.line),
+          handler_(std::move(handler)),
+          decoder_(make_byte_decoder(*use.protocol, use.settings)),
+          pauses_(use.line.bytes_time(1)),
+          judge_(use.supervision) {}
 
-void FrameFinder::report(const DecodedFrame& frame) {
+    void feed_burst(std::size_t index, const Burst& burst) override;
+    void finish() override {
+        while (const auto frame = decoder_->finish()) {
+            report(*frame);
+        }
+    }
+    Tally tally() const override {
+        const auto rejected = decoder_->rejected();
+        return {.bytes = bytes_,
+                .frames = frames_,
+                .rejected = {rejected.begin(), rejected.end()},
+                .skipped_bytes = decoder_->skipped_bytes()};
+    }
+
+  private:
+    struct BurstStart {
+        std::uint64_t position = 0;  ///< of its first byte, among all bytes fed
+        std::size_t burst = 0;
+        std::optional<Duration> start;
+    };
+    void look_for_pause(const Burst& burst);
+    void feed_run(std::span<const std::uint8_t> bytes, Instant received);
+    void report(const DecodedFrame& frame);
+
+    const Protocol* protocol_;
+    LineSettings line_;
+    FrameHandler handler_;
+    std::unique_ptr<ByteDecoder> decoder_;
+    LinePauses pauses_;
+    FrameJudge judge_;
+    /// The bursts in which the next frame may start.
+    std::deque<BurstStart> starts_;
+    std::uint64_t bytes_ = 0;
+    std::uint64_t frames_ = 0;
+};
+
+void SerialFrameFinder::report(const DecodedFrame& frame) {
     while (starts_.size() > 1 && starts_[1].position <= frame.first_byte) {
         starts_.pop_front();
     }
@@ -32,7 +76,7 @@ void FrameFinder::report(const DecodedFrame& frame) {
     handler_(found);
 }
 
-void FrameFinder::feed_run(std::span<const std::uint8_t> bytes, Instant received) {
+void SerialFrameFinder::feed_run(std::span<const std::uint8_t> bytes, Instant received) {
     bytes_ += bytes.size();
     DecodedFrame frame;
     while (decoder_->next(bytes, received, frame)) {
@@ -41,7 +85,7 @@ void FrameFinder::feed_run(std::span<const std::uint8_t> bytes, Instant received
 }
 
 /// A burst is received at the end of its last byte.
-void FrameFinder::look_for_pause(const Burst& burst) {
+void SerialFrameFinder::look_for_pause(const Burst& burst) {
     if (!burst.start) {
         pauses_.forget();
         return;
@@ -55,7 +99,7 @@ void FrameFinder::look_for_pause(const Burst& burst) {
     }
 }
 
-void FrameFinder::feed(std::size_t index, const Burst& burst) {
+void SerialFrameFinder::feed_burst(std::size_t index, const Burst& burst) {
     if (starts_.empty() || starts_.back().burst != index) {
         starts_.push_back({bytes_, index, burst.start});
     }
@@ -77,18 +121,76 @@ void FrameFinder::feed(std::size_t index, const Burst& burst) {
     feed_run(bytes.subspan(run), received);
 }
 
-void FrameFinder::finish() {
-    while (const auto frame = decoder_->finish()) {
-        report(*frame);
+class CanFrameFinder final : public FrameFinder {
+  public:
+    CanFrameFinder(const ProtocolUse& use, FrameHandler handler)
+        : protocol_(use.protocol),
+          handler_(std::move(handler)),
+          decoder_(make_can_decoder(*use.protocol, use.settings)),
+          judge_(use.supervision) {}
+
+    void feed_frame(const RecordedCanFrame& recorded) override;
+    Tally tally() const override {
+        const auto rejected = decoder_->rejected();
+        return {.bytes = bytes_,
+                .frames = snapshots_,
+                .rejected = {rejected.begin(), rejected.end()},
+                .can = can_};
     }
+
+  private:
+    const Protocol* protocol_;
+    FrameHandler handler_;
+    std::unique_ptr<CanDecoder> decoder_;
+    FrameJudge judge_;
+    CanTally can_;
+    std::uint64_t bytes_ = 0;
+    std::uint64_t snapshots_ = 0;
+};
+
+void CanFrameFinder::feed_frame(const RecordedCanFrame& recorded) {
+    const CanFrame& frame = recorded.frame;
+    ++can_.frames;
+    bytes_ += frame.remote ? 0 : frame.length;
+    const bool wanted = std::ranges::any_of(
+        decoder_->wanted(), [&](const CanIdMatch& match) { return match.matches(frame); });
+    if (!wanted) {
+        ++can_.others;
+        return;
+    }
+    judge_.bytes_came(recorded.at);
+    const auto snapshot = decoder_->next(frame, Instant(recorded.at));
+    if (!snapshot) {
+        return;
+    }
+    ++snapshots_;
+    handler_({.protocol = protocol_,
+              .frame = {.channels = *snapshot, .first_byte = 0, .length = 0},
+              .place = {},
+              .start = recorded.at,
+              .details = decoder_->details(),
+              .judged = judge_.judge(*snapshot, recorded.at)});
 }
 
-Tally FrameFinder::tally() const {
-    const auto rejected = decoder_->rejected();
-    return {.bytes = bytes_,
-            .frames = frames_,
-            .rejected = {rejected.begin(), rejected.end()},
-            .skipped_bytes = decoder_->skipped_bytes()};
+}  // namespace
+
+std::unique_ptr<FrameFinder> make_frame_finder(const ProtocolUse& use, FrameHandler handler) {
+    if (use.protocol->shape == WireShape::can_frames) {
+        return std::make_unique<CanFrameFinder>(use, std::move(handler));
+    }
+    return std::make_unique<SerialFrameFinder>(use, std::move(handler));
+}
+
+Tally find_frames(const ProtocolUse& use, const Recording& recording, FrameHandler handler) {
+    const auto finder = make_frame_finder(use, std::move(handler));
+    for (std::size_t index = 0; index < recording.bursts.size(); ++index) {
+        finder->feed_burst(index, recording.bursts[index]);
+    }
+    for (const RecordedCanFrame& frame : recording.can_frames) {
+        finder->feed_frame(frame);
+    }
+    finder->finish();
+    return finder->tally();
 }
 
 }  // namespace tribus

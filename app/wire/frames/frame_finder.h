@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -13,7 +12,6 @@
 #include "app/wire/frames/frame_judge.h"
 #include "core/time.h"
 #include "transports/codecs/codec.h"
-#include "transports/codecs/line_pauses.h"
 #include "transports/recordings/recording.h"
 
 namespace tribus {
@@ -29,7 +27,8 @@ struct FoundFrame {
     const Protocol* protocol = nullptr;
     DecodedFrame frame;
     FramePlace place;
-    /// Start of its first byte; empty if the recording has no times.
+    /// Start of its first byte, empty if the recording has no times; on CAN the arrival of the CAN
+    /// frame that completed the snapshot.
     std::optional<Duration> start;
     /// Valid only during the call.
     std::span<const FrameDetail> details;
@@ -38,47 +37,46 @@ struct FoundFrame {
 };
 using FrameHandler = std::function<void(const FoundFrame&)>;
 
+/// Counters of the CAN frames of a log.
+struct CanTally {
+    std::uint64_t frames = 0;
+    std::uint64_t others = 0;  ///< of these, frames with ids that the protocol does not use
+    LogFacts log{};
+};
+
 /// Counters of a decoder.
 struct Tally {
-    std::uint64_t bytes = 0;
-    std::uint64_t frames = 0;
+    std::uint64_t bytes = 0;   ///< on CAN, bytes of data
+    std::uint64_t frames = 0;  ///< on CAN, snapshots of the channels
     std::vector<NamedCount> rejected;
     std::uint64_t skipped_bytes = 0;
+    std::optional<CanTally> can{};
 };
 
-/// Runs the decoder of one protocol over bursts and reports each frame with its place and start. If
-/// the bursts have times, pauses between them separate frames as on a live line.
+/// Runs the decoder of one protocol over a recording and reports each frame with its place and
+/// start. Thread-bound.
 class FrameFinder {
   public:
-    FrameFinder(const ProtocolUse& use, FrameHandler handler);
+    FrameFinder() = default;
+    FrameFinder(const FrameFinder&) = delete;
+    FrameFinder& operator=(const FrameFinder&) = delete;
+    virtual ~FrameFinder() = default;
 
     /// Feeds a burst, in the order of the recording; `index` may skip some. A frame may start in
-    /// one burst and end in a later one.
-    void feed(std::size_t index, const Burst& burst);
-    /// Call it after the last burst.
-    void finish();
-    Tally tally() const;
-
-  private:
-    struct BurstStart {
-        std::uint64_t position = 0;  ///< of its first byte, among all bytes fed
-        std::size_t burst = 0;
-        std::optional<Duration> start;
-    };
-    void look_for_pause(const Burst& burst);
-    void feed_run(std::span<const std::uint8_t> bytes, Instant received);
-    void report(const DecodedFrame& frame);
-
-    const Protocol* protocol_;
-    LineSettings line_;
-    FrameHandler handler_;
-    std::unique_ptr<ByteDecoder> decoder_;
-    LinePauses pauses_;
-    FrameJudge judge_;
-    /// The bursts in which the next frame may start.
-    std::deque<BurstStart> starts_;
-    std::uint64_t bytes_ = 0;
-    std::uint64_t frames_ = 0;
+    /// one burst and end in a later one. If the bursts have times, pauses between them separate
+    /// frames as on a live line. CAN protocols ignore bursts.
+    virtual void feed_burst(std::size_t /*index*/, const Burst& /*burst*/) {}
+    /// Feeds a CAN frame, in the order of the log. Serial protocols ignore it.
+    virtual void feed_frame(const RecordedCanFrame& /*frame*/) {}
+    /// Call it at the end of the recording.
+    virtual void finish() {}
+    /// Without the facts of the log.
+    virtual Tally tally() const = 0;
 };
+
+std::unique_ptr<FrameFinder> make_frame_finder(const ProtocolUse& use, FrameHandler handler);
+
+/// Runs a finder over a whole recording. Returns its counters.
+Tally find_frames(const ProtocolUse& use, const Recording& recording, FrameHandler handler);
 
 }  // namespace tribus

@@ -145,19 +145,20 @@ void append_frame_json(std::string& text, const FoundFrame& found) {
 }
 
 void append_summary_json(std::string& text, const Tally& tally, std::string_view input) {
-    text += fmt::format("{{\"summary\":{{\"bytes\":{},\"frames\":{},", tally.bytes, tally.frames);
+    text += fmt::format("{{\"summary\":{{\"bytes\":{},", tally.bytes);
+    if (tally.can) {
+        text += fmt::format("\"can_frames\":{},", tally.can->frames);
+    }
+    text += fmt::format("\"frames\":{},", tally.frames);
     append_rejected_json(text, tally.rejected);
-    text += fmt::format(",\"skipped_bytes\":{},\"input\":\"{}\"}}}}\n", tally.skipped_bytes, input);
-}
-
-void append_can_summary_json(std::string& text, const CanTally& tally, std::string_view input) {
-    text += fmt::format("{{\"summary\":{{\"bytes\":{},\"can_frames\":{},\"frames\":{},",
-                        tally.bytes, tally.can_frames, tally.frames);
-    append_rejected_json(text, tally.rejected);
-    text += fmt::format(
-        ",\"other_can_frames\":{},\"error_frames\":{},\"log_start_us\":{},\"input\":"
-        "\"{}\"}}}}\n",
-        tally.other_can_frames, tally.error_frames, whole_microseconds(tally.log_start), input);
+    if (tally.can) {
+        text += fmt::format(",\"other_can_frames\":{},\"error_frames\":{},\"log_start_us\":{}",
+                            tally.can->others, tally.can->log.error_frames,
+                            whole_microseconds(tally.can->log.start));
+    } else {
+        text += fmt::format(",\"skipped_bytes\":{}", tally.skipped_bytes);
+    }
+    text += fmt::format(",\"input\":\"{}\"}}}}\n", input);
 }
 
 tl::expected<std::optional<WrittenFrame>, JsonMistake> parse_frame_json(std::string_view line) {

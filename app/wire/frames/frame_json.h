@@ -8,7 +8,6 @@
 
 #include <tl/expected.hpp>
 
-#include "app/wire/frames/can_frame_finder.h"
 #include "app/wire/frames/frame_finder.h"
 #include "core/channel_frame.h"
 #include "core/pulse.h"
@@ -28,9 +27,8 @@ std::int64_t whole_microseconds(Duration duration);
 void append_frame_json(std::string& text, const FoundFrame& found);
 
 /// Appends the summary object and a line end. `input` names the kind of the recording.
+/// On CAN, `log_start_us` is the time in the log that is 0 in the output.
 void append_summary_json(std::string& text, const Tally& tally, std::string_view input);
-/// The same for CAN. `log_start_us` is the time in the log that is 0 in the output.
-void append_can_summary_json(std::string& text, const CanTally& tally, std::string_view input);
 
 /// A frame as read from one line.
 struct WrittenFrame {

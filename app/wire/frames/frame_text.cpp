@@ -79,20 +79,25 @@ void append_frame_text(std::string& text, const FoundFrame& found) {
 }
 
 void append_summary_text(std::string& text, const Tally& tally) {
-    text += fmt::format("{} in {}, {} skipped", counted(tally.frames, "frame"),
-                        counted(tally.bytes, "byte"), counted(tally.skipped_bytes, "byte"));
-    append_rejected_text(text, tally.rejected);
+    text += counted(tally.frames, "frame") + " in ";
+    if (!tally.can) {
+        text += fmt::format("{}, {} skipped", counted(tally.bytes, "byte"),
+                            counted(tally.skipped_bytes, "byte"));
+        append_rejected_text(text, tally.rejected);
+    } else {
+        text +=
+            fmt::format("{} of {}, {}, {}", counted(tally.can->frames, "CAN frame"),
+                        counted(tally.bytes, "byte"), counted(tally.can->others, "other CAN frame"),
+                        counted(tally.can->log.error_frames, "error frame"));
+        append_rejected_text(text, tally.rejected);
+        text += fmt::format("; 0 is {} of the log", log_time_text(tally.can->log.start));
+    }
     text += '\n';
 }
 
-void append_can_summary_text(std::string& text, const CanTally& tally) {
-    text += fmt::format("{} in {} of {}, {}, {}", counted(tally.frames, "frame"),
-                        counted(tally.can_frames, "CAN frame"), counted(tally.bytes, "byte"),
-                        counted(tally.other_can_frames, "other CAN frame"),
-                        counted(tally.error_frames, "error frame"));
-    append_rejected_text(text, tally.rejected);
-    const std::int64_t start = whole_microseconds(tally.log_start);
-    text += fmt::format("; 0 is {}.{:06} of the log\n", start / 1'000'000, start % 1'000'000);
+std::string log_time_text(Duration time) {
+    const std::int64_t us = whole_microseconds(time);
+    return fmt::format("{}.{:06}", us / 1'000'000, us % 1'000'000);
 }
 
 void append_csv_heading(std::string& text) {

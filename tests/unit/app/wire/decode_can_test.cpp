@@ -1,4 +1,4 @@
-#include "app/wire/decode_can.h"
+#include "app/wire/decode_frames.h"
 
 #include <array>
 #include <sstream>
@@ -41,8 +41,8 @@ Recording recording_of(std::string_view log) {
 
 Outcome decoded(std::string_view log, const std::vector<ProtocolUse>& uses, DecodeFormat format) {
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        FramePrinter printer(format, RecordingKind::candump, results, messages);
-        return decode_can_recording(recording_of(log), uses, printer, messages);
+        const DecodeOutput output{format, RecordingKind::candump, results, messages};
+        return decode_frames(recording_of(log), uses, output);
     });
 }
 
@@ -50,7 +50,7 @@ Outcome decoded(std::string_view log, const std::vector<ProtocolUse>& uses, Deco
 Outcome streamed(const std::vector<std::string>& pieces, const std::string& interface = "",
                  std::vector<std::string>* after = nullptr) {
     return outcome_of([&](std::ostringstream& results, std::ostream& messages) {
-        FramePrinter printer(DecodeFormat::csv, RecordingKind::candump, results, messages);
+        const DecodeOutput output{DecodeFormat::csv, RecordingKind::candump, results, messages};
         std::size_t next = 0;
         const auto read = [&] {
             if (next > 0 && after != nullptr) {
@@ -59,7 +59,7 @@ Outcome streamed(const std::vector<std::string>& pieces, const std::string& inte
             return next < pieces.size() ? pieces[next++] : std::string();
         };
         const CanLogSource source{.read = read, .name = "standard input", .interface = interface};
-        CanDecoding decoding(use_of(kTinyCan), printer);
+        FrameDecoding decoding(use_of(kTinyCan), output);
         return decode_log(source, decoding, results, messages);
     });
 }

@@ -50,7 +50,7 @@ Outcome decoded(std::string_view log, DecodeFormat format,
     const auto recording = parse_recording(log, "can.log", RecordingKind::candump);
     EXPECT_TRUE(recording) << recording.error();
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        TransferDecoding decoding(TransferPrinter(format, columns, results, messages));
+        TransferDecoding decoding(columns, {format, RecordingKind::candump, results, messages});
         return decode_recording(recording.value_or(Recording{}), decoding, messages);
     });
 }
@@ -252,8 +252,8 @@ TEST(DecodeDroneCan, AStreamIsExplainedLineByLineAndLinesThatAreNoneAreReported)
     std::size_t next = 0;
     std::string after_first;
     const Outcome outcome = outcome_of([&](std::ostringstream& results, std::ostream& messages) {
-        TransferDecoding decoding(
-            TransferPrinter(DecodeFormat::json, std::nullopt, results, messages));
+        TransferDecoding decoding(std::nullopt,
+                                  {DecodeFormat::json, RecordingKind::candump, results, messages});
         const auto read = [&] {
             after_first = next == 1 ? results.str() : after_first;
             return next < pieces.size() ? pieces[next++] : std::string();

@@ -42,7 +42,7 @@ Outcome decoded(std::string_view content, DecodeFormat format,
     EXPECT_TRUE(recording) << recording.error();
     const SensorTypes types(dialect);
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        SensorDecoding decoding(SensorPrinter(format, recording->kind, types, results, messages));
+        SensorDecoding decoding(types, {format, recording->kind, results, messages});
         return decode_recording(*recording, decoding, messages);
     });
 }

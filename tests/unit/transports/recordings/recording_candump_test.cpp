@@ -72,7 +72,7 @@ TEST(CandumpRecording, ZeroIsTheFirstLineAndItsTimeIsKept) {
     const Recording recording = parsed(
         "(1436509052.249713) can0 123#\n"
         "(1436509053.000000) can0 123#\n");
-    EXPECT_EQ(recording.log_start, 1436509052s + 249713us);
+    EXPECT_EQ(recording.log.start, 1436509052s + 249713us);
     ASSERT_EQ(recording.can_frames.size(), 2U);
     EXPECT_EQ(recording.can_frames[0].at, 0us);
     EXPECT_EQ(recording.can_frames[1].at, 750287us);
@@ -82,13 +82,13 @@ TEST(CandumpRecording, ZeroIsTheFirstLineAndItsTimeIsKept) {
 TEST(CandumpRecording, ACommentMayNameTheZero) {
     const Recording recording =
         parsed("# zero (1436509052.000000)\n(1436509052.249713) can0 123#\n");
-    EXPECT_EQ(recording.log_start, 1436509052s);
+    EXPECT_EQ(recording.log.start, 1436509052s);
     ASSERT_EQ(recording.can_frames.size(), 1U);
     EXPECT_EQ(recording.can_frames[0].at, 249713us);
 }
 
 TEST(CandumpRecording, NanosecondsCount) {
-    EXPECT_EQ(parsed("(7.000000001) can0 123#\n").log_start, 7s + 1ns);
+    EXPECT_EQ(parsed("(7.000000001) can0 123#\n").log.start, 7s + 1ns);
 }
 
 // A small 29-bit id needs eight digits too (docs/protocols/can.md, "candump logs").
@@ -155,7 +155,7 @@ TEST(CandumpRecording, ErrorFramesAreCountedAndLeftOut) {
     const Recording recording = parsed(
         "(1.000000) can0 20000040#0000000000000000\n"
         "(2.000000) can0 123#11\n");
-    EXPECT_EQ(recording.error_frames, 1U);
+    EXPECT_EQ(recording.log.error_frames, 1U);
     ASSERT_EQ(recording.can_frames.size(), 1U);
     EXPECT_EQ(recording.can_frames[0].at, 1s);
 }

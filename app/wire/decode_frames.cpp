@@ -1,4 +1,4 @@
-#include "app/wire/decode.h"
+#include "app/wire/decode_frames.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -8,15 +8,31 @@
 #include <cstdint>
 #include <optional>
 #include <ostream>
-#include <string_view>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include "app/cli/exit_status.h"
+#include "app/wire/frames/frame_json.h"
+#include "app/wire/frames/frame_text.h"
 #include "core/counted.h"
 
 namespace tribus {
 namespace {
+
+void print_heading(const DecodeOutput& output) {
+    output.heading(append_text_heading, append_csv_heading);
+}
+
+std::string line_of(const FoundFrame& found, DecodeFormat format) {
+    return in_format(format, append_frame_text, append_frame_json, append_frame_csv, found);
+}
+
+void print_summary(const DecodeOutput& output, const Tally& tally) {
+    output.summary(
+        [&](std::string& text) { append_summary_text(text, tally); },
+        [&](std::string& text) { append_summary_json(text, tally, output.input_name()); });
+}
 
 /// Which protocol decodes which burst of a recording.
 struct Allotment {
@@ -34,7 +50,7 @@ struct Coverage {
 
 Coverage coverage_of(const Recording& recording, const ProtocolUse& use) {
     Coverage coverage{.frames = 0, .touched = std::vector<bool>(recording.bursts.size())};
-    FrameFinder finder(use, [&](const FoundFrame& found) {
+    find_frames(use, recording, [&](const FoundFrame& found) {
         ++coverage.frames;
         std::size_t end = found.place.byte + found.frame.length;
         for (std::size_t burst = found.place.burst; burst < recording.bursts.size(); ++burst) {
@@ -46,19 +62,15 @@ Coverage coverage_of(const Recording& recording, const ProtocolUse& use) {
             end -= size;
         }
     });
-    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
-        finder.feed(burst, recording.bursts[burst]);
-    }
-    finder.finish();
     return coverage;
 }
 
 bool is_one_frame_of(const Burst& burst, const ProtocolUse& use) {
     bool whole = false;
-    FrameFinder finder(
+    const auto finder = make_frame_finder(
         use, [&](const FoundFrame& found) { whole = found.frame.length == burst.bytes.size(); });
-    finder.feed(0, burst);
-    finder.finish();
+    finder->feed_burst(0, burst);
+    finder->finish();
     return whole;
 }
 
@@ -96,88 +108,104 @@ struct PrintedFrame {
     std::string line;
 };
 
-int decode_allotted(const Recording& recording, std::span<const ProtocolUse> uses,
-                    const Allotment& allotment, FramePrinter& printer) {
+void decode_allotted(const Recording& recording, std::span<const ProtocolUse> uses,
+                     const Allotment& allotment, const DecodeOutput& output) {
     std::vector<PrintedFrame> frames;
     const auto collect = [&](const FoundFrame& found) {
-        frames.push_back({found.place, printer.line(found)});
+        frames.push_back({found.place, line_of(found, output.format)});
     };
-    FrameFinder best(uses[allotment.best], collect);
+    const auto best = make_frame_finder(uses[allotment.best], collect);
     Tally others;
     for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
         const auto owner = allotment.alone[burst];
         if (!owner) {
-            best.feed(burst, recording.bursts[burst]);
+            best->feed_burst(burst, recording.bursts[burst]);
             continue;
         }
-        FrameFinder other(uses[*owner], collect);
-        other.feed(burst, recording.bursts[burst]);
-        other.finish();
-        add(others, other.tally());
+        const auto other = make_frame_finder(uses[*owner], collect);
+        other->feed_burst(burst, recording.bursts[burst]);
+        other->finish();
+        add(others, other->tally());
     }
-    best.finish();
+    best->finish();
     std::stable_sort(frames.begin(), frames.end(),
                      [](const auto& a, const auto& b) { return a.place < b.place; });
-    printer.heading();
+    print_heading(output);
     for (const PrintedFrame& frame : frames) {
-        printer.line(frame.line);
+        output.results << frame.line;
     }
-    Tally tally = best.tally();
+    Tally tally = best->tally();
     add(tally, others);
-    printer.summary(tally);
-    return kExitFine;
+    print_summary(output, tally);
 }
 
+/// The counters of one protocol's rejected frames would mean nothing here.
 int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses,
-                   FramePrinter& printer, std::ostream& messages) {
-    Tally tally;
-    for (const Burst& burst : recording.bursts) {
-        tally.bytes += burst.bytes.size();
-    }
+                   const DecodeOutput& output) {
+    Tally tally = find_frames(uses.front(), recording, [](const FoundFrame&) {});
+    tally.rejected.clear();
     tally.skipped_bytes = tally.bytes;
-    printer.heading();
-    printer.summary(tally);
-    if (tally.bytes == 0) {
+    if (tally.can) {
+        tally.can->others = tally.can->frames;
+        tally.can->log = recording.log;
+    }
+    print_heading(output);
+    print_summary(output, tally);
+    if (amount_of(tally).given == 0) {
         return kExitFine;
     }
     std::vector<std::string_view> names;
     for (const ProtocolUse& use : uses) {
         names.push_back(use.protocol->name);
     }
-    messages << fmt::format("tribus: no frame of {} in {}\n", fmt::join(names, " or "),
-                            counted(tally.bytes, "byte"));
+    output.messages << fmt::format(
+        "tribus: no {} of {} in {}\n", tally.can ? "snapshot" : "frame", fmt::join(names, " or "),
+        tally.can ? counted(tally.can->frames, "CAN frame") : counted(tally.bytes, "byte"));
     return kExitFailed;
 }
 
 }  // namespace
 
-FrameDecoding::FrameDecoding(const ProtocolUse& use, FramePrinter printer)
+FrameDecoding::FrameDecoding(const ProtocolUse& use, const DecodeOutput& output)
     : protocol_(use.protocol->name),
-      printer_(printer),
-      finder_(use, [this](const FoundFrame& found) { printer_.frame(found); }) {}
+      output_(output),
+      finder_(make_frame_finder(use, [this](const FoundFrame& found) {
+          output_.results << line_of(found, output_.format);
+      })) {}
 
-void FrameDecoding::finish(const LogFacts& /*facts*/) {
-    finder_.finish();
-    printer_.summary(finder_.tally());
+void FrameDecoding::heading() {
+    print_heading(output_);
+}
+
+void FrameDecoding::finish(const LogFacts& log) {
+    finder_->finish();
+    Tally tally = finder_->tally();
+    if (tally.can) {
+        tally.can->log = log;
+    }
+    print_summary(output_, tally);
 }
 
 DecodedAmount FrameDecoding::amount() const {
-    const Tally tally = finder_.tally();
-    return {tally.frames, tally.bytes};
+    return amount_of(finder_->tally());
 }
 
-int decode_bytes(const Recording& recording, std::span<const ProtocolUse> uses,
-                 FramePrinter& printer, std::ostream& messages) {
-    const std::vector<ProtocolUse> serial = of_shape(uses, WireShape::bytes);
-    if (serial.size() == 1) {
-        FrameDecoding decoding(serial.front(), printer);
-        return decode_recording(recording, decoding, messages);
+std::uint64_t most_frames(std::span<const ProtocolUse> uses, const Recording& recording) {
+    return allot(recording, uses).frames_of_best;
+}
+
+int decode_frames(const Recording& recording, std::span<const ProtocolUse> uses,
+                  const DecodeOutput& output) {
+    const Allotment allotment = allot(recording, uses);
+    if (uses.size() > 1 && allotment.frames_of_best == 0) {
+        return decode_unknown(recording, uses, output);
     }
-    const Allotment allotment = allot(recording, serial);
-    if (allotment.frames_of_best == 0) {
-        return decode_unknown(recording, serial, printer, messages);
+    if (uses.size() == 1 || recording.bursts.empty()) {
+        FrameDecoding decoding(uses[allotment.best], output);
+        return decode_recording(recording, decoding, output.messages);
     }
-    return decode_allotted(recording, serial, allotment, printer);
+    decode_allotted(recording, uses, allotment, output);
+    return kExitFine;
 }
 
 }  // namespace tribus

@@ -1,4 +1,4 @@
-#include "app/wire/decode.h"
+#include "app/wire/decode_frames.h"
 
 #include <sstream>
 #include <string>
@@ -11,7 +11,7 @@
 #include "app/cli/exit_status.h"
 #include "tests/support/outcome.h"
 
-namespace tribus::decode_test {
+namespace tribus::decode_frames_test {
 namespace {
 
 using test::Outcome;
@@ -36,8 +36,8 @@ Outcome decoded(const std::string& content, std::string_view protocol, DecodeFor
     const auto uses = choose_protocols(protocol, SettingScope::input, {});
     EXPECT_TRUE(recording && uses);
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
-        FramePrinter printer(format, recording->kind, results, messages);
-        return decode_bytes(*recording, *uses, printer, messages);
+        const DecodeOutput output{format, recording->kind, results, messages};
+        return decode_frames(*recording, of_shape(*uses, WireShape::bytes), output);
     });
 }
 
@@ -104,8 +104,8 @@ TEST(Decode, DamagedByteCostsItsFrameOnly) {
     recording->bursts[0].damaged[7] = true;
     const auto uses = choose_protocols("ibus", SettingScope::input, {});
     std::ostringstream results;
-    FramePrinter printer(DecodeFormat::json, recording->kind, results, results);
-    decode_bytes(*recording, *uses, printer, results);
+    const DecodeOutput output{DecodeFormat::json, recording->kind, results, results};
+    decode_frames(*recording, of_shape(*uses, WireShape::bytes), output);
     EXPECT_NE(results.str().find("\"bytes\":64,\"frames\":1,\"rejected\":{\"checksum\":0,"
                                  "\"damaged\":1,\"ibus2\":0,\"length\":0},\"skipped_bytes\":32"),
               std::string::npos)
@@ -203,8 +203,8 @@ TEST(Decode, StreamWithoutAFrameNamesTheProtocolThatFindsSome) {
     };
     std::ostringstream results;
     std::ostringstream messages;
-    FramePrinter printer(DecodeFormat::json, RecordingKind::raw, results, messages);
-    FrameDecoding decoding(uses->front(), printer);
+    const DecodeOutput output{DecodeFormat::json, RecordingKind::raw, results, messages};
+    FrameDecoding decoding(uses->front(), output);
     decode_stream(read, decoding, results, messages);
     EXPECT_EQ(
         messages.str(),
@@ -221,7 +221,7 @@ TEST(Decode, StreamPrintsAFrameBeforeTheNextBytesAreRead) {
     const std::string frame(recording->bursts[0].bytes.begin(), recording->bursts[0].bytes.end());
     const auto uses = choose_protocols("ibus", SettingScope::input, {});
     std::ostringstream results;
-    FramePrinter printer(DecodeFormat::csv, RecordingKind::raw, results, results);
+    const DecodeOutput output{DecodeFormat::csv, RecordingKind::raw, results, results};
     std::vector<std::string> chunks{frame.substr(0, 9), frame.substr(9), ""};
     std::vector<std::size_t> printed;
     std::size_t next = 0;
@@ -229,7 +229,7 @@ TEST(Decode, StreamPrintsAFrameBeforeTheNextBytesAreRead) {
         printed.push_back(results.str().size());
         return chunks[next++];
     };
-    FrameDecoding decoding(uses->front(), printer);
+    FrameDecoding decoding(uses->front(), output);
     EXPECT_EQ(decode_stream(read, decoding, results, results), kExitFine);
     ASSERT_EQ(printed.size(), 3U);
     EXPECT_EQ(printed[1], printed[0]);
@@ -237,4 +237,4 @@ TEST(Decode, StreamPrintsAFrameBeforeTheNextBytesAreRead) {
 }
 
 }  // namespace
-}  // namespace tribus::decode_test
+}  // namespace tribus::decode_frames_test
