@@ -58,7 +58,8 @@ inline constexpr std::array kInputKeys{
          .least = 0.005,
          .most = 10,
          .help = "The input is lost when no good frame has come for this long. Must be longer "
-                 "than the `period` of every output that the input feeds",
+                 "than the `period` of every output that the input feeds. With `dbc` the default "
+                 "is three cycles of the messages, if that is longer than 100 ms",
          .example = "\"250ms\""}),
     row<&SupervisionSettings::failsafe_flag>(
         {.key = "failsafe_flag",

@@ -207,11 +207,12 @@ void check_period(const OutputConfig& output, std::optional<Duration> most,
     }
 }
 
-/// The default period: that of the settings if they define one, else that of the protocol.
+/// The default period: that of the settings if they define one, else that of the protocol; not
+/// longer than the key allows.
 Duration own_period(const Protocol& protocol, const SettingValues& settings, bool sound) {
     const auto own =
         sound && protocol.own_period != nullptr ? protocol.own_period(settings) : std::nullopt;
-    return own.value_or(protocol.default_period);
+    return std::min(own.value_or(protocol.default_period), kMostOutputPeriod);
 }
 
 void check_phase(const OutputConfig& output, const TableContent& content, Mistakes& mistakes) {

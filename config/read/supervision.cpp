@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -47,6 +48,15 @@ std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* proto
     return rules;
 }
 
+/// Three of the periods that the settings give, so that one lost message is no loss.
+Duration default_timeout(const Protocol& protocol, const SettingValues& settings) {
+    constexpr Duration kUsual = SupervisionSettings{}.timeout;
+    constexpr Duration kMost = std::chrono::seconds(10);
+    const auto period =
+        protocol.own_period == nullptr ? std::nullopt : protocol.own_period(settings);
+    return period ? std::clamp(3 * *period, kUsual, kMost) : kUsual;
+}
+
 /// Reports checks that do not apply to this protocol.
 void check_use(const TableContent& content, const Protocol& protocol, const SettingValues& settings,
                Mistakes& mistakes) {
@@ -83,6 +93,9 @@ SupervisionSettings read_supervision(const TableContent& content, const Protocol
                                      Reading reading) {
     SupervisionSettings supervision;
     content.read_into(supervision);
+    if (protocol != nullptr && settings_sound && !content.given("timeout")) {
+        supervision.timeout = default_timeout(*protocol, settings);
+    }
     supervision.fewer_channels_after = supervision.timeout;
     if (const Entry* rules = content.find("failsafe_when")) {
         supervision.failsafe_when = read_loss_rules(rules->value, protocol, reading);

@@ -10,6 +10,16 @@ double in_seconds(Duration duration) {
     return std::chrono::duration<double>(duration).count();
 }
 
+/// The link quality of a frame that is older than this is unknown.
+constexpr Duration kQualityLasts = std::chrono::seconds(1);
+
+std::optional<double> link_quality(const Input& input, Instant now) {
+    const ChannelFrame& latest = input.latest();
+    const bool known =
+        latest.link_quality != kNoLinkQuality && now - latest.received <= kQualityLasts;
+    return known ? std::optional<double>(latest.link_quality) : std::nullopt;
+}
+
 double yes_or_no(bool yes) {
     return yes ? 1 : 0;
 }
@@ -97,6 +107,8 @@ std::optional<double> HealthWatch::number(const Engine& engine, std::size_t inpu
             return yes_or_no(source.state().cause == LinkCause::good);
         case InputFact::cause:
             return static_cast<double>(source.state().cause);
+        case InputFact::link_quality:
+            return link_quality(source, now);
     }
     return std::nullopt;
 }

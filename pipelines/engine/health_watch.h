@@ -16,11 +16,12 @@ namespace tribus {
 
 /// Facts about an input that are available as named values, input.NAME.FACT.
 enum class InputFact : std::uint8_t {
-    frame_rate,  ///< Hz, over the last second
-    loss_ratio,  ///< %, over the last second: frames marked as lost, and frames that did not come
-    age,         ///< ms, age of the latest good frame
-    good,        ///< 1 or 0
-    cause,       ///< number of the LinkCause
+    frame_rate,    ///< Hz, over the last second
+    loss_ratio,    ///< %, over the last second: frames marked as lost, and frames that did not come
+    age,           ///< ms, age of the latest good frame
+    good,          ///< 1 or 0
+    cause,         ///< number of the LinkCause
+    link_quality,  ///< %, as the latest frame says; only some protocols have it
 };
 /// The same for an output, output.NAME.FACT.
 enum class OutputFact : std::uint8_t {
@@ -36,8 +37,12 @@ struct FactName {
     std::string_view unit;
 };
 /// In the order of InputFact and OutputFact.
-inline constexpr std::array<FactName, 5> kInputFacts{
-    {{"frame_rate", "Hz"}, {"loss_ratio", "%"}, {"age", "ms"}, {"good", ""}, {"cause", ""}}};
+inline constexpr std::array<FactName, 6> kInputFacts{{{"frame_rate", "Hz"},
+                                                      {"loss_ratio", "%"},
+                                                      {"age", "ms"},
+                                                      {"good", ""},
+                                                      {"cause", ""},
+                                                      {"link_quality", "%"}}};
 inline constexpr std::array<FactName, 4> kOutputFacts{
     {{"frame_rate", "Hz"}, {"failsafe", ""}, {"holding", ""}, {"cannot_send", ""}}};
 

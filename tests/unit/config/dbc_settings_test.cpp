@@ -77,10 +77,9 @@ class DbcSettings : public ::testing::Test {
         return lines;
     }
     Lines mistakes(std::string_view end) const { return told(load(end)); }
-    /// Returns the mistakes of an input of the messages. Line 10 of the file is the first line of
-    /// `end`.
-    Lines mistakes_of_input(const std::string& end) const {
-        return told(load_configuration(R"([pipeline]
+    /// Loads an input of the messages. Line 10 of the file is the first line of `end`.
+    auto load_input(const std::string& end) const {
+        return load_configuration(R"([pipeline]
 main = { from = "bus", to = "servos" }
 [output.servos]
 protocol = "ibus"
@@ -90,7 +89,11 @@ protocol = "dbc"
 interface = "can0"
 dbc = "bus.dbc"
 )" + end,
-                                       (folder_ / "t.toml").string()));
+                                  (folder_ / "t.toml").string());
+    }
+    Lines mistakes_of_input(const std::string& end) const { return told(load_input(end)); }
+    static std::string with_cycle(std::string_view cycle) {
+        return "signals.Command.Speed = 1\ncycles.Command = \"" + std::string(cycle) + "\"\n";
     }
     Configuration loaded(std::string_view end) const {
         auto configuration = load(end);
@@ -191,6 +194,23 @@ TEST_F(DbcSettings, AnInputWaitsLongerThanForOneCycleOfItsMessages) {
               Lines{"10:11: the timeout of input \"bus\" is \"50ms\", but its messages come every "
                     "\"50ms\": each pause between two would count as a loss; allowed: a longer "
                     "timeout; recommended: three times as long"});
+}
+
+TEST_F(DbcSettings, AnInputWaitsForThreeCyclesByDefaultButNotLessThanOthers) {
+    const auto timeout = [&](std::string_view cycle) {
+        const auto configuration = load_input(with_cycle(cycle));
+        EXPECT_TRUE(configuration);
+        return configuration ? configuration->inputs.at(0).supervision.timeout : Duration{};
+    };
+    EXPECT_EQ(timeout("10ms"), milliseconds(100));
+    EXPECT_EQ(timeout("40ms"), milliseconds(120));
+    EXPECT_EQ(timeout("1s"), milliseconds(3000));
+    EXPECT_EQ(timeout("5s"), milliseconds(10'000)) << "the most that the key allows";
+    EXPECT_EQ(
+        mistakes_of_input(with_cycle("10s")),
+        Lines{"6:8: the timeout of input \"bus\" is \"10s\" by default, but its messages come "
+              "every \"10s\": each pause between two would count as a loss; allowed: a longer "
+              "timeout; recommended: three times as long"});
 }
 
 TEST_F(DbcSettings, ThePeriodIsTheCycleOfTheFileUnlessTheUserSaysOtherwise) {

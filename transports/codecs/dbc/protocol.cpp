@@ -38,8 +38,6 @@ constexpr std::array kDbcSettings{
 };
 
 constexpr Duration kLeastDbcPeriod = std::chrono::milliseconds(1);
-/// The longest that the key `period` allows.
-constexpr Duration kMostDbcPeriod = std::chrono::seconds(1);
 
 std::vector<SettingMistake> check_dbc(const SettingValues& settings, SettingScope scope) {
     auto map = build_dbc_map(settings, scope);
@@ -58,8 +56,7 @@ std::optional<Duration> own_period(const SettingValues& settings) {
         map = build_dbc_map(settings, SettingScope::input);
     }
     const auto cycle = map ? map->shortest_cycle() : std::nullopt;
-    return cycle ? std::optional(std::clamp(*cycle, kLeastDbcPeriod, kMostDbcPeriod))
-                 : std::nullopt;
+    return cycle ? std::optional(std::max(*cycle, kLeastDbcPeriod)) : std::nullopt;
 }
 
 std::vector<NamedUse> value_names(const SettingValues& settings) {

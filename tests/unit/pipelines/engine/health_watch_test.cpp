@@ -1,5 +1,12 @@
 #include "pipelines/engine/health_watch.h"
 
+#include <array>
+#include <memory>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "tests/unit/pipelines/engine/engine_bench.h"
@@ -102,6 +109,44 @@ TEST_F(HealthOfAReceiver, TellsWhetherAnOutputIsInFailsafe) {
     fly(3s);
     EXPECT_EQ(watch_.number(bench_.engine(), 0, OutputFact::failsafe, at(now_)), 0);
     EXPECT_EQ(watch_.number(bench_.engine(), 0, OutputFact::holding, at(now_)), 0);
+}
+
+/// Each frame's first byte is the link quality that its sender reports.
+class QualityDecoder final : public CanDecoder {
+  public:
+    std::span<const CanIdMatch> wanted() const override { return ids_; }
+    std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override {
+        ChannelFrame snapshot;
+        snapshot.received = received;
+        snapshot.link_quality = frame.data[0];
+        return snapshot;
+    }
+    std::span<const NamedCount> rejected() const override { return {}; }
+
+  private:
+    std::array<CanIdMatch, 1> ids_{{{.id = 1, .mask = kMostExtendedId, .extended = false}}};
+};
+
+TEST(HealthOfASender, TellsTheLinkQualityOfItsLatestFrameUntilThatIsASecondOld) {
+    std::vector<InputSettings> inputs(1);
+    inputs[0].decoder = std::make_unique<QualityDecoder>();
+    Engine engine(std::move(inputs), one_output());
+    const HealthWatch watch{1, 1};
+    const auto quality = [&](Duration now) {
+        return watch.number(engine, 0, InputFact::link_quality, at(now));
+    };
+    EXPECT_EQ(quality(1s), std::nullopt) << "no frame yet";
+    CanFrame frame;
+    frame.id = 1;
+    frame.length = 1;
+    frame.data[0] = 73;
+    engine.receive(0, frame, at(1s));
+    EXPECT_EQ(quality(1s), 73);
+    EXPECT_EQ(quality(2s), 73);
+    EXPECT_EQ(quality(2s + 1ns), std::nullopt) << "too old";
+    frame.data[0] = kNoLinkQuality;
+    engine.receive(0, frame, at(3s));
+    EXPECT_EQ(quality(3s), std::nullopt) << "its sender does not know it";
 }
 
 }  // namespace
