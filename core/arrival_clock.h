@@ -4,6 +4,18 @@
 
 namespace tribus {
 
+/// A line through the latest arrivals of an input, and the latest of them.
+struct ArrivalLine {
+    /// Valid only after the first arrival.
+    Instant latest{};
+    /// Arrival of the latest frame on the line: its arrival without jitter.
+    Instant fitted{};
+    /// Period of the line; zero before the second arrival.
+    Duration interval{};
+    /// How far behind the line a late frame arrives. About one frame in twenty is later.
+    Duration lateness{};
+};
+
 /// Estimates when the frames of an input arrive: fits a line through the latest arrivals. Pure;
 /// thread-bound.
 class ArrivalClock {
@@ -13,25 +25,21 @@ class ArrivalClock {
 
     /// Whether any frame has arrived.
     bool ever() const { return ever_; }
-    /// Arrival of the latest frame. Valid only if `ever`.
-    Instant latest() const { return latest_; }
-    /// Period of the fitted line; zero before the second arrival.
-    Duration interval() const { return interval_; }
-    /// Arrival of the latest frame on the fitted line: its arrival without jitter.
-    Instant fitted() const { return fitted_; }
-    /// How far behind the line a late frame arrives. About one frame in twenty is later.
-    Duration lateness() const { return lateness_; }
+    const ArrivalLine& line() const { return line_; }
+    Instant latest() const { return line_.latest; }
+    Duration interval() const { return line_.interval; }
+    Instant fitted() const { return line_.fitted; }
+    Duration lateness() const { return line_.lateness; }
 
   private:
+    bool continues_line(Instant now, Duration delta);
     bool period_has_changed(Duration delta);
     void restart_line(Instant now);
     void extend_line(Instant now);
+    void follow(Duration error);
 
-    Instant latest_{};
+    ArrivalLine line_;
     bool ever_ = false;
-    Duration interval_{};
-    Instant fitted_{};
-    Duration lateness_{};
     int weighed_ = 0;  ///< arrivals that the line weighs
 
     Duration latest_delta_{};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -84,6 +85,14 @@ class ChannelFrame {
     void remove(std::size_t channel) {
         pulses_[channel] = Pulse{};
         absent_ |= 1U << channel;
+    }
+
+    /// Makes these channels absent, one bit each.
+    void remove_all(std::uint32_t channels) {
+        absent_ |= channels;
+        for (; channels != 0; channels &= channels - 1) {
+            pulses_[static_cast<std::size_t>(std::countr_zero(channels))] = Pulse{};
+        }
     }
 
     /// Pulses of all channels; 0 for each absent one.

@@ -33,7 +33,7 @@ void Schedule::start(Instant now) {
 }
 
 void Schedule::frame_arrived(const ArrivalClock& arrivals) {
-    arrivals_ = arrivals;
+    arrivals_ = arrivals.line();
     if (settings_.kind == ScheduleKind::follow) {
         due_ = follow_due();
     } else if (locked_step()) {
@@ -55,11 +55,11 @@ void Schedule::continue_from(const Schedule& before, Instant now) {
 /// that one the next. If the next frame is nearly there, it is sent instead. The same happens after
 /// a run of frames that had to wait, as after a stall where both periods are equal.
 Instant Schedule::follow_due() const {
-    const Instant latest = arrivals_.latest();
+    const Instant latest = arrivals_.latest;
     const Instant due =
         latest_write_ ? std::max(latest, *latest_write_ + settings_.period) : latest;
-    const Duration interval = arrivals_.interval();
-    const Instant next = arrivals_.fitted() + interval;
+    const Duration interval = arrivals_.interval;
+    const Instant next = arrivals_.fitted + interval;
     const bool holds_up_next = due > latest && due < next && due + settings_.period > next;
     if (!holds_up_next || (next - due >= interval / 2 && held_up_ < kHeldUpInARow)) {
         return due;
@@ -70,8 +70,7 @@ Instant Schedule::follow_due() const {
 /// When the frame that comes `frames` frames after the latest one should have arrived, even if
 /// it is late.
 Instant Schedule::expected_by(int frames) const {
-    return arrivals_.fitted() + frames * arrivals_.interval() + 2 * arrivals_.lateness() +
-           kLeastGuard;
+    return arrivals_.fitted + frames * arrivals_.interval + 2 * arrivals_.lateness + kLeastGuard;
 }
 
 /// A period has passed without a new frame, but a frame that is about to arrive is worth waiting
@@ -80,12 +79,12 @@ Instant Schedule::expected_by(int frames) const {
 Instant Schedule::repeat_due(Instant now) const {
     const Instant planned = now + settings_.period;
     const Instant at_most = planned + settings_.period;
-    const Duration interval = arrivals_.interval();
+    const Duration interval = arrivals_.interval;
     for (int frames = 1; frames <= kMostMissingFrames && interval > Duration::zero(); ++frames) {
         const Instant expected = expected_by(frames);
         if (expected > planned) {
             const Instant leaves_room =
-                arrivals_.fitted() + (frames + 1) * interval - settings_.period - kLeastGuard;
+                arrivals_.fitted + (frames + 1) * interval - settings_.period - kLeastGuard;
             return expected < at_most ? std::min(std::max(expected, leaves_room), at_most)
                                       : planned;
         }
@@ -100,10 +99,10 @@ Duration Schedule::least_step() const {
 /// A whole number of input intervals, so that every point of the grid finds a frame of the same
 /// age. Nothing if the input has no period yet, is slow, or has stopped.
 std::optional<Duration> Schedule::locked_step() const {
-    const Duration interval = arrivals_.interval();
+    const Duration interval = arrivals_.interval;
     if (settings_.phase == Phase::free || interval <= Duration::zero() ||
         interval > kSlowestInput * settings_.period ||
-        point_ > arrivals_.latest() + 2 * (settings_.period + interval)) {
+        point_ > arrivals_.latest + 2 * (settings_.period + interval)) {
         return std::nullopt;
     }
     return (least_step() + interval - Duration(1)) / interval * interval;
@@ -112,9 +111,9 @@ std::optional<Duration> Schedule::locked_step() const {
 /// How far to move the planned point so that it ends up just behind the arrivals: back towards the
 /// arrival before it if the period leaves room for a shorter step, else on to the next one.
 Duration Schedule::correction(Instant planned, Duration step) const {
-    const Duration interval = arrivals_.interval();
-    const Duration guard = std::max(kLeastGuard, arrivals_.lateness());
-    const Duration behind = planned - guard - arrivals_.fitted();
+    const Duration interval = arrivals_.interval;
+    const Duration guard = std::max(kLeastGuard, arrivals_.lateness);
+    const Duration behind = planned - guard - arrivals_.fitted;
     const Duration late = (behind % interval + interval) % interval;
     const Duration slack = std::max(step - settings_.period, Duration::zero());
     if (late < kGoodOffset || (late <= interval / 2 && slack > Duration::zero())) {
@@ -125,10 +124,10 @@ Duration Schedule::correction(Instant planned, Duration step) const {
 
 /// A point waits briefly for its frame. Without it, the values would be a whole interval older.
 Instant Schedule::locked_due() const {
-    const Duration interval = arrivals_.interval();
-    const bool frame_is_there = arrivals_.latest() >= point_ - interval / 2;
+    const Duration interval = arrivals_.interval;
+    const bool frame_is_there = arrivals_.latest >= point_ - interval / 2;
     const Instant due =
-        frame_is_there ? std::max(point_, arrivals_.latest()) : point_ + interval / kFrameWaitShare;
+        frame_is_there ? std::max(point_, arrivals_.latest) : point_ + interval / kFrameWaitShare;
     return latest_write_ ? std::max(due, *latest_write_ + least_step()) : due;
 }
 
@@ -137,8 +136,10 @@ void Schedule::done(Instant now, bool wrote) {
         latest_write_ = now;
     }
     if (settings_.kind == ScheduleKind::follow) {
-        overruns_ += static_cast<std::uint64_t>((now - due_) / settings_.period);
-        const bool waited = due_ > arrivals_.latest() + kGoodOffset;
+        if (now - due_ >= settings_.period) {
+            overruns_ += static_cast<std::uint64_t>((now - due_) / settings_.period);
+        }
+        const bool waited = due_ > arrivals_.latest + kGoodOffset;
         held_up_ = waited ? std::min(held_up_ + 1, kHeldUpInARow) : 0;
         due_ = repeat_due(now);
         return;

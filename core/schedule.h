@@ -74,7 +74,7 @@ class Schedule {
     std::optional<Instant> latest_write_;
     /// Frames in a row that were written well after their arrival.
     int held_up_ = 0;
-    ArrivalClock arrivals_;
+    ArrivalLine arrivals_;
     std::uint64_t overruns_ = 0;
 };
 

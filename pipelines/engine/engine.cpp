@@ -62,7 +62,7 @@ void Engine::continue_from(Engine& before, const EngineCarry& carry, Instant now
     }
 }
 
-bool Engine::announce(std::size_t input, bool frame_came) {
+[[gnu::flatten]] bool Engine::announce(std::size_t input, bool frame_came) {
     if (frame_came) {
         for (const std::size_t output : fed_by_[input]) {
             outputs_[output].frame_arrived(input, inputs_[input].arrivals());
@@ -93,7 +93,7 @@ void Engine::set_lines(LineLevels levels, Instant now) {
     }
 }
 
-Instant Engine::poll(Instant now) {
+[[gnu::flatten]] Instant Engine::poll(Instant now) {
     Instant next = kNever;
     ran_.clear();
     for (std::size_t i = 0; i < due_.size(); ++i) {
@@ -110,7 +110,7 @@ Instant Engine::poll(Instant now) {
     return nodes_.empty() ? next : std::min(next, poll_nodes(now));
 }
 
-Instant Engine::poll_nodes(Instant now) {
+[[gnu::noinline]] Instant Engine::poll_nodes(Instant now) {
     Instant next = kNever;
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         next = std::min(next, nodes_[i]->poll(now, health_of(i)));

@@ -31,7 +31,7 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
     }
 }
 
-bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
+[[gnu::flatten]] bool Input::decode(std::span<const std::uint8_t> bytes, Instant now) {
     bool any = false;
     while (byte_decoder().next(bytes, now, decoded_)) {
         take_decoded(now);

@@ -32,6 +32,8 @@ InputSelector::InputSelector(SelectionSettings settings, Duration recover, Durat
     : settings_(std::move(settings)),
       recover_(recover),
       power_on_(power_on),
+      only_one_(settings_.inputs.size() == 1 && settings_.mode != SelectionMode::median &&
+                !settings_.handover),
       voters_(settings_.inputs.size()) {}
 
 Duration InputSelector::proof(const Voter& voter, const LinkSupervisor& link) const {
@@ -39,18 +41,37 @@ Duration InputSelector::proof(const Voter& voter, const LinkSupervisor& link) co
     return link.first_run() ? guard : std::max(guard, recover_);
 }
 
+/// Judges whether the input may be used, and notes that.
+bool InputSelector::serves(Voter& voter, const LinkSupervisor& link, Instant now, Instant until,
+                           bool bridging) const {
+    const bool served = voter.served && voter.absences == link.absences();
+    const bool trusted = (bridging && served) || now - link.run_start() >= proof(voter, link);
+    voter.serves = trusted && link.alive(until);
+    if (voter.serves) {
+        voter.absences = link.absences();
+        voter.ever_served = true;
+    }
+    return voter.serves;
+}
+
+bool InputSelector::take_only(Instant now, Instant until, const Input& input, bool bridging) {
+    Voter& voter = voters_.front();
+    if (!serves(voter, input.link(), now, until, bridging)) {
+        return false;
+    }
+    voter.served = true;
+    changed_over_ = follows_one() && std::exchange(control_removed_, false);
+    place_ = 0;
+    frame_ = input.control();
+    return true;
+}
+
 void InputSelector::judge_service(Instant now, Instant until, std::span<const Input> inputs,
                                   bool bridging) {
     bool any = false;
     for (std::size_t place = 0; place < voters_.size(); ++place) {
         const LinkSupervisor& link = inputs[settings_.inputs[place]].link();
-        Voter& voter = voters_[place];
-        const bool served = voter.served && voter.absences == link.absences();
-        const bool trusted = (bridging && served) || now - link.run_start() >= proof(voter, link);
-        voter.serves = trusted && link.alive(until);
-        voter.absences = voter.serves ? link.absences() : voter.absences;
-        voter.ever_served = voter.ever_served || voter.serves;
-        any = any || voter.serves;
+        any = serves(voters_[place], link, now, until, bridging) || any;
     }
     for (Voter& voter : voters_) {
         voter.served = any ? voter.serves : voter.served;
@@ -141,8 +162,8 @@ std::optional<std::size_t> InputSelector::choose(std::span<const Input> inputs) 
     return first_serving();
 }
 
-bool InputSelector::select(Instant now, Instant until, std::span<const Input> inputs,
-                           bool bridging) {
+[[gnu::noinline]] bool InputSelector::select_one(Instant now, Instant until,
+                                                 std::span<const Input> inputs, bool bridging) {
     judge_service(now, until, inputs, bridging);
     const auto by_person = chosen_by_a_person(inputs);
     const auto place = by_person ? by_person : choose(inputs);

@@ -29,7 +29,10 @@ class InputSelector {
 
     /// Selects at `now` for a frame that is valid until `until`. `bridging`: the output has not
     /// been in failsafe since the latest selection. Returns false if no input can be used.
-    bool select(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
+    bool select(Instant now, Instant until, std::span<const Input> inputs, bool bridging) {
+        return only_one_ ? take_only(now, until, inputs[settings_.inputs.front()], bridging)
+                         : select_one(now, until, inputs, bridging);
+    }
 
     /// Takes over the state of `before`. `carried` gives, for each input of the engine, the input
     /// before from which it continues. Such an input stays trusted; a new one has to earn trust. An
@@ -72,8 +75,12 @@ class InputSelector {
         std::optional<Instant> turning_since{};
     };
 
+    bool select_one(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
+    bool take_only(Instant now, Instant until, const Input& input, bool bridging);
     /// Required time of uninterrupted good frames.
     Duration proof(const Voter& voter, const LinkSupervisor& link) const;
+    bool serves(Voter& voter, const LinkSupervisor& link, Instant now, Instant until,
+                bool bridging) const;
     void judge_service(Instant now, Instant until, std::span<const Input> inputs, bool bridging);
     std::optional<std::size_t> chosen_by_a_person(std::span<const Input> inputs);
     std::optional<std::size_t> choose(std::span<const Input> inputs) const;
@@ -94,6 +101,8 @@ class InputSelector {
     SelectionSettings settings_;
     Duration recover_;
     Duration power_on_;
+    /// There is nothing to choose: one input, whose values are used as they are.
+    bool only_one_;
     std::vector<Voter> voters_;
     std::optional<std::size_t> place_;
     bool voted_ = false;

@@ -112,14 +112,14 @@ void Output::set_device_present(bool present) {
     }
 }
 
-std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
-    ChannelFrame frame;
+[[gnu::noinline]] bool Output::make_failsafe_frame(ChannelFrame& frame, Instant now) {
+    frame = {};
     switch (failsafe_.action) {
         case FailsafeAction::silence:
-            return std::nullopt;
+            return false;
         case FailsafeAction::hold:
             if (!ongoing_.held) {
-                return std::nullopt;
+                return false;
             }
             frame = *ongoing_.held;
             break;
@@ -133,11 +133,11 @@ std::optional<ChannelFrame> Output::failsafe_frame(Instant now) {
     }
     frame.frame_lost = true;
     frame.failsafe = true;
-    return frame;
+    return true;
 }
 
 /// Starts at the time of the latest frame, so that already the first frame of the glide moves.
-void Output::glide_from_latest(std::optional<double> us_per_second) {
+[[gnu::noinline]] void Output::glide_from_latest(std::optional<double> us_per_second) {
     if (us_per_second && ongoing_.made_frame) {
         ongoing_.glide.start(ongoing_.latest, *us_per_second, ongoing_.latest_at);
     } else {
@@ -145,14 +145,14 @@ void Output::glide_from_latest(std::optional<double> us_per_second) {
     }
 }
 
-/// The frame of the selected input. No value while `release_when` does not hold.
-std::optional<ChannelFrame> Output::control_frame(Instant now) {
-    ChannelFrame frame = map_.apply(selector_.frame(), now);
+/// The frame of the selected input. False while `release_when` does not hold.
+bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
+    frame = map_.apply(selector_.frame(), now);
     const bool returns = ongoing_.stage == OutputStage::failsafe;
     ongoing_.awaits_release =
         returns && failsafe_.release_when && !failsafe_.release_when->matches(frame);
     if (ongoing_.awaits_release) {
-        return std::nullopt;
+        return false;
     }
     if (returns) {
         ongoing_.counts.recoveries += ongoing_.held ? 1U : 0U;
@@ -164,7 +164,7 @@ std::optional<ChannelFrame> Output::control_frame(Instant now) {
     ongoing_.stage = OutputStage::control;
     ongoing_.glide.apply(frame, now);
     ongoing_.held = frame;
-    return frame;
+    return true;
 }
 
 void Output::enter_failsafe() {
@@ -175,28 +175,24 @@ void Output::enter_failsafe() {
 
 /// Frame of an output that no input feeds. It sends named values, each of which is fresh or marked
 /// stale. Nothing is held, and there are no presets.
-std::optional<ChannelFrame> Output::frame_without_inputs(bool yielding) {
+[[gnu::noinline]] bool Output::make_frame_without_inputs(ChannelFrame& frame, bool yielding) {
     ongoing_.stage = yielding ? OutputStage::failsafe : OutputStage::control;
-    if (yielding) {
-        return std::nullopt;
-    }
-    ChannelFrame frame;
     frame.frame_lost = false;
     frame.failsafe = false;
     frame.cause = LinkCause::good;
-    return frame;
+    return !yielding;
 }
 
-std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Input> inputs) {
+/// Returns false if the output stays silent.
+bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs) {
     const Instant end_of_period = later(now, schedule_.period());
     const bool yielding = must_yield(now);
     if (selector_.inputs().empty()) {
-        return frame_without_inputs(yielding);
+        return make_frame_without_inputs(frame, yielding);
     }
     const bool bridging = ongoing_.stage != OutputStage::failsafe;
     if (!yielding && selector_.select(now, end_of_period, inputs, bridging)) {
-        const auto frame = control_frame(now);
-        return frame ? frame : failsafe_frame(now);
+        return make_control_frame(frame, now) || make_failsafe_frame(frame, now);
     }
     ongoing_.awaits_release = false;
     if (bridging) {
@@ -207,13 +203,13 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
         }
         ongoing_.stage = OutputStage::holding;
         if (!yielding && end_of_period < later(ongoing_.holding_since, failsafe_.hold)) {
-            ChannelFrame frame = *ongoing_.held;
+            frame = *ongoing_.held;
             frame.frame_lost = true;
-            return frame;
+            return true;
         }
         enter_failsafe();
     }
-    return failsafe_frame(now);
+    return make_failsafe_frame(frame, now);
 }
 
 /// Replaces absent channels by their presets if the format cannot mark a channel as absent.
@@ -232,22 +228,23 @@ std::optional<ChannelFrame> Output::make_frame(Instant now, std::span<const Inpu
 }
 
 void Output::run(Instant now, std::span<const Input> inputs) {
-    std::optional<ChannelFrame> frame = make_frame(now, inputs);
-    if (frame && !selector_.inputs().empty()) {
-        const std::size_t judged_input = selector_.current().value_or(selector_.inputs().front());
-        frame->cause = inputs[judged_input].state().cause;
-    }
+    ChannelFrame frame;
+    const bool made = make_frame(frame, now, inputs);
     by_preset_ = 0;
-    if (frame && !frame->has_first(kChannelCount) && !selector_.inputs().empty()) {
-        fill_absent(*frame, now);
+    if (made && !selector_.inputs().empty()) {
+        const std::size_t judged_input = selector_.current().value_or(selector_.inputs().front());
+        frame.cause = inputs[judged_input].state().cause;
+        if (!frame.has_first(kChannelCount)) {
+            fill_absent(frame, now);
+        }
     }
-    if (frame) {
-        ongoing_.latest = *frame;
+    if (made) {
+        ongoing_.latest = frame;
         ongoing_.latest_due = schedule_.due();
         ongoing_.latest_at = now;
-        transmission_ = encoder_.encode(*frame, now);
+        transmission_ = encoder_.encode(ongoing_.latest, now);
     }
-    ongoing_.made_frame = frame.has_value();
+    ongoing_.made_frame = made;
     if (!ongoing_.made_frame && ongoing_.obstacle != SendObstacle::device) {
         // A silent output cannot find out whether the obstacle has gone.
         ongoing_.obstacle = SendObstacle::none;

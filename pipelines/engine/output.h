@@ -203,10 +203,10 @@ class Output {
     };
 
     bool must_yield(Instant now) const;
-    std::optional<ChannelFrame> frame_without_inputs(bool yielding);
-    std::optional<ChannelFrame> make_frame(Instant now, std::span<const Input> inputs);
-    std::optional<ChannelFrame> control_frame(Instant now);
-    std::optional<ChannelFrame> failsafe_frame(Instant now);
+    bool make_frame_without_inputs(ChannelFrame& frame, bool yielding);
+    bool make_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
+    bool make_control_frame(ChannelFrame& frame, Instant now);
+    bool make_failsafe_frame(ChannelFrame& frame, Instant now);
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
     void take_up_channels();

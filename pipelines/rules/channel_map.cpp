@@ -138,6 +138,9 @@ StraightLanes::StraightLanes() {
     std::iota(input_.begin(), input_.end(), std::uint8_t{0});
     least_.fill(INT16_MIN);
     most_.fill(INT16_MAX);
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        readers_[channel] = 1U << channel;
+    }
 }
 
 bool StraightLanes::take(const ChannelRule& rule) {
@@ -156,6 +159,9 @@ bool StraightLanes::take(const ChannelRule& rule) {
     if (least > most || least > INT16_MAX || most < INT16_MIN) {
         return false;
     }
+    unchanged_ = false;
+    readers_[input_[rule.output]] &= ~(1U << rule.output);
+    readers_[from->channel] |= 1U << rule.output;
     input_[rule.output] = static_cast<std::uint8_t>(from->channel);
     least_[rule.output] = static_cast<std::int16_t>(least);
     most_[rule.output] = static_cast<std::int16_t>(most);
@@ -164,14 +170,14 @@ bool StraightLanes::take(const ChannelRule& rule) {
     return true;
 }
 
-void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const {
-    static_assert(sizeof(Pulse) == sizeof(std::int16_t));
-    Lanes values{};
+[[gnu::noinline]] void StraightLanes::change(const ChannelFrame& input,
+                                             ChannelFrame& output) const {
+    ChannelLanes values{};
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         values[channel] = std::bit_cast<std::int16_t>(input.pulses()[input_[channel]]);
     }
     // std::clamp returns references, which keeps the compiler from using vector instructions.
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+    for (std::size_t lane = 0; lane < kChannelLanes; ++lane) {
         const std::int16_t least = least_[lane];
         const std::int16_t most = most_[lane];
         std::int16_t limited = values[lane];
@@ -183,12 +189,12 @@ void StraightLanes::apply(const ChannelFrame& input, ChannelFrame& output) const
     std::memcpy(static_cast<void*>(output.pulses().data()), values.data(), sizeof output.pulses());
     // A receiver with 14 channels, for example, leaves the others absent.
     if (!input.has_first(kChannelCount)) {
-        output.mark_first(kChannelCount);
-        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-            if (!input.has(input_[channel])) {
-                output.remove(channel);
-            }
+        std::uint32_t absent = 0;
+        for (std::uint32_t left = input.absent(); left != 0; left &= left - 1) {
+            absent |= readers_[static_cast<std::size_t>(std::countr_zero(left))];
         }
+        output.mark_first(kChannelCount);
+        output.remove_all(absent);
     }
 }
 
@@ -200,9 +206,8 @@ ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {
     }
 }
 
-ChannelFrame ChannelMap::apply(const ChannelFrame& input, Instant now) {
-    ChannelFrame output = input;
-    straight_lanes_.apply(input, output);
+[[gnu::noinline]] void ChannelMap::apply_lanes(const ChannelFrame& input, ChannelFrame& output,
+                                               Instant now) {
     for (Lane& lane : lanes_) {
         std::optional<Pulse> pulse = std::visit(SourceReader{input, lines_}, lane.source);
         if (pulse) {
@@ -212,7 +217,6 @@ ChannelFrame ChannelMap::apply(const ChannelFrame& input, Instant now) {
         }
         output.set(lane.output, pulse);
     }
-    return output;
 }
 
 void ChannelMap::restart_from(const ChannelFrame& frame, Instant now) {

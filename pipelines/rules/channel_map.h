@@ -9,6 +9,7 @@
 
 #include "core/channel_frame.h"
 #include "core/time.h"
+#include "pipelines/rules/channel_lanes.h"
 #include "pipelines/rules/line_words.h"
 #include "pipelines/rules/settings.h"
 
@@ -59,18 +60,24 @@ class StraightLanes {
     StraightLanes();
     /// Takes the rule if it can. Returns false if it cannot.
     bool take(const ChannelRule& rule);
-    void apply(const ChannelFrame& input, ChannelFrame& output) const;
+    /// `output` is a copy of `input`.
+    void apply(const ChannelFrame& input, ChannelFrame& output) const {
+        if (!unchanged_) {
+            change(input, output);
+        }
+    }
 
   private:
-    /// A multiple of eight, for vector instructions.
-    static constexpr std::size_t kLanes = (kChannelCount + 7) / 8 * 8;
-    using Lanes = std::array<std::int16_t, kLanes>;
+    void change(const ChannelFrame& input, ChannelFrame& output) const;
 
     std::array<std::uint8_t, kChannelCount> input_{};
-    Lanes least_{};
-    Lanes most_{};
-    Lanes turned_{};  ///< all bits set if the channel is reversed, else zero
-    Lanes offset_{};
+    /// For each input channel the output channels that read it, one bit each.
+    std::array<std::uint32_t, kChannelCount> readers_{};
+    bool unchanged_ = true;  ///< every channel passes as it is
+    ChannelLanes least_{};
+    ChannelLanes most_{};
+    ChannelLanes turned_{};  ///< all bits set if the channel is reversed, else zero
+    ChannelLanes offset_{};
 };
 
 /// Makes the channels of an output from those of an input. Channels without a rule pass unchanged.
@@ -81,7 +88,14 @@ class ChannelMap {
 
     /// Every channel reads from `input`, never from another output channel. It is absent if its
     /// source is absent. Flags, time and origin pass.
-    ChannelFrame apply(const ChannelFrame& input, Instant now);
+    ChannelFrame apply(const ChannelFrame& input, Instant now) {
+        ChannelFrame output = input;
+        straight_lanes_.apply(input, output);
+        if (!lanes_.empty()) {
+            apply_lanes(input, output, now);
+        }
+        return output;
+    }
 
     /// Sets the levels of the input lines.
     void set_lines(LineLevels levels) { lines_ = levels; }
@@ -97,6 +111,8 @@ class ChannelMap {
         ChannelSource source;
         std::vector<Filter> filters;
     };
+
+    void apply_lanes(const ChannelFrame& input, ChannelFrame& output, Instant now);
 
     StraightLanes straight_lanes_;
     std::vector<Lane> lanes_;

@@ -18,10 +18,7 @@ void Glide::start(const ChannelFrame& from, double us_per_second, Instant now) {
     }
 }
 
-void Glide::apply(ChannelFrame& frame, Instant now) {
-    if (under_way_.none()) {
-        return;
-    }
+[[gnu::noinline]] void Glide::move(ChannelFrame& frame, Instant now) {
     const double most = eighths_per_nanosecond_ * static_cast<double>((now - latest_at_).count());
     latest_at_ = now;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {

@@ -18,9 +18,15 @@ class Glide {
     void stop() { under_way_.reset(); }
     /// Sets the channels that have not arrived to the values that they have reached. A channel that
     /// is absent in `frame` stays absent and is no longer limited.
-    void apply(ChannelFrame& frame, Instant now);
+    void apply(ChannelFrame& frame, Instant now) {
+        if (under_way_.any()) {
+            move(frame, now);
+        }
+    }
 
   private:
+    void move(ChannelFrame& frame, Instant now);
+
     double eighths_per_nanosecond_ = 0;
     Instant latest_at_{};
     std::array<double, kChannelCount> reached_eighths_{};

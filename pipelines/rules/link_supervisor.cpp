@@ -1,6 +1,8 @@
 #include "pipelines/rules/link_supervisor.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -56,15 +58,20 @@ bool LinkSupervisor::rule_says_loss(const ChannelFrame& frame) const {
     });
 }
 
+bool LinkSupervisor::within(const PulseRange& range, const ChannelFrame& frame) {
+    if (frame.absent() != absent_) {
+        absent_ = frame.absent();
+        present_ = present_lanes(absent_);
+    }
+    return all_within(lanes_of(frame), std::bit_cast<std::int16_t>(range.low),
+                      std::bit_cast<std::int16_t>(range.high), present_);
+}
+
 /// Some receivers clear the failsafe flag before they have channel values again, and send zeros for
 /// a while.
 bool LinkSupervisor::plausible(const ChannelFrame& frame, Instant now) {
-    if (settings_.plausible) {
-        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-            if (frame.has(channel) && !settings_.plausible->contains(frame.pulses()[channel])) {
-                return false;
-            }
-        }
+    if (settings_.plausible && !within(*settings_.plausible, frame)) {
+        return false;
     }
     if (!settings_.raw_zero || settings_.zero_guard == Duration::zero()) {
         return true;
@@ -186,7 +193,7 @@ void LinkSupervisor::accept(const ChannelFrame& frame, Instant now) {
     expires_ = not_after_frozen(frame.received + settings_.timeout);
 }
 
-void LinkSupervisor::refuse(Verdict verdict, Instant now) {
+[[gnu::noinline]] void LinkSupervisor::refuse(Verdict verdict, Instant now) {
     run_broken_ = true;
     good_.frame_lost = true;
     if (verdict.kind == Kind::radio_lost) {

@@ -10,6 +10,7 @@
 #include "core/channel_frame.h"
 #include "core/link_cause.h"
 #include "core/time.h"
+#include "pipelines/rules/channel_lanes.h"
 #include "pipelines/rules/settings.h"
 
 namespace tribus {
@@ -85,6 +86,7 @@ class LinkSupervisor {
     bool rule_says_loss(const ChannelFrame& frame) const;
     bool all_zero(const ChannelFrame& frame) const;
     bool plausible(const ChannelFrame& frame, Instant now);
+    bool within(const PulseRange& range, const ChannelFrame& frame);
     bool any_zero(const ChannelFrame& frame) const;
     void count_frame_lost(bool lost);
     bool too_many_lost() const;
@@ -114,6 +116,9 @@ class LinkSupervisor {
     Instant latest_frame_{};
     Instant kind_since_{};
     Instant unchanged_since_{};
+    /// The channels that the latest frame lacked, one bit each, and masks for the others.
+    std::uint32_t absent_ = kAllChannels;
+    ChannelLanes present_{};
     /// Frames with a raw zero are not good until then.
     Instant guarded_until_{};
     Instant latest_bytes_{};
