@@ -12,13 +12,15 @@ constexpr unsigned kUnitShift = 8;  // the finest bucket: 256 ns
 constexpr unsigned kSubBucketShift = 2;
 constexpr std::uint64_t kSubBuckets = 1U << kSubBucketShift;
 
-/// Increments up to the maximum. Only one thread writes, so no increment is lost.
+/// Returns false if the count is at its maximum. Only one thread writes, so no increment is lost.
 template <class Count>
-void bump(std::atomic<Count>& count) {
+bool bump(std::atomic<Count>& count, Count by = 1) {
     const Count before = count.load(std::memory_order_relaxed);
-    if (before < std::numeric_limits<Count>::max()) {
-        count.store(static_cast<Count>(before + 1), std::memory_order_relaxed);
+    if (before > std::numeric_limits<Count>::max() - by) {
+        return false;
     }
+    count.store(static_cast<Count>(before + by), std::memory_order_relaxed);
+    return true;
 }
 
 void raise(std::atomic<std::int64_t>& worst, std::int64_t value) {
@@ -69,10 +71,16 @@ Duration HistogramReading::quantile(double share) const {
     return worst;
 }
 
-void Histogram::clear(Window& window) {
-    for (auto& count : window.counts) {
-        count.store(0, std::memory_order_relaxed);
+/// Moves the values of a window to those before it.
+void Histogram::retire(Window& window) {
+    for (std::size_t bucket = 0; bucket < kHistogramBuckets; ++bucket) {
+        const std::uint32_t count = window.counts[bucket].load(std::memory_order_relaxed);
+        if (count > 0) {
+            window.counts[bucket].store(0, std::memory_order_relaxed);
+            bump(earlier_[bucket], count);
+        }
     }
+    raise(earlier_worst_ns_, window.worst_ns.load(std::memory_order_relaxed));
     window.worst_ns.store(0, std::memory_order_relaxed);
 }
 
@@ -87,10 +95,14 @@ void Histogram::add(const Window& window, HistogramReading& to) {
 void Histogram::turn_windows(Instant now) {
     const std::size_t older = 1 - current_.load(std::memory_order_relaxed);
     const Instant end{Duration(window_end_ns_.load(std::memory_order_relaxed))};
-    clear(windows_[older]);
+    const std::uint32_t turn = turns_.load(std::memory_order_relaxed);
+    turns_.store(turn + 1, std::memory_order_relaxed);
+    std::atomic_thread_fence(std::memory_order_release);
+    retire(windows_[older]);
     if (now >= end + kWindow) {
-        clear(windows_[1 - older]);
+        retire(windows_[1 - older]);
     }
+    turns_.store(turn + 2, std::memory_order_release);
     current_.store(older, std::memory_order_relaxed);
     window_end_ns_.store((now + kWindow).time_since_epoch().count(), std::memory_order_relaxed);
 }
@@ -101,18 +113,36 @@ void Histogram::record(Duration value, Instant now) {
     }
     const std::size_t bucket = histogram_bucket(value);
     Window& window = windows_[current_.load(std::memory_order_relaxed)];
-    bump(counts_[bucket]);
-    bump(window.counts[bucket]);
-    raise(worst_ns_, value.count());
+    if (!bump(window.counts[bucket])) {
+        bump(earlier_[bucket]);
+    }
     raise(window.worst_ns, value.count());
 }
 
-HistogramReading Histogram::since_start() const {
+HistogramReading Histogram::all() const {
     HistogramReading reading;
     for (std::size_t bucket = 0; bucket < kHistogramBuckets; ++bucket) {
-        reading.counts[bucket] = counts_[bucket].load(std::memory_order_relaxed);
+        reading.counts[bucket] = earlier_[bucket].load(std::memory_order_relaxed);
     }
-    reading.worst = Duration(worst_ns_.load(std::memory_order_relaxed));
+    reading.worst = Duration(earlier_worst_ns_.load(std::memory_order_relaxed));
+    for (const Window& window : windows_) {
+        add(window, reading);
+    }
+    return reading;
+}
+
+/// Reads again if values moved meanwhile, which takes a microsecond every half minute.
+HistogramReading Histogram::since_start() const {
+    constexpr int kTries = 100;
+    HistogramReading reading;
+    for (int tries = 0; tries < kTries; ++tries) {
+        const std::uint32_t before = turns_.load(std::memory_order_acquire);
+        reading = all();
+        std::atomic_thread_fence(std::memory_order_acquire);
+        if (before % 2 == 0 && turns_.load(std::memory_order_relaxed) == before) {
+            break;
+        }
+    }
     return reading;
 }
 

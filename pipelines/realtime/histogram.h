@@ -43,17 +43,22 @@ class Histogram {
   private:
     static constexpr Duration kWindow = std::chrono::seconds(30);
 
-    /// Half a minute. A full bucket stays full (2,184 values per second would fill it).
+    /// Half a minute. A full bucket stays full (2,184 values per second would fill it); what comes
+    /// then is counted in `earlier_`.
     struct Window {
         std::array<std::atomic<std::uint16_t>, kHistogramBuckets> counts{};
         std::atomic<std::int64_t> worst_ns{0};
     };
-    static void clear(Window& window);
+    void retire(Window& window);
     static void add(const Window& window, HistogramReading& to);
+    HistogramReading all() const;
     void turn_windows(Instant now);
 
-    std::array<std::atomic<std::uint32_t>, kHistogramBuckets> counts_{};
-    std::atomic<std::int64_t> worst_ns_{0};
+    /// Values that are in no window any more.
+    std::array<std::atomic<std::uint32_t>, kHistogramBuckets> earlier_{};
+    std::atomic<std::int64_t> earlier_worst_ns_{0};
+    /// Odd while values move from a window to `earlier_`.
+    std::atomic<std::uint32_t> turns_{0};
     std::array<Window, 2> windows_{};
     std::atomic<std::size_t> current_{0};
     std::atomic<std::int64_t> window_end_ns_{0};

@@ -105,7 +105,7 @@ void Loop::request_end() {
     set_event(wake_up_.get());
 }
 
-Instant Loop::poll_can_links(Instant now) {
+[[gnu::noinline]] Instant Loop::poll_can_links(Instant now) {
     Instant next = kNever;
     for (const std::size_t port : can_ports_) {
         if (ports_[port].link) {
@@ -168,6 +168,7 @@ std::size_t Loop::wait_until(Instant until) {
             ready_[ready++] = *static_cast<const std::size_t*>(place);
             continue;
         }
+        event_came_ = true;
         accept_given_links();
         if (settings_.lines != nullptr) {
             settings_.lines->clear_data_event();
@@ -187,7 +188,7 @@ void Loop::look_at_lines(Instant now) {
     }
 }
 
-void Loop::begin() {
+[[gnu::noinline]] void Loop::begin() {
     // From here on this thread does not allocate. The tests recognise it by its name.
     ::pthread_setname_np(::pthread_self(), "tribus-data");
     clock_ = monotonic_now();
@@ -197,7 +198,7 @@ void Loop::begin() {
     look_at_lines(clock_);
 }
 
-Loop* Loop::run() {
+[[gnu::flatten]] Loop* Loop::run() {
     if (!took_over_) {
         begin();
     }
@@ -207,7 +208,10 @@ Loop* Loop::run() {
     while (!end_at || now < *end_at) {
         const std::size_t ready = wait(std::min({next, end_at.value_or(kNever), retire_until_}));
         now = clock_;
-        if (!end_at && end_requested_.load(std::memory_order_acquire)) {
+        // Requests of other threads come with an event. One that comes just when a loop takes over
+        // from another may lack it, so they are looked for with each publication too.
+        const bool asked = std::exchange(event_came_, false) || retiring_ || now >= next_publish_;
+        if (asked && !end_at && end_requested_.load(std::memory_order_acquire)) {
             end_at = engine_.end(now);
         }
         look_at_lines(now);
@@ -217,18 +221,21 @@ Loop* Loop::run() {
             for (std::size_t i = 0; i < ready; ++i) {
                 read_port(ready_[i], now);
             }
-            read_quiet_ports(now);
+            if (quiet_ports_ > 0) {
+                read_quiet_ports(now);
+            }
         }
         read_until_ = now;
-        if (Loop* following = successor(now)) {
+        if (Loop* following = asked ? successor(now) : nullptr) {
             return following;
         }
         if (!end_at || now < *end_at) {
             next = advance(now);
         }
-        publish(now);
+        if (now >= next_publish_) {
+            publish(now);
+        }
     }
-    next_publish_ = now;
     publish(now);
     return nullptr;
 }

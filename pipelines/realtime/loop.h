@@ -240,7 +240,7 @@ class Loop {
     Instant advance(Instant now);
     void look_at_lines(Instant now);
     void publish(Instant now);
-    void publish_arrivals();
+    void note_frame(std::size_t input, Instant at);
     void publish_input(std::size_t index, Instant now);
     void publish_output(std::size_t index, Instant now);
     void publish_values();
@@ -288,6 +288,8 @@ class Loop {
     bool interrupted_ = false;
     AbsenceStatus absence_;
     Snapshot<AbsenceStatus> absence_status_;
+    /// Another thread has set an event.
+    bool event_came_ = true;
     Reception reception_;
     CanReception can_reception_;
     Instant next_publish_{};

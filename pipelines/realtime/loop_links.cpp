@@ -36,7 +36,7 @@ void Loop::set_watched(std::size_t port, bool watched) {
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, ports_[port].link->descriptor(), &event);
 }
 
-void Loop::lose(Port& port) {
+[[gnu::noinline]] void Loop::lose(Port& port) {
     if (port.quiet_until != kNever) {
         port.quiet_until = kNever;
         --quiet_ports_;
@@ -63,7 +63,7 @@ void Loop::set_event(int event) {
     [[maybe_unused]] const auto written = ::write(event, &one, sizeof one);
 }
 
-void Loop::accept_given_links() {
+[[gnu::noinline]] void Loop::accept_given_links() {
     std::uint64_t count = 0;
     [[maybe_unused]] const auto taken = ::read(wake_up_.get(), &count, sizeof count);
     for (std::size_t port = 0; port < ports_.size(); ++port) {

@@ -50,7 +50,7 @@ Loop* Loop::successor(Instant now) {
     return next;
 }
 
-void Loop::take_over(Loop& before, Instant now) {
+[[gnu::noinline]] void Loop::take_over(Loop& before, Instant now) {
     clock_ = now;
     read_until_ = now;
     absence_ = before.absence_;

@@ -20,10 +20,7 @@ WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& se
                             : link.as_can()->write(lane, sent.can_frames(), clock_);
 }
 
-void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
-    if (port.wiring.capture == nullptr) {
-        return;
-    }
+[[gnu::noinline]] void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
     port.wiring.capture->record(sent.bytes(), at);
     for (const CanFrame& frame : sent.can_frames()) {
         port.wiring.capture->record(Direction::written, frame, at);
@@ -55,7 +52,9 @@ void Loop::send(Station station, const Transmission& sent, Instant now) {
         if (station.kind == StationKind::output) {
             note_sent(station.index, now);
         }
-        capture(port, sent, clock_);
+        if (port.wiring.capture != nullptr) {
+            capture(port, sent, clock_);
+        }
     } else if (status == WriteStatus::lost && port.link) {
         lose(port);
     }

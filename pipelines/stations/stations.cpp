@@ -120,18 +120,6 @@ void Stations::bytes_discarded(Station station, Instant now) {
     }
 }
 
-Instant Stations::poll(Instant now) {
-    const Instant next = engine_->poll(now);
-    ready_.clear();
-    for (const std::size_t output : engine_->ran()) {
-        ready_.push_back({.kind = StationKind::output, .index = output});
-    }
-    for (std::size_t node = 0; node < engine_->node_count(); ++node) {
-        ready_.push_back({.kind = StationKind::dronecan_node, .index = node});
-    }
-    return next;
-}
-
 Instant Stations::poll_values(Instant now) {
     ready_.clear();
     if (values_ == nullptr) {
@@ -144,28 +132,25 @@ Instant Stations::poll_values(Instant now) {
     return next;
 }
 
-Transmission Stations::take(Station station, Instant now) {
+Transmission Stations::take_from_other(Station station, Instant now) {
     switch (station.kind) {
-        case StationKind::output:
-            return engine_->output(station.index).take();
         case StationKind::dronecan_node:
             return Transmission(engine_->node(station.index).frames_to_send(now));
         case StationKind::sensor_bus:
             return values_->take(station.index);
         case StationKind::input:
+        case StationKind::output:
         case StationKind::value_message:
             break;
     }
     return {};
 }
 
-Duration Stations::valid_for(Station station) const {
-    return station.kind == StationKind::output       ? engine_->outputs()[station.index].period()
-           : station.kind == StationKind::sensor_bus ? kMostAnswerDelay
-                                                     : kAnyDelay;
+Duration Stations::valid_for_other(Station station) const {
+    return station.kind == StationKind::sensor_bus ? kMostAnswerDelay : kAnyDelay;
 }
 
-void Stations::handed_over(Station station, WriteStatus status, Instant at) {
+void Stations::tell_outcome(Station station, WriteStatus status, Instant at) {
     if (station.kind == StationKind::output) {
         tell(engine_->output(station.index), status);
     } else if (station.kind == StationKind::dronecan_node) {

@@ -67,7 +67,17 @@ class Stations {
 
     /// Runs every output and DroneCAN node that is due at `now`. Returns the time of the next call
     /// at the latest. Call it after `receive` too.
-    Instant poll(Instant now);
+    Instant poll(Instant now) {
+        const Instant next = engine_->poll(now);
+        ready_.clear();
+        for (const std::size_t output : engine_->ran()) {
+            ready_.push_back({.kind = StationKind::output, .index = output});
+        }
+        for (std::size_t node = 0; node < engine_->node_count(); ++node) {
+            ready_.push_back({.kind = StationKind::dronecan_node, .index = node});
+        }
+        return next;
+    }
     /// The same for named values and sensor buses. Call it after `poll`, when what was ready has
     /// been sent: values may be facts about that.
     Instant poll_values(Instant now);
@@ -75,11 +85,23 @@ class Stations {
     std::span<const Station> ready() const { return ready_; }
     /// Takes its transmission. Empty if there is none, and after it was taken (a DroneCAN node:
     /// after `handed_over`, which makes its next transfer the first). Valid until the next poll.
-    Transmission take(Station station, Instant now);
+    Transmission take(Station station, Instant now) {
+        return station.kind == StationKind::output ? engine_->output(station.index).take()
+                                                   : take_from_other(station, now);
+    }
     /// Upper limit of the age of its transmission when the link takes it.
-    Duration valid_for(Station station) const;
+    Duration valid_for(Station station) const {
+        return station.kind == StationKind::output ? engine_->outputs()[station.index].period()
+                                                   : valid_for_other(station);
+    }
     /// Tells it at `at` the outcome of the transmission that was taken.
-    void handed_over(Station station, WriteStatus status, Instant at);
+    void handed_over(Station station, WriteStatus status, Instant at) {
+        if (station.kind == StationKind::output && status == WriteStatus::written) {
+            engine_->output(station.index).written();
+        } else {
+            tell_outcome(station, status, at);
+        }
+    }
 
     bool on_can(Station station) const;
     /// Whether it needs CAN FD.
@@ -89,6 +111,10 @@ class Stations {
     std::span<const CanIdMatch> sent_ids(Station station) const;
 
   private:
+    Transmission take_from_other(Station station, Instant now);
+    Duration valid_for_other(Station station) const;
+    void tell_outcome(Station station, WriteStatus status, Instant at);
+
     Engine* engine_;
     ValueEngine* values_;
     std::vector<Station> ready_;

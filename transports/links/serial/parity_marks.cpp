@@ -31,6 +31,16 @@ void ParityMarks::take(std::span<const std::uint8_t> raw, Reception& reception) 
     }
 }
 
+void ParityMarks::remove(std::size_t raw, Reception& reception) {
+    if (place_ == Place::plain && std::memchr(reception.bytes.data(), kMark, raw) == nullptr) {
+        reception.count = raw;
+        return;
+    }
+    // Removing marks only shortens the bytes, so they fit.
+    const auto marked = reception.bytes;
+    take(std::span(marked).first(raw), reception);
+}
+
 std::span<const std::uint8_t> ParityMarks::take_until_mark(std::span<const std::uint8_t> raw,
                                                            Reception& reception) {
     const void* mark = std::memchr(raw.data(), kMark, raw.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -16,6 +17,8 @@ class ParityMarks {
     /// Appends the bytes of `raw` to `reception`: at most one for each raw byte. Raw bytes for
     /// which `reception` has no room are lost.
     void take(std::span<const std::uint8_t> raw, Reception& reception);
+    /// The first `raw` bytes of an empty reception are raw: removes the marks from them.
+    void remove(std::size_t raw, Reception& reception);
 
   private:
     enum class Place : std::uint8_t { plain, after_mark, before_damaged };

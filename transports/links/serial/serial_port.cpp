@@ -19,6 +19,7 @@
 #include <cstring>
 #include <optional>
 
+#include "transports/links/direct_call.h"
 #include "transports/links/serial/uart_rate.h"
 
 namespace tribus {
@@ -235,17 +236,15 @@ ReadStatus SerialPort::read(Reception& reception) {
     if (lost_) {
         return ReadStatus::lost;
     }
-    // Not larger than a Reception: removing marks only shortens the bytes, so they always fit.
-    std::array<std::uint8_t, kBytesPerRead> raw;
     ssize_t taken = -1;
     int error = EINTR;
     for (int tries = 0; taken < 0 && error == EINTR && tries < kInterruptedTries; ++tries) {
-        taken = ::read(fd_.get(), raw.data(), raw.size());
-        error = errno;
+        taken = read_directly(fd_.get(), reception.bytes.data(), reception.bytes.size());
+        error = taken < 0 ? errno : 0;
     }
     if (taken > 0) {
-        reception.full = taken == static_cast<ssize_t>(raw.size());
-        marks_.take({raw.data(), static_cast<std::size_t>(taken)}, reception);
+        reception.full = taken == static_cast<ssize_t>(reception.bytes.size());
+        marks_.remove(static_cast<std::size_t>(taken), reception);
         return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
     }
     if (taken < 0 && (error == EAGAIN || error == EINTR)) {
@@ -279,8 +278,8 @@ WriteStatus SerialPort::ask() {
 }
 
 WriteStatus SerialPort::write_asked(std::span<const std::uint8_t> frame) {
-    const ssize_t taken = ::write(fd_.get(), frame.data(), frame.size());
-    const int error = errno;
+    const ssize_t taken = write_directly(fd_.get(), frame.data(), frame.size());
+    const int error = taken < 0 ? errno : 0;
     if (taken < 0 && error == EINTR) {
         // Not repeated: the time that it took is unknown.
         return WriteStatus::busy;
