@@ -186,16 +186,15 @@ std::vector<Appliance::DeviceEvent> Appliance::devices() const {
 std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
     std::vector<DeviceEvent> events;
     for (std::size_t port = 0; port < plans_.size(); ++port) {
-        const std::string name = device_name(plans_[port].config);
         if (loop_->take_lost(port)) {
             missing_[port] = true;
-            events.push_back({name, false});
+            events.push_back({device_name(plans_[port].config), false});
         }
         if (missing_[port]) {
             if (auto link = open_port(configuration_, stations(), plans_[port])) {
                 loop_->give(port, std::move(*link));
                 missing_[port] = false;
-                events.push_back({name, true});
+                events.push_back({device_name(plans_[port].config), true});
             }
         }
     }

@@ -30,7 +30,9 @@ tl::expected<MainWait, std::string> MainWait::for_signals(std::initializer_list<
 }
 
 std::optional<int> MainWait::until(Instant deadline, std::span<const int> others) {
-    std::vector<pollfd> watched{{.fd = signals_.get(), .events = POLLIN, .revents = 0}};
+    std::vector<pollfd> watched;
+    watched.reserve(others.size() + 1);
+    watched.push_back({.fd = signals_.get(), .events = POLLIN, .revents = 0});
     for (const int descriptor : others) {
         watched.push_back({.fd = descriptor, .events = POLLIN, .revents = 0});
     }
@@ -39,6 +41,9 @@ std::optional<int> MainWait::until(Instant deadline, std::span<const int> others
     // Rounded up: a wait that ends too early would be followed by a wait of 0 ms.
     const auto wait = std::chrono::ceil<std::chrono::milliseconds>(left);
     ::poll(watched.data(), watched.size(), static_cast<int>(wait.count()));
+    if (watched.front().revents == 0) {
+        return std::nullopt;
+    }
     std::array<signalfd_siginfo, 8> came{};
     const ssize_t size = ::read(signals_.get(), came.data(), sizeof came);
     std::optional<int> signal;

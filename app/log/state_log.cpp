@@ -41,6 +41,8 @@ void StateLog::go_on_from(const StateLog& before, const Appliance& appliance,
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         if (const CarriedFrom from = carry_over.engine.outputs[i].from) {
             outputs_[i] = before.outputs_[*from];
+            // The indices in it may mean other inputs now.
+            outputs_[i].state.reset();
         }
     }
     for (auto& [name, memory] : devices_) {
@@ -121,6 +123,17 @@ std::string StateLog::outvoted_names(std::uint32_t outvoted,
 void StateLog::look_at_output(const std::string& name, const OutputStatus& status,
                               std::span<const std::size_t> places, OutputMemory& memory,
                               Instant now) {
+    // Nearly always nothing has changed, and nothing waits to be logged.
+    if (status.state != memory.state || memory.word.seen() != memory.word.reported()) {
+        memory.state = status.state;
+        look_at_state(name, status, places, memory, now);
+    }
+    look_at_drops(name, status, memory, now);
+}
+
+void StateLog::look_at_state(const std::string& name, const OutputStatus& status,
+                             std::span<const std::size_t> places, OutputMemory& memory,
+                             Instant now) {
     const LogFields fields({"TRIBUS_OUTPUT", name},
                            {"TRIBUS_STATE", output_state_word(status.state.stage, status.sends)});
     const OutputWord word{.state = output_text(status.state, input_names_),
@@ -139,11 +152,16 @@ void StateLog::look_at_output(const std::string& name, const OutputStatus& statu
         log_warning("output {}: {}", name, by_preset_text(status.state.by_preset));
         memory.presets_logged |= status.state.by_preset;
     }
-    look_at_drops(name, status, memory, now);
 }
 
 void StateLog::look_at_drops(const std::string& name, const OutputStatus& status,
                              OutputMemory& memory, Instant now) {
+    if (status.counts.foreign_frames == memory.foreign_frames &&
+        status.counts.busy_drops == memory.busy_drops) {
+        return;
+    }
+    const LogFields fields({"TRIBUS_OUTPUT", name},
+                           {"TRIBUS_STATE", output_state_word(status.state.stage, status.sends)});
     if (status.counts.foreign_frames != memory.foreign_frames) {
         const std::uint64_t foreign = status.counts.foreign_frames - memory.foreign_frames;
         if (memory.foreign_limit.pass(now)) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -52,6 +53,8 @@ class StateLog {
         bool operator==(const OutputWord&) const = default;
     };
     struct OutputMemory {
+        /// As looked at last.
+        std::optional<OutputState> state;
         ChangeReport<OutputWord> word{OutputWord{.state = output_text({}, {}), .outvoted = ""}};
         /// The bits of `OutputState::by_preset` that were logged already.
         std::uint32_t presets_logged = 0;
@@ -76,6 +79,8 @@ class StateLog {
     void look_at_output(const std::string& name, const OutputStatus& status,
                         std::span<const std::size_t> places, OutputMemory& memory, Instant now);
     std::string outvoted_names(std::uint32_t outvoted, std::span<const std::size_t> places) const;
+    void look_at_state(const std::string& name, const OutputStatus& status,
+                       std::span<const std::size_t> places, OutputMemory& memory, Instant now);
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
     void log_missing_signal(const std::string& name, const InputStatus& status, InputMemory& memory,

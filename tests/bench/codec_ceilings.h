@@ -17,7 +17,26 @@ struct Row {
     double most_arm = 0;
     std::string_view pattern = "random";
     std::size_t bytes_a_unit = 1;  ///< 1 if the count is one of frames
+    bool engine = false;           ///< of count_engine, counted on x86 only
 };
+
+/// From the bytes of a frame to those of the frame that the output sends.
+inline constexpr std::array kEngineRows{
+    Row{.name = "Ibus18ToSbus", .workload = "ibus_18", .most_x86 = 1180, .engine = true},
+    Row{.name = "Ibus14ToSbus", .workload = "ibus_14", .most_x86 = 1250, .engine = true},
+    Row{.name = "Ibus18ToSbusThroughAMap",
+        .workload = "ibus_18_map",
+        .most_x86 = 1340,
+        .engine = true},
+    Row{.name = "Ibus14ToSbusThroughAMap",
+        .workload = "ibus_14_map",
+        .most_x86 = 1480,
+        .engine = true},
+    Row{.name = "SbusToIbus18", .workload = "sbus_to_ibus_18", .most_x86 = 1150, .engine = true},
+};
+/// User instructions a frame of all threads of `tribus run`, 18 channels of i.Bus through a map to
+/// SBUS. The number of wake-ups differs a little from run to run, so this has some room.
+inline constexpr double kMostOfDaemon = 2600;
 
 inline constexpr std::array kFrameRows{
     Row{"DecodeSbusInOneRead", "decode_sbus_read", 106, 122},

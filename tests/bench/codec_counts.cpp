@@ -41,10 +41,10 @@ std::optional<std::uint64_t> count(Machine machine, const Row& row, std::size_t 
     const std::string work = std::string(row.workload) + " " + std::to_string(units) + " " +
                              std::to_string(prepared) + " '" + std::string(row.pattern) + "'";
     if (machine == Machine::x86) {
-        return run("valgrind --tool=callgrind --callgrind-out-file=/dev/null " TRIBUS_COUNT_CODECS
-                   " " +
-                       work,
-                   "Collected : ", false);
+        const std::string program = row.engine ? TRIBUS_COUNT_ENGINE : TRIBUS_COUNT_CODECS;
+        return run(
+            "valgrind --tool=callgrind --callgrind-out-file=/dev/null " + program + " " + work,
+            "Collected : ", false);
     }
     return run("qemu-aarch64 -singlestep -d exec,nochain " TRIBUS_COUNT_CODECS_ARM " " + work,
                "Trace ", true);

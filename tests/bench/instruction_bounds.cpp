@@ -9,11 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "app/bench/latency.h"
-#include "app/bench/subject.h"
-#include "app/bench/tester.h"
 #include "tests/bench/bound.h"
 #include "tests/bench/codec_counts.h"
+#include "tests/bench/daemon_counts.h"
 
 namespace tribus::test {
 namespace {
@@ -79,45 +77,15 @@ Figures garbage(const BoundSettings& /*settings*/) {
     return std::vector{worst};
 }
 
-/// Counts the instructions of all threads of `tribus run` from start to end.
-tl::expected<std::uint64_t, std::string> instructions_of_run(std::uint64_t frames) {
-    ApplianceSettings ours;
-    ours.program = TRIBUS_PROGRAM;
-    ours.carries = Carries::sbus;
-    ours.period = std::chrono::milliseconds(7);
-    ours.in_front = {"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"};
-    auto subject = Subject::appliance(1, ours);
-    if (!subject) {
-        return Refused(subject.error());
-    }
-    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
-        return Refused(carries.error());
-    }
-    const TesterPriority priority;
-    drive(*subject, {.period = std::chrono::microseconds(7700), .rounds = frames});
-    subject->process().end();
-    const std::string said = subject->process().errors();
-    constexpr std::string_view kMark = "Collected : ";
-    const std::size_t at = said.find(kMark);
-    if (at == said.npos) {
-        return Refused("callgrind counted nothing: " + said);
-    }
-    return std::strtoull(said.c_str() + at + kMark.size(), nullptr, 10);
-}
-
 Figures daemon(const BoundSettings& /*settings*/) {
-    constexpr std::uint64_t kFew = 200;
-    constexpr std::uint64_t kMany = 1200;
-    const auto few = instructions_of_run(kFew);
-    const auto many = instructions_of_run(kMany);
-    if (!few || !many) {
-        return Refused(few ? many.error() : few.error());
+    const auto cost = instructions_a_frame();
+    if (!cost) {
+        return Refused(cost.error());
     }
-    return std::vector<Figure>{
-        {.row = "instructions a frame of the whole daemon",
-         .value = static_cast<double>(*many - *few) / static_cast<double>(kMany - kFew),
-         .bound = 1000,
-         .note = "all threads; i.Bus, 18 channels through rules, SBUS"}};
+    return std::vector<Figure>{{.row = "instructions a frame of the whole daemon",
+                                .value = *cost,
+                                .bound = 1000,
+                                .note = "all threads; i.Bus, 18 channels through rules, SBUS"}};
 }
 
 }  // namespace
