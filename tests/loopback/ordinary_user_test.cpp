@@ -112,7 +112,9 @@ TEST_F(OrdinaryUser, HasWhatTheDataPathTouchesInMemory) {
     Program& program = start_as_user({"run", write_config(main_job(kPatientInput))});
     ASSERT_TRUE(program.says("started")) << program.errors();
     constexpr long kLimitKib = 8 * 1024;
-    EXPECT_GT(program.memory_kib("VmLck"), 2048);
+    // Code and pointers of 32 bits are smaller: 1,880 KiB were seen on armhf.
+    constexpr long kLeastKib = sizeof(void*) == 8 ? 2048 : 1536;
+    EXPECT_GT(program.memory_kib("VmLck"), kLeastKib);
     EXPECT_LE(program.memory_kib("VmLck"), kLimitKib);
     EXPECT_EQ(count_of("memory is locked", program.errors()), 0U) << program.errors();
 }

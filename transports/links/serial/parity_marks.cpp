@@ -1,6 +1,5 @@
 #include "transports/links/serial/parity_marks.h"
 
-#include <algorithm>
 #include <cstring>
 
 namespace tribus {
@@ -19,7 +18,6 @@ void append_byte(std::uint8_t byte, bool damaged, Reception& reception) {
 }  // namespace
 
 void ParityMarks::take(std::span<const std::uint8_t> raw, Reception& reception) {
-    raw = raw.first(std::min(raw.size(), reception.bytes.size() - reception.count));
     while (!raw.empty()) {
         if (place_ == Place::plain) {
             raw = take_until_mark(raw, reception);

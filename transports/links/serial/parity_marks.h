@@ -14,15 +14,14 @@ namespace tribus {
 /// since the kernel may cut anywhere. Pure; thread-bound.
 class ParityMarks {
   public:
-    /// Appends the bytes of `raw` to `reception`: at most one for each raw byte. Raw bytes for
-    /// which `reception` has no room are lost.
-    void take(std::span<const std::uint8_t> raw, Reception& reception);
-    /// The first `raw` bytes of an empty reception are raw: removes the marks from them.
+    /// The first `raw` bytes of an empty reception are as the kernel gave them: removes the marks
+    /// from them, and counts the bytes that are left.
     void remove(std::size_t raw, Reception& reception);
 
   private:
     enum class Place : std::uint8_t { plain, after_mark, before_damaged };
 
+    void take(std::span<const std::uint8_t> raw, Reception& reception);
     /// Returns the rest.
     static std::span<const std::uint8_t> take_until_mark(std::span<const std::uint8_t> raw,
                                                          Reception& reception);
