@@ -89,6 +89,11 @@ void InputSelector::continue_from(const InputSelector& before,
         }
         const auto place_before = static_cast<std::size_t>(known - before.settings_.inputs.begin());
         voters_[place] = before.voters_[place_before];
+        // Only a vote could take it back.
+        if (settings_.mode != SelectionMode::median) {
+            voters_[place].outvoted = false;
+            voters_[place].turning_since.reset();
+        }
         place_ = before.place_ == place_before ? std::optional(place) : place_;
     }
     control_removed_ = before.place_ && !place_;

@@ -115,6 +115,23 @@ TEST(ReloadOfAnOutput, keeps_what_buttons_say_until_they_say_otherwise) {
     EXPECT_EQ(bench.said(at(510ms)).raw[4], raw_of(1900));
 }
 
+TEST(ReloadOfAnOutput, uses_an_outvoted_input_again_where_nothing_is_voted_on_any_more) {
+    OutputSettings voting = sbus_output({0, 1, 2});
+    voting.selection.mode = SelectionMode::median;
+    Bench bench(list(ibus_input(), ibus_input(), ibus_input()), list(std::move(voting)));
+    for (Duration when = 1ms; when < 2s; when += 10ms) {
+        bench.ibus(0, at(when), us(1900));
+        bench.ibus(1, at(when + 1ms), us(1100));
+        bench.ibus(2, at(when + 2ms), us(1100));
+    }
+    EXPECT_TRUE(bench.engine().outputs()[0].selector().outvoted(0));
+    Engine next(list(ibus_input(), ibus_input(), ibus_input()), list(sbus_output({0, 1, 2})));
+    reload(bench, next, 2s);
+    bench.ibus_run(0, at(2001ms), at(3s), us(1900));
+    EXPECT_FALSE(bench.said(at(3s)).failsafe) << "the only one that still sends";
+    EXPECT_EQ(bench.said(at(3s)).raw[0], raw_of(1900));
+}
+
 TEST(ReloadOfAnOutput, reads_the_handover_channel_anew_where_the_inputs_to_pick_are_others) {
     const auto picking = [](std::vector<std::size_t> inputs) {
         OutputSettings output = sbus_output(std::move(inputs));
