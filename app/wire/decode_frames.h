@@ -40,7 +40,7 @@ std::uint64_t most_frames(std::span<const ProtocolUse> uses, const Recording& re
 /// Decodes a whole recording by the one of the protocols that finds the most frames. All must have
 /// the recording's shape. Returns the exit status.
 ///
-/// Where there are several, a burst that none of its frames touches and that is exactly one frame
+/// With several protocols, a burst that none of its frames touches and that is exactly one frame
 /// of another protocol is decoded as that frame; so a file that lists frames of several protocols,
 /// one a line, is decoded completely.
 int decode_frames(const Recording& recording, std::span<const ProtocolUse> uses,

@@ -21,7 +21,7 @@ enum class DecodeFormat : std::uint8_t { text, json, csv };
 /// The formats' names, in their order.
 inline constexpr std::array<std::string_view, 3> kDecodeFormatNames{"text", "json", "csv"};
 
-/// What the function of the format appends for these arguments.
+/// Returns the text that the function of this format appends for the arguments.
 template <class Text, class Json, class Csv, class... Arguments>
 std::string in_format(DecodeFormat format, Text text, Json json, Csv csv,
                       const Arguments&... arguments) {
@@ -40,8 +40,8 @@ std::string in_format(DecodeFormat format, Text text, Json json, Csv csv,
     return line;
 }
 
-/// Where `decode` prints. The summary of a CSV goes to `messages`, all other output to `results`.
-/// Both must outlive it.
+/// The streams that `decode` prints to. The summary of a CSV goes to `messages`, all other output
+/// to `results`. Both must outlive it.
 struct DecodeOutput {
     DecodeFormat format;
     RecordingKind input;

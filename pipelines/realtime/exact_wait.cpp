@@ -14,7 +14,7 @@ namespace {
 
 /// Not by the C library's function, which is a cancellation point: see direct_call.h.
 int wait_exactly(int epoll, epoll_event* events, int most, const timespec& timeout) {
-    // Of 64 bits on every processor.
+    // It has 64 bits on every processor.
     const __kernel_timespec time{.tv_sec = timeout.tv_sec, .tv_nsec = timeout.tv_nsec};
     return static_cast<int>(
         ::syscall(SYS_epoll_pwait2, epoll, events, most, &time, nullptr, std::size_t{0}));

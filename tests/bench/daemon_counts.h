@@ -4,7 +4,7 @@
 
 #include <tl/expected.hpp>
 
-/// What the whole program takes for a frame.
+/// The cost of a frame in the whole program.
 namespace tribus::bench {
 
 /// User instructions a frame of all threads of `tribus run`, counted by callgrind: i.Bus with 18
