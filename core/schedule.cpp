@@ -22,6 +22,11 @@ constexpr int kSlowestInput = 2;
 constexpr int kMostMissingFrames = 3;
 /// If this many frames in a row had to wait, it is no coincidence.
 constexpr int kHeldUpInARow = 8;
+/// How long a repeat waits beyond the time at which its frame should have come: a tick of the
+/// kernel (CONFIG_HZ of 250), and a rest for frames that come a little late. A frame that comes in
+/// time then finds the timer of the repeat behind the next tick, so the kernel cancels it without
+/// programming the clock.
+constexpr Duration kRepeatPatience = std::chrono::microseconds(4500);
 /// A sender whose clock is fast by less than this share still has the requested period.
 constexpr int kClockTolerance = 100;
 
@@ -45,10 +50,17 @@ void Schedule::continue_from(const Schedule& before, Instant now) {
     const ScheduleSettings settings = std::exchange(settings_, before.settings_);
     *this = before;
     settings_ = settings;
-    const Instant at_most = later(before.latest_write_.value_or(now), settings.period);
+    set_period(settings.period);
+    const Instant at_most =
+        later(before.latest_write_ == kLongAgo ? now : before.latest_write_, settings.period);
     due_ = std::max(now, std::min(before.due_, at_most));
     // A grid that begins here must not count earlier time as missed.
     point_ = due_;
+}
+
+/// The turn of the frame that is written next.
+Instant Schedule::turn_of_next() const {
+    return std::max(turn_ + settings_.period, arrivals_.fitted);
 }
 
 /// A frame that must wait because another was written shortly before delays the next frame too, and
@@ -56,15 +68,18 @@ void Schedule::continue_from(const Schedule& before, Instant now) {
 /// a run of frames that had to wait, as after a stall where both periods are equal.
 Instant Schedule::follow_due() const {
     const Instant latest = arrivals_.latest;
-    const Instant due =
-        latest_write_ ? std::max(latest, *latest_write_ + settings_.period) : latest;
+    const Instant due = std::max({latest, turn_ + settings_.period, latest_write_ + spacing_});
+    if (due == latest) {
+        return due;
+    }
     const Duration interval = arrivals_.interval;
     const Instant next = arrivals_.fitted + interval;
-    const bool holds_up_next = due > latest && due < next && due + settings_.period > next;
+    const bool holds_up_next =
+        due < next && std::max(turn_of_next() + settings_.period, due + spacing_) > next;
     if (!holds_up_next || (next - due >= interval / 2 && held_up_ < kHeldUpInARow)) {
         return due;
     }
-    return std::min(expected_by(1), *latest_write_ + 2 * settings_.period);
+    return std::min(expected_by(1), latest_write_ + 2 * settings_.period) + kRepeatPatience;
 }
 
 /// When the frame that comes `frames` frames after the latest one should have arrived, even if
@@ -74,22 +89,18 @@ Instant Schedule::expected_by(int frames) const {
 }
 
 /// A period has passed without a new frame, but a frame that is about to arrive is worth waiting
-/// for: with 7.7 ms from the receiver and 7 ms here, a repeat would delay every fresh frame. A
-/// necessary repeat is sent early enough not to delay the frame after the missing one.
+/// for: with 7.7 ms from the receiver and 7 ms here, a repeat would delay every fresh frame.
 Instant Schedule::repeat_due(Instant now) const {
     const Instant planned = now + settings_.period;
-    const Instant at_most = planned + settings_.period;
-    const Duration interval = arrivals_.interval;
-    for (int frames = 1; frames <= kMostMissingFrames && interval > Duration::zero(); ++frames) {
-        const Instant expected = expected_by(frames);
-        if (expected > planned) {
-            const Instant leaves_room =
-                arrivals_.fitted + (frames + 1) * interval - settings_.period - kLeastGuard;
-            return expected < at_most ? std::min(std::max(expected, leaves_room), at_most)
-                                      : planned;
-        }
+    if (arrivals_.interval <= Duration::zero()) {
+        return planned;
     }
-    return planned;
+    Instant expected = expected_by(1);
+    for (int frames = 2; expected <= planned && frames <= kMostMissingFrames; ++frames) {
+        expected += arrivals_.interval;
+    }
+    const bool soon = expected > planned && expected < planned + settings_.period;
+    return soon ? expected + kRepeatPatience : planned;
 }
 
 Duration Schedule::least_step() const {
@@ -128,22 +139,27 @@ Instant Schedule::locked_due() const {
     const bool frame_is_there = arrivals_.latest >= point_ - interval / 2;
     const Instant due =
         frame_is_there ? std::max(point_, arrivals_.latest) : point_ + interval / kFrameWaitShare;
-    return latest_write_ ? std::max(due, *latest_write_ + least_step()) : due;
+    return std::max(due, latest_write_ + least_step());
 }
 
-void Schedule::done(Instant now, bool wrote) {
+void Schedule::done(Instant now, bool wrote, Instant valid_until) {
     if (wrote) {
+        turn_ = std::clamp(turn_of_next(), now - settings_.period, now);
         latest_write_ = now;
     }
-    if (settings_.kind == ScheduleKind::follow) {
-        if (now - due_ >= settings_.period) {
-            overruns_ += static_cast<std::uint64_t>((now - due_) / settings_.period);
-        }
-        const bool waited = due_ > arrivals_.latest + kGoodOffset;
-        held_up_ = waited ? std::min(held_up_ + 1, kHeldUpInARow) : 0;
-        due_ = repeat_due(now);
+    if (settings_.kind == ScheduleKind::grid) {
+        grid_done(now);
         return;
     }
+    if (now - due_ >= settings_.period) {
+        overruns_ += static_cast<std::uint64_t>((now - due_) / settings_.period);
+    }
+    const bool waited = due_ > arrivals_.latest + kGoodOffset;
+    held_up_ = waited ? std::min(held_up_ + 1, kHeldUpInARow) : 0;
+    due_ = std::min(repeat_due(now), std::max(valid_until, now + settings_.period));
+}
+
+[[gnu::noinline]] void Schedule::grid_done(Instant now) {
     const Instant served = due_;
     const std::optional<Duration> locked = locked_step();
     const Duration step = locked.value_or(settings_.period);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -24,6 +25,9 @@ struct ScheduleSettings {
     ScheduleKind kind = ScheduleKind::follow;
     Duration period = std::chrono::milliseconds(14);
     Phase phase = Phase::free;
+    /// Least time from one frame to the next where the first one was late or is a repeat: readers
+    /// of the protocol take both. By default, and at most, the period. Only for `follow`.
+    Duration least_spacing = Duration::max();
 
     bool operator==(const ScheduleSettings&) const = default;
 };
@@ -31,7 +35,9 @@ struct ScheduleSettings {
 /// Decides when an output is due. Absolute instants, no clock. Pure; thread-bound.
 class Schedule {
   public:
-    explicit Schedule(const ScheduleSettings& settings) : settings_(settings) {}
+    explicit Schedule(const ScheduleSettings& settings) : settings_(settings) {
+        set_period(settings.period);
+    }
 
     /// Sets the first deadline: a `grid` is due at once, `follow` one period later if no frame
     /// arrives.
@@ -45,14 +51,19 @@ class Schedule {
     void continue_from(const Schedule& before, Instant now);
 
     /// Takes effect with the next deadline.
-    void set_period(Duration period) { settings_.period = period; }
+    void set_period(Duration period) {
+        settings_.period = period;
+        spacing_ = std::min(settings_.least_spacing, period);
+    }
 
     /// When the output is due next.
     Instant due() const { return due_; }
 
     /// Sets the next deadline. Call at `now`, not before `due()`; `wrote` is false if the output
     /// sent nothing. A grid stays on its points: missed whole periods are skipped and counted.
-    void done(Instant now, bool wrote);
+    /// `valid_until`: what was written is true until then, so a repeat that waits for a frame waits
+    /// no longer than until then.
+    void done(Instant now, bool wrote, Instant valid_until = kNever);
 
     /// Whole periods that were missed because `done` was called late.
     std::uint64_t overruns() const { return overruns_; }
@@ -62,16 +73,26 @@ class Schedule {
     Instant follow_due() const;
     Instant expected_by(int frames) const;
     Instant repeat_due(Instant now) const;
+    Instant turn_of_next() const;
     Duration least_step() const;
     std::optional<Duration> locked_step() const;
     Duration correction(Instant planned, Duration step) const;
     Instant locked_due() const;
+    void grid_done(Instant now);
+
+    /// Sums with durations do not overflow.
+    static constexpr Instant kLongAgo = Instant(Duration::min() / 2);
 
     ScheduleSettings settings_;
+    Duration spacing_{};  ///< least spacing with the present period
     Instant due_ = kNever;
     /// The latest point of the grid. Nothing is written before it.
     Instant point_ = kNever;
-    std::optional<Instant> latest_write_;
+    /// Before all time if nothing was written.
+    Instant latest_write_ = kLongAgo;
+    /// When the latest frame would have been written if neither it nor a repeat had been late. The
+    /// next frame's turn is a period later.
+    Instant turn_ = kLongAgo;
     /// Frames in a row that were written well after their arrival.
     int held_up_ = 0;
     ArrivalLine arrivals_;

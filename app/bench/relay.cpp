@@ -15,6 +15,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "pipelines/realtime/clock.h"
+
 namespace tribus::bench {
 namespace {
 
@@ -43,13 +45,13 @@ bool carry(const Ends& ends) {
     return count < 0 && errno == EAGAIN;
 }
 
-int relay_with_poll(const std::vector<Ends>& ends) {
+int relay_with_poll(const std::vector<Ends>& ends, const timespec* timeout) {
     std::vector<pollfd> waits;
     waits.reserve(ends.size());
     for (const Ends& pair : ends) {
         waits.push_back({.fd = pair.in, .events = POLLIN, .revents = 0});
     }
-    while (::poll(waits.data(), waits.size(), -1) > 0) {
+    while (::ppoll(waits.data(), waits.size(), timeout, nullptr) >= 0) {
         for (std::size_t i = 0; i < waits.size(); ++i) {
             if (waits[i].revents != 0 && !carry(ends[i])) {
                 return 1;
@@ -59,7 +61,7 @@ int relay_with_poll(const std::vector<Ends>& ends) {
     return 1;
 }
 
-int relay_with_epoll(const std::vector<Ends>& ends) {
+int relay_with_epoll(const std::vector<Ends>& ends, const timespec* timeout) {
     constexpr int kEventsPerWake = 64;
     const int epoll = ::epoll_create1(0);
     for (std::size_t i = 0; i < ends.size(); ++i) {
@@ -70,7 +72,7 @@ int relay_with_epoll(const std::vector<Ends>& ends) {
     }
     std::array<epoll_event, kEventsPerWake> events;
     int count = 0;
-    while ((count = ::epoll_wait(epoll, events.data(), kEventsPerWake, -1)) > 0) {
+    while ((count = ::epoll_pwait2(epoll, events.data(), kEventsPerWake, timeout, nullptr)) >= 0) {
         for (int i = 0; i < count; ++i) {
             const epoll_event& event = events[static_cast<std::size_t>(i)];
             if (!carry(ends[static_cast<std::size_t>(event.data.u64)])) {
@@ -115,8 +117,10 @@ int run_relay(const std::vector<std::pair<std::string, std::string>>& devices,
         std::perror("no real-time scheduling for the bare relay");
         return 1;
     }
-    return settings.waits == RelaySettings::Waits::poll ? relay_with_poll(ends)
-                                                        : relay_with_epoll(ends);
+    const timespec timeout = as_timespec(settings.timeout.value_or(Duration::zero()));
+    const timespec* wait = settings.timeout ? &timeout : nullptr;
+    return settings.waits == RelaySettings::Waits::poll ? relay_with_poll(ends, wait)
+                                                        : relay_with_epoll(ends, wait);
 }
 
 }  // namespace tribus::bench

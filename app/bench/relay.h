@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/time.h"
+
 namespace tribus::bench {
 
 /// The minimum that carries bytes from one device to another: wait, read, write. All figures of
@@ -15,6 +17,8 @@ struct RelaySettings {
     Waits waits = Waits::poll;
     std::optional<int> priority;  ///< SCHED_FIFO with locked memory; else as an ordinary program
     std::optional<int> cpu;
+    /// It also wakes after this time without bytes, as a program with a failsafe must.
+    std::optional<Duration> timeout{};
 };
 
 /// Carries bytes from the first device of each pair to the second. Returns only on an error, with

@@ -24,6 +24,7 @@ SimulateLog::SimulateLog(const Engine& engine)
     : engine_(engine),
       causes_(engine.inputs().size(), LinkCause::never_seen),
       two_senders_printed_(engine.inputs().size()),
+      states_(engine.outputs().size()),
       outputs_(engine.outputs().size(), output_text({}, {})),
       presets_printed_(engine.outputs().size()) {
     for (const Input& input : engine.inputs()) {
@@ -46,6 +47,10 @@ void SimulateLog::look(Instant now) {
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
         const Output& output = engine_.outputs()[i];
         const OutputState state = output.state(now);
+        if (state == states_[i]) {
+            continue;
+        }
+        states_[i] = state;
         std::string text = output_text(state, input_names_);
         if (text != outputs_[i]) {
             outputs_[i] = std::move(text);

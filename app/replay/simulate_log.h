@@ -22,6 +22,8 @@ class SimulateLog {
     std::vector<std::string> input_names_;
     std::vector<LinkCause> causes_;
     std::vector<bool> two_senders_printed_;
+    /// The latest states, and their texts.
+    std::vector<OutputState> states_;
     std::vector<std::string> outputs_;
     std::vector<std::uint32_t> presets_printed_;
 };

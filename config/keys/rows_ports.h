@@ -31,7 +31,8 @@ inline constexpr std::array kOutputKeys{
          .absent = "the default of the protocol",
          .least = 0.0001,
          .most = 1,
-         .help = "Least time between the starts of two frames",
+         .help = "Least time between the starts of two frames. Behind a late frame one may come "
+                 "sooner (channels.md, \"When an output sends\")",
          .example = "\"10ms\""}),
     row<&OutputConfig::force>(
         {.key = "force",
@@ -39,8 +40,8 @@ inline constexpr std::array kOutputKeys{
          .example = "true"}),
     row<&OutputConfig::schedule, &ScheduleSettings::kind>(
         {.key = "schedule",
-         .help = "When frames are sent. `follow`: when a new frame arrives, at most once a "
-                 "`period`, and once a `period` while none arrives; `grid`: exactly once a "
+         .help = "When frames are sent. `follow`: when a new frame arrives, over any time at most "
+                 "once a `period`, and once a `period` while none arrives; `grid`: exactly once a "
                  "`period`, whatever arrives",
          .example = "\"grid\""}),
     row<&OutputConfig::schedule, &ScheduleSettings::phase>(

@@ -11,8 +11,8 @@
 
 namespace tribus {
 
-/// Upper limit of the size of a file. Limits the time that the search for mistakes takes.
-inline constexpr std::size_t kMostConfigurationBytes = 256UL * 1024UL;
+/// Upper limit of the size of a file: 1,000 pipelines with 18 rules each have 1.4 MB.
+inline constexpr std::size_t kMostConfigurationBytes = 4UL * 1024UL * 1024UL;
 /// Upper limit of the mistakes of syntax that are searched for in one file.
 inline constexpr std::size_t kMostSyntaxMistakes = 32;
 /// Upper limit of the bytes that are parsed for it, about a second: each mistake costs some thirty

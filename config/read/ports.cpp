@@ -297,6 +297,10 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
             own_period(*port.protocol, draft.config.settings, draft.settings_sound);
     }
     content.read_into(draft.config);
+    if (port.protocol != nullptr) {
+        draft.config.schedule.least_spacing =
+            port.protocol->least_spacing.value_or(port.protocol->least_period);
+    }
     const bool judged = port.protocol != nullptr && content.sound("protocol") &&
                         content.sound("period") && content.sound("baud") && content.sound("force");
     if (judged) {

@@ -18,9 +18,9 @@
 namespace tribus {
 namespace {
 
-static_assert(kMostConfigurationBytes == 256UL * 1024UL, "the text below says so");
+static_assert(kMostConfigurationBytes == 4UL * 1024UL * 1024UL, "the text below says so");
 constexpr std::string_view kFileText = R"(
-A configuration is a [TOML](https://toml.io) file of at most 256 KiB. Inputs, outputs, pipelines
+A configuration is a [TOML](https://toml.io) file of at most 4 MiB. Inputs, outputs, pipelines
 and the rest are tables in it. A complete one:
 
 ```toml

@@ -23,6 +23,7 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
     ongoing_.latest.source = index_;
     mapped_ = before.control();
     supervisor_.continue_from(before.supervisor_, now);
+    looked_at_ = kNever;
     if (same_channels) {
         std::swap(map_, before.map_);
     } else if (map_ && supervisor_.ever_good()) {
@@ -92,7 +93,8 @@ const DecoderReport& Input::decoder() const {
                       decoder_);
 }
 
-void Input::look(Instant now) {
+void Input::judge(Instant now) {
+    looked_at_ = now;
     const LinkState fresh = supervisor_.state(now);
     if (fresh.cause != ongoing_.state.cause) {
         ++ongoing_.counts.began[static_cast<std::size_t>(fresh.cause)];
@@ -112,7 +114,7 @@ void Input::take(ChannelFrame frame, Instant arrival, Instant now) {
     if (map_) {
         mapped_ = map_->apply(supervisor_.control(), now);
     }
-    look(now);
+    judge(now);
 }
 
 }  // namespace tribus

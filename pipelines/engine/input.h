@@ -91,6 +91,7 @@ class Input {
     void was_away(Instant since, Instant now) {
         supervisor_.was_away(since, now);
         forget_read_time();
+        looked_at_ = kNever;
     }
     /// Call when bytes after the received ones were discarded: ends the frame received in part.
     void bytes_discarded() { start_anew(); }
@@ -102,7 +103,11 @@ class Input {
     /// State of the link at the latest frame or call of `look`.
     const LinkState& state() const { return ongoing_.state; }
     /// Updates `state` and the counters of causes.
-    void look(Instant now);
+    void look(Instant now) {
+        if (now != looked_at_) {
+            judge(now);
+        }
+    }
 
     /// The values of the latest good frame, after the input's own channel rules. Marked frame-lost
     /// if the newest frame is not good.
@@ -142,6 +147,7 @@ class Input {
     void count_bytes(std::size_t count, Instant now) {
         ongoing_.counts.bytes += count;
         supervisor_.bytes_came(now);
+        looked_at_ = kNever;
     }
     /// Call before the bytes are decoded. Returns true if the pause before them completed a frame.
     bool arrived(std::size_t count, Instant now) {
@@ -153,6 +159,7 @@ class Input {
     void start_anew();
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
     void take_decoded(Instant now);
+    void judge(Instant now);
     /// Takes a frame that arrived at `arrival`, not later than `now`.
     void take(ChannelFrame frame, Instant arrival, Instant now);
 
@@ -166,6 +173,8 @@ class Input {
     std::optional<ChannelMap> map_;
     ChannelFrame mapped_;
     Ongoing ongoing_;
+    /// `state` is of then. `kNever`: something came since.
+    Instant looked_at_ = kNever;
 };
 
 }  // namespace tribus

@@ -63,6 +63,7 @@ bool InputSelector::take_only(Instant now, Instant until, const Input& input, bo
     changed_over_ = follows_one() && std::exchange(control_removed_, false);
     place_ = 0;
     frame_ = input.control();
+    alive_until_ = input.link().alive_until();
     return true;
 }
 
@@ -180,6 +181,7 @@ std::optional<std::size_t> InputSelector::choose(std::span<const Input> inputs) 
     changed_over_ = follows_one() && (another || std::exchange(control_removed_, false));
     place_ = place;
     voted_ = voting;
+    alive_until_ = inputs[settings_.inputs[*place]].link().alive_until();
     if (voting) {
         vote(inputs);
         watch_dissent(now, inputs);
@@ -203,6 +205,8 @@ void InputSelector::vote(std::span<const Input> inputs) {
     frame_ = control(*place_, inputs);
     bool any_fresh = false;
     for (std::size_t place = 0; place < voters_.size(); ++place) {
+        const Instant until = inputs[settings_.inputs[place]].link().alive_until();
+        alive_until_ = voters_[place].serves ? std::min(alive_until_, until) : alive_until_;
         any_fresh =
             any_fresh || (votes(place, false, inputs) && !control(place, inputs).frame_lost);
     }

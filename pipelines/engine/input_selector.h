@@ -50,6 +50,8 @@ class InputSelector {
     bool follows_one() const { return settings_.mode != SelectionMode::freshest; }
     /// The values of the latest selection.
     const ChannelFrame& frame() const { return frame_; }
+    /// Until when that frame counts, and each that it is made from, if no other frame comes.
+    Instant alive_until() const { return alive_until_; }
     /// True if the latest selection took control from one input to another. A change inside a
     /// median does not count.
     bool changed_over() const { return changed_over_; }
@@ -112,6 +114,7 @@ class InputSelector {
     /// The input in control was removed from the configuration.
     bool control_removed_ = false;
     ChannelFrame frame_;
+    Instant alive_until_{};
     /// Channels on which a majority of three or more inputs agrees.
     std::bitset<kChannelCount> majority_;
     std::uint64_t outvoted_count_ = 0;

@@ -162,6 +162,7 @@ bool Output::make_control_frame(ChannelFrame& frame, Instant now) {
         glide_from_latest(changeover_us_per_second_);
     }
     ongoing_.stage = OutputStage::control;
+    valid_until_ = selector_.alive_until();
     ongoing_.glide.apply(frame, now);
     ongoing_.held = frame;
     return true;
@@ -202,7 +203,8 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
             ongoing_.holding_since = lost_at <= end_of_period ? lost_at : now;
         }
         ongoing_.stage = OutputStage::holding;
-        if (!yielding && end_of_period < later(ongoing_.holding_since, failsafe_.hold)) {
+        valid_until_ = later(ongoing_.holding_since, failsafe_.hold);
+        if (!yielding && end_of_period < valid_until_) {
             frame = *ongoing_.held;
             frame.frame_lost = true;
             return true;
@@ -229,6 +231,7 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
 
 void Output::run(Instant now, std::span<const Input> inputs) {
     ChannelFrame frame;
+    valid_until_ = kNever;
     const bool made = make_frame(frame, now, inputs);
     by_preset_ = 0;
     if (made && !selector_.inputs().empty()) {
@@ -249,7 +252,7 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         // A silent output cannot find out whether the obstacle has gone.
         ongoing_.obstacle = SendObstacle::none;
     }
-    schedule_.done(now, ongoing_.made_frame);
+    schedule_.done(now, ongoing_.made_frame, valid_until_);
 }
 
 }  // namespace tribus

@@ -224,6 +224,8 @@ class Output {
     FailsafeSettings failsafe_;
     Ongoing ongoing_;
     bool ending_ = false;
+    /// When the frame of the latest `run` would be judged differently.
+    Instant valid_until_ = kNever;
     Transmission transmission_;
 };
 

@@ -59,6 +59,8 @@ class LinkSupervisor {
         const Instant channels = channels_missing_ ? channels_missing_since_ : expires_;
         return std::min({radio, channels, expires_});
     }
+    /// When a link that is alive will be lost if no frame follows.
+    Instant alive_until() const { return expires_; }
     bool ever_good() const { return ever_good_; }
     /// Start of the uninterrupted run of good frames.
     Instant run_start() const { return run_start_; }

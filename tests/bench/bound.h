@@ -58,6 +58,8 @@ std::vector<Bound> time_bounds();
 std::vector<Bound> response_bounds();
 /// Bounds in instructions.
 std::vector<Bound> instruction_bounds();
+/// Bounds of the kernel's timers.
+std::vector<Bound> clock_bounds();
 /// Bounds that are other counts.
 std::vector<Bound> count_bounds();
 

@@ -127,7 +127,8 @@ bool measure_and_print(const Bound& bound, const BoundSettings& settings, const 
 
 int run(const Options& options) {
     std::vector<Bound> bounds = time_bounds();
-    for (const auto& further : {response_bounds(), count_bounds(), instruction_bounds()}) {
+    for (const auto& further :
+         {clock_bounds(), response_bounds(), count_bounds(), instruction_bounds()}) {
         bounds.insert(bounds.end(), further.begin(), further.end());
     }
     for (const std::string& name : options.only) {
@@ -171,8 +172,8 @@ int main(int argc, char** argv) {
     tribus::test::Options options;
     app.add_option(
            "--only", options.only,
-           "latency,load,age,lateness,cpu,scaling,spawn,response,memory,heap,calls,lost,codecs,"
-           "garbage,daemon: some rows")
+           "latency,load,age,lateness,cpu,scaling,spawn,clock,response,memory,heap,calls,lost,"
+           "codecs,garbage,daemon: some rows")
         ->delimiter(',');
     app.add_option("--runs", options.runs, "Of each ratio; the median counts")
         ->check(CLI::Range(1, 99))

@@ -125,17 +125,18 @@ Verdict writes_what_nobody_says(std::size_t output, const RandomWorld& world,
     return std::nullopt;
 }
 
-/// Reports two frames that are too close, or a missing frame of an output that is not silent. A
-/// locked grid steps in whole input intervals and adapts to a sender whose clock is fast by one
-/// percent.
+/// Reports two frames that are too close, three of them within a period, or a missing frame of an
+/// output that is not silent. A locked grid steps in whole input intervals and adapts to a sender
+/// whose clock is fast by one percent. A repeat waits for one tick of the kernel.
 Verdict loses_its_period(std::size_t output, const RandomWorld& world,
                          const Simulation& simulation) {
     const std::vector<Written>& written = simulation.written(output);
     const Duration period = world.period(output);
     const Duration interval = world.longest_interval();
     const bool locked = world.locked(output);
-    const Duration least = locked ? period - period / 100 : period;
-    const Duration most = 2 * (locked ? period + std::min(interval, 2 * period) : period);
+    const Duration least = world.least_spacing(output);
+    const Duration least_of_two = std::max(2 * least, locked ? Duration::zero() : period);
+    const Duration most = 2 * (locked ? period + std::min(interval, 2 * period) : period) + 4500us;
     for (std::size_t i = 1; i < written.size(); ++i) {
         const Duration gap = written[i].at - written[i - 1].at;
         // A grid turn that is late does not move the next one. After a stall the lock starts
@@ -143,7 +144,8 @@ Verdict loses_its_period(std::size_t output, const RandomWorld& world,
         if (simulation.stalled_between(written[i - 1].at - 2 * period, written[i].at)) {
             continue;
         }
-        if (gap < least || (gap > most && !world.falls_silent(output))) {
+        const Duration of_two = i > 1 ? written[i].at - written[i - 2].at : least_of_two;
+        if (gap < least || of_two < least_of_two || (gap > most && !world.falls_silent(output))) {
             return told(output, written[i],
                         fmt::format("{} us behind the frame before", gap / 1us));
         }
@@ -265,13 +267,18 @@ void RandomWorld::add_output(std::size_t index) {
     }
     duration("period", period);
     bool locked = false;
-    if (chance(50)) {
+    const bool follows = !chance(50);
+    if (!follows) {
         line("schedule = \"grid\"");
         locked = chance(50);
         line(locked ? "phase = \"locked\"" : "phase = \"free\"");
     }
     marks_.push_back(protocol != "ibus");
     periods_.push_back(period);
+    const Duration by_readers = protocol == "sbus" ? 6ms : protocol == "ibus" ? 4ms : 2ms;
+    least_spacings_.push_back(follows  ? std::min(by_readers, period)
+                              : locked ? period - period / 100
+                                       : period);
     locked_.push_back(locked);
 }
 

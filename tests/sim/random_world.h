@@ -31,6 +31,8 @@ class RandomWorld {
     /// from the first frame with them. It is longer if the output cannot mark frames.
     Duration longest_unmarked(std::size_t output) const;
     Duration period(std::size_t output) const { return periods_[output]; }
+    /// Least time between two frames of the output.
+    Duration least_spacing(std::size_t output) const { return least_spacings_[output]; }
     /// Returns whether the output's schedule is a grid that follows the input's frames.
     bool locked(std::size_t output) const { return locked_[output]; }
     /// Longest interval between two frames of a sender.
@@ -69,6 +71,7 @@ class RandomWorld {
     std::vector<bool> marks_;
     std::vector<bool> falls_silent_;
     std::vector<Duration> periods_;
+    std::vector<Duration> least_spacings_;
     std::vector<bool> locked_;
     Duration hold_{};
     Duration longest_unnoticed_{};

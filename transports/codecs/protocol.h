@@ -51,6 +51,9 @@ struct Protocol {
     std::optional<Duration> (*own_period)(const SettingValues&) = nullptr;
     /// Shorter periods need `force = true`, because usual receivers would lose frames.
     Duration least_period{};
+    /// Least time from the start of a frame that was late, or a repeat, to that of the next one: so
+    /// little only now and then. By default `least_period`.
+    std::optional<Duration> least_spacing{};
     /// Longest period before receivers of these frames stop acting on them. Null or nothing: no
     /// limit.
     std::optional<Duration> (*most_period)(const SettingValues&) = nullptr;

@@ -1,5 +1,6 @@
 #include "config/load.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -225,9 +226,28 @@ TEST(Load, SaysThatAFolderIsNoFile) {
     EXPECT_NE(configuration.error()[0].text.find("it is a folder"), std::string::npos);
 }
 
+TEST(Load, AcceptsAThousandPipelinesWithEighteenRulesEach) {
+    std::string text;
+    for (int i = 0; i < 1000; ++i) {
+        text += fmt::format(
+            "[input.in{0}]\nprotocol = \"ibus\"\ndevice = \"/dev/in{0}\"\n"
+            "[output.out{0}]\nprotocol = \"sbus\"\ndevice = \"/dev/out{0}\"\n"
+            "[pipeline.p{0}]\nfrom = [\"in{0}\"]\nto = [\"out{0}\"]\n[pipeline.p{0}.channels]\n",
+            i);
+        for (int channel = 1; channel <= 18; ++channel) {
+            text += fmt::format("{} = {{ from = {}, trim = 5, min = 1000, max = 2000 }}\n", channel,
+                                19 - channel);
+        }
+    }
+    const auto configuration = load_configuration(text, "t.toml");
+    ASSERT_TRUE(configuration) << format_mistake(configuration.error().front());
+    EXPECT_EQ(configuration->pipelines.size(), 1000U);
+}
+
 TEST(Load, RefusesAFileOfAbsurdLength) {
-    const auto lines = mistakes_in(std::string(300'000, '#'));
-    EXPECT_EQ(lines, Lines{"t.toml:1:1: the file has 300000 bytes; allowed: at most 262144"});
+    const auto lines = mistakes_in(std::string(5'000'000, '#'));
+    EXPECT_EQ(lines,
+              Lines{"t.toml:1:1: the file has more than 4194304 bytes; allowed: at most that"});
 }
 
 }  // namespace

@@ -123,7 +123,8 @@ Pulse raw_zero(const SettingValues& settings) {
 
 // 14 ms is Futaba's normal mode, which analogue servos tolerate. Below 7 ms a frame leaves less
 // than the 4 ms of silence that ArduPilot waits for (docs/protocols/sbus.md, "Periods" and
-// "Synchronisation").
+// "Synchronisation"). 6 ms, which EdgeTX sends too, leaves the 3 ms that INAV waits for; ArduPilot
+// then misses the frame that comes early.
 const Protocol kSbusProtocol{
     .name = "sbus",
     .title = "SBUS",
@@ -133,6 +134,7 @@ const Protocol kSbusProtocol{
     .longest_frame = kSbusFrameLength,
     .default_period = std::chrono::milliseconds(14),
     .least_period = std::chrono::milliseconds(7),
+    .least_spacing = std::chrono::milliseconds(6),
     .signals_failsafe = always_signals_failsafe,
     .raw_zero = raw_zero,
     .sure_channels = always_has_first<kChannelCount>,
