@@ -72,6 +72,48 @@ tl::expected<std::string, std::string> InputFile::read_all() {
     }
 }
 
+void InputFile::rewind() {
+    ::lseek(descriptor_.get(), 0, SEEK_SET);
+}
+
+tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::open_path(
+    std::string_view path) {
+    auto file = InputFile::open_path(path);
+    if (!file) {
+        return tl::unexpected(std::move(file.error()));
+    }
+    std::unique_ptr<FilePieces> pieces(new FilePieces(std::move(*file)));
+    if (!pieces->file_.is_whole()) {
+        auto content = pieces->file_.read_all();
+        if (!content) {
+            return tl::unexpected(std::move(content.error()));
+        }
+        pieces->piece_ = std::move(*content);
+        pieces->whole_.emplace(pieces->piece_);
+    }
+    return pieces;
+}
+
+std::string_view FilePieces::next() {
+    if (whole_) {
+        return whole_->next();
+    }
+    auto bytes = file_.read_some();
+    if (!bytes) {
+        failed_ = std::move(bytes.error());
+    }
+    piece_ = std::move(bytes).value_or(std::string());
+    return piece_;
+}
+
+void FilePieces::rewind() {
+    if (whole_) {
+        whole_->rewind();
+    } else {
+        file_.rewind();
+    }
+}
+
 std::optional<std::size_t> terminal_columns() {
     winsize size{};
     const bool known = ::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 #include <tl/expected.hpp>
 
 #include "transports/links/unique_fd.h"
+#include "transports/recordings/pieces.h"
 
 /// Files and standard streams of the subcommands that convert between formats.
 namespace tribus {
@@ -30,6 +32,8 @@ class InputFile {
     tl::expected<std::string, std::string> read_some();
     /// Everything up to the end.
     tl::expected<std::string, std::string> read_all();
+    /// Reads again from the start; only for a regular file.
+    void rewind();
 
   private:
     InputFile(UniqueFd descriptor, std::string name)
@@ -37,6 +41,27 @@ class InputFile {
 
     UniqueFd descriptor_;
     std::string name_;
+};
+
+/// The content of a file. A pipe is read to its end first. Errors of reading are told by `failed`.
+/// Thread-bound.
+class FilePieces final : public Pieces {
+  public:
+    static tl::expected<std::unique_ptr<FilePieces>, std::string> open_path(std::string_view path);
+
+    std::string_view next() override;
+    void rewind() override;
+    /// Why it ended too early.
+    const std::optional<std::string>& failed() const { return failed_; }
+
+  private:
+    explicit FilePieces(InputFile file) : file_(std::move(file)) {}
+
+    InputFile file_;
+    std::string piece_;
+    /// Of a pipe: its whole content is `piece_`.
+    std::optional<OnePiece> whole_;
+    std::optional<std::string> failed_;
 };
 
 /// Width of the terminal on standard output; nothing if it is no terminal.

@@ -80,19 +80,24 @@ tl::expected<LearnedFrames, std::string> frames_of_recording(const LearnOptions&
     if (!times) {
         return Refused(times.error());
     }
-    const auto arrivals =
-        load_arrivals({{input, options.recording}}, simulated_sources(configuration));
+    const auto sources = simulated_sources(configuration);
+    auto arrivals = Arrivals::open({{input, options.recording}}, sources);
     if (!arrivals) {
         return Refused(arrivals.error());
     }
     FrameCollector collector(configuration.inputs[input]);
     LearnedFrames learned{.frames = {}, .times = *times};
-    for (const Arrival& arrival : arrivals->in_order) {
-        if (const auto* frame = std::get_if<ArrivedCanFrame>(&arrival.what)) {
-            collector.receive(arrivals->can_frames[frame->index], arrival.at);
-        } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
-            collector.receive(std::span(&byte->value, 1), std::array{byte->damaged}, arrival.at);
+    auto arrival = arrivals->next();
+    for (; arrival && *arrival != nullptr; arrival = arrivals->next()) {
+        const Instant at = (*arrival)->at;
+        if (const auto* frame = std::get_if<CanFrame>(&(*arrival)->what)) {
+            collector.receive(*frame, at);
+        } else if (const auto* byte = std::get_if<ArrivedByte>(&(*arrival)->what)) {
+            collector.receive(std::span(&byte->value, 1), std::array{byte->damaged}, at);
         }
+    }
+    if (!arrival) {
+        return Refused(arrival.error());
     }
     learned.frames = collector.frames();
     return learned;

@@ -55,20 +55,94 @@ std::vector<SimulatedSink> simulated_sinks(const Configuration& configuration) {
     return sinks;
 }
 
-/// Keeps what outputs and sensor buses send: CAN frames as candump log, bytes in the requested
+/// The files of --out, which are written while the simulation runs.
+class SinkFiles {
+  public:
+    /// Opens the file of each index. The error says which one cannot be opened.
+    static tl::expected<SinkFiles, std::string> open(
+        const std::map<std::size_t, std::string>& paths, std::size_t sinks) {
+        SinkFiles files(sinks);
+        for (const auto& [sink, path] : paths) {
+            files.sinks_[sink] = std::make_unique<Sink>(path);
+            if (files.sinks_[sink]->failed()) {
+                return tl::unexpected(cannot_write(path));
+            }
+        }
+        return files;
+    }
+
+    bool wants(std::size_t sink) const { return sinks_[sink] != nullptr; }
+    /// Where to append what the sink says. Call `appended` afterwards.
+    std::string& text(std::size_t sink) { return sinks_[sink]->text; }
+    void appended(std::size_t sink) {
+        constexpr std::size_t kMostKept = std::size_t{64} * 1024;
+        if (sinks_[sink]->text.size() >= kMostKept) {
+            sinks_[sink]->write();
+        }
+    }
+    /// Writes the rest. Returns false, with a message, if a file is not complete.
+    bool finish() {
+        bool fine = true;
+        for (const auto& sink : sinks_) {
+            if (sink != nullptr && !sink->finish()) {
+                fmt::print(stderr, "{}\n", cannot_write(sink->path));
+                fine = false;
+            }
+        }
+        return fine;
+    }
+
+  private:
+    struct Sink {
+        explicit Sink(const std::string& to) : path(to) {
+            if (path != "-") {
+                file.open(path, std::ios::binary);
+            }
+        }
+        bool failed() const { return path != "-" && !file.is_open(); }
+        void write() {
+            if (path == "-") {
+                fmt::print("{}", text);
+            } else {
+                file << text;
+            }
+            text.clear();
+        }
+        bool finish() {
+            write();
+            return path == "-" || static_cast<bool>(file.flush());
+        }
+
+        std::string path;
+        std::ofstream file;
+        std::string text;
+    };
+
+    explicit SinkFiles(std::size_t sinks) : sinks_(sinks) {}
+
+    static std::string cannot_write(const std::string& path) {
+        return fmt::format(
+            "{}: cannot be written; check that its folder exists and the disk is not full", path);
+    }
+
+    std::vector<std::unique_ptr<Sink>> sinks_;
+};
+
+/// Writes what outputs and sensor buses send: CAN frames as candump log, bytes in the requested
 /// format. Prints changes of state.
 class SinkRecorder final : public StationObserver {
   public:
-    SinkRecorder(const Engine& engine, const std::vector<SimulatedSink>& sinks,
+    SinkRecorder(const Engine& engine, const std::vector<SimulatedSink>& sinks, SinkFiles& files,
                  std::string_view format)
         : sinks_(sinks),
           first_bus_(engine.outputs().size()),
-          texts_(sinks.size()),
+          files_(files),
           format_(format),
           log_(engine) {
         for (std::size_t sink = 0; sink < sinks.size(); ++sink) {
-            if (format_ == "timed" && sinks[sink].port->medium->shape == WireShape::bytes) {
-                texts_[sink] = kTimedHeading;
+            if (files.wants(sink) && format_ == "timed" &&
+                sinks[sink].port->medium->shape == WireShape::bytes) {
+                files.text(sink) = kTimedHeading;
             }
         }
     }
@@ -80,16 +154,19 @@ class SinkRecorder final : public StationObserver {
         }
         const std::size_t sink =
             station.kind == StationKind::sensor_bus ? first_bus_ + station.index : station.index;
+        if (!files_.wants(sink)) {
+            return;
+        }
+        std::string& text = files_.text(sink);
         for (const CanFrame& frame : sent.can_frames()) {
-            append_candump_line(texts_[sink], at.time_since_epoch(), sinks_[sink].port->device,
-                                frame);
+            append_candump_line(text, at.time_since_epoch(), sinks_[sink].port->device, frame);
         }
         if (!sent.bytes().empty()) {
-            append(texts_[sink], at, sent.bytes());
+            append(text, at, sent.bytes());
         }
+        files_.appended(sink);
     }
     void polled(Instant at) override { log_.look(at); }
-    const std::string& text(std::size_t sink) const { return texts_[sink]; }
 
   private:
     void append(std::string& text, Instant at, std::span<const std::uint8_t> bytes) const {
@@ -104,7 +181,7 @@ class SinkRecorder final : public StationObserver {
 
     const std::vector<SimulatedSink>& sinks_;
     std::size_t first_bus_;
-    std::vector<std::string> texts_;
+    SinkFiles& files_;
     std::string format_;
     SimulateLog log_;
 };
@@ -139,10 +216,9 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
     return files;
 }
 
-void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival,
-            const Arrivals& arrivals) {
-    if (const auto* frame = std::get_if<ArrivedCanFrame>(&arrival.what)) {
-        loop.receive(source.station, arrivals.can_frames[frame->index], arrival.at);
+void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival) {
+    if (const auto* frame = std::get_if<CanFrame>(&arrival.what)) {
+        loop.receive(source.station, *frame, arrival.at);
     } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
         const std::span bytes(&byte->value, 1);
         const std::array damaged{byte->damaged};
@@ -153,32 +229,18 @@ void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arr
     }
 }
 
-void play(VirtualLoop& loop, const Arrivals& arrivals, std::span<const SimulatedSource> sources,
-          Duration tail) {
-    for (const Arrival& arrival : arrivals.in_order) {
-        arrive(loop, sources[arrival.source], arrival, arrivals);
+/// The error says where a recording cannot be read; until there it was played.
+tl::expected<void, std::string> play(VirtualLoop& loop, Arrivals& arrivals,
+                                     std::span<const SimulatedSource> sources, Duration tail) {
+    auto arrival = arrivals.next();
+    for (; arrival && *arrival != nullptr; arrival = arrivals.next()) {
+        arrive(loop, sources[(*arrival)->source], **arrival);
+    }
+    if (!arrival) {
+        return tl::unexpected(arrival.error());
     }
     loop.run_until(later(loop.now(), tail));
-}
-
-bool write_outputs(const std::map<std::size_t, std::string>& files, const SinkRecorder& recorder) {
-    bool fine = true;
-    for (const auto& [index, path] : files) {
-        if (path == "-") {
-            fmt::print("{}", recorder.text(index));
-            continue;
-        }
-        std::ofstream file(path, std::ios::binary);
-        file << recorder.text(index);
-        if (!file.flush()) {
-            fmt::print(
-                stderr,
-                "{}: cannot be written; check that its folder exists and the disk is not full\n",
-                path);
-            fine = false;
-        }
-    }
-    return fine;
+    return {};
 }
 
 void print_buses(const Configuration& configuration, const ValueEngine& values) {
@@ -241,20 +303,27 @@ int simulate(const SimulateOptions& options) {
             fmt::format("--tail {}: must be a duration such as 2s or 500ms", options.tail),
             kExitWrongUse);
     }
-    const auto arrivals = load_arrivals(*in, sources);
+    auto arrivals = Arrivals::open(*in, sources);
     if (!arrivals) {
         return complain(arrivals.error(), kExitFailed);
     }
+    auto files = SinkFiles::open(*out, sinks.size());
+    if (!files) {
+        return complain(files.error(), kExitFailed);
+    }
     const auto engine = build_engine(*configuration);
     const auto values = build_value_engine(*configuration, *engine);
-    SinkRecorder recorder(*engine, sinks, options.format);
+    SinkRecorder recorder(*engine, sinks, *files, options.format);
     VirtualLoop loop(*engine, recorder, Instant{}, values.get());
-    play(loop, *arrivals, sources, *tail);
+    if (auto played = play(loop, *arrivals, sources, *tail); !played) {
+        files->finish();
+        return complain(played.error(), kExitFailed);
+    }
     print_summary(*engine);
     if (values) {
         print_buses(*configuration, *values);
     }
-    return write_outputs(*out, recorder) ? kExitFine : kExitFailed;
+    return files->finish() ? kExitFine : kExitFailed;
 }
 
 }  // namespace

@@ -11,15 +11,13 @@
 #include "config/schema/value_catalog.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
+#include "transports/recordings/burst_reader.h"
 #include "transports/recordings/candump.h"
 #include "transports/recordings/recording.h"
+#include "transports/recordings/text.h"
 
 namespace tribus {
 namespace {
-
-bool is_empty(const Recording& recording) {
-    return recording.bursts.empty() && recording.can_frames.empty();
-}
 
 /// Name in messages.
 std::string title_of(const SimulatedSource& source) {
@@ -30,75 +28,222 @@ std::string title_of(const SimulatedSource& source) {
                : fmt::format("[values.{}]", source.name);
 }
 
-/// The recording, if it fits the source's kind of link. An empty one fits both.
-tl::expected<Recording, std::string> load_recording(const std::string& path,
-                                                    const SimulatedSource& source) {
-    auto file = InputFile::open_path(path);
-    if (!file) {
-        return tl::unexpected(std::move(file.error()));
-    }
-    const auto content = file->read_all();
-    if (!content) {
-        return tl::unexpected(content.error());
-    }
-    const auto kind = detect_recording_kind(*content, path);
+/// What is wrong with a recording of this kind for the source; nothing if it fits.
+std::optional<std::string> misfit(const std::string& path, RecordingKind kind,
+                                  const SimulatedSource& source) {
     const bool log = kind == RecordingKind::candump;
-    auto recording = parse_recording(*content, path);
-    const bool empty = recording && is_empty(*recording);
-    if (source.port->medium->shape == WireShape::can_frames && !log && !empty) {
-        return tl::unexpected(fmt::format(
-            "{}: this is not a log of CAN frames, but {} has the protocol {}; it takes lines such "
-            "as (1436509052.249713) can0 123#1122, as candump -L writes them",
-            path, title_of(source), source.protocol));
+    const bool takes_log = source.port->medium->shape == WireShape::can_frames;
+    if (log == takes_log) {
+        return std::nullopt;
     }
-    if (source.port->medium->shape == WireShape::bytes && log) {
-        return tl::unexpected(fmt::format(
-            "{}: this is a log of CAN frames, but {} has the protocol {}; it takes recorded "
-            "bytes: raw, hex, timed hex or the CSV of a Saleae serial decoder",
-            path, title_of(source), source.protocol));
-    }
-    return recording;
+    return log ? fmt::format(
+                     "{}: this is a log of CAN frames, but {} has the protocol {}; it takes "
+                     "recorded bytes: raw, hex, timed hex or the CSV of a Saleae serial decoder",
+                     path, title_of(source), source.protocol)
+               : fmt::format(
+                     "{}: this is not a log of CAN frames, but {} has the protocol {}; it takes "
+                     "lines such as (1436509052.249713) can0 123#1122, as candump -L writes them",
+                     path, title_of(source), source.protocol);
 }
 
-/// Bursts without times are played at the protocol's usual period.
-void add_bytes(Arrivals& arrivals, const Recording& recording, std::size_t index,
-               const SimulatedSource& source) {
-    Duration untimed{};
-    for (const Burst& burst : recording.bursts) {
-        const Duration start = burst.start.value_or(untimed);
-        for (std::size_t i = 0; i < burst.bytes.size(); ++i) {
-            arrivals.in_order.push_back(
-                {Instant(start + source.port->line.bytes_time(i + 1)), index,
-                 ArrivedByte{burst.bytes[i], burst.damaged[i], !burst.start.has_value()}});
+/// Whether there is nothing but comments, which fits every source.
+bool is_empty(Pieces& content) {
+    recording_text::Lines lines(content);
+    recording_text::Line line;
+    bool empty = true;
+    while (empty && lines.next(line)) {
+        empty = recording_text::trimmed(line.text).empty();
+    }
+    content.rewind();
+    return empty;
+}
+
+}  // namespace
+
+/// One recording, and its next arrival.
+class Arrivals::Recorded {
+  public:
+    Recorded(std::unique_ptr<FilePieces> pieces, std::string path, RecordingKind kind,
+             std::size_t index, const SimulatedSource& source)
+        : pieces_(std::move(pieces)),
+          path_(std::move(path)),
+          kind_(kind),
+          source_(source),
+          next_{.at = {}, .source = index, .what = {}} {}
+
+    /// Finds the first arrival.
+    tl::expected<void, std::string> begin();
+    /// Finds the next one.
+    tl::expected<void, std::string> advance();
+
+    bool ended() const { return ended_; }
+    const Arrival& next() const { return next_; }
+
+  private:
+    tl::expected<void, std::string> choose_interface();
+    tl::expected<void, std::string> advance_log();
+    tl::expected<void, std::string> read_burst();
+    tl::expected<void, std::string> ended_with(std::optional<std::string> failed);
+
+    std::unique_ptr<FilePieces> pieces_;
+    std::string path_;
+    RecordingKind kind_;
+    const SimulatedSource& source_;
+    std::optional<CandumpFrames> log_;
+    /// Frames of other interfaces are left out. Empty: none is.
+    std::string interface_;
+    std::optional<BurstReader> bursts_;
+    Burst burst_;
+    /// Position in the burst, and of the burst's first byte where it goes on from the one before.
+    std::size_t byte_ = 0;
+    std::size_t first_byte_ = 0;
+    /// When the burst begins.
+    Duration start_{};
+    Arrival next_;
+    bool ended_ = false;
+};
+
+tl::expected<void, std::string> Arrivals::Recorded::begin() {
+    if (kind_ == RecordingKind::candump) {
+        if (auto chosen = choose_interface(); !chosen) {
+            return chosen;
         }
-        untimed +=
-            std::max(source.usual_period, source.port->line.bytes_time(burst.bytes.size() + 1));
+        log_.emplace(*pieces_, path_);
+    } else {
+        bursts_.emplace(*pieces_, path_, kind_);
     }
+    return advance();
 }
 
-tl::expected<void, std::string> add_can_frames(Arrivals& arrivals, const Recording& recording,
-                                               std::size_t index, const SimulatedSource& source,
-                                               std::string_view path) {
-    const std::vector<std::string> names = interfaces_in(recording);
-    const std::string& own = source.port->device;
-    const bool has_own = std::find(names.begin(), names.end(), own) != names.end();
+tl::expected<void, std::string> Arrivals::Recorded::ended_with(std::optional<std::string> failed) {
+    ended_ = true;
+    failed = failed ? failed : pieces_->failed();
+    return failed ? tl::expected<void, std::string>(tl::unexpect, *failed)
+                  : tl::expected<void, std::string>{};
+}
+
+tl::expected<void, std::string> Arrivals::Recorded::choose_interface() {
+    std::vector<std::string> names;
+    CandumpFrames reader(*pieces_, path_);
+    auto frame = reader.next();
+    for (; frame && *frame; frame = reader.next()) {
+        if (std::ranges::find(names, (*frame)->interface) == names.end()) {
+            names.push_back((*frame)->interface);
+        }
+    }
+    if (!frame) {
+        return ended_with(frame.error());
+    }
+    const std::string& own = source_.port->device;
+    const bool has_own = std::ranges::find(names, own) != names.end();
     if (!has_own && names.size() > 1) {
         const std::vector<std::string_view> views(names.begin(), names.end());
-        return tl::unexpected(fmt::format(
+        return ended_with(fmt::format(
             "{}: has frames of {}, but none of {}, the interface of {}; set one of them there",
-            path, in_quotes_all(views), in_quotes(own), title_of(source)));
+            path_, in_quotes_all(views), in_quotes(own), title_of(source_)));
     }
-    for (const RecordedCanFrame& recorded : recording.can_frames) {
-        if (!has_own || recorded.interface == own) {
-            arrivals.in_order.push_back(
-                {Instant(recorded.at), index, ArrivedCanFrame{arrivals.can_frames.size()}});
-            arrivals.can_frames.push_back(recorded.frame);
-        }
+    interface_ = has_own ? own : std::string();
+    pieces_->rewind();
+    return {};
+}
+
+tl::expected<void, std::string> Arrivals::Recorded::advance_log() {
+    auto frame = log_->next();
+    while (frame && *frame && !interface_.empty() && (*frame)->interface != interface_) {
+        frame = log_->next();
+    }
+    if (!frame || !*frame) {
+        return ended_with(frame ? std::nullopt : std::optional(frame.error()));
+    }
+    next_.at = Instant((*frame)->at);
+    next_.what = (*frame)->frame;
+    return {};
+}
+
+/// Bursts without times are played at the protocol's usual period. Raw bytes are one burst, which
+/// comes in pieces.
+tl::expected<void, std::string> Arrivals::Recorded::read_burst() {
+    const std::size_t before = std::exchange(byte_, 0);
+    auto burst = bursts_->next();
+    if (!burst || !*burst) {
+        return ended_with(burst ? std::nullopt : std::optional(burst.error()));
+    }
+    burst_ = std::move(**burst);
+    if (kind_ == RecordingKind::raw) {
+        first_byte_ += before;
+    } else if (burst_.start) {
+        start_ = *burst_.start;
+    } else if (before > 0) {
+        start_ += std::max(source_.usual_period, source_.port->line.bytes_time(before + 1));
     }
     return {};
 }
 
-}  // namespace
+tl::expected<void, std::string> Arrivals::Recorded::advance() {
+    if (log_) {
+        return advance_log();
+    }
+    if (byte_ == burst_.bytes.size()) {
+        if (auto read = read_burst(); !read || ended_) {
+            return read;
+        }
+    }
+    const Instant at(start_ + source_.port->line.bytes_time(first_byte_ + byte_ + 1));
+    // Bursts closer together than their bytes follow each other.
+    next_.at = std::max(next_.at, at);
+    next_.what = ArrivedByte{burst_.bytes[byte_], burst_.damaged[byte_], !burst_.start};
+    ++byte_;
+    return {};
+}
+
+Arrivals::Arrivals() = default;
+Arrivals::Arrivals(Arrivals&&) noexcept = default;
+Arrivals& Arrivals::operator=(Arrivals&&) noexcept = default;
+Arrivals::~Arrivals() = default;
+
+tl::expected<Arrivals, std::string> Arrivals::open(const std::map<std::size_t, std::string>& files,
+                                                   std::span<const SimulatedSource> sources) {
+    Arrivals arrivals;
+    for (const auto& [index, path] : files) {
+        const SimulatedSource& source = sources[index];
+        auto pieces = FilePieces::open_path(path);
+        if (!pieces) {
+            return tl::unexpected(pieces.error());
+        }
+        const auto kind = detect_recording_kind(**pieces, path);
+        if (!kind) {
+            return tl::unexpected(kind.error());
+        }
+        if (*kind != RecordingKind::raw && is_empty(**pieces)) {
+            continue;
+        }
+        if (auto wrong = misfit(path, *kind, source)) {
+            return tl::unexpected(std::move(*wrong));
+        }
+        auto& recorded = arrivals.recordings_.emplace_back(
+            std::make_unique<Recorded>(std::move(*pieces), path, *kind, index, source));
+        if (auto begun = recorded->begin(); !begun) {
+            return tl::unexpected(begun.error());
+        }
+    }
+    return arrivals;
+}
+
+tl::expected<const Arrival*, std::string> Arrivals::next() {
+    if (latest_ != nullptr) {
+        if (auto advanced = latest_->advance(); !advanced) {
+            return tl::unexpected(advanced.error());
+        }
+    }
+    latest_ = nullptr;
+    for (const auto& recorded : recordings_) {
+        if (!recorded->ended() &&
+            (latest_ == nullptr || recorded->next().at < latest_->next().at)) {
+            latest_ = recorded.get();
+        }
+    }
+    return latest_ != nullptr ? &latest_->next() : nullptr;
+}
 
 std::vector<SimulatedSource> simulated_sources(const Configuration& configuration) {
     std::vector<SimulatedSource> sources;
@@ -133,26 +278,6 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
         }
     }
     return sources;
-}
-
-tl::expected<Arrivals, std::string> load_arrivals(const std::map<std::size_t, std::string>& files,
-                                                  std::span<const SimulatedSource> sources) {
-    Arrivals arrivals;
-    for (const auto& [index, path] : files) {
-        const SimulatedSource& source = sources[index];
-        const auto recording = load_recording(path, source);
-        if (!recording) {
-            return tl::unexpected(recording.error());
-        }
-        add_bytes(arrivals, *recording, index, source);
-        const auto added = add_can_frames(arrivals, *recording, index, source, path);
-        if (!added) {
-            return tl::unexpected(added.error());
-        }
-    }
-    std::stable_sort(arrivals.in_order.begin(), arrivals.in_order.end(),
-                     [](const Arrival& a, const Arrival& b) { return a.at < b.at; });
-    return arrivals;
 }
 
 }  // namespace tribus

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
@@ -37,27 +38,40 @@ struct ArrivedByte {
     /// The recording has no times; those used are invented.
     bool untimed = false;
 };
-/// Index of a frame in `Arrivals::can_frames`.
-struct ArrivedCanFrame {
-    std::size_t index = 0;
-};
 
 /// `at` is the instant of its last bit.
 struct Arrival {
     Instant at;
     std::size_t source = 0;
-    std::variant<ArrivedByte, ArrivedCanFrame> what;
+    std::variant<ArrivedByte, CanFrame> what;
 };
 
-struct Arrivals {
-    std::vector<Arrival> in_order;
-    std::vector<CanFrame> can_frames;
-};
+/// The recordings of some sources, merged by time and read as they are needed. Thread-bound.
+class Arrivals {
+  public:
+    /// Opens files of sources, by their indices. Each recording starts at the zero of the
+    /// simulation. Of a candump log, a source takes the frames of its own interface; if the log has
+    /// only one other interface, it takes all. The error is `file: text` or
+    /// `file:line:column: text`. `sources` must outlive the object.
+    static tl::expected<Arrivals, std::string> open(const std::map<std::size_t, std::string>& files,
+                                                    std::span<const SimulatedSource> sources);
+    Arrivals(Arrivals&&) noexcept;
+    Arrivals& operator=(Arrivals&&) noexcept;
+    ~Arrivals();
 
-/// Reads the recordings of some sources, by their indices. Each recording starts at the zero of the
-/// simulation. Of a candump log, a source takes the frames of its own interface; if the log has
-/// only one other interface, it takes all. The error is `file: text` or `file:line:column: text`.
-tl::expected<Arrivals, std::string> load_arrivals(const std::map<std::size_t, std::string>& files,
-                                                  std::span<const SimulatedSource> sources);
+    /// The next arrival, nothing at the end. Valid until the next call. After an error, which is as
+    /// above, nothing can be read.
+    tl::expected<const Arrival*, std::string> next();
+
+  private:
+    class Recorded;
+
+    Arrivals();
+
+    /// In the order of the sources.
+    std::vector<std::unique_ptr<Recorded>> recordings_;
+    /// It gave the latest arrival.
+    Recorded* latest_ = nullptr;
+};
 
 }  // namespace tribus

@@ -44,7 +44,8 @@ void SimulateLog::look(Instant now) {
             print_change(now, "input", input_names_[i], kTwoSendersText);
         }
     }
-    for (std::size_t i = 0; i < outputs_.size(); ++i) {
+    // What an output does changes when it runs.
+    for (const std::size_t i : engine_.ran()) {
         const Output& output = engine_.outputs()[i];
         const OutputState state = output.state(now);
         if (state == states_[i]) {

@@ -1,3 +1,5 @@
+#include <sys/resource.h>
+
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -177,6 +179,50 @@ TEST_F(Simulate, MainJobCarriesTheNewestInputThenMarksTheLossThenFailsafe) {
     ASSERT_FALSE(frames.empty());
     expect_least_gap(frames);
     expect_each_right(frames, inputs);
+}
+
+/// Peak of all programs that this test has run, in KiB.
+long peak_of_programs_kib() {
+    rusage usage{};
+    ::getrusage(RUSAGE_CHILDREN, &usage);
+    return usage.ru_maxrss;
+}
+
+TEST_F(Simulate, NeedsNoMoreMemoryForALongRecording) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "a sanitizer keeps what was freed";
+#endif
+    const auto peak_with = [&](int frames) {
+        std::ofstream file(folder() / "receiver.txt");
+        for (int number = 0; number < frames; ++number) {
+            file << timed_line(7000 * number, ibus_bytes(sticks_with_first(1500)));
+        }
+        file.close();
+        simulate(folder() / "receiver.txt");
+        return peak_of_programs_kib();
+    };
+    const long peak_of_short = peak_with(1'000);
+    constexpr long kMostKib = 30 * 1024;
+    const long peak_of_long = peak_with(100'000);
+    EXPECT_LE(peak_of_long, kMostKib);
+    EXPECT_LE(peak_of_long, peak_of_short + 1024) << "the recording has 10 MB";
+}
+
+TEST_F(Simulate, PlaysARecordingUntilItsMistakeAndSaysWhereThatIs) {
+    std::ofstream file(folder() / "receiver.txt");
+    for (int number = 0; number < 200; ++number) {
+        file << timed_line(7000 * number, ibus_bytes(sticks_with_first(1500)));
+    }
+    file << "1400000 2g\n";
+    file.close();
+    const std::filesystem::path out = folder() / "servos.txt";
+    Program& program = start({"simulate", write_config(main_job()), "--in",
+                              "receiver=" + (folder() / "receiver.txt").string(), "--out",
+                              "servos=" + out.string()});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_NE(program.errors().find("receiver.txt:201:9: \"2g\" is not a byte"), std::string::npos)
+        << program.errors();
+    EXPECT_GT(read_timed(out).size(), 100U);
 }
 
 /// A FlySky AFHDS3 receiver, 18 channels every 4 ms (origin in the README of the captures).

@@ -258,26 +258,33 @@ tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpReader::next(
     return RecordedCanFrame{*logged - *log_start_, std::string(interface.text), *frame};
 }
 
+tl::expected<std::optional<RecordedCanFrame>, std::string> CandumpFrames::next() {
+    Line line;
+    while (lines_.next(line)) {
+        // In this format '#' starts the data, not a comment.
+        auto frame = reader_.next({line.text.data(), line.text.size() + line.comment.size()});
+        if (!frame || *frame) {
+            return frame;
+        }
+    }
+    return std::nullopt;
+}
+
 tl::expected<Recording, std::string> parse_candump(std::string_view content,
                                                    std::string_view file_name) {
     Recording recording;
     recording.kind = RecordingKind::candump;
     recording.timed = true;
-    CandumpReader reader(file_name);
-    Lines lines(content);
-    Line line;
-    while (lines.next(line)) {
-        // In this format '#' starts the data, not a comment.
-        const std::string_view whole(line.text.data(), line.text.size() + line.comment.size());
-        auto frame = reader.next(whole);
-        if (!frame) {
-            return Mistake(std::move(frame.error()));
-        }
-        if (*frame) {
-            recording.can_frames.push_back(std::move(**frame));
-        }
+    OnePiece piece(content);
+    CandumpFrames frames(piece, file_name);
+    auto frame = frames.next();
+    for (; frame && *frame; frame = frames.next()) {
+        recording.can_frames.push_back(std::move(**frame));
     }
-    recording.log = reader.facts();
+    if (!frame) {
+        return Mistake(std::move(frame.error()));
+    }
+    recording.log = frames.facts();
     return recording;
 }
 

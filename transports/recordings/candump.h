@@ -9,7 +9,9 @@
 #include <tl/expected.hpp>
 
 #include "core/time.h"
+#include "transports/recordings/pieces.h"
 #include "transports/recordings/recording.h"
+#include "transports/recordings/text.h"
 
 /// Logs of candump (`candump -L`, `candump -l`; docs/protocols/can.md, "candump logs"): one CAN
 /// frame per line.
@@ -44,6 +46,22 @@ class CandumpReader {
 
 tl::expected<Recording, std::string> parse_candump(std::string_view content,
                                                    std::string_view file_name);
+
+/// Reads the frames of one log in order, however long it is. Thread-bound.
+class CandumpFrames {
+  public:
+    /// `content` must outlive it, and stand at its start.
+    CandumpFrames(Pieces& content, std::string_view file_name)
+        : lines_(content), reader_(file_name) {}
+
+    /// The next frame, nothing at the end. Errors as above.
+    tl::expected<std::optional<RecordedCanFrame>, std::string> next();
+    LogFacts facts() const { return reader_.facts(); }
+
+  private:
+    recording_text::Lines lines_;
+    CandumpReader reader_;
+};
 
 /// The interfaces in a log, in the order in which they first appear.
 std::vector<std::string> interfaces_in(const Recording& recording);

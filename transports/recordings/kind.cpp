@@ -7,7 +7,6 @@
 namespace tribus {
 namespace {
 
-using recording_text::find_oddities;
 using recording_text::Line;
 using recording_text::Lines;
 using recording_text::mistake_at;
@@ -16,6 +15,7 @@ using recording_text::parse_microseconds;
 using recording_text::Token;
 using recording_text::Tokens;
 using recording_text::trimmed;
+using recording_text::without_byte_order_mark;
 
 constexpr std::string_view kTimedHeadingStart = "t_us";
 constexpr std::string_view kSaleaeStart = "Time [s]";
@@ -26,7 +26,8 @@ constexpr char kCandumpStart = '(';
 constexpr std::size_t kRawShare = 16;
 
 /// Decides by the first words of the lines.
-RecordingKind hex_or_timed(std::string_view content) {
+RecordingKind hex_or_timed(Pieces& content) {
+    content.rewind();
     Lines lines(content);
     Line line;
     bool any = false;
@@ -55,27 +56,21 @@ RecordingKind hex_or_timed(std::string_view content) {
     return RecordingKind::hex;
 }
 
-bool only_raw(std::size_t odd, std::size_t size) {
-    return odd > 0 && odd * kRawShare >= size;
+bool only_raw(const Oddities& odd) {
+    return odd.count() > 0 && odd.count() * kRawShare >= odd.size();
 }
 
-}  // namespace
-
-bool looks_raw(std::string_view beginning) {
-    return only_raw(find_oddities(beginning).count, beginning.size());
+Oddities oddities_of(Pieces& content) {
+    Oddities odd;
+    std::string_view piece = without_byte_order_mark(content.next());
+    for (; !piece.empty(); piece = content.next()) {
+        odd.take(piece);
+    }
+    return odd;
 }
 
-tl::expected<RecordingKind, std::string> detect_recording_kind(std::string_view content,
-                                                               std::string_view file_name) {
-    const Oddities odd = find_oddities(content);
-    if (only_raw(odd.count, content.size())) {
-        return RecordingKind::raw;
-    }
-    if (odd.count > 0) {
-        return mistake_at(file_name, odd.line, odd.column,
-                          "a byte that is not text in a file of text; correct it, or say that "
-                          "the file holds raw bytes");
-    }
+RecordingKind kind_of_text(Pieces& content) {
+    content.rewind();
     Lines lines(content);
     Line line;
     while (lines.next(line)) {
@@ -83,11 +78,40 @@ tl::expected<RecordingKind, std::string> detect_recording_kind(std::string_view 
         if (text.starts_with(kCandumpStart)) {
             return RecordingKind::candump;
         }
+        if (!text.empty() && text.starts_with(kSaleaeStart)) {
+            return RecordingKind::saleae;
+        }
         if (!text.empty()) {
-            return text.starts_with(kSaleaeStart) ? RecordingKind::saleae : hex_or_timed(content);
+            break;
         }
     }
     return hex_or_timed(content);
+}
+
+}  // namespace
+
+bool looks_raw(std::string_view beginning) {
+    OnePiece content(beginning);
+    return only_raw(oddities_of(content));
+}
+
+tl::expected<RecordingKind, std::string> detect_recording_kind(Pieces& content,
+                                                               std::string_view file_name) {
+    const Oddities odd = oddities_of(content);
+    if (!only_raw(odd) && odd.count() > 0) {
+        return mistake_at(file_name, odd.line(), odd.column(),
+                          "a byte that is not text in a file of text; correct it, or say that "
+                          "the file holds raw bytes");
+    }
+    const RecordingKind kind = only_raw(odd) ? RecordingKind::raw : kind_of_text(content);
+    content.rewind();
+    return kind;
+}
+
+tl::expected<RecordingKind, std::string> detect_recording_kind(std::string_view content,
+                                                               std::string_view file_name) {
+    OnePiece piece(content);
+    return detect_recording_kind(piece, file_name);
 }
 
 }  // namespace tribus

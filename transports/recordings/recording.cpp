@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "transports/recordings/burst_reader.h"
 #include "transports/recordings/candump.h"
 #include "transports/recordings/text.h"
 
@@ -39,8 +40,23 @@ std::optional<std::uint8_t> parse_byte(std::string_view text, int base) {
     return error == std::errc{} && stop == end ? std::optional(byte) : std::nullopt;
 }
 
+/// -1 for another character.
+int hex_digit(char character) {
+    if (character >= '0' && character <= '9') {
+        return character - '0';
+    }
+    const int letter = character | 0x20;
+    return letter >= 'a' && letter <= 'f' ? letter - 'a' + 10 : -1;
+}
+
 std::optional<std::uint8_t> parse_hex_byte(std::string_view text) {
-    return text.size() == 2 ? parse_byte(text, 16) : std::nullopt;
+    if (text.size() != 2) {
+        return std::nullopt;
+    }
+    const int high = hex_digit(text[0]);
+    const int low = hex_digit(text[1]);
+    return high < 0 || low < 0 ? std::nullopt
+                               : std::optional(static_cast<std::uint8_t>(high << 4 | low));
 }
 
 /// The analyser writes seconds, small values also as 5E-05.
@@ -52,17 +68,6 @@ std::optional<Duration> parse_seconds(std::string_view text) {
         return std::nullopt;
     }
     return Duration(std::llround(seconds * 1e9));
-}
-
-Recording parse_raw(std::string_view content) {
-    Recording recording;
-    recording.kind = RecordingKind::raw;
-    if (!content.empty()) {
-        Burst& burst = recording.bursts.emplace_back();
-        burst.bytes.assign(content.begin(), content.end());
-        burst.damaged.assign(content.size(), false);
-    }
-    return recording;
 }
 
 tl::expected<Burst, std::string> parse_bytes(std::string_view file, const Line& line,
@@ -83,61 +88,6 @@ tl::expected<Burst, std::string> parse_bytes(std::string_view file, const Line& 
         burst.damaged.push_back(damaged);
     }
     return burst;
-}
-
-tl::expected<Recording, std::string> parse_hex(std::string_view content, std::string_view file) {
-    Recording recording;
-    recording.kind = RecordingKind::hex;
-    Lines lines(content);
-    Line line;
-    while (lines.next(line)) {
-        auto burst = parse_bytes(file, line, Tokens(line.text));
-        if (!burst) {
-            return Mistake(std::move(burst.error()));
-        }
-        if (!burst->bytes.empty()) {
-            recording.bursts.push_back(std::move(*burst));
-        }
-    }
-    return recording;
-}
-
-tl::expected<Recording, std::string> parse_timed(std::string_view content, std::string_view file) {
-    Recording recording;
-    recording.kind = RecordingKind::timed;
-    recording.timed = true;
-    Lines lines(content);
-    Line line;
-    while (lines.next(line)) {
-        Tokens tokens(line.text);
-        Token time;
-        if (!tokens.next(time)) {
-            continue;
-        }
-        const auto start = parse_microseconds(time.text);
-        if (!start) {
-            return mistake_at(file, line.number, time.column,
-                              quoted(time.text) +
-                                  " is not a time; a line of a timed recording starts "
-                                  "with decimal microseconds: 1146 20 40 dc 05");
-        }
-        if (!recording.bursts.empty() && *start < *recording.bursts.back().start) {
-            return mistake_at(file, line.number, time.column,
-                              "the time " + std::string(time.text) +
-                                  " is before that of the line above; times must not decrease");
-        }
-        auto burst = parse_bytes(file, line, tokens);
-        if (!burst) {
-            return Mistake(std::move(burst.error()));
-        }
-        if (burst->bytes.empty()) {
-            return mistake_at(file, line.number, time.column,
-                              "a time without bytes; the bytes of the burst follow it");
-        }
-        burst->start = start;
-        recording.bursts.push_back(std::move(*burst));
-    }
-    return recording;
 }
 
 /// Columns of the analyser's export.
@@ -166,82 +116,175 @@ std::optional<std::uint8_t> parse_saleae_value(std::string_view text) {
     return hex ? parse_byte(text.substr(2), 16) : parse_byte(text, 10);
 }
 
-void add_saleae_byte(Recording& recording, Duration start, std::uint8_t byte, bool damaged,
-                     Duration previous) {
-    if (recording.bursts.empty() || start - previous >= kBurstGap) {
-        recording.bursts.emplace_back().start = start;
-    }
-    Burst& burst = recording.bursts.back();
-    burst.bytes.push_back(byte);
-    burst.damaged.push_back(damaged);
-}
+struct SaleaeByte {
+    Duration start{};
+    std::uint8_t value = 0;
+    bool damaged = false;
+};
 
-tl::expected<Recording, std::string> parse_saleae(std::string_view content, std::string_view file) {
-    Recording recording;
-    recording.kind = RecordingKind::saleae;
-    recording.timed = true;
-    Lines lines(content);
-    Line line;
-    bool heading_seen = false;
-    Duration previous{};
-    while (lines.next(line)) {
-        if (trimmed(line.text).empty()) {
-            continue;
-        }
-        if (!heading_seen) {
-            if (trimmed(line.text) != kSaleaeHeading) {
-                return mistake_at(file, line.number, 1,
-                                  "not the export of a serial decoder, whose first line is " +
-                                      std::string(kSaleaeHeading));
-            }
-            heading_seen = true;
-            continue;
-        }
-        const auto row = split_row(line.text);
-        if (!row) {
-            return mistake_at(file, line.number, 1,
-                              "a row needs four columns: " + std::string(kSaleaeHeading));
-        }
-        const auto start = parse_seconds((*row)[kTime].text);
-        if (!start || (!recording.bursts.empty() && *start < previous)) {
-            return mistake_at(
-                file, line.number, (*row)[kTime].column,
-                quoted((*row)[kTime].text) +
-                    (start ? " is before the time of the row above" : " is not a time") +
-                    "; times are seconds and must not decrease");
-        }
-        const auto byte = parse_saleae_value((*row)[kValue].text);
-        if (!byte) {
-            return mistake_at(file, line.number, (*row)[kValue].column,
-                              quoted((*row)[kValue].text) +
-                                  " is not a byte; export with hexadecimal values: 0x0F");
-        }
-        const bool damaged =
-            !(*row)[kParityError].text.empty() || !(*row)[kFramingError].text.empty();
-        add_saleae_byte(recording, *start, *byte, damaged, previous);
-        previous = *start;
+tl::expected<SaleaeByte, std::string> parse_saleae_row(std::string_view file, const Line& line,
+                                                       std::optional<Duration> previous) {
+    const auto row = split_row(line.text);
+    if (!row) {
+        return mistake_at(file, line.number, 1,
+                          "a row needs four columns: " + std::string(kSaleaeHeading));
     }
-    return recording;
+    const auto start = parse_seconds((*row)[kTime].text);
+    if (!start || (previous && *start < *previous)) {
+        return mistake_at(file, line.number, (*row)[kTime].column,
+                          quoted((*row)[kTime].text) +
+                              (start ? " is before the time of the row above" : " is not a time") +
+                              "; times are seconds and must not decrease");
+    }
+    const auto byte = parse_saleae_value((*row)[kValue].text);
+    if (!byte) {
+        return mistake_at(
+            file, line.number, (*row)[kValue].column,
+            quoted((*row)[kValue].text) + " is not a byte; export with hexadecimal values: 0x0F");
+    }
+    return SaleaeByte{
+        .start = *start,
+        .value = *byte,
+        .damaged = !(*row)[kParityError].text.empty() || !(*row)[kFramingError].text.empty()};
 }
 
 }  // namespace
 
+BurstReader::BurstReader(Pieces& content, std::string_view file_name, RecordingKind kind)
+    : content_(content), file_(file_name), kind_(kind) {
+    if (kind != RecordingKind::raw) {
+        lines_.emplace(content);
+    }
+}
+
+BurstReader::Next BurstReader::next() {
+    switch (kind_) {
+        case RecordingKind::hex:
+            return next_hex();
+        case RecordingKind::timed:
+            return next_timed();
+        case RecordingKind::saleae:
+            return next_saleae();
+        case RecordingKind::raw:
+        case RecordingKind::candump:
+            break;
+    }
+    return next_raw();
+}
+
+BurstReader::Next BurstReader::next_raw() {
+    const std::string_view piece = content_.next();
+    if (piece.empty()) {
+        return std::nullopt;
+    }
+    return Burst{.start = std::nullopt,
+                 .bytes = {piece.begin(), piece.end()},
+                 .damaged = std::vector<bool>(piece.size())};
+}
+
+BurstReader::Next BurstReader::next_hex() {
+    Line line;
+    while (lines_->next(line)) {
+        auto burst = parse_bytes(file_, line, Tokens(line.text));
+        if (!burst) {
+            return Mistake(std::move(burst.error()));
+        }
+        if (!burst->bytes.empty()) {
+            return std::move(*burst);
+        }
+    }
+    return std::nullopt;
+}
+
+BurstReader::Next BurstReader::next_timed() {
+    Line line;
+    Token time;
+    std::optional<Tokens> tokens;
+    do {
+        if (!lines_->next(line)) {
+            return std::nullopt;
+        }
+        tokens.emplace(line.text);
+    } while (!tokens->next(time));
+    const auto start = parse_microseconds(time.text);
+    if (!start) {
+        return mistake_at(file_, line.number, time.column,
+                          quoted(time.text) +
+                              " is not a time; a line of a timed recording starts "
+                              "with decimal microseconds: 1146 20 40 dc 05");
+    }
+    if (previous_ && *start < *previous_) {
+        return mistake_at(file_, line.number, time.column,
+                          "the time " + std::string(time.text) +
+                              " is before that of the line above; times must not decrease");
+    }
+    auto burst = parse_bytes(file_, line, *tokens);
+    if (!burst) {
+        return Mistake(std::move(burst.error()));
+    }
+    if (burst->bytes.empty()) {
+        return mistake_at(file_, line.number, time.column,
+                          "a time without bytes; the bytes of the burst follow it");
+    }
+    burst->start = start;
+    previous_ = start;
+    return std::move(*burst);
+}
+
+/// A burst ends with the byte that begins the next one.
+BurstReader::Next BurstReader::next_saleae() {
+    Line line;
+    while (lines_->next(line)) {
+        if (trimmed(line.text).empty()) {
+            continue;
+        }
+        if (!std::exchange(heading_seen_, true)) {
+            if (trimmed(line.text) != kSaleaeHeading) {
+                return mistake_at(file_, line.number, 1,
+                                  "not the export of a serial decoder, whose first line is " +
+                                      std::string(kSaleaeHeading));
+            }
+            continue;
+        }
+        const auto byte = parse_saleae_row(file_, line, previous_);
+        if (!byte) {
+            return Mistake(byte.error());
+        }
+        const bool goes_on = previous_ && byte->start - *previous_ < kBurstGap;
+        Burst ended =
+            goes_on
+                ? Burst{}
+                : std::exchange(begun_, Burst{.start = byte->start, .bytes = {}, .damaged = {}});
+        previous_ = byte->start;
+        begun_.bytes.push_back(byte->value);
+        begun_.damaged.push_back(byte->damaged);
+        if (!ended.bytes.empty()) {
+            return ended;
+        }
+    }
+    Burst last = std::exchange(begun_, {});
+    return last.bytes.empty() ? Next(std::nullopt) : Next(std::move(last));
+}
+
 tl::expected<Recording, std::string> parse_recording(std::string_view content,
                                                      std::string_view file_name,
                                                      RecordingKind kind) {
-    switch (kind) {
-        case RecordingKind::raw:
-            break;
-        case RecordingKind::hex:
-            return parse_hex(content, file_name);
-        case RecordingKind::timed:
-            return parse_timed(content, file_name);
-        case RecordingKind::saleae:
-            return parse_saleae(content, file_name);
-        case RecordingKind::candump:
-            return parse_candump(content, file_name);
+    if (kind == RecordingKind::candump) {
+        return parse_candump(content, file_name);
     }
-    return parse_raw(content);
+    Recording recording;
+    recording.kind = kind;
+    recording.timed = kind == RecordingKind::timed || kind == RecordingKind::saleae;
+    OnePiece piece(content);
+    BurstReader reader(piece, file_name, kind);
+    auto burst = reader.next();
+    for (; burst && *burst; burst = reader.next()) {
+        recording.bursts.push_back(std::move(**burst));
+    }
+    if (!burst) {
+        return Mistake(std::move(burst.error()));
+    }
+    return recording;
 }
 
 tl::expected<Recording, std::string> parse_recording(std::string_view content,

@@ -11,6 +11,7 @@
 
 #include "core/can_frame.h"
 #include "core/time.h"
+#include "transports/recordings/pieces.h"
 
 namespace tribus {
 
@@ -78,6 +79,9 @@ bool looks_raw(std::string_view beginning);
 /// Thus a file whose lines all start with two digits (`20 40 ...`) is hex unless it has `# t_us`.
 /// The error is `file:line:column: text`. Pure and reentrant.
 tl::expected<RecordingKind, std::string> detect_recording_kind(std::string_view content,
+                                                               std::string_view file_name);
+/// The same for `content` from its start, where it stands again afterwards.
+tl::expected<RecordingKind, std::string> detect_recording_kind(Pieces& content,
                                                                std::string_view file_name);
 
 /// Reads a recording of a known kind, or of the kind that its content shows. Returns the first

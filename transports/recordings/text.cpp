@@ -1,6 +1,7 @@
 #include "transports/recordings/text.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <utility>
 
@@ -18,14 +19,33 @@ bool is_digit(char character) {
     return character >= '0' && character <= '9';
 }
 
+bool is_blank(char character) {
+    return character == ' ' || character == '\t' || character == '\r';
+}
+
+enum class Kind : std::uint8_t { plain, line_end, comment, control, high };
+
+constexpr std::array<Kind, 256> kKinds = [] {
+    std::array<Kind, 256> kinds{};
+    for (std::size_t byte = 0; byte < kinds.size(); ++byte) {
+        const bool blank = byte == '\t' || byte == '\r';
+        kinds[byte] = byte == '\n'                              ? Kind::line_end
+                      : byte == '#'                             ? Kind::comment
+                      : (byte < 0x20 && !blank) || byte == 0x7F ? Kind::control
+                      : byte >= 0x80                            ? Kind::high
+                                                                : Kind::plain;
+    }
+    return kinds;
+}();
+
+}  // namespace
+
 std::string_view without_byte_order_mark(std::string_view content) {
     if (content.starts_with(kByteOrderMark)) {
         content.remove_prefix(kByteOrderMark.size());
     }
     return content;
 }
-
-}  // namespace
 
 Mistake mistake_at(std::string_view file, unsigned line, unsigned column, std::string_view text) {
     std::string message(file);
@@ -70,50 +90,77 @@ std::optional<Duration> parse_microseconds(std::string_view text) {
 
 Lines::Lines(std::string_view content) : rest_(without_byte_order_mark(content)) {}
 
+Lines::Lines(Pieces& pieces) : pieces_(&pieces), rest_(without_byte_order_mark(pieces.next())) {}
+
+/// Empty also at the end, which `ended_` tells.
+std::string_view Lines::whole_line() {
+    begun_.clear();
+    std::size_t end = rest_.find('\n');
+    while (end == std::string_view::npos) {
+        // Bytes of a piece are gone with the next one.
+        begun_ += rest_;
+        rest_ = pieces_ != nullptr ? pieces_->next() : std::string_view{};
+        if (rest_.empty()) {
+            ended_ = true;
+            return begun_;
+        }
+        end = rest_.find('\n');
+    }
+    const std::string_view in_piece = rest_.substr(0, end);
+    rest_.remove_prefix(end + 1);
+    return begun_.empty() ? in_piece : std::string_view(begun_ += in_piece);
+}
+
 bool Lines::next(Line& line) {
-    if (rest_.empty()) {
+    if (ended_) {
         return false;
     }
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    const std::string_view whole = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    const std::string_view whole = whole_line();
+    if (ended_ && whole.empty()) {
+        return false;
+    }
     const std::size_t comment = std::min(whole.find('#'), whole.size());
     line = {++number_, whole.substr(0, comment), whole.substr(comment)};
     return true;
 }
 
 bool Tokens::next(Token& token) {
-    const std::size_t start = line_.find_first_not_of(" \t\r", at_);
-    if (start == std::string_view::npos) {
+    std::size_t start = at_;
+    while (start < line_.size() && is_blank(line_[start])) {
+        ++start;
+    }
+    if (start == line_.size()) {
         return false;
     }
-    at_ = std::min(line_.find_first_of(" \t\r", start), line_.size());
+    at_ = start;
+    while (at_ < line_.size() && !is_blank(line_[at_])) {
+        ++at_;
+    }
     token = {line_.substr(start, at_ - start), static_cast<unsigned>(start + 1)};
     return true;
 }
 
-Oddities find_oddities(std::string_view content) {
-    content = without_byte_order_mark(content);
-    Oddities found;
-    unsigned line = 1;
-    unsigned column = 0;
-    bool comment = false;
-    for (const char character : content) {
-        ++column;
-        const auto byte = static_cast<unsigned char>(character);
-        const bool blank = byte == '\t' || byte == '\n' || byte == '\r';
-        const bool odd = (byte < 0x20 && !blank) || byte == 0x7F || (byte >= 0x80 && !comment);
-        if (odd && found.count++ == 0) {
-            found.line = line;
-            found.column = column;
+void Oddities::take(std::string_view piece) {
+    std::size_t line_start = 0;
+    for (std::size_t at = 0; at < piece.size(); ++at) {
+        const Kind kind = kKinds[static_cast<unsigned char>(piece[at])];
+        if (kind == Kind::plain) {
+            continue;
         }
-        comment = byte != '\n' && (comment || byte == '#');
-        if (byte == '\n') {
-            ++line;
-            column = 0;
+        if (kind == Kind::line_end) {
+            ++lines_before_;
+            line_start = at + 1;
+            begun_ = 0;
+            comment_ = false;
+        } else if (kind == Kind::comment) {
+            comment_ = true;
+        } else if ((kind == Kind::control || !comment_) && count_++ == 0) {
+            line_ = lines_before_ + 1;
+            column_ = static_cast<unsigned>(begun_ + at - line_start + 1);
         }
     }
-    return found;
+    begun_ += piece.size() - line_start;
+    size_ += piece.size();
 }
 
 }  // namespace tribus::recording_text

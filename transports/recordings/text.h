@@ -8,6 +8,7 @@
 #include <tl/expected.hpp>
 
 #include "core/time.h"
+#include "transports/recordings/pieces.h"
 
 /// Common parts of the readers of recordings: lines, words, numbers, errors. Pure and reentrant,
 /// except for the classes, which are thread-bound.
@@ -40,14 +41,23 @@ struct Line {
     std::string_view comment;
 };
 
-/// Iterates over the lines of a text. Skips a byte order mark at its start.
+/// Iterates over the lines of a text. Skips a byte order mark at its start. A line is valid until
+/// the next one is asked for.
 class Lines {
   public:
     explicit Lines(std::string_view content);
+    /// `pieces` must outlive it. Begins where they stand, which must be at the start.
+    explicit Lines(Pieces& pieces);
     bool next(Line& line);
 
   private:
+    std::string_view whole_line();
+
+    Pieces* pieces_ = nullptr;
     std::string_view rest_;
+    /// The beginning of a line that began in an earlier piece.
+    std::string begun_;
+    bool ended_ = false;
     unsigned number_ = 0;
 };
 
@@ -67,15 +77,31 @@ class Tokens {
     std::size_t at_ = 0;
 };
 
-/// Bytes that do not occur in text: their number, and the place of the first one.
-struct Oddities {
-    std::size_t count = 0;
-    unsigned line = 0;
-    unsigned column = 0;
+/// Counts bytes that do not occur in text: control characters everywhere, and bytes above ASCII
+/// outside comments, which may be in any language.
+class Oddities {
+  public:
+    /// Takes the next piece of a content. A byte order mark must not be in it.
+    void take(std::string_view piece);
+
+    std::size_t count() const { return count_; }
+    /// Bytes taken.
+    std::size_t size() const { return size_; }
+    /// Place of the first one.
+    unsigned line() const { return line_; }
+    unsigned column() const { return column_; }
+
+  private:
+    std::size_t count_ = 0;
+    std::size_t size_ = 0;
+    unsigned line_ = 0;
+    unsigned column_ = 0;
+    unsigned lines_before_ = 0;
+    /// Bytes of the line that began in an earlier piece.
+    std::size_t begun_ = 0;
+    bool comment_ = false;
 };
 
-/// Counts control characters everywhere, and bytes above ASCII outside comments, which may be in
-/// any language.
-Oddities find_oddities(std::string_view content);
+std::string_view without_byte_order_mark(std::string_view content);
 
 }  // namespace tribus::recording_text

@@ -108,8 +108,8 @@ void SerialFrameFinder::feed_burst(std::size_t index, const Burst& burst) {
     const Instant received(burst.start.value_or(Duration::zero()));
     const std::span<const std::uint8_t> bytes = burst.bytes;
     std::size_t run = 0;
-    for (std::size_t at = 0; at < bytes.size(); ++at) {
-        if (at < burst.damaged.size() && burst.damaged[at]) {
+    for (std::size_t at = 0; at < burst.damaged.size(); ++at) {
+        if (burst.damaged[at]) {
             feed_run(bytes.subspan(run, at - run), received);
             decoder_->damaged_byte();
             ++bytes_;

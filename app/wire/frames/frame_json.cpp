@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 #include <utility>
 
 namespace tribus {
@@ -104,12 +106,12 @@ void append_pulse(std::string& text, Pulse pulse) {
     const int eighths = pulse.eighths();
     const int size = std::abs(eighths);
     const int whole = size / Pulse::kEighthsPerMicrosecond;
-    const int thousandths = size % Pulse::kEighthsPerMicrosecond * 125;
-    text += fmt::format("{}{}", eighths < 0 ? "-" : "", whole);
-    if (thousandths != 0) {
-        text += fmt::format(".{:03}", thousandths);
-        text.erase(text.find_last_not_of('0') + 1);
-    }
+    constexpr std::array<std::string_view, Pulse::kEighthsPerMicrosecond> kEighths{
+        "", ".125", ".25", ".375", ".5", ".625", ".75", ".875"};
+    const fmt::format_int number(whole);
+    text += eighths < 0 ? "-" : "";
+    text.append(number.data(), number.size());
+    text += kEighths.at(static_cast<std::size_t>(size % Pulse::kEighthsPerMicrosecond));
 }
 
 std::int64_t whole_microseconds(Duration duration) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -23,6 +24,12 @@ std::string_view link_text(const ChannelFrame& frame) {
         return "frame-lost";
     }
     return frame.frame_lost ? "frame-lost failsafe" : "failsafe";
+}
+
+/// In a column of 5.
+void append_cell(std::string& text, std::string_view cell) {
+    constexpr std::size_t kColumn = 5;
+    text.append(kColumn - std::min(kColumn, cell.size()), ' ').append(cell);
 }
 
 /// Appends `, rejected: 3 checksum, 1 damaged`.
@@ -58,12 +65,14 @@ void append_frame_text(std::string& text, const FoundFrame& found) {
     const ChannelFrame& frame = found.frame.channels;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
         if (const auto pulse = frame.channel(channel)) {
-            text += fmt::format("{:>5}", pulse->whole_microseconds());
+            const fmt::format_int number(pulse->whole_microseconds());
+            append_cell(text, {number.data(), number.size()});
         } else {
-            text += fmt::format("{:>5}", "-");
+            append_cell(text, "-");
         }
     }
-    text += fmt::format("  {}", link_text(frame));
+    text += "  ";
+    text += link_text(frame);
     for (const FrameDetail& detail : found.details) {
         if (!detail.list && !detail.values.empty()) {
             text += fmt::format("  {}={:#04x}", detail.name, detail.values.front());
@@ -119,7 +128,8 @@ void append_frame_csv(std::string& text, const FoundFrame& found) {
             append_pulse(text, *pulse);
         }
     }
-    text += fmt::format(",{:d},{:d}\n", frame.frame_lost, frame.failsafe);
+    text += frame.frame_lost ? ",1" : ",0";
+    text += frame.failsafe ? ",1\n" : ",0\n";
 }
 
 }  // namespace tribus

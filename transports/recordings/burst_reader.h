@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include "core/time.h"
+#include "transports/recordings/pieces.h"
+#include "transports/recordings/recording.h"
+#include "transports/recordings/text.h"
+
+namespace tribus {
+
+/// Reads a recording of bytes burst by burst. Thread-bound.
+class BurstReader {
+  public:
+    using Next = tl::expected<std::optional<Burst>, std::string>;
+
+    /// Any kind but a candump log. `content` must outlive it, and stand at its start.
+    BurstReader(Pieces& content, std::string_view file_name, RecordingKind kind);
+
+    /// The next burst, nothing at the end. The one burst of raw bytes comes in pieces. The error is
+    /// `file:line:column: text`; nothing can be read after it.
+    Next next();
+
+  private:
+    Next next_raw();
+    Next next_hex();
+    Next next_timed();
+    Next next_saleae();
+
+    Pieces& content_;
+    std::string file_;
+    RecordingKind kind_;
+    /// Not of raw bytes.
+    std::optional<recording_text::Lines> lines_;
+    /// Time of the burst or row before.
+    std::optional<Duration> previous_;
+    /// Saleae: the burst that the next rows may continue.
+    Burst begun_;
+    bool heading_seen_ = false;
+};
+
+}  // namespace tribus
