@@ -73,7 +73,7 @@ tl::expected<std::string, std::string> InputFile::read_all() {
 }
 
 void InputFile::rewind() {
-    ::lseek(descriptor_.get(), 0, SEEK_SET);
+    ::lseek(descriptor_.get(), opened_at_, SEEK_SET);
 }
 
 tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::open_path(
@@ -82,8 +82,14 @@ tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::open_path(
     if (!file) {
         return tl::unexpected(std::move(file.error()));
     }
-    std::unique_ptr<FilePieces> pieces(new FilePieces(std::move(*file)));
-    if (!pieces->file_.is_whole()) {
+    return of(std::move(*file));
+}
+
+tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::of(InputFile file) {
+    std::unique_ptr<FilePieces> pieces(new FilePieces(std::move(file)));
+    if (pieces->file_.is_whole()) {
+        pieces->file_.rewind();
+    } else {
         auto content = pieces->file_.read_all();
         if (!content) {
             return tl::unexpected(std::move(content.error()));

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <sys/types.h>
+#include <unistd.h>
+
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -32,15 +35,19 @@ class InputFile {
     tl::expected<std::string, std::string> read_some();
     /// Everything up to the end.
     tl::expected<std::string, std::string> read_all();
-    /// Reads again from the start; only for a regular file.
+    /// Reads again from where it was opened, which is not always the start of standard input. Only
+    /// for a regular file.
     void rewind();
 
   private:
     InputFile(UniqueFd descriptor, std::string name)
-        : descriptor_(std::move(descriptor)), name_(std::move(name)) {}
+        : descriptor_(std::move(descriptor)),
+          name_(std::move(name)),
+          opened_at_(::lseek(descriptor_.get(), 0, SEEK_CUR)) {}
 
     UniqueFd descriptor_;
     std::string name_;
+    off_t opened_at_;
 };
 
 /// The content of a file. A pipe is read to its end first. Errors of reading are told by `failed`.
@@ -48,6 +55,8 @@ class InputFile {
 class FilePieces final : public Pieces {
   public:
     static tl::expected<std::unique_ptr<FilePieces>, std::string> open_path(std::string_view path);
+    /// Takes a file. Of a pipe, only what was not read yet.
+    static tl::expected<std::unique_ptr<FilePieces>, std::string> of(InputFile file);
 
     std::string_view next() override;
     void rewind() override;

@@ -169,6 +169,11 @@ int decode_as_it_comes(InputFile& file, std::string beginning, const ProtocolUse
     return failed.empty() ? status : fail(failed, kExitFailed);
 }
 
+std::string mistake_in_kind(std::string_view mistake, RecordingKind kind) {
+    return fmt::format("{} (read as {}; {} selects another format)", mistake,
+                       kRecordingKindNames.at(std::size_t(kind)), kKindHint);
+}
+
 int decode_parsed(Recording recording, const std::string& name, std::vector<ProtocolUse> uses,
                   const DecodeArguments& arguments) {
     if (recording.kind == RecordingKind::candump) {
@@ -211,11 +216,44 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
         return fail(recording.error(), kExitFailed);
     }
     if (!recording) {
-        return fail(fmt::format("{} (read as {}; {} selects another format)", recording.error(),
-                                kRecordingKindNames.at(std::size_t(*kind)), kKindHint),
-                    kExitFailed);
+        return fail(mistake_in_kind(recording.error(), *kind), kExitFailed);
     }
     return decode_parsed(std::move(*recording), name, std::move(uses), arguments);
+}
+
+/// Decodes the bytes of a file, which is read twice: it is judged as a whole before anything is
+/// printed.
+int decode_in_pieces(Pieces& content, const std::string& name, const ProtocolUse& use,
+                     RecordingKind kind, const DecodeArguments& arguments) {
+    BurstReader judge(content, name, kind);
+    auto burst = judge.next();
+    while (burst && *burst) {
+        burst = judge.next();
+    }
+    if (!burst) {
+        return fail(mistake_in_kind(burst.error(), kind), kExitFailed);
+    }
+    content.rewind();
+    BurstReader reader(content, name, kind);
+    const auto decoding = make_decoding(use, kind, arguments);
+    return decode_bursts(reader, *decoding, std::cerr);
+}
+
+/// Decodes a file of a protocol on bytes, whatever its length.
+int decode_named(FilePieces& content, const std::string& name, const ProtocolUse& use,
+                 std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
+    if (!kind) {
+        const auto told = detect_recording_kind(content, name);
+        if (!told) {
+            return fail(fmt::format("{} ({})", told.error(), kKindHint), kExitFailed);
+        }
+        if (const auto suited = suited_to({&use, 1}, *told, name, arguments.interface); !suited) {
+            return fail(suited.error(), kExitWrongUse);
+        }
+        kind = *told;
+    }
+    const int status = decode_in_pieces(content, name, use, *kind, arguments);
+    return content.failed() ? fail(*content.failed(), kExitFailed) : status;
 }
 
 /// Reads as much of the file as is needed to recognise its format.
@@ -282,6 +320,14 @@ int run_decode(const DecodeArguments& arguments) {
     }
     if (flows && uses->size() == 1) {
         return decode_as_it_comes(*file, std::move(*beginning), uses->front(), *kind, arguments);
+    }
+    const bool named_bytes =
+        uses->size() == 1 && uses->front().protocol->shape == WireShape::bytes && !log;
+    if (named_bytes && file->is_whole()) {
+        const std::string name = file->name();
+        const auto pieces = FilePieces::of(std::move(*file));
+        return pieces ? decode_named(**pieces, name, uses->front(), kind, arguments)
+                      : fail(pieces.error(), kExitFailed);
     }
     const auto rest = file->read_all();
     if (!rest) {

@@ -6,6 +6,9 @@
 namespace tribus {
 namespace {
 
+/// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
+constexpr std::size_t kMostKept = std::size_t{64} * 1024;
+
 int status_of(const Decoding& decoding, const Recording& recording, std::ostream& messages) {
     const DecodedAmount amount = decoding.amount();
     if (amount.frames > 0 || amount.given == 0) {
@@ -37,10 +40,29 @@ int decode_recording(const Recording& recording, Decoding& decoding, std::ostrea
     return status_of(decoding, recording, messages);
 }
 
+int decode_bursts(BurstReader& reader, Decoding& decoding, std::ostream& messages) {
+    Recording kept;
+    std::size_t kept_bytes = 0;
+    decoding.heading();
+    auto burst = reader.next();
+    for (std::size_t index = 0; burst && *burst; ++index, burst = reader.next()) {
+        decoding.feed_burst(reader.kind() == RecordingKind::raw ? 0 : index, **burst);
+        if (decoding.amount().frames == 0 && kept_bytes < kMostKept) {
+            kept_bytes += (*burst)->bytes.size();
+            kept.timed = (*burst)->start.has_value();
+            kept.bursts.push_back(std::move(**burst));
+        }
+    }
+    decoding.finish({});
+    if (!burst) {
+        messages << "tribus: " << burst.error() << '\n';
+        return kExitFailed;
+    }
+    return status_of(decoding, kept, messages);
+}
+
 int decode_stream(const std::function<std::string()>& read, Decoding& decoding,
                   std::ostream& results, std::ostream& messages) {
-    /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
-    constexpr std::size_t kMostKept = std::size_t{64} * 1024;
     Recording kept;
     Burst& all = kept.bursts.emplace_back();
     decoding.heading();

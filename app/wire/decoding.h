@@ -10,6 +10,7 @@
 
 #include "app/wire/frames/can_log.h"
 #include "app/wire/frames/frame_finder.h"
+#include "transports/recordings/burst_reader.h"
 #include "transports/recordings/recording.h"
 
 /// The steps of `decode`. They are the same for every protocol, and for a whole recording and one
@@ -93,6 +94,9 @@ class Decoding {
 /// Decodes a whole recording. If it finds nothing, `messages` names protocols that do. Returns the
 /// exit status.
 int decode_recording(const Recording& recording, Decoding& decoding, std::ostream& messages);
+
+/// The same for a recording of which the bursts are read one by one; of which kind, `reader` knows.
+int decode_bursts(BurstReader& reader, Decoding& decoding, std::ostream& messages);
 
 /// Decodes raw bytes as they arrive. `read` returns the next bytes, none at the end. Otherwise as
 /// above.

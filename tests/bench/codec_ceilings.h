@@ -45,6 +45,7 @@ inline constexpr std::array kFrameRows{
     Row{"DecodeIbusByteByByte", "decode_ibus_bytes", 600, 765},
     Row{"EncodeSbus", "encode_sbus", 80, 82},
     Row{"EncodeIbus", "encode_ibus", 65, 84},
+    Row{"EncodeSbusWithAbsentChannels", "encode_sbus_absent", 119, 117},
 };
 
 constexpr Row garbage(std::string_view name, std::string_view workload, std::string_view pattern,

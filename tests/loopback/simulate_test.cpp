@@ -188,7 +188,7 @@ long peak_of_programs_kib() {
     return usage.ru_maxrss;
 }
 
-TEST_F(Simulate, NeedsNoMoreMemoryForALongRecording) {
+TEST_F(Simulate, NeedsNoMoreMemoryForALongRecordingAndDecodeNeither) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "a sanitizer keeps what was freed";
 #endif
@@ -199,6 +199,8 @@ TEST_F(Simulate, NeedsNoMoreMemoryForALongRecording) {
         }
         file.close();
         simulate(folder() / "receiver.txt");
+        EXPECT_EQ(
+            start({"decode", "--protocol", "ibus", (folder() / "receiver.txt").string()}).end(), 0);
         return peak_of_programs_kib();
     };
     const long peak_of_short = peak_with(1'000);

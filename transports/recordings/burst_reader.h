@@ -24,6 +24,7 @@ class BurstReader {
     /// The next burst, nothing at the end. The one burst of raw bytes comes in pieces. The error is
     /// `file:line:column: text`; nothing can be read after it.
     Next next();
+    RecordingKind kind() const { return kind_; }
 
   private:
     Next next_raw();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <numeric>
@@ -15,12 +16,18 @@ using namespace sbus_wire;
 
 namespace {
 
-/// Fills the absent channels.
+/// Centres the absent channels. An absent switch is off, since the pulse of an absent channel is 0.
 ChannelFrame filled_sbus(const ChannelFrame& frame) {
+    constexpr Lanes kFirst{1U << 0U, 1U << 1U, 1U << 2U, 1U << 3U,
+                           1U << 4U, 1U << 5U, 1U << 6U, 1U << 7U};
+    constexpr auto kCentre = static_cast<std::int16_t>(kCentrePulse.eighths());
     ChannelFrame full = frame;
-    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        const Pulse absent = channel < kSbusChannels ? kCentrePulse : kSwitchOffPulse;
-        full.set(channel, frame.channel_or(channel, absent));
+    full.mark_first(kChannelCount);
+    for (std::size_t first = 0; first < kSbusChannels; first += kLanes) {
+        Pulse* pulses = full.pulses().data() + first;
+        const Lanes absent = Lanes{} + static_cast<std::uint16_t>(frame.absent() >> first);
+        const SignedLanes missing = (absent & kFirst) == kFirst;
+        store_numbers(pulses, load_lanes(pulses) | (missing & kCentre));
     }
     return full;
 }
@@ -74,7 +81,8 @@ std::size_t SbusEncoder::write(const ChannelFrame& frame,
 [[gnu::noinline]] std::size_t SbusEncoder::encode_any(
     const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire) const {
     const ChannelFrame full = filled_sbus(frame);
-    write_frame(scale_.encode_each(full), full, wire.first<kSbusFrameLength>());
+    write_frame(scale_.whole_steps() ? scale_.encode_whole(full) : scale_.encode_each(full), full,
+                wire.first<kSbusFrameLength>());
     return kSbusFrameLength;
 }
 
