@@ -3,6 +3,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -108,6 +109,22 @@ TEST(SbusEncoder, ASwitchIsOnAboveTheCentre) {
     frame.set(16, kJustAbove);
     frame.set(17, kCentrePulse);
     EXPECT_EQ(encoded(frame)[23], 0x01);
+}
+
+TEST(SbusEncoder, SendsEachAbsentChannelAsCentreOrOffAndTheOthersAsTheyAre) {
+    for (std::uint32_t absent = 0; absent <= kAllChannels; absent += 37) {
+        ChannelFrame frame;
+        ChannelFrame full;
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            const Pulse pulse = Pulse::from_eighths(8 * (1100 + 50 * static_cast<int>(channel)));
+            const bool missing = ((absent >> channel) & 1U) != 0;
+            frame.set(channel, missing ? std::nullopt : std::optional(pulse));
+            full.set(channel, !missing                  ? pulse
+                              : channel < kSbusChannels ? kCentrePulse
+                                                        : kSwitchOffPulse);
+        }
+        ASSERT_EQ(encoded(frame), encoded(full)) << absent;
+    }
 }
 
 TEST(SbusEncoder, SendsAbsentChannelsAsCentreAndOff) {
