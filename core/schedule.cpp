@@ -79,7 +79,9 @@ Instant Schedule::follow_due() const {
     if (!holds_up_next || (next - due >= interval / 2 && held_up_ < kHeldUpInARow)) {
         return due;
     }
-    return std::min(expected_by(1), latest_write_ + 2 * settings_.period) + kRepeatPatience;
+    const Instant patient =
+        std::min(expected_by(1), latest_write_ + 2 * settings_.period) + kRepeatPatience;
+    return std::min(patient, std::max(due, valid_until_));
 }
 
 /// When the frame that comes `frames` frames after the latest one should have arrived, even if
@@ -156,6 +158,7 @@ void Schedule::done(Instant now, bool wrote, Instant valid_until) {
     }
     const bool waited = due_ > arrivals_.latest + kGoodOffset;
     held_up_ = waited ? std::min(held_up_ + 1, kHeldUpInARow) : 0;
+    valid_until_ = valid_until;
     due_ = std::min(repeat_due(now), std::max(valid_until, now + settings_.period));
 }
 

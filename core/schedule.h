@@ -61,8 +61,8 @@ class Schedule {
 
     /// Sets the next deadline. Call at `now`, not before `due()`; `wrote` is false if the output
     /// sent nothing. A grid stays on its points: missed whole periods are skipped and counted.
-    /// `valid_until`: what was written is true until then, so a repeat that waits for a frame waits
-    /// no longer than until then.
+    /// `valid_until`: what was written is true until then. No later frame waits beyond that for the
+    /// one behind it.
     void done(Instant now, bool wrote, Instant valid_until = kNever);
 
     /// Whole periods that were missed because `done` was called late.
@@ -93,6 +93,8 @@ class Schedule {
     /// When the latest frame would have been written if neither it nor a repeat had been late. The
     /// next frame's turn is a period later.
     Instant turn_ = kLongAgo;
+    /// What was written latest is true until then.
+    Instant valid_until_ = kNever;
     /// Frames in a row that were written well after their arrival.
     int held_up_ = 0;
     ArrivalLine arrivals_;

@@ -130,7 +130,7 @@ tl::expected<Process, std::string> Process::execute(const std::vector<std::strin
             ::putenv(const_cast<char*>(assignment.c_str()));
         }
         ::execvp(arguments.front(), arguments.data());
-        const std::string_view reason = std::strerror(errno);
+        const std::string reason = words.front() + ": " + std::strerror(errno);
         [[maybe_unused]] const auto written = ::write(STDERR_FILENO, reason.data(), reason.size());
         return kCannotStart;
     });

@@ -26,6 +26,11 @@ tl::unexpected<std::string> failure(std::string_view name, int error) {
 
 }  // namespace
 
+InputFile::InputFile(UniqueFd descriptor, std::string name)
+    : descriptor_(std::move(descriptor)),
+      name_(std::move(name)),
+      opened_at_(::lseek(descriptor_.get(), 0, SEEK_CUR)) {}
+
 tl::expected<InputFile, std::string> InputFile::open(std::string_view name) {
     if (name.empty() || name == "-") {
         return InputFile(UniqueFd(::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0)), "standard input");

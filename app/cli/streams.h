@@ -1,7 +1,6 @@
 #pragma once
 
 #include <sys/types.h>
-#include <unistd.h>
 
 #include <cstddef>
 #include <memory>
@@ -40,10 +39,7 @@ class InputFile {
     void rewind();
 
   private:
-    InputFile(UniqueFd descriptor, std::string name)
-        : descriptor_(std::move(descriptor)),
-          name_(std::move(name)),
-          opened_at_(::lseek(descriptor_.get(), 0, SEEK_CUR)) {}
+    InputFile(UniqueFd descriptor, std::string name);
 
     UniqueFd descriptor_;
     std::string name_;
@@ -68,7 +64,7 @@ class FilePieces final : public Pieces {
 
     InputFile file_;
     std::string piece_;
-    /// Of a pipe: its whole content is `piece_`.
+    /// Set for a pipe, whose whole content `piece_` holds.
     std::optional<OnePiece> whole_;
     std::optional<std::string> failed_;
 };

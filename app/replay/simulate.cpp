@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -72,7 +76,7 @@ class SinkFiles {
     }
 
     bool wants(std::size_t sink) const { return sinks_[sink] != nullptr; }
-    /// Where to append what the sink says. Call `appended` afterwards.
+    /// The text that is not written yet. Append to it, then call `appended`.
     std::string& text(std::size_t sink) { return sinks_[sink]->text; }
     void appended(std::size_t sink) {
         constexpr std::size_t kMostKept = std::size_t{64} * 1024;
@@ -216,6 +220,30 @@ tl::expected<std::map<std::size_t, std::string>, std::string> assign_files(
     return files;
 }
 
+/// Says which file of --out is one of --in, or another one of --out. It would be overwritten while
+/// it is used.
+std::optional<std::string> file_used_twice(const std::map<std::size_t, std::string>& in,
+                                           const std::map<std::size_t, std::string>& out) {
+    const auto same = [](const std::string& one, const std::string& other) {
+        std::error_code none;
+        return one != "-" && (one == other || std::filesystem::equivalent(one, other, none));
+    };
+    for (auto written = out.begin(); written != out.end(); ++written) {
+        const auto is_written = [&](const auto& other) {
+            return same(written->second, other.second);
+        };
+        if (std::ranges::any_of(in, is_written)) {
+            return fmt::format("--out {}: --in reads this file; write to another one",
+                               written->second);
+        }
+        if (std::any_of(std::next(written), out.end(), is_written)) {
+            return fmt::format("--out {}: two of them write to this file; give each its own",
+                               written->second);
+        }
+    }
+    return std::nullopt;
+}
+
 void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival) {
     if (const auto* frame = std::get_if<CanFrame>(&arrival.what)) {
         loop.receive(source.station, *frame, arrival.at);
@@ -306,6 +334,9 @@ int simulate(const SimulateOptions& options) {
     auto arrivals = Arrivals::open(*in, sources);
     if (!arrivals) {
         return complain(arrivals.error(), kExitFailed);
+    }
+    if (const auto clash = file_used_twice(*in, *out)) {
+        return complain(*clash, kExitWrongUse);
     }
     auto files = SinkFiles::open(*out, sinks.size());
     if (!files) {

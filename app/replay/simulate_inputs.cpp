@@ -28,7 +28,7 @@ std::string title_of(const SimulatedSource& source) {
                : fmt::format("[values.{}]", source.name);
 }
 
-/// What is wrong with a recording of this kind for the source; nothing if it fits.
+/// Says why a recording of this kind does not fit the source; nothing if it fits.
 std::optional<std::string> misfit(const std::string& path, RecordingKind kind,
                                   const SimulatedSource& source) {
     const bool log = kind == RecordingKind::candump;
@@ -211,6 +211,9 @@ tl::expected<Arrivals, std::string> Arrivals::open(const std::map<std::size_t, s
             return tl::unexpected(pieces.error());
         }
         const auto kind = detect_recording_kind(**pieces, path);
+        if (const auto& failed = (*pieces)->failed()) {
+            return tl::unexpected(*failed);
+        }
         if (!kind) {
             return tl::unexpected(kind.error());
         }

@@ -44,7 +44,7 @@ void SimulateLog::look(Instant now) {
             print_change(now, "input", input_names_[i], kTwoSendersText);
         }
     }
-    // What an output does changes when it runs.
+    // The state of an output changes only when it runs.
     for (const std::size_t i : engine_.ran()) {
         const Output& output = engine_.outputs()[i];
         const OutputState state = output.state(now);

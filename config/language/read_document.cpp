@@ -311,7 +311,7 @@ bool LostText::mentions(std::string_view word) const {
 
 Document read_document(std::string_view text, Mistakes& mistakes) {
     if (text.size() > kMostConfigurationBytes) {
-        mistakes.add({1, 1}, fmt::format("the file has more than {} bytes; allowed: at most that",
+        mistakes.add({1, 1}, fmt::format("the file is too long; allowed: at most {} bytes",
                                          kMostConfigurationBytes));
         Document document;
         document.readable = false;

@@ -8,6 +8,7 @@
 
 #include <tl/expected.hpp>
 
+#include "app/bench/latency.h"
 #include "app/bench/subject.h"
 #include "core/time.h"
 
@@ -42,6 +43,19 @@ inline bench::ApplianceSettings appliance(const BoundSettings& settings) {
     appliance.priority = settings.priority;
     appliance.cpu = settings.cpu;
     return appliance;
+}
+
+/// Waits until frames come through. What it returns ends where the caller lets go of it; a
+/// parameter would live until the caller's expression ends, beside the next subject.
+inline tl::expected<bench::Subject, std::string> carrying(
+    tl::expected<bench::Subject, std::string> started) {
+    if (!started) {
+        return started;
+    }
+    if (auto carries = started->wait_until_it_carries(bench::kFramePeriod); !carries) {
+        return Refused(carries.error());
+    }
+    return started;
 }
 
 /// Rows of the table that are measured together.

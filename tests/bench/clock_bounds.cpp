@@ -80,19 +80,15 @@ Programmings programmings_for(Subject& subject, std::uint64_t rounds, const Cloc
 tl::expected<double, std::string> programmings_of(tl::expected<Subject, std::string> started,
                                                   const ClockCounter& counter,
                                                   const BoundSettings& settings) {
-    if (!started) {
-        return Refused(started.error());
-    }
-    // A parameter would live until the caller's expression ends.
-    Subject subject = std::move(*started);
-    if (auto carries = subject.wait_until_it_carries(kFramePeriod); !carries) {
-        return Refused(carries.error());
+    auto subject = carrying(std::move(started));
+    if (!subject) {
+        return Refused(subject.error());
     }
     const TesterPriority priority;
     const auto rounds = static_cast<std::uint64_t>(settings.length / 5 / kFramePeriod);
     // Behind the last frame repeats begin. A difference of two runs is without them.
-    const auto few = programmings_for(subject, rounds / 4, counter, *settings.cpu);
-    const auto many = programmings_for(subject, rounds, counter, *settings.cpu);
+    const auto few = programmings_for(*subject, rounds / 4, counter, *settings.cpu);
+    const auto many = programmings_for(*subject, rounds, counter, *settings.cpu);
     return (many.programmings - few.programmings) / (many.frames - few.frames);
 }
 

@@ -26,14 +26,7 @@ namespace {
 using namespace bench;
 
 tl::expected<Subject, std::string> started(std::size_t lanes, const ApplianceSettings& settings) {
-    auto subject = Subject::appliance(lanes, settings);
-    if (!subject) {
-        return subject;
-    }
-    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
-        return Refused(carries.error());
-    }
-    return subject;
+    return carrying(Subject::appliance(lanes, settings));
 }
 
 Figures memory(const BoundSettings& settings) {

@@ -203,17 +203,13 @@ Figures processor_time(const BoundSettings& settings) {
 /// Processor time a frame. The subject ends before this returns.
 tl::expected<Duration, std::string> cost_of(tl::expected<Subject, std::string> started,
                                             const BoundSettings& settings, bool at_one_instant) {
-    if (!started) {
-        return Refused(started.error());
-    }
-    // A parameter would live until the caller's expression ends.
-    Subject subject = std::move(*started);
-    if (auto carries = subject.wait_until_it_carries(kFramePeriod); !carries) {
-        return Refused(carries.error());
+    auto subject = carrying(std::move(started));
+    if (!subject) {
+        return Refused(subject.error());
     }
     const TesterPriority priority;
     const auto rounds = static_cast<std::uint64_t>(settings.length / 4 / kFramePeriod);
-    return drive(subject, {.rounds = rounds, .at_one_instant = at_one_instant})
+    return drive(*subject, {.rounds = rounds, .at_one_instant = at_one_instant})
         .processor_time_per_frame;
 }
 

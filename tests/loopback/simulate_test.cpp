@@ -210,6 +210,20 @@ TEST_F(Simulate, NeedsNoMoreMemoryForALongRecordingAndDecodeNeither) {
     EXPECT_LE(peak_of_long, peak_of_short + 1024) << "the recording has 10 MB";
 }
 
+TEST_F(Simulate, RefusesToOverwriteTheRecordingThatItReads) {
+    const std::filesystem::path recording = folder() / "receiver.txt";
+    std::ofstream(recording) << timed_line(0, ibus_bytes(sticks_with_first(1500)));
+    const auto size = std::filesystem::file_size(recording);
+    const std::filesystem::path other_name = folder() / "other.txt";
+    std::filesystem::create_symlink(recording, other_name);
+    Program& program =
+        start({"simulate", write_config(main_job()), "--in", "receiver=" + recording.string(),
+               "--out", "servos=" + other_name.string()});
+    EXPECT_EQ(program.end(), 2);
+    EXPECT_NE(program.errors().find("--in reads this file"), std::string::npos) << program.errors();
+    EXPECT_EQ(std::filesystem::file_size(recording), size);
+}
+
 TEST_F(Simulate, PlaysARecordingUntilItsMistakeAndSaysWhereThatIs) {
     std::ofstream file(folder() / "receiver.txt");
     for (int number = 0; number < 200; ++number) {

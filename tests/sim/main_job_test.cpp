@@ -15,7 +15,7 @@ constexpr std::uint64_t kSeeds = 40;
 constexpr Instant kInputEnds = Instant(20s);
 constexpr Instant kEnd = Instant(22s);
 constexpr Duration kPeriod = 7ms;
-/// Of SBUS.
+/// SBUS has it shorter than the period.
 constexpr Duration kLeastSpacing = 6ms;
 constexpr Duration kTimeout = 100ms;
 constexpr Duration kHold = 300ms;

@@ -163,6 +163,16 @@ TEST(FollowSchedule, a_repeat_waits_no_longer_than_what_was_written_is_true) {
     EXPECT_EQ(schedule.due(), latest + 16ms) << "less than a period is judged ahead";
 }
 
+TEST(FollowSchedule, a_frame_waits_for_the_next_no_longer_than_what_was_written_is_true) {
+    // 4 ms in, 7 ms out: the second frame waits for the third, which is due at 44 ms.
+    Schedule schedule({.kind = ScheduleKind::follow, .period = 7ms});
+    schedule.start(at(0ms));
+    schedule.frame_arrived(arrivals_each(4ms, at(0ms), 10));
+    schedule.done(at(36ms), true, at(45ms));
+    schedule.frame_arrived(arrivals_each(4ms, at(0ms), 11));
+    EXPECT_EQ(schedule.due(), at(45ms));
+}
+
 TEST(FollowSchedule, a_fresh_frame_behind_a_repeat_keeps_the_least_spacing_and_not_the_period) {
     // 7 ms in, 5 ms out; one frame is missing.
     ArrivalClock arrivals = arrivals_each(7ms, at(0ms), 20);

@@ -44,7 +44,7 @@ constexpr std::string_view kCandump =
 constexpr std::string_view kRaw = "\x20\x40\x01\x02\x0f\x04\n\x01#\x05";
 constexpr std::string_view kMistaken = "# t_us\n0 20\n1 20 4\n";
 
-/// What a reader of bursts says, the mistake last.
+/// Reads all bursts into a text, which ends with the mistake if there is one.
 std::string told(Pieces& content, RecordingKind kind) {
     std::string text;
     BurstReader reader(content, "f", kind);
