@@ -13,7 +13,7 @@ package_packages="dpkg-dev file gzip lintian"
 test_libraries="libgmock-dev libgtest-dev librapidcheck-dev"
 test_packages="$test_libraries groff-base python3 python3-canmatrix python3-jsonschema sigrok-cli tshark"
 # Packages that count instructions (tests/bench), on this processor and on an emulated one.
-bench_packages="g++-aarch64-linux-gnu qemu-user valgrind"
+bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
 # Its full tier builds kernel modules and the package; its service tier installs that on a Debian.

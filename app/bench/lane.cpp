@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "pipelines/realtime/clock.h"
@@ -26,10 +27,28 @@ bool make_raw(const std::string& path) {
     return ::tcsetattr(near.get(), TCSANOW, &settings) == 0;
 }
 
-WireFrame encoded(ByteEncoder&& encoder, std::uint32_t number) {
+WireFrame encoded(ByteEncoder&& encoder, const ChannelFrame& channels) {
     WireFrame wire;
-    wire.length = encoder.write(numbered_channels(number), wire.bytes, Instant{});
+    wire.length = encoder.write(channels, wire.bytes, Instant{});
     return wire;
+}
+
+ChannelFrame first_14_of(ChannelFrame channels) {
+    for (std::size_t channel = 14; channel < kChannelCount; ++channel) {
+        channels.remove(channel);
+    }
+    return channels;
+}
+
+/// The channels as a reader of SBUS has them.
+ChannelFrame read_from_sbus(const ChannelFrame& channels) {
+    const WireFrame wire = encoded(SbusEncoder(), channels);
+    std::span<const std::uint8_t> bytes(wire.bytes.data(), wire.length);
+    SbusDecoder decoder;
+    DecodedFrame decoded;
+    decoder.next(bytes, Instant{}, decoded);
+    // SBUS is decided by what follows.
+    return decoder.finish().value_or(decoded).channels;
 }
 
 }  // namespace
@@ -53,11 +72,35 @@ ChannelFrame numbered_channels(std::uint32_t number) {
 }
 
 WireFrame numbered_ibus_frame(std::uint32_t number) {
-    return encoded(IbusEncoder(kChannelCount), number);
+    return encoded(IbusEncoder(kChannelCount), numbered_channels(number));
 }
 
-WireFrame numbered_frame(std::uint32_t number, Carries carries) {
-    return carries == Carries::sbus ? encoded(SbusEncoder(), number) : numbered_ibus_frame(number);
+WireFrame numbered_frame_in(std::uint32_t number, Carries carries) {
+    switch (carries) {
+        case Carries::sbus_of_14:
+            return encoded(IbusEncoder(14), numbered_channels(number));
+        case Carries::ibus_of_sbus:
+            return encoded(SbusEncoder(), numbered_channels(number));
+        case Carries::same:
+        case Carries::sbus:
+            break;
+    }
+    return numbered_ibus_frame(number);
+}
+
+WireFrame numbered_frame_out(std::uint32_t number, Carries carries) {
+    const ChannelFrame channels = numbered_channels(number);
+    switch (carries) {
+        case Carries::same:
+            break;
+        case Carries::sbus:
+            return encoded(SbusEncoder(), channels);
+        case Carries::sbus_of_14:
+            return encoded(SbusEncoder(), first_14_of(channels));
+        case Carries::ibus_of_sbus:
+            return encoded(IbusEncoder(kChannelCount), read_from_sbus(channels));
+    }
+    return numbered_ibus_frame(number);
 }
 
 Lane::Lane(Pty in, Pty out, Carries carries)
@@ -76,8 +119,8 @@ tl::expected<Lane, std::string> Lane::open(Carries carries) {
 }
 
 bool Lane::send() {
-    const WireFrame frame = numbered_ibus_frame(number_ + 1);
-    const auto expected = numbered_frame(number_ + 1, carries_);
+    const WireFrame frame = numbered_frame_in(number_ + 1, carries_);
+    const WireFrame expected = numbered_frame_out(number_ + 1, carries_);
     const Instant now = monotonic_now();
     const ssize_t taken = ::write(in_.master.get(), frame.bytes.data(), frame.length);
     if (taken != static_cast<ssize_t>(frame.length)) {

@@ -14,10 +14,12 @@
 
 namespace tribus::bench {
 
-/// The frame expected at the far end for each i.Bus frame that goes in.
+/// The frames that go in, and those expected at the far end for them.
 enum class Carries : std::uint8_t {
-    same,  ///< the same frame, byte by byte
-    sbus,  ///< the same channels as SBUS
+    same,          ///< i.Bus of 18 channels; the same frame, byte by byte
+    sbus,          ///< i.Bus of 18 channels; the same channels as SBUS
+    sbus_of_14,    ///< i.Bus of 14 channels; the same channels as SBUS
+    ibus_of_sbus,  ///< SBUS; the same channels as i.Bus of 18
 };
 
 /// The bytes of one frame.
@@ -32,8 +34,9 @@ struct WireFrame {
 ChannelFrame numbered_channels(std::uint32_t number);
 /// An i.Bus frame of 18 channels with that number; parts of two such frames are never a valid one.
 WireFrame numbered_ibus_frame(std::uint32_t number);
-/// The frame that must come out for that number.
-WireFrame numbered_frame(std::uint32_t number, Carries carries);
+/// The frame that goes in for that number, and the frame that must come out.
+WireFrame numbered_frame_in(std::uint32_t number, Carries carries);
+WireFrame numbered_frame_out(std::uint32_t number, Carries carries);
 
 /// Counters of a lane. Only ever incremented.
 struct LaneCounts {

@@ -41,7 +41,7 @@ std::string filled(std::string word, std::string_view name, const std::string& d
 
 std::string output_text(const std::string& name, const std::string& device,
                         const ApplianceSettings& settings) {
-    const bool sbus = settings.carries == Carries::sbus;
+    const bool sbus = settings.carries == Carries::sbus || settings.carries == Carries::sbus_of_14;
     return fmt::format(
         "[output.{}]\nprotocol = \"{}\"\ndevice = \"{}\"\n{}period = \"{}us\"\nforce = true\n",
         name, sbus ? "sbus" : "ibus", device, sbus ? "" : "channels = 18\n",
@@ -97,9 +97,9 @@ std::string configuration_text(const std::vector<Lane>& lanes, const ApplianceSe
                                const std::vector<Pty>& further_outputs) {
     std::string text = runtime_text(settings);
     for (std::size_t i = 0; i < lanes.size(); ++i) {
-        text +=
-            fmt::format("[input.in{}]\nprotocol = \"ibus\"\ndevice = \"{}\"\ntimeout = \"1s\"\n", i,
-                        lanes[i].in_path());
+        const bool sbus_in = settings.carries == Carries::ibus_of_sbus;
+        text += fmt::format("[input.in{}]\nprotocol = \"{}\"\ndevice = \"{}\"\ntimeout = \"1s\"\n",
+                            i, sbus_in ? "sbus" : "ibus", lanes[i].in_path());
         text += output_text(fmt::format("out{}", i), lanes[i].out_path(), settings);
         std::string outputs = fmt::format("\"out{}\"", i);
         for (std::size_t further = 0; i == 0 && further < further_outputs.size(); ++further) {

@@ -16,7 +16,7 @@
 
 namespace tribus::bench {
 
-/// How `tribus run` is configured to carry i.Bus frames of 18 channels.
+/// How `tribus run` is configured to carry frames.
 struct ApplianceSettings {
     std::string program = "/proc/self/exe";
     Carries carries = Carries::same;

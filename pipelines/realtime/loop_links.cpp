@@ -24,7 +24,10 @@ void Loop::watch(std::size_t port) {
     const bool wanted = wants_bytes(ports_[port].wiring.stations) || link->as_can() != nullptr;
     event.events = wanted ? EPOLLIN : 0U;
     event.data.ptr = ports_[port].place.get();
-    if (::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, link->descriptor(), &event) != 0) {
+    const auto add = [&](int descriptor) {
+        return descriptor < 0 || ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, descriptor, &event) == 0;
+    };
+    if (!add(link->descriptor()) || !add(link->second_descriptor())) {
         lose(ports_[port]);
     }
 }
@@ -41,7 +44,9 @@ void Loop::set_watched(std::size_t port, bool watched) {
         port.quiet_until = kNever;
         --quiet_ports_;
     }
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, port.link->descriptor(), nullptr);
+    for (const int descriptor : {port.link->descriptor(), port.link->second_descriptor()}) {
+        ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, descriptor, nullptr);
+    }
     for (const Station& station : port.wiring.stations) {
         stations_.device_lost(station);
     }

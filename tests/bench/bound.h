@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,6 +14,9 @@
 #include "core/time.h"
 
 namespace tribus::test {
+
+/// Of a row that only informs.
+inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// One row of the table, measured in one run.
 struct Figure {

@@ -85,8 +85,10 @@ void print_heading() {
 void print_figure(const Figure& figure) {
     const std::string allowance =
         figure.allowance == 1 ? std::string() : fmt::format("{:.2f}", figure.allowance);
-    fmt::print("{:<46} {:>9.3f} {:>7.2f} {:>6}  {:<3}  {}\n", figure.row, figure.value,
-               figure.bound, allowance, holds(figure) ? "yes" : "NO", figure.note);
+    const bool informs = figure.bound == kNoBound;
+    fmt::print("{:<46} {:>9.3f} {:>7} {:>6}  {:<3}  {}\n", figure.row, figure.value,
+               informs ? "" : fmt::format("{:.2f}", figure.bound), allowance,
+               informs ? "" : (holds(figure) ? "yes" : "NO"), figure.note);
     std::fflush(stdout);
 }
 
@@ -173,7 +175,7 @@ int main(int argc, char** argv) {
     app.add_option(
            "--only", options.only,
            "latency,load,age,lateness,cpu,scaling,spawn,clock,response,memory,heap,calls,lost,"
-           "codecs,garbage,daemon: some rows")
+           "codecs,garbage,engine,link,daemon: some rows")
         ->delimiter(',');
     app.add_option("--runs", options.runs, "Of each ratio; the median counts")
         ->check(CLI::Range(1, 99))

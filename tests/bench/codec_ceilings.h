@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <string_view>
 
 /// What is counted, and the upper limit of its instructions. A ceiling is the figure that was
@@ -10,6 +11,9 @@ namespace tribus::bench {
 
 inline constexpr std::size_t kGarbageBlock = 32;
 
+/// The program that counts. All but the codecs are counted on x86 only.
+enum class Counted : std::uint8_t { codecs, engine, link };
+
 struct Row {
     std::string_view name;
     std::string_view workload;
@@ -17,27 +21,48 @@ struct Row {
     double most_arm = 0;
     std::string_view pattern = "random";
     std::size_t bytes_a_unit = 1;  ///< 1 if the count is one of frames
-    bool engine = false;           ///< of count_engine, counted on x86 only
+    Counted counted = Counted::codecs;
+    double most_calls = 0;  ///< system calls, of the link only
 };
 
-/// From the bytes of a frame to those of the frame that the output sends.
+constexpr Row through_engine(std::string_view name, std::string_view workload, double most) {
+    return {.name = name, .workload = workload, .most_x86 = most, .counted = Counted::engine};
+}
+
+/// From what arrived to what the output sends, at first without the engine: a frame, or a snapshot
+/// of native CAN (five frames) or of DroneCAN RCInput (five frames too).
 inline constexpr std::array kEngineRows{
-    Row{.name = "Ibus18ToSbus", .workload = "ibus_18", .most_x86 = 1180, .engine = true},
-    Row{.name = "Ibus14ToSbus", .workload = "ibus_14", .most_x86 = 1250, .engine = true},
-    Row{.name = "Ibus18ToSbusThroughAMap",
-        .workload = "ibus_18_map",
-        .most_x86 = 1340,
-        .engine = true},
-    Row{.name = "Ibus14ToSbusThroughAMap",
-        .workload = "ibus_14_map",
-        .most_x86 = 1480,
-        .engine = true},
-    Row{.name = "SbusToIbus18", .workload = "sbus_to_ibus_18", .most_x86 = 1150, .engine = true},
+    through_engine("CorePipeline18", "ibus18_to_sbus_core", 415),
+    through_engine("CorePipeline14", "ibus14_to_sbus_core", 500),
+    through_engine("Ibus18ToSbus", "ibus18_to_sbus", 1180),
+    through_engine("Ibus14ToSbus", "ibus14_to_sbus", 1250),
+    through_engine("Ibus18ToSbusThroughAMap", "ibus18_to_sbus_map", 1340),
+    through_engine("Ibus14ToSbusThroughAMap", "ibus14_to_sbus_map", 1480),
+    through_engine("SbusToIbus18", "sbus_to_ibus18", 1150),
+    through_engine("NativeCanToSbus", "can_to_sbus", 4290),
+    through_engine("Ibus18ToNativeCan", "ibus18_to_can", 2960),
+    through_engine("DroneCanToSbus", "dronecan_to_sbus", 7520),
+    through_engine("Ibus18ToDroneCan", "ibus18_to_dronecan", 4050),
 };
-/// User instructions a frame of all threads of `tribus run`, 18 channels of i.Bus through a map to
-/// SBUS. The number of wake-ups differs a little from run to run, so this has some room.
-inline constexpr double kMostOfDaemon = 2600;
-
+/// A snapshot of five frames through the link of a CAN interface. Some 300 instructions of a row
+/// are those of the bus that stands in for the kernel.
+inline constexpr std::array kLinkRows{
+    Row{.name = "CanOutWithEcho",
+        .workload = "out_with_echo",
+        .most_x86 = 2720,
+        .counted = Counted::link,
+        .most_calls = 3},
+    Row{.name = "CanOutWithoutEcho",
+        .workload = "out_without_echo",
+        .most_x86 = 1520,
+        .counted = Counted::link,
+        .most_calls = 5},
+    Row{.name = "CanIn",
+        .workload = "in",
+        .most_x86 = 2095,
+        .counted = Counted::link,
+        .most_calls = 2},
+};
 inline constexpr std::array kFrameRows{
     Row{"DecodeSbusInOneRead", "decode_sbus_read", 106, 122},
     Row{"DecodeIbusInOneRead", "decode_ibus_read", 148, 179},

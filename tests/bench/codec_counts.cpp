@@ -36,15 +36,26 @@ bool can_run(const std::string& command) {
     return std::system((command + " > /dev/null 2>&1").c_str()) == 0;
 }
 
+std::string program_of(const Row& row) {
+    switch (row.counted) {
+        case Counted::engine:
+            return TRIBUS_COUNT_ENGINE;
+        case Counted::link:
+            return TRIBUS_COUNT_LINK;
+        case Counted::codecs:
+            break;
+    }
+    return TRIBUS_COUNT_CODECS;
+}
+
 std::optional<std::uint64_t> count(Machine machine, const Row& row, std::size_t units,
                                    std::size_t prepared) {
     const std::string work = std::string(row.workload) + " " + std::to_string(units) + " " +
                              std::to_string(prepared) + " '" + std::string(row.pattern) + "'";
     if (machine == Machine::x86) {
-        const std::string program = row.engine ? TRIBUS_COUNT_ENGINE : TRIBUS_COUNT_CODECS;
-        return run(
-            "valgrind --tool=callgrind --callgrind-out-file=/dev/null " + program + " " + work,
-            "Collected : ", false);
+        return run("valgrind --tool=callgrind --callgrind-out-file=/dev/null " + program_of(row) +
+                       " " + work,
+                   "Collected : ", false);
     }
     return run("qemu-aarch64 -singlestep -d exec,nochain " TRIBUS_COUNT_CODECS_ARM " " + work,
                "Trace ", true);
@@ -66,6 +77,21 @@ std::optional<double> cost(Machine machine, const Row& row, std::size_t from, st
 std::optional<double> cost(Machine machine, const Row& row) {
     return machine == Machine::x86 ? cost(machine, row, 200, 800, 1024)
                                    : cost(machine, row, 16, 64, 64);
+}
+
+std::optional<double> system_calls(const Row& row) {
+    constexpr std::size_t kFew = 100;
+    constexpr std::size_t kMany = 300;
+    const auto calls = [&row](std::size_t units) {
+        return run(program_of(row) + " " + std::string(row.workload) + " " + std::to_string(units),
+                   "calls ", false);
+    };
+    const auto few = calls(kFew);
+    const auto many = calls(kMany);
+    if (!few || !many) {
+        return std::nullopt;
+    }
+    return static_cast<double>(*many - *few) / static_cast<double>(kMany - kFew);
 }
 
 std::string missing(Machine machine) {

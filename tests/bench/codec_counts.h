@@ -23,4 +23,7 @@ std::optional<double> cost(Machine machine, const Row& row, std::size_t from, st
 /// The same with as many units as the machine needs for an exact figure.
 std::optional<double> cost(Machine machine, const Row& row);
 
+/// System calls for a snapshot, of a row of the link. Returns nothing if a run fails.
+std::optional<double> system_calls(const Row& row);
+
 }  // namespace tribus::bench

@@ -1,12 +1,6 @@
-#include <sys/mman.h>
-#include <unistd.h>
-
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <random>
 #include <sstream>
 #include <string>
@@ -19,44 +13,33 @@
 #include "app/bench/tester.h"
 #include "pipelines/realtime/clock.h"
 #include "tests/bench/bound.h"
+#include "tests/bench/daemon_counts.h"
 
 namespace tribus::test {
 namespace {
 
 using namespace bench;
 
-tl::expected<Subject, std::string> started(std::size_t lanes, const ApplianceSettings& settings) {
-    return carrying(Subject::appliance(lanes, settings));
-}
-
 Figures memory(const BoundSettings& settings) {
-    constexpr std::size_t kMany = 64;
-    std::array<ProcessUsage, 2> usage;
-    for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
-        auto subject = started(i == 0 ? 1 : kMany, appliance(settings));
-        if (!subject) {
-            return Refused(subject.error());
-        }
-        usage[i] = subject->usage().value_or(ProcessUsage{});
+    const auto used = daemon_memory(appliance(settings));
+    if (!used) {
+        return Refused(used.error());
     }
-    const auto bytes = [&](std::size_t i) { return static_cast<double>(usage[i].resident_bytes); };
-    return std::vector<Figure>{
-        {.row = "locked memory with one pipeline, MB",
-         .value = bytes(0) / 1e6,
-         .bound = 3.5,
-         .note = fmt::format("VmRSS; VmLck {:.1f} MB",
-                             static_cast<double>(usage[0].locked_bytes) / 1e6)},
-        {.row = "locked memory of each further pipeline, KiB",
-         .value = (bytes(1) - bytes(0)) / (kMany - 1) / 1024,
-         .bound = 4,
-         .note = fmt::format("64 pipelines: {:.1f} MB", bytes(1) / 1e6)}};
+    return std::vector<Figure>{{.row = "locked memory with one pipeline, MB",
+                                .value = used->one_pipeline / 1e6,
+                                .bound = 3.3,
+                                .note = fmt::format("VmRSS; VmLck {:.1f} MB", used->locked / 1e6)},
+                               {.row = "locked memory of each further pipeline, KiB",
+                                .value = used->each_further / 1024,
+                                .bound = 6,
+                                .note = "of 64"}};
 }
 
 Figures lost_frames(const BoundSettings& settings) {
     constexpr std::size_t kLanes = 32;
     ApplianceSettings ours = appliance(settings);
     ours.period = std::chrono::milliseconds(3);
-    auto subject = started(kLanes, ours);
+    auto subject = started_daemon(kLanes, ours);
     if (!subject) {
         return Refused(subject.error());
     }
@@ -72,22 +55,6 @@ Figures lost_frames(const BoundSettings& settings) {
          .note = fmt::format("of {}; latency p99 {} us, most {} us", result.latency.size(),
                              result.latency.percentile(99).count() / 1000,
                              result.latency.percentile(100).count() / 1000)}};
-}
-
-std::string content_of(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// Finds the data thread by its name.
-std::filesystem::path data_thread(pid_t process) {
-    const std::filesystem::path tasks = fmt::format("/proc/{}/task", process);
-    for (const auto& task : std::filesystem::directory_iterator(tasks)) {
-        if (content_of(task.path() / "comm") == "tribus-data\n") {
-            return task.path();
-        }
-    }
-    return {};
 }
 
 /// Returns the minor and major page faults of a process or thread, read from its `stat`.
@@ -128,7 +95,7 @@ void disturb(Lane& lane, std::mt19937& random) {
 Figures allocations(const BoundSettings& settings) {
     ApplianceSettings ours = appliance(settings);
     ours.environment = {"LD_PRELOAD=" + settings.heap_trap};
-    auto subject = started(1, ours);
+    auto subject = started_daemon(1, ours);
     if (!subject) {
         return Refused(subject.error());
     }
@@ -163,85 +130,23 @@ Figures allocations(const BoundSettings& settings) {
          .bound = 0}};
 }
 
-/// Returns the sum of the column "calls" in strace's table, and the single calls as text.
-std::pair<double, std::string> calls_of_table(const std::string& table) {
-    double calls = 0;
-    std::string kinds;
-    std::istringstream lines(table);
-    for (std::string line; std::getline(lines, line);) {
-        std::istringstream words(line);
-        double share = 0;
-        double seconds = 0;
-        double each = 0;
-        double count = 0;
-        std::string name;
-        if (words >> share >> seconds >> each >> count >> name) {
-            // If there were errors, their column stands before the name.
-            std::string last;
-            name = words >> last ? last : name;
-            if (name != "total") {
-                calls += count;
-                kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", name, count);
-            }
-        }
-    }
-    return {calls, kinds};
-}
-
-/// Counts the system calls of the data thread while it handles `frames` frames.
-tl::expected<std::pair<double, std::string>, std::string> calls_for(Subject& subject, int frames) {
-    const int table = ::memfd_create("calls", 0);
-    const std::string thread = data_thread(subject.process().id()).filename();
-    auto tracer = Process::execute(
-        {"strace", "-c", "-p", thread, "-o", fmt::format("/proc/self/fd/{}", table)}, {table});
-    if (!tracer) {
-        return Refused(tracer.error());
-    }
-    sleep_until(monotonic_now() + std::chrono::milliseconds(500));
-    Instant next = monotonic_now();
-    for (int i = 0; i < frames && !interrupted(); ++i) {
-        subject.lane().send();
-        next += kFramePeriod;
-        sleep_until(next);
-        subject.lane().drain();
-        subject.drain_further_outputs();
-    }
-    tracer->end();
-    std::string text(1 << 16, '\0');
-    const ssize_t count = ::pread(table, text.data(), text.size(), 0);
-    ::close(table);
-    text.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
-    if (text.empty()) {
-        return Refused("strace told nothing: " + tracer->errors());
-    }
-    return calls_of_table(text);
-}
-
 Figures system_calls(const BoundSettings& settings) {
-    constexpr int kFew = 100;
-    constexpr int kMany = 600;
     std::vector<Figure> figures;
     double with_one_output = 0;
     for (const std::size_t outputs : {std::size_t{1}, std::size_t{2}}) {
         ApplianceSettings ours = appliance(settings);
         ours.outputs_per_input = outputs;
-        auto subject = started(1, ours);
-        if (!subject) {
-            return Refused(subject.error());
+        const auto calls = daemon_calls(ours);
+        if (!calls) {
+            return Refused(calls.error());
         }
-        const auto few = calls_for(*subject, kFew);
-        const auto many = calls_for(*subject, kMany);
-        if (!few || !many) {
-            return Refused(few ? many.error() : few.error());
-        }
-        const double each = (many->first - few->first) / (kMany - kFew);
         const bool first = outputs == 1;
         figures.push_back({.row = first ? "system calls a frame" : "and for each further output",
-                           .value = each - with_one_output,
+                           .value = calls->a_frame - with_one_output,
                            .bound = first ? 3.0 : 1.0,
                            .allowance = 1.01,  // some wake-ups for the figures
-                           .note = fmt::format("of {} frames: {}", kMany, many->second)});
-        with_one_output = each;
+                           .note = fmt::format("of {} frames: {}", calls->frames, calls->kinds)});
+        with_one_output = calls->a_frame;
     }
     return figures;
 }

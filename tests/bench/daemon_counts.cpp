@@ -1,56 +1,221 @@
 #include "tests/bench/daemon_counts.h"
 
+#include <sys/mman.h>
+#include <unistd.h>
+
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
-#include <string_view>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include "app/bench/latency.h"
-#include "app/bench/subject.h"
 #include "app/bench/tester.h"
+#include "pipelines/realtime/clock.h"
 
 namespace tribus::bench {
 namespace {
 
 using Refused = tl::unexpected<std::string>;
 
-/// Counts from the start of the program to its end.
-tl::expected<std::uint64_t, std::string> instructions_of_run(std::uint64_t frames) {
+constexpr auto kDaemonFramePeriod = std::chrono::microseconds(7700);
+
+/// A folder for the files of a run, removed with its object.
+class CountFolder {
+  public:
+    CountFolder() {
+        std::string name = std::filesystem::temp_directory_path() / "tribus-counts-XXXXXX";
+        if (::mkdtemp(name.data()) != nullptr) {
+            path_ = name;
+        }
+    }
+    CountFolder(const CountFolder&) = delete;
+    CountFolder& operator=(const CountFolder&) = delete;
+    ~CountFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    const std::filesystem::path& path() const { return path_; }
+
+  private:
+    std::filesystem::path path_;
+};
+
+/// From the start of the program to its end.
+struct RunInstructions {
+    std::uint64_t all = 0;
+    std::uint64_t main_thread = 0;
+};
+
+/// callgrind writes a file for each thread, which ends with the thread's sum.
+std::uint64_t sum_in(const std::filesystem::path& file) {
+    constexpr std::string_view kMark = "\ntotals: ";
+    const std::string text = content_of(file);
+    const std::size_t at = text.rfind(kMark);
+    return at == text.npos ? 0 : std::strtoull(text.c_str() + at + kMark.size(), nullptr, 10);
+}
+
+tl::expected<RunInstructions, std::string> instructions_of_run(Carries carries,
+                                                               std::uint64_t frames) {
+    const CountFolder folder;
     ApplianceSettings ours;
     ours.program = TRIBUS_PROGRAM;
-    ours.carries = Carries::sbus;
+    ours.carries = carries;
     ours.period = std::chrono::milliseconds(7);
-    ours.in_front = {"valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"};
-    auto subject = Subject::appliance(1, ours);
+    ours.in_front = {"valgrind", "--tool=callgrind", "--separate-threads=yes",
+                     "--callgrind-out-file=" + (folder.path() / "counts").string()};
+    auto subject = started_daemon(1, ours);
     if (!subject) {
         return Refused(subject.error());
     }
-    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
-        return Refused(carries.error());
-    }
     const TesterPriority priority;
-    drive(*subject, {.period = std::chrono::microseconds(7700), .rounds = frames});
+    drive(*subject, {.period = kDaemonFramePeriod, .rounds = frames});
     subject->process().end();
-    const std::string said = subject->process().errors();
-    constexpr std::string_view kMark = "Collected : ";
-    const std::size_t at = said.find(kMark);
-    if (at == said.npos) {
-        return Refused("callgrind counted nothing: " + said);
+    RunInstructions counted;
+    for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
+        const std::uint64_t sum = sum_in(file.path());
+        counted.all += sum;
+        counted.main_thread += file.path().filename() == "counts-01" ? sum : 0;
     }
-    return std::strtoull(said.c_str() + at + kMark.size(), nullptr, 10);
+    if (counted.main_thread == 0) {
+        return Refused("callgrind counted nothing: " + subject->process().errors());
+    }
+    return counted;
+}
+
+/// Adds up the column "calls" in strace's table, and names the single calls.
+DaemonCalls calls_of_table(const std::string& table) {
+    DaemonCalls calls;
+    std::istringstream lines(table);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream words(line);
+        double share = 0;
+        double seconds = 0;
+        double each = 0;
+        double count = 0;
+        std::string name;
+        if (words >> share >> seconds >> each >> count >> name) {
+            // If there were errors, their column stands before the name.
+            std::string last;
+            name = words >> last ? last : name;
+            if (name != "total") {
+                calls.a_frame += count;
+                calls.kinds += fmt::format("{}{} {}", calls.kinds.empty() ? "" : ", ", name, count);
+            }
+        }
+    }
+    return calls;
+}
+
+/// Counts while the data thread handles `frames` frames. `a_frame` is the sum of all.
+tl::expected<DaemonCalls, std::string> calls_for(Subject& subject, int frames) {
+    const int table = ::memfd_create("calls", 0);
+    const std::string thread = data_thread(subject.process().id()).filename();
+    auto tracer = Process::execute(
+        {"strace", "-c", "-p", thread, "-o", fmt::format("/proc/self/fd/{}", table)}, {table});
+    if (!tracer) {
+        return Refused(tracer.error());
+    }
+    sleep_until(monotonic_now() + std::chrono::milliseconds(500));
+    Instant next = monotonic_now();
+    for (int i = 0; i < frames && !interrupted(); ++i) {
+        subject.lane().send();
+        next += kFramePeriod;
+        sleep_until(next);
+        subject.lane().drain();
+        subject.drain_further_outputs();
+    }
+    tracer->end();
+    std::string text(1 << 16, '\0');
+    const ssize_t count = ::pread(table, text.data(), text.size(), 0);
+    ::close(table);
+    text.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
+    if (text.empty()) {
+        return Refused("strace told nothing: " + tracer->errors());
+    }
+    DaemonCalls calls = calls_of_table(text);
+    calls.frames = frames;
+    return calls;
 }
 
 }  // namespace
 
-tl::expected<double, std::string> instructions_a_frame() {
+std::string content_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::filesystem::path data_thread(pid_t process) {
+    const std::filesystem::path tasks = fmt::format("/proc/{}/task", process);
+    for (const auto& task : std::filesystem::directory_iterator(tasks)) {
+        if (content_of(task.path() / "comm") == "tribus-data\n") {
+            return task.path();
+        }
+    }
+    return {};
+}
+
+tl::expected<Subject, std::string> started_daemon(std::size_t lanes,
+                                                  const ApplianceSettings& settings) {
+    auto subject = Subject::appliance(lanes, settings);
+    if (!subject) {
+        return subject;
+    }
+    if (auto carries = subject->wait_until_it_carries(kFramePeriod); !carries) {
+        return Refused(carries.error());
+    }
+    return subject;
+}
+
+tl::expected<DaemonInstructions, std::string> daemon_instructions(Carries carries) {
     constexpr std::uint64_t kFew = 200;
     constexpr std::uint64_t kMany = 1000;
-    const auto few = instructions_of_run(kFew);
-    const auto many = instructions_of_run(kMany);
+    const auto few = instructions_of_run(carries, kFew);
+    const auto many = instructions_of_run(carries, kMany);
     if (!few || !many) {
         return Refused(few ? many.error() : few.error());
     }
-    return static_cast<double>(*many - *few) / static_cast<double>(kMany - kFew);
+    const std::chrono::duration<double> longer = kDaemonFramePeriod * (kMany - kFew);
+    return DaemonInstructions{
+        .a_frame = static_cast<double>(many->all - few->all) / static_cast<double>(kMany - kFew),
+        .a_second_of_main_thread =
+            static_cast<double>(many->main_thread - few->main_thread) / longer.count()};
+}
+
+tl::expected<DaemonCalls, std::string> daemon_calls(const ApplianceSettings& settings) {
+    constexpr int kFew = 100;
+    constexpr int kMany = 600;
+    auto subject = started_daemon(1, settings);
+    if (!subject) {
+        return Refused(subject.error());
+    }
+    const auto few = calls_for(*subject, kFew);
+    auto many = calls_for(*subject, kMany);
+    if (!few || !many) {
+        return Refused(few ? many.error() : few.error());
+    }
+    many->a_frame = (many->a_frame - few->a_frame) / (kMany - kFew);
+    return many;
+}
+
+tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& settings) {
+    constexpr std::size_t kMany = 64;
+    std::array<ProcessUsage, 2> usage;
+    for (const std::size_t i : {std::size_t{0}, std::size_t{1}}) {
+        auto subject = started_daemon(i == 0 ? 1 : kMany, settings);
+        if (!subject) {
+            return Refused(subject.error());
+        }
+        usage[i] = subject->usage().value_or(ProcessUsage{});
+    }
+    const auto bytes = [&](std::size_t i) { return static_cast<double>(usage[i].resident_bytes); };
+    return DaemonMemory{.one_pipeline = bytes(0),
+                        .locked = static_cast<double>(usage[0].locked_bytes),
+                        .each_further = (bytes(1) - bytes(0)) / (kMany - 1)};
 }
 
 }  // namespace tribus::bench

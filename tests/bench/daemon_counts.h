@@ -1,14 +1,78 @@
 #pragma once
 
+#include <sys/types.h>
+
+#include <array>
+#include <cstddef>
+#include <filesystem>
 #include <string>
+#include <string_view>
 
 #include <tl/expected.hpp>
 
-/// The cost of a frame in the whole program.
+#include "app/bench/lane.h"
+#include "app/bench/subject.h"
+
+/// The cost of a frame in the whole program, `tribus run` with ptys. The errors say what went
+/// wrong.
 namespace tribus::bench {
 
-/// User instructions a frame of all threads of `tribus run`, counted by callgrind: i.Bus with 18
-/// channels through a map to SBUS, 7.7 ms a frame. Takes 20 s. The error says what went wrong.
-tl::expected<double, std::string> instructions_a_frame();
+/// What the program carries, through a map with a rule for each channel, and the upper limit of its
+/// user instructions a frame in all threads. The number of wake-ups differs a little from run to
+/// run, so the limits have some room.
+struct DaemonRow {
+    std::string_view name;
+    Carries carries = Carries::sbus;
+    double most = 0;
+};
+inline constexpr std::array kDaemonRows{
+    DaemonRow{"Ibus18ToSbus", Carries::sbus, 2600},
+    DaemonRow{"Ibus14ToSbus", Carries::sbus_of_14, 2750},
+    DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2600},
+};
+/// User instructions a second of the main thread, which looks at the devices five times a second.
+inline constexpr double kMostOfMainThread = 25'000;
+/// System calls of the data thread: a wait, a read, a question whether the port still has the frame
+/// before, and a write; and some wake-ups for the figures.
+inline constexpr double kMostCallsAFrame = 4.05;
+inline constexpr double kLeastCallsAFrame = 3;
+/// Memory of the program, all of it locked, in bytes.
+inline constexpr double kMostMemory = 4.6e6;
+inline constexpr double kMostMemoryOfAPipeline = 17 * 1024;
+
+struct DaemonInstructions {
+    double a_frame = 0;  ///< of all threads
+    double a_second_of_main_thread = 0;
+};
+
+/// Counts with callgrind, one frame in 7.7 ms. Takes 20 s.
+tl::expected<DaemonInstructions, std::string> daemon_instructions(Carries carries);
+
+struct DaemonCalls {
+    double a_frame = 0;
+    std::string kinds;  ///< each call with its number, of all frames
+    int frames = 0;
+};
+
+/// Counts the system calls of the data thread with strace. Takes 10 s.
+tl::expected<DaemonCalls, std::string> daemon_calls(const ApplianceSettings& settings);
+
+struct DaemonMemory {
+    double one_pipeline = 0;  ///< bytes resident with one pipeline
+    double locked = 0;        ///< bytes of these that are locked
+    double each_further = 0;  ///< bytes of each further pipeline, of 64
+};
+
+/// `settings` should demand real time, which locks the memory: all of it is then resident.
+tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& settings);
+
+/// Starts the program and waits until frames come through.
+tl::expected<Subject, std::string> started_daemon(std::size_t lanes,
+                                                  const ApplianceSettings& settings);
+
+/// The folder of the data thread in /proc. It is found by its name; empty if there is none.
+std::filesystem::path data_thread(pid_t process);
+/// What a file of /proc says.
+std::string content_of(const std::filesystem::path& path);
 
 }  // namespace tribus::bench

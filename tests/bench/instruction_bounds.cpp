@@ -78,15 +78,83 @@ Figures garbage(const BoundSettings& /*settings*/) {
     return std::vector{worst};
 }
 
-Figures daemon(const BoundSettings& /*settings*/) {
-    const auto cost = instructions_a_frame();
-    if (!cost) {
-        return Refused(cost.error());
+/// A row of the table for each of `rows`, with the bound of the same place.
+template <std::size_t count>
+Figures counted_rows(const std::array<Row, count>& rows,
+                     const std::array<std::pair<const char*, double>, count>& bounds) {
+    if (const std::string what = missing(Machine::x86); !what.empty()) {
+        return Refused(what);
     }
-    return std::vector<Figure>{{.row = "instructions a frame of the whole daemon",
-                                .value = *cost,
-                                .bound = 1000,
-                                .note = "all threads; i.Bus, 18 channels through rules, SBUS"}};
+    std::vector<Figure> figures;
+    for (std::size_t i = 0; i < count; ++i) {
+        const auto instructions = cost(Machine::x86, rows[i]);
+        if (!instructions) {
+            return Refused(fmt::format("{}: the count went wrong", rows[i].name));
+        }
+        figures.push_back(
+            {.row = bounds[i].first, .value = *instructions, .bound = bounds[i].second});
+    }
+    return figures;
+}
+
+Figures engine(const BoundSettings& /*settings*/) {
+    constexpr std::array<std::pair<const char*, double>, kEngineRows.size()> kBounds{{
+        {"instructions, core pipeline, 18 channels", 300},
+        {"instructions, core pipeline, 14 channels", 330},
+        {"instructions, engine, 18 channels", kNoBound},
+        {"instructions, engine, 14 channels", kNoBound},
+        {"instructions, engine, 18 channels, map", kNoBound},
+        {"instructions, engine, 14 channels, map", kNoBound},
+        {"instructions, engine, SBUS to i.Bus", kNoBound},
+        {"instructions, engine, native CAN to SBUS", kNoBound},
+        {"instructions, engine, i.Bus to native CAN", kNoBound},
+        {"instructions, engine, DroneCAN to SBUS", kNoBound},
+        {"instructions, engine, i.Bus to DroneCAN", kNoBound},
+    }};
+    return counted_rows(kEngineRows, kBounds);
+}
+
+Figures link(const BoundSettings& /*settings*/) {
+    constexpr std::array<std::pair<const char*, double>, kLinkRows.size()> kBounds{{
+        {"instructions, CAN snapshot out, echo", 2500},
+        {"instructions, CAN snapshot out, no echo", 2500},
+        {"instructions, CAN snapshot in", kNoBound},
+    }};
+    auto figures = counted_rows(kLinkRows, kBounds);
+    for (const Row& row : kLinkRows) {
+        const auto calls = system_calls(row);
+        if (!figures || !calls) {
+            return figures ? Refused(fmt::format("{}: the count went wrong", row.name)) : figures;
+        }
+        figures->push_back({.row = fmt::format("system calls, {}", row.name),
+                            .value = *calls,
+                            .bound = row.workload == "out_with_echo"      ? 4
+                                     : row.workload == "out_without_echo" ? 6
+                                                                          : kNoBound});
+    }
+    return figures;
+}
+
+Figures daemon(const BoundSettings& /*settings*/) {
+    constexpr std::array<std::pair<const char*, double>, kDaemonRows.size()> kBounds{{
+        {"instructions a frame, daemon, 18 channels", 1000},
+        {"instructions a frame, daemon, 14 channels", 1050},
+        {"instructions a frame, daemon, SBUS to i.Bus", kNoBound},
+    }};
+    std::vector<Figure> figures;
+    for (std::size_t i = 0; i < kDaemonRows.size(); ++i) {
+        const auto counted = daemon_instructions(kDaemonRows[i].carries);
+        if (!counted) {
+            return Refused(counted.error());
+        }
+        figures.push_back({.row = kBounds[i].first,
+                           .value = counted->a_frame,
+                           .bound = kBounds[i].second,
+                           .note = fmt::format("all threads, through rules; main thread {:.0f} a "
+                                               "second",
+                                               counted->a_second_of_main_thread)});
+    }
+    return figures;
 }
 
 }  // namespace
@@ -95,6 +163,8 @@ std::vector<Bound> instruction_bounds() {
     return {
         {"codecs", "instructions a frame, by callgrind and an emulated ARM", false, codecs},
         {"garbage", "instructions a byte of adversarial garbage", false, garbage},
+        {"engine", "instructions a frame from arrival to sending", false, engine},
+        {"link", "instructions and system calls of a CAN snapshot", false, link},
         {"daemon", "user instructions a frame of the whole program", false, daemon},
     };
 }

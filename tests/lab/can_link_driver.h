@@ -3,6 +3,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <cstring>
@@ -86,9 +87,11 @@ class LinkDriver {
             std::max(limit - now(), Duration::zero()));
         const timespec timeout{.tv_sec = wait.count() / 1'000'000'000,
                                .tv_nsec = wait.count() % 1'000'000'000};
-        pollfd ready{.fd = link_.descriptor(), .events = POLLIN, .revents = 0};
+        std::array<pollfd, 2> ready{
+            pollfd{.fd = link_.descriptor(), .events = POLLIN, .revents = 0},
+            pollfd{.fd = link_.second_descriptor(), .events = POLLIN, .revents = 0}};
         ++wakes_;
-        if (::ppoll(&ready, 1, &timeout, nullptr) > 0) {
+        if (::ppoll(ready.data(), ready.size(), &timeout, nullptr) > 0) {
             const Duration wall = std::chrono::system_clock::now().time_since_epoch();
             latest_read_ = link_.read(*reception_, now(), wall);
             received_.insert(received_.end(), reception_->view().begin(), reception_->view().end());

@@ -116,8 +116,8 @@ TEST_F(SlcanSender, SendsNothingInBusOffAndNothingOldAfterIt) {
     expect_clean_end(sender);
 }
 
-/// The driver and its line each hold one frame, which nobody can take back.
-TEST_F(SlcanSender, SendsTwoOldFramesAtMostAfterThreeSecondsWithoutAcknowledge) {
+/// Nobody can take back what the driver and its queue hold.
+TEST_F(SlcanSender, SendsOneOldSnapshotAtMostAfterThreeSecondsWithoutAcknowledge) {
     Program& sender = start_on_adapter();
     ASSERT_TRUE(stream_until_heard(kOldUs)) << sender.errors();
     adapter_.block();
@@ -127,7 +127,7 @@ TEST_F(SlcanSender, SendsTwoOldFramesAtMostAfterThreeSecondsWithoutAcknowledge) 
     const std::size_t known = adapter_.heard().size();
     adapter_.unblock();
     ASSERT_TRUE(stream_until_heard(kNewUs, known)) << sender.errors();
-    EXPECT_LE(count_heard(kOldUs, known), 2);
+    EXPECT_LE(count_heard(kOldUs, known), 5);
     EXPECT_EQ(good_snapshots(kOldUs, known), 0U);
     EXPECT_GT(good_snapshots(kNewUs, known), 0U);
     expect_clean_end(sender);

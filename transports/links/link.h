@@ -40,6 +40,8 @@ class Link {
     virtual ~Link() = default;
     /// For epoll; -1 if there is none.
     virtual int descriptor() const = 0;
+    /// Another one, if a read is needed for another reason too; else -1.
+    virtual int second_descriptor() const { return -1; }
     /// This link as its kind; the other function returns null.
     virtual ByteLink* as_bytes() { return nullptr; }
     virtual CanLink* as_can() { return nullptr; }

@@ -1,9 +1,7 @@
 #include "transports/links/can/can_socket.h"
 
 #include <linux/can/raw.h>
-#include <linux/sock_diag.h>
 #include <net/if.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 
@@ -59,32 +57,53 @@ Side side_of(msghdr& header) {
 
 /// Outside the object because of its size and its system headers.
 struct CanSocket::Buffers {
-    std::array<canfd_frame, kCanFramesPerRead> frames{};
-    std::array<iovec, kCanFramesPerRead> vectors{};
     struct alignas(cmsghdr) Control {
         std::array<std::uint8_t, kControlBytes> bytes{};
     };
+    std::array<canfd_frame, kCanFramesPerRead> frames{};
+    std::array<iovec, kCanFramesPerRead> vectors{};
     std::array<Control, kCanFramesPerRead> controls{};
     std::array<mmsghdr, kCanFramesPerRead> headers{};
-    ifreq line{};
+    std::size_t used = 0;  ///< headers that the latest read changed
+    std::array<canfd_frame, kMostSnapshotFrames> sent_frames{};
+    std::array<iovec, kMostSnapshotFrames> sent_vectors{};
+    std::array<mmsghdr, kMostSnapshotFrames> sent_headers{};
 
-    /// The kernel writes into the headers, so they are reset before each read.
-    void prepare() {
+    Buffers() {
         for (std::size_t index = 0; index < headers.size(); ++index) {
             vectors[index] = {.iov_base = &frames[index], .iov_len = sizeof(canfd_frame)};
-            msghdr& header = headers[index].msg_hdr;
-            header = {};
-            header.msg_iov = &vectors[index];
-            header.msg_iovlen = 1;
-            header.msg_control = controls[index].bytes.data();
-            header.msg_controllen = controls[index].bytes.size();
+            headers[index].msg_hdr.msg_iov = &vectors[index];
+            headers[index].msg_hdr.msg_iovlen = 1;
+            headers[index].msg_hdr.msg_control = controls[index].bytes.data();
+            headers[index].msg_hdr.msg_controllen = kControlBytes;
+        }
+        for (std::size_t index = 0; index < sent_headers.size(); ++index) {
+            sent_vectors[index].iov_base = &sent_frames[index];
+            sent_headers[index].msg_hdr.msg_iov = &sent_vectors[index];
+            sent_headers[index].msg_hdr.msg_iovlen = 1;
+        }
+    }
+
+    /// The kernel writes into the headers of what it returns.
+    void prepare_read() {
+        for (std::size_t index = 0; index < used; ++index) {
+            headers[index].msg_hdr.msg_controllen = kControlBytes;
+        }
+        used = 0;
+    }
+    void prepare_to_send(std::span<const CanFrame> snapshot) {
+        for (std::size_t index = 0; index < snapshot.size(); ++index) {
+            sent_vectors[index].iov_len = to_wire(snapshot[index], sent_frames[index]);
         }
     }
 };
 
-CanSocket::CanSocket(UniqueFd fd, CanInterface interface)
-    : fd_(std::move(fd)), interface_(std::move(interface)), buffers_(std::make_unique<Buffers>()) {
-    interface_.name.copy(std::begin(buffers_->line.ifr_name), IFNAMSIZ - 1);
+CanSocket::CanSocket(UniqueFd fd, UniqueFd changes, CanInterface interface)
+    : fd_(std::move(fd)),
+      changes_(std::move(changes)),
+      interface_(std::move(interface)),
+      transmitter_(counts_, interface_.echo),
+      buffers_(std::make_unique<Buffers>()) {
     if (interface_.state == CanControllerState::bus_off) {
         transmitter_.bus_off(Instant{});
     } else if (!interface_.up || !interface_.lower_up) {
@@ -109,7 +128,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
     if (lost_) {
         return ReadStatus::lost;
     }
-    buffers_->prepare();
+    buffers_->prepare_read();
     stamps_usable_ = !clock_step_.since_last_look(wall_time, now);
     const int taken =
         ::recvmmsg(fd_.get(), buffers_->headers.data(), kCanFramesPerRead, MSG_DONTWAIT, nullptr);
@@ -117,6 +136,7 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
         return read_failed(errno, now, wall_time);
     }
     const auto count = static_cast<std::size_t>(taken);
+    buffers_->used = count;
     for (std::size_t index = 0; index < count; ++index) {
         if (const auto received = process(index, now, wall_time)) {
             reception.frames[reception.count] = *received;
@@ -124,20 +144,30 @@ ReadStatus CanSocket::read(CanReception& reception, Instant now, Duration wall_t
         }
     }
     reception.full = count == kCanFramesPerRead;
-    if (!reception.full) {
-        emptied_ = now;
-        clock_step_.look(wall_time, now);
+    if (reception.full) {
+        drops_unread_ = true;
+    } else {
+        emptied(now, wall_time);
     }
     counts_.received += reception.count;
-    // A confirmation lets the next frame go without waiting for another wake-up.
+    // A confirmation lets the next snapshot go without waiting for another wake-up.
     pump(now);
     return reception.count > 0 ? ReadStatus::received : ReadStatus::nothing;
 }
 
+void CanSocket::emptied(Instant now, Duration wall_time) {
+    emptied_ = now;
+    clock_step_.look(wall_time, now);
+    // A frame tells the drops before it. Those after the last one are asked for.
+    if (std::exchange(drops_unread_, false)) {
+        note_drops(kernel_queues().drops);
+    }
+}
+
 ReadStatus CanSocket::read_failed(int error, Instant now, Duration wall_time) {
     if (error == EAGAIN) {
-        emptied_ = now;
-        clock_step_.look(wall_time, now);
+        emptied(now, wall_time);
+        read_changes(now);
     } else if (error == ENETDOWN) {
         // Reported once. The same socket works again when the interface is up
         // (docs/protocols/can.md, "SocketCAN: loss and errors").
@@ -166,9 +196,8 @@ std::optional<ReceivedCanFrame> CanSocket::process(std::size_t index, Instant no
         return std::nullopt;
     }
     if ((message.msg_hdr.msg_flags & MSG_CONFIRM) != 0) {
-        const CanFrame* flight = transmitter_.in_flight();
-        if (interface_.echo && flight != nullptr && same_message(*flight, *frame)) {
-            transmitter_.confirmed();
+        if (interface_.echo) {
+            transmitter_.confirmed(*frame, now);
         }
         return std::nullopt;
     }
@@ -224,7 +253,7 @@ void CanSocket::note_drops(std::uint32_t drops) {
 }
 
 WriteStatus CanSocket::write(std::size_t lane, std::span<const CanFrame> snapshot, Instant now) {
-    if (!lost_) {
+    if (!lost_ && !up_since_) {
         check_line(now);
     }
     if (lost_) {
@@ -246,46 +275,46 @@ Instant CanSocket::poll(Instant now) {
         return kNever;
     }
     transmitter_.poll(now);
-    if (!works() && now >= later(checked_, kRecheckPeriod)) {
+    const auto rechecks = [this] { return !works() || awaits_carrier_; };
+    if (rechecks() && now >= later(checked_, kRecheckPeriod)) {
         recheck(now);
     }
     pump(now);
     Instant due = transmitter_.due();
-    if (transmitter_.in_flight() != nullptr && !interface_.echo) {
+    if (transmitter_.in_flight() && !interface_.echo) {
         due = std::min(due, later(now, kQueueCheckPeriod));
     }
-    if (!works()) {
+    if (rechecks()) {
         due = std::min(due, later(checked_, kRecheckPeriod));
     }
     return lost_ ? kNever : due;
 }
 
-bool CanSocket::works() const {
-    const CanBusState state = transmitter_.state();
-    return state != CanBusState::down && state != CanBusState::bus_off &&
-           state != CanBusState::stalled;
-}
-
 void CanSocket::pump(Instant now) {
     // Each turn hands over a waiting frame, so there cannot be more turns than this.
     for (std::size_t turn = 0; turn < kMostLanes * kMostSnapshotFrames && !lost_; ++turn) {
-        if (transmitter_.in_flight() != nullptr && !flight_is_over(now)) {
+        if ((transmitter_.in_flight() && !flight_is_over(now)) || !send_next(now)) {
             return;
-        }
-        const CanFrame* frame = transmitter_.next(now);
-        if (frame == nullptr) {
-            return;
-        }
-        const WireCanFrame wire = to_wire(*frame);
-        if (interface_.echo) {
-            drops_when_handed_ = kernel_queues().drops;
-        }
-        if (::send(fd_.get(), &wire.frame, wire.size, MSG_DONTWAIT) < 0) {
-            send_failed(errno, now);
-        } else {
-            transmitter_.handed(now);
         }
     }
+}
+
+/// Returns whether there was something to send.
+bool CanSocket::send_next(Instant now) {
+    const std::span<const CanFrame> frames = transmitter_.next(now);
+    if (frames.empty()) {
+        return false;
+    }
+    buffers_->prepare_to_send(frames);
+    drops_when_handed_ = drops_;
+    const int sent = ::sendmmsg(fd_.get(), buffers_->sent_headers.data(),
+                                static_cast<unsigned>(frames.size()), MSG_DONTWAIT);
+    if (sent < 0) {
+        send_failed(errno, now);
+    } else {
+        transmitter_.handed(static_cast<std::size_t>(sent), now);
+    }
+    return true;
 }
 
 bool CanSocket::flight_is_over(Instant now) {
@@ -299,7 +328,7 @@ bool CanSocket::flight_is_over(Instant now) {
     if (no_carrier_) {
         transmitter_.forget_flight();
     } else {
-        transmitter_.confirmed();
+        transmitter_.confirmed_all();
     }
     return true;
 }
@@ -314,63 +343,6 @@ void CanSocket::send_failed(int error, Instant now) {
     } else {
         transmitter_.refused();
     }
-}
-
-void CanSocket::recheck(Instant now) {
-    check_line(now);
-    if (!interface_.echo || transmitter_.state() != CanBusState::stalled) {
-        return;
-    }
-    // A confirmation for which the socket had no room will never come.
-    const bool all_read = emptied_ && *emptied_ > transmitter_.in_flight_since();
-    if (all_read && kernel_queues().drops != drops_when_handed_) {
-        transmitter_.forget_flight();
-    }
-}
-
-/// Frames for an interface without carrier vanish although sending succeeds (docs/protocols/can.md,
-/// "SocketCAN: transmit queue"). A controller has a carrier while it is up, except in bus-off.
-void CanSocket::check_line(Instant now) {
-    checked_ = now;
-    if (::ioctl(fd_.get(), SIOCGIFFLAGS, &buffers_->line) != 0) {
-        lost_ = lost_ || interface_is_gone(errno);
-        return;
-    }
-    const auto flags = static_cast<unsigned>(buffers_->line.ifr_flags);
-    const bool up = (flags & IFF_UP) != 0;
-    const bool runs = up && (flags & IFF_RUNNING) != 0;
-    if (up && !up_since_) {
-        up_since_ = now;
-    }
-    if (runs) {
-        transmitter_.came_up(now);
-        if (std::exchange(no_carrier_, false)) {
-            transmitter_.restarted(now);
-        }
-    } else if (!up || interface_.kind != "can") {
-        went_down();
-    } else if (transmitter_.state() != CanBusState::bus_off &&
-               now < later(*up_since_, kCarrierLag)) {
-        transmitter_.came_up(now);
-    } else {
-        no_carrier_ = true;
-        transmitter_.bus_off(now);
-    }
-}
-
-void CanSocket::went_down() {
-    up_since_.reset();
-    no_carrier_ = false;
-    transmitter_.went_down();
-}
-
-CanSocket::KernelQueues CanSocket::kernel_queues() const {
-    std::array<std::uint32_t, SK_MEMINFO_VARS> info{};
-    socklen_t size = sizeof info;
-    if (::getsockopt(fd_.get(), SOL_SOCKET, SO_MEMINFO, info.data(), &size) != 0) {
-        return {};
-    }
-    return {.sending = info[SK_MEMINFO_WMEM_ALLOC], .drops = info[SK_MEMINFO_DROPS]};
 }
 
 }  // namespace tribus

@@ -23,7 +23,8 @@
 
 namespace tribus {
 
-/// A SocketCAN interface. Thread-bound. No heap after `open`.
+/// A SocketCAN interface. Thread-bound. No heap after `open`. A snapshot leaves in one system call,
+/// and what waits is read in one.
 ///
 /// A frame is sent when the controller has sent it: the kernel then returns it to the sender.
 /// Drivers without this (vcan, vxcan, slcan) return it at once; for them, a frame is sent when the
@@ -38,6 +39,9 @@ class CanSocket final : public CanLink {
     /// Whether no network interface has that name although it is valid: it may be plugged in later.
     static bool is_missing(const std::string& interface);
 
+    /// Uses sockets that are open: a raw one that is bound to the interface, and one of rtnetlink
+    /// that is readable when a network interface has changed.
+    CanSocket(UniqueFd fd, UniqueFd changes, CanInterface interface);
     CanSocket(const CanSocket&) = delete;
     CanSocket& operator=(const CanSocket&) = delete;
     ~CanSocket() override;
@@ -48,6 +52,7 @@ class CanSocket final : public CanLink {
     Instant poll(Instant now) override;
     CanLinkStatus status() const override { return {transmitter_.state(), counts_}; }
     int descriptor() const override { return fd_.get(); }
+    int second_descriptor() const override { return changes_.get(); }
 
     /// The interface as it was when it was opened.
     const CanInterface& interface() const { return interface_; }
@@ -71,13 +76,14 @@ class CanSocket final : public CanLink {
         std::uint32_t drops = 0;
     };
 
-    CanSocket(UniqueFd fd, CanInterface interface);
-
     std::optional<ReceivedCanFrame> process(std::size_t index, Instant now, Duration wall_time);
     void process_error(const canfd_frame& wire, Instant now);
     ReadStatus read_failed(int error, Instant now, Duration wall_time);
+    void emptied(Instant now, Duration wall_time);
     void note_drops(std::uint32_t drops);
     void pump(Instant now);
+    bool send_next(Instant now);
+    void read_changes(Instant now);
     void send_failed(int error, Instant now);
     void recheck(Instant now);
     void check_line(Instant now);
@@ -87,18 +93,21 @@ class CanSocket final : public CanLink {
     bool works() const;
 
     UniqueFd fd_;
+    UniqueFd changes_;
     CanInterface interface_;
     CanCounts counts_;
-    CanTransmitter transmitter_{counts_};
+    CanTransmitter transmitter_;
     std::unique_ptr<Buffers> buffers_;
     std::optional<Instant> emptied_;  ///< when a read last emptied the socket
     ClockStep clock_step_;            ///< since then
     bool stamps_usable_ = true;       ///< whether the stamps of the current read are usable
     Instant checked_{};
-    std::uint32_t drops_ = 0;
+    std::uint32_t drops_ = 0;  ///< as far as the reads told
     std::uint32_t drops_when_handed_ = 0;
+    bool drops_unread_ = false;  ///< a read was full, so the kernel may have dropped frames
     std::optional<Instant> up_since_;
-    bool no_carrier_ = false;  ///< in bus-off: the carrier was gone, so it must return
+    bool awaits_carrier_ = false;  ///< it just came up, and the kernel does not show its carrier
+    bool no_carrier_ = false;      ///< in bus-off: the carrier was gone, so it must return
     bool lost_ = false;
 };
 

@@ -1,6 +1,8 @@
 #include "transports/links/can/can_socket.h"
 
 #include <linux/can/raw.h>
+#include <linux/netlink.h>
+#include <linux/rtnetlink.h>
 #include <sys/socket.h>
 
 #include <cerrno>
@@ -15,9 +17,9 @@ namespace {
 
 /// Highest priority without CAP_NET_ADMIN; the first band of the usual queues.
 constexpr int kPriority = 6;
-/// The kernel raises this to its minimum, about 4 kB. At most one of our frames is queued; if that
-/// ever failed, this would limit the number of old frames (docs/protocols/can.md, "SocketCAN:
-/// transmit queue").
+/// The kernel raises this to its minimum, about 4 kB: some twelve frames. At most one snapshot of
+/// ours is queued; the rest of a longer one follows when the queue is empty
+/// (docs/protocols/can.md, "SocketCAN: transmit queue").
 constexpr int kSendBufferBytes = 1;
 
 std::string socket_problem(int error) {
@@ -41,8 +43,10 @@ bool set(int fd, int level, int option, const T& value) {
 }
 
 /// Returns false only for options that are necessary.
-bool set_options(int fd, const std::vector<can_filter>& filters, bool fd_frames) {
+bool set_options(int fd, const std::vector<can_filter>& filters, bool fd_frames, bool echo) {
     constexpr int kOn = 1;
+    // Without echo, own frames return at once and tell nothing.
+    const int own_frames = echo ? 1 : 0;
     // Above the system's limit if permitted, else up to that limit.
     if (!set(fd, SOL_SOCKET, SO_RCVBUFFORCE, CanSocket::kReceiveBufferBytes)) {
         set(fd, SOL_SOCKET, SO_RCVBUF, CanSocket::kReceiveBufferBytes);
@@ -54,7 +58,7 @@ bool set_options(int fd, const std::vector<can_filter>& filters, bool fd_frames)
     // FD frames of other nodes are read even if we send none.
     const bool fd_set = set(fd, SOL_CAN_RAW, CAN_RAW_FD_FRAMES, kOn);
     return (fd_set || !fd_frames) && set(fd, SOL_CAN_RAW, CAN_RAW_LOOPBACK, kOn) &&
-           set(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, kOn) &&
+           set(fd, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, own_frames) &&
            set(fd, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, kWantedErrors) &&
            ::setsockopt(fd, SOL_CAN_RAW, CAN_RAW_FILTER, filters.data(),
                         static_cast<socklen_t>(filters.size() * sizeof(can_filter))) == 0;
@@ -67,6 +71,19 @@ std::string bind_problem(int error) {
     return std::string("cannot use it: ") + std::strerror(error);
 }
 
+/// Readable when a network interface has changed. Invalid, with errno, if there is none.
+UniqueFd changes_of_interfaces() {
+    UniqueFd fd(::socket(AF_NETLINK, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, NETLINK_ROUTE));
+    sockaddr_nl address{};
+    address.nl_family = AF_NETLINK;
+    address.nl_groups = RTMGRP_LINK;
+    const auto* generic = static_cast<const sockaddr*>(static_cast<const void*>(&address));
+    if (fd.valid() && ::bind(fd.get(), generic, sizeof address) != 0) {
+        fd = UniqueFd();
+    }
+    return fd;
+}
+
 }  // namespace
 
 tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std::string& interface,
@@ -77,6 +94,14 @@ tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std:
     UniqueFd fd(::socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW));
     if (!fd.valid()) {
         return failed(socket_problem(errno));
+    }
+    // Before the interface is read, so that no change of it is missed.
+    UniqueFd changes = changes_of_interfaces();
+    if (!changes.valid()) {
+        return failed(std::string("the kernel does not tell of changes of network interfaces "
+                                  "(AF_NETLINK; a service needs it in "
+                                  "RestrictAddressFamilies): ") +
+                      std::strerror(errno));
     }
     auto found = query_can_interface(interface);
     if (!found) {
@@ -94,7 +119,7 @@ tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std:
                       std::to_string(kMostCanFilters) + " for one program: use fewer messages");
     }
     // Before the socket is bound, so that every frame passes the filters.
-    if (!set_options(fd.get(), filters, settings.fd)) {
+    if (!set_options(fd.get(), filters, settings.fd, found->echo)) {
         return failed(std::string("the kernel refuses the socket's settings: ") +
                       std::strerror(errno));
     }
@@ -106,7 +131,8 @@ tl::expected<std::unique_ptr<CanSocket>, std::string> CanSocket::open(const std:
     if (::bind(fd.get(), generic, sizeof address) != 0) {
         return failed(bind_problem(errno));
     }
-    return std::unique_ptr<CanSocket>(new CanSocket(std::move(fd), std::move(*found)));
+    return std::unique_ptr<CanSocket>(
+        new CanSocket(std::move(fd), std::move(changes), std::move(*found)));
 }
 
 }  // namespace tribus

@@ -1,7 +1,13 @@
 #include "transports/links/can/can_transmitter.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "transports/links/can/can_wire.h"
 
 namespace tribus {
 
@@ -17,13 +23,13 @@ WriteStatus CanTransmitter::offer(std::size_t lane, std::span<const CanFrame> sn
     if (bus_off_) {
         // A frame that the controller still holds is already a probe. A second one would form a
         // queue.
-        if (in_flight_ || anything_pending() || now < probe_at_) {
+        if (in_flight() || pending_ != 0 || now < probe_at_) {
             return WriteStatus::unavailable;
         }
         probe_at_ = later(now, kProbePeriod);
     }
     Lane& own = lanes_[lane];
-    if (own.pending()) {
+    if (pending(lane)) {
         if (own.begun()) {
             return WriteStatus::busy;
         }
@@ -34,37 +40,39 @@ WriteStatus CanTransmitter::offer(std::size_t lane, std::span<const CanFrame> sn
     own.count = snapshot.size();
     own.gone = 0;
     own.offered = now;
+    pending_ |= Set{1} << lane;
     return WriteStatus::written;
 }
 
-const CanFrame* CanTransmitter::next(Instant now) {
+std::span<const CanFrame> CanTransmitter::next(Instant now) {
     poll(now);
-    if (in_flight_ || down_ || now < retry_at_) {
-        return nullptr;
+    if (in_flight() || pending_ == 0 || down_ || now < retry_at_) {
+        return {};
     }
     // A snapshot is sent whole before the next lane has its turn, because its receiver waits for
     // all frames.
-    for (std::size_t step = 0; step < kMostLanes; ++step) {
-        const std::size_t lane = (serving_ + step) % kMostLanes;
-        if (lanes_[lane].pending()) {
-            serving_ = lane;
-            return &lanes_[lane].frames[lanes_[lane].gone];
-        }
-    }
-    return nullptr;
+    const Set from_serving = pending_ >> serving_ << serving_;
+    const Set candidates = from_serving != 0 ? from_serving : pending_;
+    serving_ = static_cast<std::size_t>(std::countr_zero(candidates));
+    const Lane& lane = lanes_[serving_];
+    const bool alone = (careful_ || !confirms_) && !lane.begun();
+    return std::span(lane.frames).subspan(lane.gone, alone ? 1 : lane.count - lane.gone);
 }
 
-void CanTransmitter::handed(Instant now) {
+void CanTransmitter::handed(std::size_t count, Instant now) {
     Lane& lane = lanes_[serving_];
-    assert(lane.pending() && !in_flight_);
-    in_flight_ = lane.frames[lane.gone];
+    assert(!in_flight() && count > 0 && count <= lane.count - lane.gone);
+    std::copy_n(lane.frames.begin() + static_cast<std::ptrdiff_t>(lane.gone), count,
+                flight_.begin());
+    in_flight_ = (Set{1} << count) - 1;
     flight_since_ = now;
     flight_may_be_gone_ = false;
     full_ = false;
     full_long_ = false;
-    ++lane.gone;
-    ++counts_.sent;
-    if (!lane.pending()) {
+    lane.gone += count;
+    counts_.sent += count;
+    if (lane.gone == lane.count) {
+        pending_ &= ~(Set{1} << serving_);
         end_turn();
     }
 }
@@ -79,7 +87,8 @@ void CanTransmitter::refused_full(Instant now) {
 }
 
 void CanTransmitter::refused() {
-    abandon(lanes_[serving_]);
+    assert(pending(serving_));
+    abandon(serving_);
 }
 
 void CanTransmitter::went_down() {
@@ -90,6 +99,7 @@ void CanTransmitter::went_down() {
     bus_off_ = false;
     full_ = false;
     full_long_ = false;
+    careful_ = true;
     level_ = ErrorLevel::active;
     forget_flight();
     abandon_all();
@@ -103,17 +113,37 @@ void CanTransmitter::came_up(Instant now) {
     }
 }
 
-void CanTransmitter::confirmed() {
-    if (!in_flight_) {
-        return;
+void CanTransmitter::confirmed(const CanFrame& frame, Instant now) {
+    for (Set left = in_flight_; left != 0; left &= left - 1) {
+        const auto place = static_cast<std::size_t>(std::countr_zero(left));
+        if (same_message(flight_[place], frame)) {
+            ++counts_.confirmed;
+            flight_since_ = now;
+            in_flight_ &= ~(Set{1} << place);
+            bus_works();
+            return;
+        }
     }
-    ++counts_.confirmed;
+}
+
+void CanTransmitter::confirmed_all() {
+    if (in_flight()) {
+        counts_.confirmed += static_cast<std::uint64_t>(std::popcount(in_flight_));
+        in_flight_ = 0;
+        bus_works();
+    }
+}
+
+void CanTransmitter::bus_works() {
     bus_off_ = false;
-    forget_flight();
+    stalled_ = false;
+    if (!in_flight()) {
+        careful_ = level_ != ErrorLevel::active;
+    }
 }
 
 void CanTransmitter::forget_flight() {
-    in_flight_.reset();
+    in_flight_ = 0;
     stalled_ = false;
 }
 
@@ -124,6 +154,7 @@ void CanTransmitter::bus_off(Instant now) {
     }
     bus_off_ = true;
     stalled_ = false;
+    careful_ = true;
     abandon_all();
 }
 
@@ -132,6 +163,11 @@ void CanTransmitter::restarted(Instant now) {
     level_ = ErrorLevel::active;
     forget_flight();
     retry_at_ = later(now, kSettlingTime);
+}
+
+void CanTransmitter::error_level(ErrorLevel level) {
+    level_ = level;
+    careful_ = careful_ || level != ErrorLevel::active;
 }
 
 void CanTransmitter::alive(Instant now) {
@@ -147,7 +183,8 @@ void CanTransmitter::alive(Instant now) {
 
 void CanTransmitter::poll(Instant now) {
     const auto too_long = [now](Instant since) { return now >= later(since, kMostWait); };
-    if (in_flight_ && !stalled_ && !bus_off_ && too_long(flight_since_)) {
+    if (in_flight() && !stalled_ && !bus_off_ && too_long(flight_since_)) {
+        careful_ = true;
         if (flight_may_be_gone_) {
             forget_flight();
         } else {
@@ -156,13 +193,15 @@ void CanTransmitter::poll(Instant now) {
             abandon_all();
         }
     }
-    for (Lane& lane : lanes_) {
-        if (!lane.pending() || !too_long(lane.offered)) {
+    for (Set left = pending_; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        if (!too_long(lanes_[lane].offered)) {
             continue;
         }
         abandon(lane);
         if (full_ && !full_long_) {
             full_long_ = true;
+            careful_ = true;
             ++counts_.stalls;
         }
     }
@@ -170,15 +209,14 @@ void CanTransmitter::poll(Instant now) {
 
 Instant CanTransmitter::due() const {
     Instant due = kNever;
-    if (in_flight_ && !stalled_ && !bus_off_) {
+    if (in_flight() && !stalled_ && !bus_off_) {
         due = later(flight_since_, kMostWait);
     }
-    for (const Lane& lane : lanes_) {
-        if (lane.pending()) {
-            due = std::min(due, later(lane.offered, kMostWait));
-        }
+    for (Set left = pending_; left != 0; left &= left - 1) {
+        const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+        due = std::min(due, later(lanes_[lane].offered, kMostWait));
     }
-    if (!in_flight_ && !down_ && anything_pending()) {
+    if (!in_flight() && !down_ && pending_ != 0) {
         due = std::min(due, retry_at_);
     }
     return due;
@@ -205,16 +243,13 @@ CanBusState CanTransmitter::state() const {
     return CanBusState::ready;
 }
 
-void CanTransmitter::abandon(Lane& lane) {
-    if (!lane.pending()) {
-        return;
-    }
+void CanTransmitter::abandon(std::size_t lane) {
     // If the bus is too slow for all lanes, the lane that just had its turn does not begin again.
-    if (lane.begun()) {
+    if (lanes_[lane].begun()) {
         end_turn();
     }
     ++counts_.abandoned;
-    lane.gone = lane.count;
+    pending_ &= ~(Set{1} << lane);
 }
 
 void CanTransmitter::end_turn() {
@@ -222,13 +257,9 @@ void CanTransmitter::end_turn() {
 }
 
 void CanTransmitter::abandon_all() {
-    for (Lane& lane : lanes_) {
-        abandon(lane);
+    for (Set left = pending_; left != 0; left &= left - 1) {
+        abandon(static_cast<std::size_t>(std::countr_zero(left)));
     }
-}
-
-bool CanTransmitter::anything_pending() const {
-    return std::ranges::any_of(lanes_, [](const Lane& lane) { return lane.pending(); });
 }
 
 }  // namespace tribus

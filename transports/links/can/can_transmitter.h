@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "core/can_frame.h"
@@ -14,11 +13,13 @@
 
 namespace tribus {
 
-/// Decides which frame of which sender goes to the kernel, and when. One frame is in flight on the
-/// whole interface: the next one is handed over when the one before has left the controller. A
-/// controller repeats a frame for ever if no node acknowledges it, and the kernel queues the frames
-/// after it (docs/protocols/can.md, "SocketCAN: transmit queue"). This way one old frame can wait
-/// there, but never a burst.
+/// Decides which snapshot of which sender goes to the kernel, and when. One snapshot is in flight
+/// on the whole interface: the next one is handed over when the one before has left the controller.
+/// A controller repeats a frame for ever if no node acknowledges it, and the kernel queues the
+/// frames after it (docs/protocols/can.md, "SocketCAN: transmit queue"). This way one old snapshot
+/// can wait there, but no more. On a bus that had errors or an outage, and where the driver does
+/// not confirm, the first frame goes alone and the others when it has left, so that only one frame
+/// can wait there.
 ///
 /// Pure: time is an argument, the caller executes `next` and reports the result. Thread-bound. No
 /// heap.
@@ -44,70 +45,82 @@ class CanTransmitter {
     /// Error level of a controller that takes part in the traffic.
     enum class ErrorLevel : std::uint8_t { active, warning, passive };
 
-    /// `counts` is borrowed; the transmitter increments the counts of sending.
-    explicit CanTransmitter(CanCounts& counts) : counts_(counts) {}
+    /// `counts` is borrowed; the transmitter increments the counts of sending. `confirms`: the
+    /// driver confirms each frame that has left.
+    CanTransmitter(CanCounts& counts, bool confirms) : counts_(counts), confirms_(confirms) {}
 
     /// Takes the snapshot of a lane, 1 to kMostSnapshotFrames frames. It replaces a snapshot of
     /// which no frame has been handed over; if one has, returns busy. Unavailable while the bus is
     /// stalled, in bus-off or down, except for a probe.
     WriteStatus offer(std::size_t lane, std::span<const CanFrame> snapshot, Instant now);
 
-    /// The frame to hand to the kernel now, or null. After a frame, call one of the four functions
-    /// below. Valid until the next call of any other function.
-    const CanFrame* next(Instant now);
+    /// The frames to hand to the kernel now, all of one snapshot, in this order; none if it is not
+    /// the time. After some, call one of the four functions below. Valid until the next call of any
+    /// other function.
+    std::span<const CanFrame> next(Instant now);
 
-    void handed(Instant now);
+    /// The kernel has accepted the first `count` of these frames, at least one.
+    void handed(std::size_t count, Instant now);
     /// The kernel has no room.
     void refused_full(Instant now);
-    /// The kernel will never accept the frame. Abandons its snapshot.
+    /// The kernel will never accept the first of these frames. Abandons its snapshot.
     void refused();
     /// The interface is down. Nothing is in flight, since going down empties the queues.
     void went_down();
 
     /// The interface is up, with a carrier.
     void came_up(Instant now);
-    /// The frame in flight has left the controller.
-    void confirmed();
-    /// The frame in flight, or its confirmation, is certainly lost.
+    /// This frame has left the controller. Without effect if it is not in flight.
+    void confirmed(const CanFrame& frame, Instant now);
+    /// All frames in flight have left the controller.
+    void confirmed_all();
+    /// The frames in flight, or their confirmations, are certainly lost.
     void forget_flight();
     void bus_off(Instant now);
     /// The controller restarted, with empty buffers.
     void restarted(Instant now);
     /// The controller did something that is impossible in bus-off, such as receiving a frame.
     void alive(Instant now);
-    void error_level(ErrorLevel level) { level_ = level; }
+    void error_level(ErrorLevel level);
 
-    /// Detects frames that have waited too long. `next` and `offer` do so too.
+    /// Detects frames and snapshots that have waited too long. `next` and `offer` do so too.
     void poll(Instant now);
     /// When to call `poll` or `next` again at the latest.
     Instant due() const;
 
     CanBusState state() const;
-    /// The frame in flight, or null.
-    const CanFrame* in_flight() const { return in_flight_ ? &*in_flight_ : nullptr; }
+    bool in_flight() const { return in_flight_ != 0; }
+    /// When the frames in flight were handed over, or the latest of them was confirmed.
     Instant in_flight_since() const { return flight_since_; }
 
   private:
+    using Set = std::uint32_t;  ///< of lanes, or of frames of a snapshot; bit 0 is the first
+    static_assert(kMostLanes <= 32 && kMostSnapshotFrames <= 32);
+
     struct Lane {
         std::array<CanFrame, kMostSnapshotFrames> frames{};
         std::size_t count = 0;
         std::size_t gone = 0;  ///< frames that were handed over
         Instant offered{};
 
-        bool pending() const { return gone < count; }
         bool begun() const { return gone > 0; }
     };
 
-    void abandon(Lane& lane);
+    bool pending(std::size_t lane) const { return (pending_ >> lane & 1) != 0; }
+    void abandon(std::size_t lane);
     void abandon_all();
     void end_turn();
-    bool anything_pending() const;
+    void bus_works();
 
     CanCounts& counts_;
+    bool confirms_;
     std::array<Lane, kMostLanes> lanes_{};
+    Set pending_ = 0;  ///< lanes with frames that were not handed over
     std::size_t serving_ = 0;
-    std::optional<CanFrame> in_flight_;
+    std::array<CanFrame, kMostSnapshotFrames> flight_{};
+    Set in_flight_ = 0;  ///< frames of `flight_` that were not confirmed
     Instant flight_since_{};
+    bool careful_ = true;              ///< until a flight was confirmed without errors
     bool flight_may_be_gone_ = false;  ///< after a bus-off; it gets one more kMostWait
     Instant retry_at_{};
     Instant probe_at_{};

@@ -3,6 +3,7 @@
 #include <linux/can/error.h>
 
 #include <algorithm>
+#include <cstring>
 
 namespace tribus {
 
@@ -22,21 +23,21 @@ can_filter kernel_filter(const CanIdMatch& match) {
 
 }  // namespace
 
-WireCanFrame to_wire(const CanFrame& frame) {
-    WireCanFrame wire;
-    wire.frame.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0U) |
-                        (frame.remote && !frame.fd ? CAN_RTR_FLAG : 0U);
+std::size_t to_wire(const CanFrame& frame, canfd_frame& wire) {
+    const std::size_t size = frame.fd ? CANFD_MTU : CAN_MTU;
+    std::memset(&wire, 0, size);
+    wire.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0U) |
+                  (frame.remote && !frame.fd ? CAN_RTR_FLAG : 0U);
     const std::size_t room = frame.fd ? kMostFdBytes : kMostClassicBytes;
-    wire.frame.len = static_cast<__u8>(std::min<std::size_t>(frame.length, room));
+    wire.len = static_cast<__u8>(std::min<std::size_t>(frame.length, room));
     if (frame.fd) {
-        wire.size = CANFD_MTU;
-        wire.frame.flags = static_cast<__u8>((frame.bit_rate_switch ? CANFD_BRS : 0) |
-                                             (frame.error_state_indicator ? CANFD_ESI : 0));
+        wire.flags = static_cast<__u8>((frame.bit_rate_switch ? CANFD_BRS : 0) |
+                                       (frame.error_state_indicator ? CANFD_ESI : 0));
     }
     if (!frame.remote) {
-        std::copy_n(frame.data.begin(), wire.frame.len, std::begin(wire.frame.data));
+        std::copy_n(frame.data.begin(), wire.len, std::begin(wire.data));
     }
-    return wire;
+    return size;
 }
 
 std::optional<CanFrame> from_wire(const canfd_frame& wire, std::size_t size) {

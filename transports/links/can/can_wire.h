@@ -14,14 +14,9 @@
 
 namespace tribus {
 
-/// A frame in the form of a raw CAN socket, and its size: CAN_MTU or CANFD_MTU.
-struct WireCanFrame {
-    canfd_frame frame{};
-    std::size_t size = CAN_MTU;
-};
-
-/// Converts a frame. Limits its length to what its kind allows.
-WireCanFrame to_wire(const CanFrame& frame);
+/// Converts a frame to the form of a raw CAN socket. Limits its length to what its kind allows.
+/// Returns the size of the result, CAN_MTU or CANFD_MTU; bytes of `wire` beyond it are not written.
+std::size_t to_wire(const CanFrame& frame, canfd_frame& wire);
 
 /// Converts a data or remote frame from a raw CAN socket. `size` distinguishes classic from FD
 /// frames, whose length is limited to that of the frame. Returns nothing for error frames and sizes

@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
+#include <span>
 #include <vector>
 
 namespace tribus::can_transmitter_test {
@@ -29,20 +30,43 @@ std::vector<CanFrame> snapshot(std::uint32_t first_id, std::size_t count, std::u
     return frames;
 }
 
+using Ids = std::vector<std::uint32_t>;
+
 class CanTransmitterTest : public ::testing::Test {
   protected:
     WriteStatus offer(std::size_t lane, const std::vector<CanFrame>& frames) {
         return transmitter_.offer(lane, frames, now_);
     }
-    /// Returns the id of the frame that is passed to the kernel now.
-    std::optional<std::uint32_t> hand_over() {
-        const CanFrame* next = transmitter_.next(now_);
-        if (next == nullptr) {
-            return std::nullopt;
+    /// Passes the frames to the kernel that are to go now, at most `room`. Returns their ids.
+    Ids hand_over(std::size_t room = kMostSnapshotFrames) {
+        const std::span<const CanFrame> next = transmitter_.next(now_);
+        const std::span<const CanFrame> taken = next.first(std::min(room, next.size()));
+        Ids ids;
+        for (const CanFrame& one : taken) {
+            ids.push_back(one.id);
         }
-        const std::uint32_t id = next->id;
-        transmitter_.handed(now_);
-        return id;
+        if (!taken.empty()) {
+            controller_.assign(taken.begin(), taken.end());
+            transmitter_.handed(taken.size(), now_);
+        }
+        return ids;
+    }
+    /// The controller has sent the first of the frames that it holds.
+    void confirm() {
+        transmitter_.confirmed(controller_.front(), now_);
+        controller_.erase(controller_.begin());
+    }
+    void confirm_all() {
+        while (!controller_.empty()) {
+            confirm();
+        }
+    }
+    /// A frame is sent without errors, so that whole snapshots go from now on.
+    void prove_bus() {
+        offer(16, snapshot(0x700, 1));
+        hand_over();
+        confirm_all();
+        counts_ = {};
     }
     void stall() {
         offer(0, snapshot(0x100, 1));
@@ -53,70 +77,177 @@ class CanTransmitterTest : public ::testing::Test {
     void settle() { now_ += CanTransmitter::kSettlingTime; }
 
     CanCounts counts_;
-    CanTransmitter transmitter_{counts_};
+    CanTransmitter transmitter_{counts_, true};
     Instant now_ = Instant(1h);
+    std::vector<CanFrame> controller_;
 };
 
 TEST_F(CanTransmitterTest, HandsOverNothingBeforeAnOffer) {
-    EXPECT_EQ(transmitter_.next(now_), nullptr);
+    EXPECT_TRUE(transmitter_.next(now_).empty());
     EXPECT_EQ(transmitter_.due(), kNever);
 }
 
-TEST_F(CanTransmitterTest, HandsOverTheNextFrameOnlyAfterTheOneBeforeIsConfirmed) {
-    EXPECT_EQ(offer(0, snapshot(0x300, 2)), WriteStatus::written);
-    EXPECT_EQ(hand_over(), 0x300U);
-    EXPECT_EQ(hand_over(), std::nullopt);
-    transmitter_.confirmed();
-    EXPECT_EQ(hand_over(), 0x301U);
-    transmitter_.confirmed();
-    EXPECT_EQ(hand_over(), std::nullopt);
-    EXPECT_EQ(counts_.sent, 2U);
-    EXPECT_EQ(counts_.confirmed, 2U);
+TEST_F(CanTransmitterTest, HandsOverAWholeSnapshotAndTheNextOnlyWhenAllItsFramesHaveLeft) {
+    prove_bus();
+    EXPECT_EQ(offer(0, snapshot(0x300, 3)), WriteStatus::written);
+    EXPECT_EQ(hand_over(), (Ids{0x300, 0x301, 0x302}));
+    EXPECT_EQ(offer(0, snapshot(0x400, 2)), WriteStatus::written);
+    const std::vector<CanFrame> in_flight = controller_;
+    for (const CanFrame& sent : in_flight) {
+        EXPECT_EQ(hand_over(), Ids{});
+        transmitter_.confirmed(sent, now_);
+    }
+    EXPECT_EQ(hand_over(), (Ids{0x400, 0x401}));
+    EXPECT_EQ(counts_.sent, 5U);
+    EXPECT_EQ(counts_.confirmed, 3U);
 }
 
-TEST_F(CanTransmitterTest, OneFrameIsInFlightOverAllLanes) {
-    offer(0, snapshot(0x300, 1));
+TEST_F(CanTransmitterTest, BeforeAFrameWasConfirmedTheFirstGoesAlone) {
+    offer(0, snapshot(0x300, 3));
+    EXPECT_EQ(hand_over(), Ids{0x300});
+    EXPECT_EQ(hand_over(), Ids{});
     offer(1, snapshot(0x400, 1));
-    EXPECT_EQ(hand_over(), 0x300U);
-    EXPECT_EQ(hand_over(), std::nullopt);
-    transmitter_.confirmed();
-    EXPECT_EQ(hand_over(), 0x400U);
+    transmitter_.confirmed(frame(0x300), now_);
+    EXPECT_EQ(hand_over(), (Ids{0x301, 0x302}));
+}
+
+TEST_F(CanTransmitterTest, WhileTheControllerCountsErrorsTheFirstFrameGoesAlone) {
+    prove_bus();
+    transmitter_.error_level(CanTransmitter::ErrorLevel::warning);
+    for (int turn = 0; turn < 3; ++turn) {
+        offer(0, snapshot(0x300, 3));
+        EXPECT_EQ(hand_over(), Ids{0x300}) << turn;
+        confirm_all();
+        EXPECT_EQ(hand_over(), (Ids{0x301, 0x302})) << turn;
+        confirm_all();
+    }
+    transmitter_.error_level(CanTransmitter::ErrorLevel::active);
+    offer(0, snapshot(0x300, 2));
+    EXPECT_EQ(hand_over(), Ids{0x300});
+    confirm_all();
+    EXPECT_EQ(hand_over(), Ids{0x301});
+    confirm_all();
+    offer(0, snapshot(0x300, 2));
+    EXPECT_EQ(hand_over(), (Ids{0x300, 0x301}));
+}
+
+TEST_F(CanTransmitterTest, AfterABusOffTheFirstFrameGoesAlone) {
+    prove_bus();
+    transmitter_.bus_off(now_);
+    transmitter_.restarted(now_);
+    settle();
+    offer(0, snapshot(0x300, 2));
+    EXPECT_EQ(hand_over(), Ids{0x300});
+}
+
+TEST_F(CanTransmitterTest, AfterTheInterfaceWasDownTheFirstFrameGoesAlone) {
+    prove_bus();
+    transmitter_.went_down();
+    transmitter_.came_up(now_);
+    settle();
+    offer(0, snapshot(0x300, 2));
+    EXPECT_EQ(hand_over(), Ids{0x300});
+}
+
+TEST_F(CanTransmitterTest, AfterAQueueThatStayedFullTheFirstFrameGoesAlone) {
+    prove_bus();
+    offer(0, snapshot(0x300, 2));
+    transmitter_.next(now_);
+    transmitter_.refused_full(now_);
+    now_ += CanTransmitter::kMostWait;
+    offer(0, snapshot(0x300, 2));
+    EXPECT_EQ(hand_over(), Ids{0x300});
+}
+
+TEST_F(CanTransmitterTest, WhereNothingIsConfirmedTheFirstFrameAlwaysGoesAlone) {
+    CanTransmitter unsure(counts_, false);
+    for (int turn = 0; turn < 2; ++turn) {
+        unsure.offer(0, snapshot(0x300, 3), now_);
+        EXPECT_EQ(unsure.next(now_).size(), 1U) << turn;
+        unsure.handed(1, now_);
+        EXPECT_EQ(unsure.next(now_).size(), 0U) << turn;
+        unsure.confirmed_all();
+        EXPECT_EQ(unsure.next(now_).size(), 2U) << turn;
+        unsure.handed(2, now_);
+        unsure.confirmed_all();
+    }
+}
+
+TEST_F(CanTransmitterTest, WhatTheKernelDidNotTakeFollowsWhenTheFirstPartHasLeft) {
+    prove_bus();
+    offer(0, snapshot(0x300, 5));
+    EXPECT_EQ(hand_over(3), (Ids{0x300, 0x301, 0x302}));
+    EXPECT_EQ(offer(0, snapshot(0x300, 5)), WriteStatus::busy);
+    EXPECT_EQ(hand_over(), Ids{});
+    confirm_all();
+    EXPECT_EQ(hand_over(), (Ids{0x303, 0x304}));
+}
+
+TEST_F(CanTransmitterTest, ConfirmationsMayComeInAnyOrder) {
+    prove_bus();
+    offer(0, snapshot(0x300, 3));
+    hand_over();
+    for (const std::uint32_t id : {0x302U, 0x300U, 0x301U}) {
+        EXPECT_TRUE(transmitter_.in_flight());
+        transmitter_.confirmed(frame(id), now_);
+    }
+    EXPECT_FALSE(transmitter_.in_flight());
+}
+
+TEST_F(CanTransmitterTest, FramesThatAreTheSameNeedAConfirmationEach) {
+    prove_bus();
+    offer(0, {frame(0x300), frame(0x300)});
+    hand_over();
+    transmitter_.confirmed(frame(0x300), now_);
+    EXPECT_TRUE(transmitter_.in_flight());
+    transmitter_.confirmed(frame(0x300), now_);
+    EXPECT_FALSE(transmitter_.in_flight());
+}
+
+TEST_F(CanTransmitterTest, OneSnapshotIsInFlightOverAllLanes) {
+    prove_bus();
+    offer(0, snapshot(0x300, 2));
+    offer(1, snapshot(0x400, 1));
+    EXPECT_EQ(hand_over(), (Ids{0x300, 0x301}));
+    EXPECT_EQ(hand_over(), Ids{});
+    confirm_all();
+    EXPECT_EQ(hand_over(), Ids{0x400});
 }
 
 TEST_F(CanTransmitterTest, SendsASnapshotWholeBeforeAnotherLaneHasItsTurn) {
     offer(1, snapshot(0x400, 2));
-    EXPECT_EQ(hand_over(), 0x400U);
+    EXPECT_EQ(hand_over(), Ids{0x400});
     offer(0, snapshot(0x300, 1));
-    transmitter_.confirmed();
-    EXPECT_EQ(hand_over(), 0x401U);
-    transmitter_.confirmed();
-    EXPECT_EQ(hand_over(), 0x300U);
+    confirm_all();
+    EXPECT_EQ(hand_over(), Ids{0x401});
+    confirm_all();
+    EXPECT_EQ(hand_over(), Ids{0x300});
 }
 
 TEST_F(CanTransmitterTest, ServesLanesInTurnHoweverOftenOneOffers) {
-    std::vector<std::uint32_t> order;
+    Ids order;
     for (int turn = 0; turn < 4; ++turn) {
         offer(0, snapshot(0x300, 1));
         offer(5, snapshot(0x400, 1));
-        order.push_back(hand_over().value_or(0));
-        transmitter_.confirmed();
+        order.push_back(hand_over().at(0));
+        confirm_all();
     }
-    EXPECT_EQ(order, (std::vector<std::uint32_t>{0x300, 0x400, 0x300, 0x400}));
+    EXPECT_EQ(order, (Ids{0x300, 0x400, 0x300, 0x400}));
 }
 
 TEST_F(CanTransmitterTest, ALaneWhoseSnapshotTookTooLongDoesNotBeginAgainBeforeTheOthers) {
     offer(0, snapshot(0x300, 3));
     hand_over();
     now_ += CanTransmitter::kMostWait - 1ms;
-    transmitter_.confirmed();
-    hand_over();
+    confirm_all();
+    hand_over(1);
     now_ += 1ms;
     transmitter_.poll(now_);
     ASSERT_EQ(counts_.abandoned, 1U);
-    transmitter_.confirmed();
+    confirm_all();
     offer(0, snapshot(0x300, 3));
     offer(1, snapshot(0x400, 1));
-    EXPECT_EQ(hand_over(), 0x400U);
+    EXPECT_EQ(hand_over(), Ids{0x400});
 }
 
 TEST_F(CanTransmitterTest, IsBusyForALaneWhoseSnapshotHasBegun) {
@@ -131,9 +262,9 @@ TEST_F(CanTransmitterTest, ANewerSnapshotReplacesOneThatHasNotBegun) {
     hand_over();
     offer(0, snapshot(0x300, 1, 1));
     EXPECT_EQ(offer(0, snapshot(0x300, 1, 2)), WriteStatus::written);
-    transmitter_.confirmed();
-    ASSERT_NE(transmitter_.next(now_), nullptr);
-    EXPECT_EQ(transmitter_.next(now_)->data[0], 2);
+    confirm_all();
+    ASSERT_FALSE(transmitter_.next(now_).empty());
+    EXPECT_EQ(transmitter_.next(now_)[0].data[0], 2);
     EXPECT_EQ(counts_.abandoned, 1U);
 }
 
@@ -141,7 +272,7 @@ TEST_F(CanTransmitterTest, TakesTheNextSnapshotWhileTheLastFrameIsInFlight) {
     offer(0, snapshot(0x300, 1));
     hand_over();
     EXPECT_EQ(offer(0, snapshot(0x300, 1)), WriteStatus::written);
-    EXPECT_EQ(hand_over(), std::nullopt);
+    EXPECT_EQ(hand_over(), Ids{});
 }
 
 TEST_F(CanTransmitterTest, RefusesSnapshotsThatCannotBe) {
@@ -153,6 +284,35 @@ TEST_F(CanTransmitterTest, RefusesSnapshotsThatCannotBe) {
             EXPECT_EQ(offer(0, snapshot(0x300, kMostSnapshotFrames + 1)), WriteStatus::unavailable);
         },
         "");
+}
+
+TEST_F(CanTransmitterTest, EachFrameThatLeavesGivesTheOthersTheUsualTime) {
+    prove_bus();
+    offer(0, snapshot(0x300, 3));
+    hand_over();
+    for (int frame = 0; frame < 2; ++frame) {
+        now_ += CanTransmitter::kMostWait - 1ms;
+        confirm();
+    }
+    EXPECT_EQ(transmitter_.state(), CanBusState::ready);
+    now_ += CanTransmitter::kMostWait;
+    transmitter_.poll(now_);
+    EXPECT_EQ(transmitter_.state(), CanBusState::stalled);
+}
+
+TEST_F(CanTransmitterTest, AFrameThatLeavesEndsAStallAndTheNextSnapshotWaitsForTheOthers) {
+    prove_bus();
+    offer(0, snapshot(0x300, 2));
+    hand_over();
+    const std::vector<CanFrame> held = controller_;
+    now_ += CanTransmitter::kMostWait;
+    transmitter_.poll(now_);
+    transmitter_.confirmed(held[0], now_);
+    EXPECT_EQ(transmitter_.state(), CanBusState::ready);
+    EXPECT_EQ(offer(0, snapshot(0x400, 2)), WriteStatus::written);
+    EXPECT_EQ(hand_over(), Ids{});
+    transmitter_.confirmed(held[1], now_);
+    EXPECT_EQ(hand_over(), (Ids{0x400, 0x401}));
 }
 
 TEST_F(CanTransmitterTest, AFrameThatDoesNotLeaveIsAStallAndTheRestOfAllLanesIsAbandoned) {
@@ -171,68 +331,67 @@ TEST_F(CanTransmitterTest, AFrameThatDoesNotLeaveIsAStallAndTheRestOfAllLanesIsA
     EXPECT_EQ(transmitter_.due(), kNever);
 }
 
-TEST_F(CanTransmitterTest, WhileStalledItTakesNothingAndKnowsTheFrameInFlight) {
+TEST_F(CanTransmitterTest, WhileStalledItTakesNothing) {
     stall();
     now_ += 1h;
     EXPECT_EQ(offer(0, snapshot(0x300, 1)), WriteStatus::unavailable);
-    EXPECT_EQ(hand_over(), std::nullopt);
-    ASSERT_NE(transmitter_.in_flight(), nullptr);
-    EXPECT_EQ(transmitter_.in_flight()->id, 0x100U);
+    EXPECT_EQ(hand_over(), Ids{});
+    EXPECT_TRUE(transmitter_.in_flight());
 }
 
 TEST_F(CanTransmitterTest, AStallEndsWhenTheFrameHasLeftAtLastAndTheNextOfferGoes) {
     stall();
     now_ += 5s;
-    transmitter_.confirmed();
+    confirm_all();
     EXPECT_EQ(transmitter_.state(), CanBusState::ready);
-    EXPECT_EQ(hand_over(), std::nullopt) << "nothing offered before may be left";
+    EXPECT_EQ(hand_over(), Ids{}) << "nothing offered before may be left";
     offer(0, snapshot(0x300, 1));
-    EXPECT_EQ(hand_over(), 0x300U);
+    EXPECT_EQ(hand_over(), Ids{0x300});
     EXPECT_EQ(counts_.stalls, 1U);
 }
 
 TEST_F(CanTransmitterTest, ASnapshotIsAbandonedWhenItIsTooOldAlthoughItsFramesMove) {
     offer(0, snapshot(0x300, 4));
     for (int sent = 0; sent < 2; ++sent) {
-        hand_over();
+        hand_over(1);
         now_ += 25ms;
-        transmitter_.confirmed();
+        confirm_all();
     }
-    EXPECT_EQ(hand_over(), std::nullopt);
+    EXPECT_EQ(hand_over(), Ids{});
     EXPECT_EQ(counts_.abandoned, 1U);
     EXPECT_EQ(transmitter_.state(), CanBusState::ready);
 }
 
 TEST_F(CanTransmitterTest, AFullQueueIsTriedAgainByTimer) {
     offer(0, snapshot(0x300, 1));
-    ASSERT_NE(transmitter_.next(now_), nullptr);
+    ASSERT_FALSE(transmitter_.next(now_).empty());
     transmitter_.refused_full(now_);
-    EXPECT_EQ(transmitter_.next(now_), nullptr);
+    EXPECT_TRUE(transmitter_.next(now_).empty());
     EXPECT_EQ(transmitter_.due(), now_ + CanTransmitter::kFullRetry);
     now_ += CanTransmitter::kFullRetry;
-    EXPECT_EQ(hand_over(), 0x300U);
+    EXPECT_EQ(hand_over(), Ids{0x300});
     EXPECT_EQ(counts_.queue_full, 1U);
 }
 
 TEST_F(CanTransmitterTest, AQueueThatStaysFullIsAStallThatEachOfferTries) {
     offer(0, snapshot(0x300, 1));
     for (Duration spent = 0ms; spent < CanTransmitter::kMostWait; spent += 1ms) {
-        ASSERT_NE(transmitter_.next(now_), nullptr);
+        ASSERT_FALSE(transmitter_.next(now_).empty());
         transmitter_.refused_full(now_);
         now_ += 1ms;
     }
-    EXPECT_EQ(transmitter_.next(now_), nullptr);
+    EXPECT_TRUE(transmitter_.next(now_).empty());
     EXPECT_EQ(transmitter_.state(), CanBusState::stalled);
     EXPECT_EQ(counts_.stalls, 1U);
 
     offer(0, snapshot(0x300, 1));
-    ASSERT_NE(transmitter_.next(now_), nullptr);
+    ASSERT_FALSE(transmitter_.next(now_).empty());
     transmitter_.refused_full(now_);
     now_ += 1ms;
-    EXPECT_EQ(transmitter_.next(now_), nullptr) << "refused again: not kept for later";
+    EXPECT_TRUE(transmitter_.next(now_).empty()) << "refused again: not kept for later";
 
     offer(0, snapshot(0x300, 1));
-    EXPECT_EQ(hand_over(), 0x300U);
+    EXPECT_EQ(hand_over(), Ids{0x300});
     EXPECT_EQ(transmitter_.state(), CanBusState::ready);
     EXPECT_EQ(counts_.stalls, 1U);
 }
@@ -240,9 +399,9 @@ TEST_F(CanTransmitterTest, AQueueThatStaysFullIsAStallThatEachOfferTries) {
 TEST_F(CanTransmitterTest, AFrameThatTheKernelNeverTakesEndsItsSnapshotAndNoOther) {
     offer(0, snapshot(0x300, 2));
     offer(1, snapshot(0x400, 1));
-    ASSERT_NE(transmitter_.next(now_), nullptr);
+    ASSERT_FALSE(transmitter_.next(now_).empty());
     transmitter_.refused();
-    EXPECT_EQ(hand_over(), 0x400U);
+    EXPECT_EQ(hand_over(), Ids{0x400});
     EXPECT_EQ(counts_.abandoned, 1U);
 }
 
@@ -251,9 +410,9 @@ TEST_F(CanTransmitterTest, GoingDownDropsAllAndForgetsTheFrameInFlight) {
     hand_over();
     transmitter_.went_down();
     EXPECT_EQ(transmitter_.state(), CanBusState::down);
-    EXPECT_EQ(transmitter_.in_flight(), nullptr);
+    EXPECT_FALSE(transmitter_.in_flight());
     EXPECT_EQ(offer(0, snapshot(0x300, 2)), WriteStatus::unavailable);
-    EXPECT_EQ(hand_over(), std::nullopt);
+    EXPECT_EQ(hand_over(), Ids{});
     EXPECT_EQ(counts_.downs, 1U);
     EXPECT_EQ(counts_.abandoned, 1U);
 }
@@ -264,10 +423,10 @@ TEST_F(CanTransmitterTest, AfterComingUpItSendsWhatIsOfferedThenOnceTheQueueIsTh
     EXPECT_EQ(counts_.downs, 1U);
     transmitter_.came_up(now_);
     EXPECT_EQ(offer(0, snapshot(0x300, 1)), WriteStatus::written);
-    EXPECT_EQ(hand_over(), std::nullopt);
+    EXPECT_EQ(hand_over(), Ids{});
     EXPECT_EQ(transmitter_.due(), now_ + CanTransmitter::kSettlingTime);
     settle();
-    EXPECT_EQ(hand_over(), 0x300U);
+    EXPECT_EQ(hand_over(), Ids{0x300});
 }
 
 TEST_F(CanTransmitterTest, BusOffAbandonsAllAndRefusesOffersUntilTheProbe) {
@@ -278,12 +437,12 @@ TEST_F(CanTransmitterTest, BusOffAbandonsAllAndRefusesOffersUntilTheProbe) {
     EXPECT_EQ(counts_.abandoned, 1U);
     now_ += CanTransmitter::kProbePeriod - 1ns;
     EXPECT_EQ(offer(0, snapshot(0x300, 1)), WriteStatus::unavailable);
-    EXPECT_EQ(hand_over(), std::nullopt);
+    EXPECT_EQ(hand_over(), Ids{});
     now_ += 1ns;
     EXPECT_EQ(offer(0, snapshot(0x300, 1)), WriteStatus::written);
     EXPECT_EQ(offer(1, snapshot(0x400, 1)), WriteStatus::unavailable) << "one probe";
-    EXPECT_EQ(hand_over(), 0x300U);
-    transmitter_.confirmed();
+    EXPECT_EQ(hand_over(), Ids{0x300});
+    confirm_all();
     EXPECT_EQ(transmitter_.state(), CanBusState::ready);
 }
 
@@ -294,7 +453,7 @@ TEST_F(CanTransmitterTest, AFrameThatTheControllerHeldAtBusOffIsTheProbe) {
     now_ += 1h;
     EXPECT_EQ(offer(0, snapshot(0x300, 1)), WriteStatus::unavailable);
     EXPECT_EQ(transmitter_.state(), CanBusState::bus_off);
-    transmitter_.confirmed();
+    confirm_all();
     EXPECT_EQ(transmitter_.state(), CanBusState::ready);
     EXPECT_EQ(counts_.stalls, 0U);
 }
@@ -305,10 +464,10 @@ TEST_F(CanTransmitterTest, ARestartedControllerHoldsNothing) {
     transmitter_.bus_off(now_);
     transmitter_.restarted(now_);
     EXPECT_EQ(transmitter_.state(), CanBusState::ready);
-    EXPECT_EQ(transmitter_.in_flight(), nullptr);
+    EXPECT_FALSE(transmitter_.in_flight());
     EXPECT_EQ(offer(0, snapshot(0x300, 1)), WriteStatus::written);
     settle();
-    EXPECT_EQ(hand_over(), 0x300U);
+    EXPECT_EQ(hand_over(), Ids{0x300});
 }
 
 TEST_F(CanTransmitterTest, AfterASignOfLifeTheFrameHeldAtBusOffHasTheUsualTimeToShow) {
@@ -319,10 +478,10 @@ TEST_F(CanTransmitterTest, AfterASignOfLifeTheFrameHeldAtBusOffHasTheUsualTimeTo
     transmitter_.alive(now_);
     EXPECT_EQ(transmitter_.state(), CanBusState::ready);
     offer(0, snapshot(0x300, 1));
-    EXPECT_EQ(hand_over(), std::nullopt);
+    EXPECT_EQ(hand_over(), Ids{});
     now_ += CanTransmitter::kMostWait;
     offer(0, snapshot(0x300, 1));
-    EXPECT_EQ(hand_over(), 0x300U);
+    EXPECT_EQ(hand_over(), Ids{0x300});
     EXPECT_EQ(counts_.stalls, 0U);
 }
 
@@ -345,9 +504,14 @@ TEST_F(CanTransmitterTest, ALostConfirmationEndsAStallWithoutBeingCountedAsOne) 
 
 TEST_F(CanTransmitterTest, ConfirmationsOfUnknownFramesChangeNothing) {
     offer(0, snapshot(0x300, 2));
-    transmitter_.confirmed();
+    transmitter_.confirmed(frame(0x300), now_);
+    transmitter_.confirmed_all();
     EXPECT_EQ(counts_.confirmed, 0U);
-    EXPECT_EQ(hand_over(), 0x300U);
+    hand_over();
+    transmitter_.confirmed(frame(0x300, 1), now_);
+    transmitter_.confirmed(frame(0x301), now_);
+    EXPECT_EQ(counts_.confirmed, 0U);
+    EXPECT_TRUE(transmitter_.in_flight());
 }
 
 TEST_F(CanTransmitterTest, ErrorLevelsAreShownButDoNotHinder) {

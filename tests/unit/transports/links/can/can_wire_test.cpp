@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <vector>
 
 namespace tribus::can_wire_test {
@@ -44,20 +45,34 @@ canfd_frame error_frame(std::uint32_t classes, std::uint8_t controller = 0) {
     return wire;
 }
 
+/// The frame in the kernel's form.
+canfd_frame wire_of(const CanFrame& frame) {
+    canfd_frame wire{};
+    to_wire(frame, wire);
+    return wire;
+}
+
 TEST(CanWireTest, AClassicFrameTakes16BytesAndItsIdHasNoFlag) {
-    const WireCanFrame wire = to_wire(standard_frame());
-    EXPECT_EQ(wire.size, 16U);
-    EXPECT_EQ(wire.frame.can_id, 0x123U);
-    EXPECT_EQ(wire.frame.len, 2);
-    EXPECT_EQ(wire.frame.data[1], 0x22);
+    canfd_frame wire{};
+    EXPECT_EQ(to_wire(standard_frame(), wire), 16U);
+    EXPECT_EQ(wire.can_id, 0x123U);
+    EXPECT_EQ(wire.len, 2);
+    EXPECT_EQ(wire.data[1], 0x22);
 }
 
 TEST(CanWireTest, AnExtendedFdFrameTakes72BytesWithItsFlags) {
-    const WireCanFrame wire = to_wire(fd_frame());
-    EXPECT_EQ(wire.size, 72U);
-    EXPECT_EQ(wire.frame.can_id, 0x9ABCDEF0U);
-    EXPECT_EQ(wire.frame.len, 64);
-    EXPECT_EQ(wire.frame.flags, CANFD_BRS);
+    canfd_frame wire{};
+    EXPECT_EQ(to_wire(fd_frame(), wire), 72U);
+    EXPECT_EQ(wire.can_id, 0x9ABCDEF0U);
+    EXPECT_EQ(wire.len, 64);
+    EXPECT_EQ(wire.flags, CANFD_BRS);
+}
+
+TEST(CanWireTest, NothingOfTheFrameBeforeRemains) {
+    canfd_frame wire = wire_of(fd_frame());
+    to_wire(standard_frame(), wire);
+    const canfd_frame fresh = wire_of(standard_frame());
+    EXPECT_EQ(std::memcmp(&wire, &fresh, CAN_MTU), 0);
 }
 
 TEST(CanWireTest, FramesComeBackAsTheyWent) {
@@ -68,23 +83,24 @@ TEST(CanWireTest, FramesComeBackAsTheyWent) {
     CanFrame error_passive_sender = fd_frame();
     error_passive_sender.error_state_indicator = true;
     for (const CanFrame& frame : {standard_frame(), fd_frame(), remote, error_passive_sender}) {
-        const WireCanFrame wire = to_wire(frame);
-        EXPECT_EQ(from_wire(wire.frame, wire.size), frame) << std::hex << frame.id;
+        canfd_frame wire{};
+        const std::size_t size = to_wire(frame, wire);
+        EXPECT_EQ(from_wire(wire, size), frame) << std::hex << frame.id;
     }
 }
 
 TEST(CanWireTest, FlagsOfAClassicFrameMeanNothing) {
-    WireCanFrame wire = to_wire(standard_frame());
-    wire.frame.flags = 0xFF;
-    EXPECT_EQ(from_wire(wire.frame, CAN_MTU), standard_frame());
+    canfd_frame wire = wire_of(standard_frame());
+    wire.flags = 0xFF;
+    EXPECT_EQ(from_wire(wire, CAN_MTU), standard_frame());
 }
 
 TEST(CanWireTest, LengthsBeyondTheFrameAreCutBothWays) {
     CanFrame frame = standard_frame();
     frame.length = 200;
-    EXPECT_EQ(to_wire(frame).frame.len, 8);
+    EXPECT_EQ(wire_of(frame).len, 8);
     frame.fd = true;
-    EXPECT_EQ(to_wire(frame).frame.len, 64);
+    EXPECT_EQ(wire_of(frame).len, 64);
     canfd_frame wire{};
     wire.len = 255;
     EXPECT_EQ(from_wire(wire, CAN_MTU)->length, 8);
@@ -134,7 +150,7 @@ TEST(CanWireTest, ControllerDetailsCountOnlyInTheirClass) {
 }
 
 TEST(CanWireTest, DataFramesAreNoErrorReports) {
-    EXPECT_EQ(error_report(to_wire(standard_frame()).frame), std::nullopt);
+    EXPECT_EQ(error_report(wire_of(standard_frame())), std::nullopt);
 }
 
 TEST(CanWireTest, SingleBusErrorsAreNotAskedForBecauseTheyCanFlood) {
