@@ -48,13 +48,14 @@ std::vector<ValueRule> read_loss_rules(const Value& value, const Protocol* proto
     return rules;
 }
 
-/// Three of the periods that the settings give, so that one lost message is no loss.
+/// Three of the periods that the settings give, if any, so that one lost message is no loss.
 Duration default_timeout(const Protocol& protocol, const SettingValues& settings) {
     constexpr Duration kUsual = SupervisionSettings{}.timeout;
     constexpr Duration kMost = std::chrono::seconds(10);
     const auto period =
         protocol.own_period == nullptr ? std::nullopt : protocol.own_period(settings);
-    return period ? std::clamp(3 * *period, kUsual, kMost) : kUsual;
+    return period ? std::clamp(3 * *period, kUsual, kMost)
+                  : protocol.default_timeout.value_or(kUsual);
 }
 
 /// Reports checks that do not apply to this protocol.

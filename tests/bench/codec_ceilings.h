@@ -71,6 +71,9 @@ inline constexpr std::array kFrameRows{
     Row{"EncodeSbus", "encode_sbus", 80, 82},
     Row{"EncodeIbus", "encode_ibus", 65, 84},
     Row{"EncodeSbusWithAbsentChannels", "encode_sbus_absent", 119, 117},
+    Row{"DecodeCrsfInOneRead", "decode_crsf_read", 175, 229},
+    Row{"DecodeCrsfByteByByte", "decode_crsf_bytes", 1270, 1455},
+    Row{"EncodeCrsf", "encode_crsf", 139, 175},
 };
 
 constexpr Row garbage(std::string_view name, std::string_view workload, std::string_view pattern,

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "transports/codecs/codec.h"
+#include "transports/codecs/crsf/crsf.h"
 #include "transports/codecs/ibus/ibus.h"
 #include "transports/codecs/sbus/sbus.h"
 
@@ -106,6 +107,20 @@ std::vector<ChannelFrame> channel_frames(std::size_t count, std::uint32_t absent
     return frames;
 }
 
+constexpr std::size_t kCrsfLength = 26;
+
+std::vector<std::uint8_t> crsf_frames(std::size_t count) {
+    std::vector<std::uint8_t> bytes(count * kCrsfLength);
+    const auto channels = channel_frames(count, 0);
+    CrsfEncoder encoder;
+    std::array<std::uint8_t, kLongestSerialFrame> wire{};
+    for (std::size_t i = 0; i < count; ++i) {
+        encoder.write(channels[i], wire, Instant{});
+        std::memcpy(&bytes[i * kCrsfLength], wire.data(), kCrsfLength);
+    }
+    return bytes;
+}
+
 struct WireByte {
     std::uint8_t value = 0;
     bool damaged = false;
@@ -190,6 +205,9 @@ void decode_garbage(const Work& work, ByteDecoder& decoder) {
 }
 
 std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
+    if (work.about("crsf")) {
+        return std::make_unique<CrsfDecoder>();
+    }
     if (work.about("sbus")) {
         return std::make_unique<SbusDecoder>(
             *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));
@@ -198,6 +216,9 @@ std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
 }
 
 std::unique_ptr<ByteEncoder> encoder_for(const Work& work) {
+    if (work.about("crsf")) {
+        return std::make_unique<CrsfEncoder>();
+    }
     if (work.about("sbus")) {
         return std::make_unique<SbusEncoder>(
             *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));
@@ -213,6 +234,8 @@ void run(const Work& work) {
         encode(std::span(frames).first(work.units), *encoder_for(work));
     } else if (work.about("garbage")) {
         decode_garbage(work, *decoder_for(work));
+    } else if (work.about("crsf")) {
+        decode_frames(work, *decoder_for(work), crsf_frames(work.prepared), kCrsfLength);
     } else if (work.about("sbus")) {
         decode_frames(work, *decoder_for(work), sbus_frames(work.prepared), kSbusFrameLength);
     } else {

@@ -43,6 +43,9 @@ Figures codecs(const BoundSettings& /*settings*/) {
         {"instructions, encode SBUS", 80},
         {"instructions, encode i.Bus", 65},
         {"instructions, encode SBUS, absent channels", 120},
+        {"instructions, decode CRSF, one read", 140},
+        {"instructions, decode CRSF, byte by byte", kNoBound},
+        {"instructions, encode CRSF", 90},
     }};
     std::vector<Figure> figures;
     for (std::size_t i = 0; i < kBounds.size(); ++i) {

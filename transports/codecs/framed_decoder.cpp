@@ -47,9 +47,12 @@ bool FramedDecoder::search(bool more_may_come, Instant received, DecodedFrame& f
             frame.channels.frame_lost = false;
             frame.channels.failsafe = false;
             frame.channels.received = received;
-            read(buffer_.view(0, length), frame.channels);
+            const bool channels = read(buffer_.view(0, length), frame.channels);
             buffer_.drop(length);
-            return true;
+            if (channels) {
+                return true;
+            }
+            continue;
         }
         if (candidate == Candidate::incomplete && more_may_come) {
             return false;

@@ -25,6 +25,11 @@ class FramedDecoder : public ByteDecoder {
     std::span<const NamedCount> rejected() const final { return rejected_; }
     std::uint64_t skipped_bytes() const final { return skipped_bytes_; }
 
+  protected:
+    /// A derived class may handle its usual frame, whole in one read, on a shorter way.
+    Taken decode(std::span<const std::uint8_t> bytes, Instant received,
+                 DecodedFrame& frame) override;
+
   private:
     /// How many bytes of a frame that begins with `bytes`, at least one, must be there to judge it:
     /// 0 if none begins so; `bytes.size()` if it is whole; more if it is not whole or its length is
@@ -32,10 +37,10 @@ class FramedDecoder : public ByteDecoder {
     virtual std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const = 0;
     /// Whether the check of a whole frame is right.
     virtual bool check_holds(std::span<const std::uint8_t> frame) const = 0;
-    /// Sets channels and flags from a frame whose check is right.
-    virtual void read(std::span<const std::uint8_t> frame, ChannelFrame& channels) const = 0;
+    /// Reads a frame whose check is right and sets channels and flags; the arrival is set. Returns
+    /// false if the frame says nothing of channels: it is then passed over.
+    virtual bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) = 0;
 
-    Taken decode(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame) final;
     enum RejectCause : std::size_t { kChecksum, kDamaged };
     enum class Candidate : std::uint8_t { none, incomplete, whole };
     Candidate look(std::size_t& length);

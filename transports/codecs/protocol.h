@@ -54,6 +54,9 @@ struct Protocol {
     /// Least time from the start of a frame that was late, or a repeat, to that of the next one: so
     /// little only now and then. By default `least_period`.
     std::optional<Duration> least_spacing{};
+    /// Default timeout of an input: some periods of the slowest usual sender. By default that of
+    /// SupervisionSettings.
+    std::optional<Duration> default_timeout{};
     /// Longest period before receivers of these frames stop acting on them. Null or nothing: no
     /// limit.
     std::optional<Duration> (*most_period)(const SettingValues&) = nullptr;
@@ -99,12 +102,13 @@ inline std::unique_ptr<CanDecoder> make_can_decoder(const Protocol& protocol,
 }
 
 /// The key for the bit rate of a protocol whose devices differ in it.
-constexpr Setting baud_setting(std::string_view fallback, std::string_view example) {
+constexpr Setting baud_setting(std::string_view fallback, std::string_view example,
+                               double most = 1e6) {
     return {.key = "baud",
             .type = SettingType::integer,
             .fallback = fallback,
             .least = 9600,
-            .most = 1000000,
+            .most = most,
             .unit = "baud",
             .of_line = true,
             .help = "Bit rate of the line",

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "core/channel_frame.h"
 #include "transports/codecs/line_buffer.h"
+#include "transports/codecs/sbus/packed_channels.h"
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/codecs/wire_words.h"
 
@@ -19,7 +19,6 @@ inline constexpr std::uint8_t kHeader = 0x0F;
 inline constexpr std::size_t kPayloadAt = 1;
 inline constexpr std::size_t kFlagsAt = 23;
 inline constexpr std::size_t kFooterAt = 24;
-inline constexpr unsigned kBitsPerChannel = 11;
 
 inline constexpr std::uint8_t kChannel17Flag = 0x01;
 inline constexpr std::uint8_t kChannel18Flag = 0x02;
@@ -27,70 +26,18 @@ inline constexpr std::uint8_t kFrameLostFlag = 0x04;
 inline constexpr std::uint8_t kFailsafeFlag = 0x08;
 inline constexpr std::uint8_t kFlagsUnused = 0xF0;
 
-static_assert(kPayloadAt + kSbusChannels * kBitsPerChannel / 8 == kFlagsAt);
+static_assert(kPayloadAt + kPackedChannelBytes == kFlagsAt);
 static_assert(kFooterAt + 1 == kSbusFrameLength);
 
-// Four channels are a group of 44 bits, all within eight bytes of the frame. Even groups begin at a
-// whole byte, odd ones at half a byte. Two channels are a pair of 22 bits. If a group of 64 bits,
-// or a pair of 32 bits, is shifted so that the boundary between its two halves is in the middle,
-// one multiplication moves all lower, or all upper, channels.
-using EightBytes = std::uint64_t;
-inline constexpr std::array<std::size_t, 4> kGroupAt{1, 6, 12, 17};
-inline constexpr unsigned kOddShift = 4;
-inline constexpr unsigned kChannelsApart = 16 - kBitsPerChannel;
-inline constexpr unsigned kPairsApart = 32 - 2 * kBitsPerChannel;
-static_assert(kGroupAt[3] + sizeof(EightBytes) == kSbusFrameLength);
-
-inline constexpr std::uint16_t kUp = 1U << kChannelsApart;
-inline constexpr Lanes kUppersUp{1, kUp, 1, kUp, 1, kUp, 1, kUp};
-inline constexpr Lanes kLowersUp{kUp, 1, kUp, 1, kUp, 1, kUp, 1};
-
-/// Turns two groups, each from bit `From` on, into pairs: the lower pairs of both, then the upper
-/// ones.
-template <unsigned From>
-inline PairLanes pairs_of(GroupLanes groups) {
-    const auto lower = reinterpret_cast<PairLanes>(groups << (kChannelsApart - From));
-    const auto upper = reinterpret_cast<PairLanes>(groups << (kChannelsApart + kPairsApart - From));
-    return __builtin_shufflevector(lower, upper, 0, 2, 5, 7);
-}
-
 inline SbusLanes unpack(std::span<const std::uint8_t, kSbusFrameLength> wire) {
-    // The order of the pairs in a group, and of the channels in a pair, is that of the machine.
-    static_assert(std::endian::native == std::endian::little);
-    const auto even =
-        pairs_of<0>(GroupLanes{load_word(&wire[kGroupAt[0]]), load_word(&wire[kGroupAt[2]])});
-    const auto odd = pairs_of<kOddShift>(
-        GroupLanes{load_word(&wire[kGroupAt[1]]), load_word(&wire[kGroupAt[3]])});
-    const auto channels = [](PairLanes pairs) {
-        const Lanes up = reinterpret_cast<Lanes>(pairs) * kUppersUp;
-        return up >> kChannelsApart;
-    };
-    return {.first = channels(__builtin_shufflevector(even, odd, 0, 2, 4, 6)),
-            .last = channels(__builtin_shufflevector(even, odd, 1, 3, 5, 7))};
+    return unpack_channels(wire.subspan<kPayloadAt>());
 }
 
 /// Writes the whole frame. Raw values must not exceed 11 bits.
 inline void pack(const SbusRaw& raw, std::uint32_t flags, std::uint8_t footer,
                  std::span<std::uint8_t, kSbusFrameLength> wire) {
-    constexpr EightBytes kUpperPair = 0xFFFFFFFF'00000000;
-    constexpr unsigned kGroupUp = kChannelsApart + kPairsApart;
-    std::array<Lanes, kSbusChannels / kLanes> pairs;
-    for (std::size_t half = 0; half < pairs.size(); ++half) {
-        pairs[half] = reinterpret_cast<Lanes>(load_lanes(&raw[kLanes * half])) * kLowersUp;
-    }
-    auto groups = to_words(std::bit_cast<SbusRaw>(pairs));
-    for (EightBytes& group : groups) {
-        group = (group & kUpperPair) | (group << 32U) >> (32U - kPairsApart);
-    }
-    // Two groups are eleven bytes: eight of them, then 24 bits, after which there is room.
-    const auto last_bits = [](EightBytes group) {
-        return static_cast<std::uint32_t>(group >> (kGroupUp + 20U));
-    };
     wire[0] = kHeader;
-    store_word(&wire[1], groups[0] >> kGroupUp | groups[1] << (44U - kGroupUp));
-    store_half_word(&wire[9], last_bits(groups[1]));
-    store_word(&wire[12], groups[2] >> kGroupUp | groups[3] << (44U - kGroupUp));
-    store_half_word(&wire[20], last_bits(groups[3]) | flags << 24U);
+    pack_channels(raw, flags, wire.subspan<kPayloadAt, kPackedChannelBytes + 1>());
     wire[kFooterAt] = footer;
 }
 
@@ -121,8 +68,9 @@ inline bool well_formed_wire(std::span<const std::uint8_t, kSbusFrameLength> wir
 /// Whether the flags are allowed and the footer announces no slots.
 inline bool flags_and_footer_plain(std::span<const std::uint8_t, kSbusFrameLength> wire) {
     constexpr std::uint64_t kNeitherOf = std::uint64_t{kFlagsUnused} << 48U | 0x0FULL << 56U;
-    static_assert(kGroupAt[3] + 6 == kFlagsAt && kGroupAt[3] + 7 == kFooterAt);
-    return (load_word(&wire[kGroupAt[3]]) & kNeitherOf) == 0;
+    constexpr std::size_t kLastWord = kSbusFrameLength - sizeof(std::uint64_t);
+    static_assert(kLastWord + 6 == kFlagsAt && kLastWord + 7 == kFooterAt);
+    return (load_word(&wire[kLastWord]) & kNeitherOf) == 0;
 }
 
 inline bool flags_and_footer_allowed(const std::uint8_t* frame) {

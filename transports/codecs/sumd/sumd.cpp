@@ -48,7 +48,7 @@ bool SumdDecoder::check_holds(std::span<const std::uint8_t> frame) const {
     return crc16_1021(0, body) == big_endian_at(frame, body.size());
 }
 
-void SumdDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) const {
+bool SumdDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {
     channels.failsafe = frame[kStatusAt] == kFailsafe;
     const std::size_t count = std::min<std::size_t>(frame[kCountAt], kChannelCount);
     for (std::size_t channel = 0; channel < count; ++channel) {
@@ -57,6 +57,7 @@ void SumdDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channe
             channels.set(channel, Pulse::from_eighths(word));
         }
     }
+    return true;
 }
 
 std::uint32_t SumdEncoder::needed_channels(const ChannelFrame& /*frame*/) const {

@@ -23,7 +23,7 @@ extern const Protocol kSumdProtocol;
 class SumdDecoder final : public FramedDecoder {
     std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override;
     bool check_holds(std::span<const std::uint8_t> frame) const override;
-    void read(std::span<const std::uint8_t> frame, ChannelFrame& channels) const override;
+    bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
 };
 
 /// Writes frames of version 1. An absent channel is sent as 0; pulses are limited to those with a

@@ -10,7 +10,8 @@
 namespace tribus::test::framed_decoder_test {
 namespace {
 
-/// A frame of this test: 5A, the number of payload bytes, the payload, the sum of all before.
+/// A frame of this test: 5A, the number of payload bytes, the payload, the sum of all before. If
+/// the payload is empty, it says nothing of channels.
 class TinyDecoder final : public FramedDecoder {
     std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override {
         if (bytes[0] != 0x5A) {
@@ -23,8 +24,9 @@ class TinyDecoder final : public FramedDecoder {
         return frame.back() ==
                static_cast<std::uint8_t>(std::accumulate(body.begin(), body.end(), 0U));
     }
-    void read(std::span<const std::uint8_t> frame, ChannelFrame& channels) const override {
-        channels.set(0, Pulse::from_microseconds(frame.size() > 3 ? frame[2] : 0));
+    bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override {
+        channels.set(0, Pulse::from_microseconds(frame[2]));
+        return frame.size() > 3;
     }
 };
 
@@ -64,6 +66,18 @@ TEST(FramedDecoder, FindsFramesBetweenOtherBytes) {
     EXPECT_EQ(frames[1].channels.received, Instant(Duration(5)));
     EXPECT_TRUE(frames[1].channels.good());
     EXPECT_EQ(decoder.skipped_bytes(), 4U);
+}
+
+TEST(FramedDecoder, PassesOverAFrameThatSaysNothingOfChannels) {
+    TinyDecoder decoder;
+    Bytes bytes = tiny_frame({});
+    append(bytes, kFrame);
+    append(bytes, tiny_frame({}));
+    const auto frames = feed(decoder, bytes);
+    ASSERT_EQ(frames.size(), 1U);
+    EXPECT_EQ(frames[0].first_byte, 3U);
+    EXPECT_EQ(decoder.skipped_bytes(), 0U);
+    EXPECT_EQ(count_of(decoder, "checksum"), 0U);
 }
 
 TEST(FramedDecoder, FindsTheSameFramesHoweverReadsCutTheStream) {

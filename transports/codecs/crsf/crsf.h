@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/framed_decoder.h"
+#include "transports/codecs/protocol.h"
+#include "transports/codecs/sbus/scale.h"
+
+/// TBS CRSF, as receivers of ExpressLRS, Crossfire, Tracer and mLRS speak it, both directions
+/// (docs/protocols/crsf.md). A frame: address, length of the rest, type, payload, CRC-8 of type and
+/// payload.
+namespace tribus {
+
+extern const Protocol kCrsfProtocol;
+
+/// What the receiver says of its radio link.
+struct CrsfStatistics {
+    std::uint8_t link_quality = 0;  ///< %, of what the receiver gets
+    int rssi_dbm = 0;               ///< of the antenna in use
+    int snr_db = 0;
+    std::optional<std::uint16_t> power_mw{};  ///< of the transmitter
+    std::optional<std::uint8_t> mode{};       ///< number of the rate; its meaning is the maker's
+    Instant received{};
+};
+
+/// Reads channels (types 16 and 17, longer frames than usual too) and link statistics (14, 1C);
+/// passes over all other types. The receiver falls silent on loss, or says it in its statistics:
+///   - statistics of quality 0, and no channels since the ones before: a frame marked failsafe;
+///   - other statistics, and no channels for kNoChannelsAfter: a frame without channels.
+/// Channels carry the link quality of the latest statistics, for kStatisticsLast.
+class CrsfDecoder final : public FramedDecoder {
+  public:
+    std::span<const FrameDetail> details() const override;
+
+    /// Three frames of the slowest rate, 25 Hz, and some more.
+    static constexpr Duration kNoChannelsAfter = std::chrono::milliseconds(250);
+    /// Receivers send statistics each 100 ms.
+    static constexpr Duration kStatisticsLast = std::chrono::seconds(1);
+    /// A channel of a frame of type 17 counts so long if the next such frames lack it.
+    static constexpr Duration kSubsetLasts = std::chrono::milliseconds(100);
+
+    /// The latest statistics.
+    const std::optional<CrsfStatistics>& statistics() const { return statistics_; }
+
+  private:
+    Taken decode(std::span<const std::uint8_t> bytes, Instant received,
+                 DecodedFrame& frame) override;
+    std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override;
+    bool check_holds(std::span<const std::uint8_t> frame) const override;
+    bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
+
+    void read_channels(const std::uint8_t* payload, ChannelFrame& channels);
+    bool read_subset(std::span<const std::uint8_t> payload, ChannelFrame& channels);
+    bool judge(const CrsfStatistics& statistics, ChannelFrame& channels);
+    void channels_came(ChannelFrame& channels);
+
+    std::optional<CrsfStatistics> statistics_;
+    /// The latest channels, or the first statistics if there were no channels yet.
+    std::optional<Instant> channels_at_;
+    bool channels_since_statistics_ = false;
+    /// The latest value of each channel in frames of type 17, and its arrival.
+    struct SubsetChannel {
+        Pulse pulse{};
+        Instant received{};
+        bool known = false;
+    };
+    std::array<SubsetChannel, kChannelCount> subset_{};
+
+    /// 992 is 1500 us, a step is 5/8 us.
+    SbusScale scale_ = *SbusScale::named("betaflight");
+    SbusRaw raw_{};
+    mutable std::array<std::uint16_t, 2> detail_values_{};
+    mutable std::array<FrameDetail, 3> details_{};
+};
+
+/// Writes channels as type 16 with address C8, which every reader takes, and each 100 ms the link
+/// statistics of type 14 behind them. 16 channels; an absent one is sent as 1500 us. Nothing in
+/// CRSF says failsafe: on loss the output should be silent.
+class CrsfEncoder final : public ByteEncoder {
+  public:
+    bool marks_frame_lost() const override { return false; }
+    std::uint32_t needed_channels(const ChannelFrame& frame) const override;
+    std::size_t write(const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire,
+                      Instant now) override;
+
+    static constexpr Duration kStatisticsPeriod = std::chrono::milliseconds(100);
+
+  private:
+    SbusScale scale_ = *SbusScale::named("betaflight");
+    std::optional<Instant> statistics_at_;
+};
+
+}  // namespace tribus
