@@ -174,7 +174,9 @@ Attachment attachment_of(const ExaminedPlace& examined, const Protocol& protocol
 std::vector<const Protocol*> offered_protocols(SettingScope way) {
     std::vector<const Protocol*> offered;
     std::ranges::copy_if(protocols(), std::back_inserter(offered), [way](const Protocol* one) {
-        return one->goes(way) && required_keys(*one, way).empty();
+        // An output without channels needs to be told what it sends.
+        const bool carries_channels = way == SettingScope::input || one->needs_pipeline == nullptr;
+        return one->goes(way) && carries_channels && required_keys(*one, way).empty();
     });
     return offered;
 }

@@ -1,6 +1,8 @@
 #include "config/language/parse_toml.h"
 
 #include <algorithm>
+#include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
@@ -82,6 +84,19 @@ Table convert(const toml::table& table) {
     return result;
 }
 
+/// The parser repeats what it read, a line break too, which would tear the message apart.
+std::string on_one_line(std::string_view description) {
+    std::string text;
+    for (const char character : description) {
+        if (character == '\n') {
+            text += "\\n";
+        } else {
+            text += character;
+        }
+    }
+    return text;
+}
+
 SyntaxError syntax_error(const toml::parse_error& error) {
     const Location where = location(error.source());
     if (error.description().find("TOML_MAX_NESTED_VALUES") != std::string_view::npos) {
@@ -91,7 +106,7 @@ SyntaxError syntax_error(const toml::parse_error& error) {
                     TOML_MAX_NESTED_VALUES),
                 .whole = true};
     }
-    return {.where = where, .text = std::string(error.description())};
+    return {.where = where, .text = on_one_line(error.description())};
 }
 
 }  // namespace

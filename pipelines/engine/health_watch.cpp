@@ -10,7 +10,7 @@ double in_seconds(Duration duration) {
     return std::chrono::duration<double>(duration).count();
 }
 
-/// The link quality of a frame that is older than this is unknown.
+/// The link quality of a frame, or of statistics, that is older than this is unknown.
 constexpr Duration kQualityLasts = std::chrono::seconds(1);
 
 std::optional<double> link_quality(const Input& input, Instant now) {
@@ -18,6 +18,16 @@ std::optional<double> link_quality(const Input& input, Instant now) {
     const bool known =
         latest.link_quality != kNoLinkQuality && now - latest.received <= kQualityLasts;
     return known ? std::optional<double>(latest.link_quality) : std::nullopt;
+}
+
+/// A number of the latest statistics of the radio link. The statistics must not be too old.
+template <class Number>
+std::optional<double> radio_number(const Input& input,
+                                   std::optional<Number> RadioStatistics::*number, Instant now) {
+    const RadioStatistics* statistics = input.decoder().radio_statistics();
+    const bool known = statistics != nullptr && (statistics->*number).has_value() &&
+                       now - statistics->received <= kQualityLasts;
+    return known ? std::optional<double>(*(statistics->*number)) : std::nullopt;
 }
 
 double yes_or_no(bool yes) {
@@ -109,6 +119,14 @@ std::optional<double> HealthWatch::number(const Engine& engine, std::size_t inpu
             return static_cast<double>(source.state().cause);
         case InputFact::link_quality:
             return link_quality(source, now);
+        case InputFact::rssi:
+            return radio_number(source, &RadioStatistics::rssi_dbm, now);
+        case InputFact::snr:
+            return radio_number(source, &RadioStatistics::snr_db, now);
+        case InputFact::power:
+            return radio_number(source, &RadioStatistics::power_mw, now);
+        case InputFact::mode:
+            return radio_number(source, &RadioStatistics::mode, now);
     }
     return std::nullopt;
 }

@@ -22,6 +22,11 @@ enum class InputFact : std::uint8_t {
     good,          ///< 1 or 0
     cause,         ///< number of the LinkCause
     link_quality,  ///< %, as the latest frame says; only some protocols have it
+    // Of the latest statistics of the radio link; only some protocols have them.
+    rssi,   ///< dBm
+    snr,    ///< dB
+    power,  ///< mW, of the transmitter
+    mode,   ///< number of the rate
 };
 /// The same for an output, output.NAME.FACT.
 enum class OutputFact : std::uint8_t {
@@ -37,12 +42,16 @@ struct FactName {
     std::string_view unit;
 };
 /// In the order of InputFact and OutputFact.
-inline constexpr std::array<FactName, 6> kInputFacts{{{"frame_rate", "Hz"},
-                                                      {"loss_ratio", "%"},
-                                                      {"age", "ms"},
-                                                      {"good", ""},
-                                                      {"cause", ""},
-                                                      {"link_quality", "%"}}};
+inline constexpr std::array<FactName, 10> kInputFacts{{{"frame_rate", "Hz"},
+                                                       {"loss_ratio", "%"},
+                                                       {"age", "ms"},
+                                                       {"good", ""},
+                                                       {"cause", ""},
+                                                       {"link_quality", "%"},
+                                                       {"rssi", "dBm"},
+                                                       {"snr", "dB"},
+                                                       {"power", "mW"},
+                                                       {"mode", ""}}};
 inline constexpr std::array<FactName, 4> kOutputFacts{
     {{"frame_rate", "Hz"}, {"failsafe", ""}, {"holding", ""}, {"cannot_send", ""}}};
 

@@ -246,6 +246,8 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         ongoing_.latest_due = schedule_.due();
         ongoing_.latest_at = now;
         transmission_ = encoder_.encode(ongoing_.latest, now);
+    } else {
+        transmission_ = encoder_.encode_silence(now);
     }
     ongoing_.made_frame = made;
     if (!ongoing_.made_frame && ongoing_.obstacle != SendObstacle::device) {

@@ -124,7 +124,8 @@ class Output {
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
     /// When to call `run` next.
     Instant due() const { return schedule_.due(); }
-    /// Makes the next frame. Call when due. A silent output makes none.
+    /// Makes the next frame. Call when due. A silent output makes none, but in some protocols
+    /// something that says so.
     void run(Instant now, std::span<const Input> inputs);
     /// Enters failsafe for good: the program is about to end.
     void end(Instant now);
@@ -135,11 +136,11 @@ class Output {
     /// Sets the levels of input lines, for channels that are made from them.
     void set_lines(LineLevels levels) { map_.set_lines(levels); }
 
-    /// Takes the encoded frame. Empty if there is none, and after it was taken. Valid until the
-    /// next `run`.
+    /// Takes the encoded frame, or what a silent output sends. Empty if there is none, and after it
+    /// was taken. Valid until the next `run`.
     Transmission take() { return std::exchange(transmission_, {}); }
-    /// Tells what became of the frame: handed over, or dropped because the port was busy, its
-    /// device missing or its bus unavailable.
+    /// Tells what became of the frame, not of what a silent output sends: handed over, or dropped
+    /// because the port was busy, its device missing or its bus unavailable.
     void written() {
         ++ongoing_.counts.frames;
         ongoing_.busy_run = 0;

@@ -49,7 +49,7 @@ void Loop::send(Station station, const Transmission& sent, Instant now) {
     clock_ = monotonic_now();
     stations_.handed_over(station, status, clock_);
     if (status == WriteStatus::written) {
-        if (station.kind == StationKind::output) {
+        if (station.kind == StationKind::output && engine_.outputs()[station.index].sends()) {
             note_sent(station.index, now);
         }
         if (port.wiring.capture != nullptr) {

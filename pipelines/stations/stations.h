@@ -97,7 +97,10 @@ class Stations {
     /// Tells it at `at` the outcome of the transmission that was taken.
     void handed_over(Station station, WriteStatus status, Instant at) {
         if (station.kind == StationKind::output && status == WriteStatus::written) {
-            engine_->output(station.index).written();
+            Output& output = engine_->output(station.index);
+            if (output.sends()) {
+                output.written();
+            }
         } else {
             tell_outcome(station, status, at);
         }

@@ -43,6 +43,16 @@ struct FrameDetail {
     bool list = false;
 };
 
+/// What a sender says of its radio link. What it does not say is absent.
+struct RadioStatistics {
+    std::uint8_t link_quality = kNoLinkQuality;  ///< %
+    std::optional<int> rssi_dbm{};               ///< of the antenna in use
+    std::optional<int> snr_db{};
+    std::optional<std::uint16_t> power_mw{};  ///< of the transmitter
+    std::optional<std::uint8_t> mode{};       ///< number of the rate; its meaning is the maker's
+    Instant received{};
+};
+
 /// Counters and details that every decoder reports.
 class DecoderReport {
   public:
@@ -60,6 +70,8 @@ class DecoderReport {
     /// Whether the arrivals show two senders of one id whose content does not tell them apart, so
     /// that the received frames are a mixture.
     virtual bool two_senders() const { return false; }
+    /// The latest statistics of the radio link. Null if the protocol has none, or before the first.
+    virtual const RadioStatistics* radio_statistics() const { return nullptr; }
 };
 
 /// Bytes in, frames out. Pure: no descriptor, clock, log or heap. Reads the given bytes in place
@@ -155,6 +167,12 @@ class ByteEncoder : public Encoder {
     /// sent.
     virtual std::size_t write(const ChannelFrame& frame,
                               std::span<std::uint8_t, kLongestSerialFrame> wire, Instant now) = 0;
+    /// What is sent in the place of a frame while the output is silent: in some protocols it tells
+    /// that there are no channels. Called each period. Returns its length; 0: nothing.
+    virtual std::size_t write_silence(std::span<std::uint8_t, kLongestSerialFrame> /*wire*/,
+                                      Instant /*now*/) {
+        return 0;
+    }
 };
 
 }  // namespace tribus

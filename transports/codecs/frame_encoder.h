@@ -71,6 +71,13 @@ class FrameEncoder {
         return Transmission(std::span<const CanFrame>(room).first(can->write(frame, room, now)));
     }
 
+    /// The same while the output is silent. Empty in most protocols.
+    Transmission encode_silence(Instant now) {
+        const auto* bytes = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_);
+        const std::size_t length = bytes != nullptr ? (*bytes)->write_silence(wire_, now) : 0;
+        return Transmission(std::span<const std::uint8_t>(wire_).first(length));
+    }
+
   private:
     AnyEncoder encoder_;
     std::array<std::uint8_t, kLongestSerialFrame> wire_{};

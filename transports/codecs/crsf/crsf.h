@@ -20,16 +20,6 @@ namespace tribus {
 
 extern const Protocol kCrsfProtocol;
 
-/// What the receiver says of its radio link.
-struct CrsfStatistics {
-    std::uint8_t link_quality = 0;  ///< %, of what the receiver gets
-    int rssi_dbm = 0;               ///< of the antenna in use
-    int snr_db = 0;
-    std::optional<std::uint16_t> power_mw{};  ///< of the transmitter
-    std::optional<std::uint8_t> mode{};       ///< number of the rate; its meaning is the maker's
-    Instant received{};
-};
-
 /// Reads channels (types 16 and 17, longer frames than usual too) and link statistics (14, 1C);
 /// passes over all other types. The receiver falls silent on loss, or says it in its statistics:
 ///   - statistics of quality 0, and no channels since the ones before: a frame marked failsafe;
@@ -46,8 +36,9 @@ class CrsfDecoder final : public FramedDecoder {
     /// A channel of a frame of type 17 counts so long if the next such frames lack it.
     static constexpr Duration kSubsetLasts = std::chrono::milliseconds(100);
 
-    /// The latest statistics.
-    const std::optional<CrsfStatistics>& statistics() const { return statistics_; }
+    const RadioStatistics* radio_statistics() const override {
+        return statistics_ ? &*statistics_ : nullptr;
+    }
 
   private:
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
@@ -58,10 +49,10 @@ class CrsfDecoder final : public FramedDecoder {
 
     void read_channels(const std::uint8_t* payload, ChannelFrame& channels);
     bool read_subset(std::span<const std::uint8_t> payload, ChannelFrame& channels);
-    bool judge(const CrsfStatistics& statistics, ChannelFrame& channels);
+    bool judge(const RadioStatistics& statistics, ChannelFrame& channels);
     void channels_came(ChannelFrame& channels);
 
-    std::optional<CrsfStatistics> statistics_;
+    std::optional<RadioStatistics> statistics_;
     /// The latest channels, or the first statistics if there were no channels yet.
     std::optional<Instant> channels_at_;
     bool channels_since_statistics_ = false;
@@ -81,18 +72,23 @@ class CrsfDecoder final : public FramedDecoder {
 };
 
 /// Writes channels as type 16 with address C8, which every reader takes, and each 100 ms the link
-/// statistics of type 14 behind them. 16 channels; an absent one is sent as 1500 us. Nothing in
-/// CRSF says failsafe: on loss the output should be silent.
+/// statistics of type 14 behind them, if the link quality is known. 16 channels; an absent one is
+/// sent as 1500 us. Nothing in CRSF says failsafe: on loss the channels stop, and the statistics go
+/// on with link quality 0.
 class CrsfEncoder final : public ByteEncoder {
   public:
     bool marks_frame_lost() const override { return false; }
     std::uint32_t needed_channels(const ChannelFrame& frame) const override;
     std::size_t write(const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire,
                       Instant now) override;
+    std::size_t write_silence(std::span<std::uint8_t, kLongestSerialFrame> wire,
+                              Instant now) override;
 
     static constexpr Duration kStatisticsPeriod = std::chrono::milliseconds(100);
 
   private:
+    bool statistics_due(Instant now);
+
     SbusScale scale_ = *SbusScale::named("betaflight");
     std::optional<Instant> statistics_at_;
 };

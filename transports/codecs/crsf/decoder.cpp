@@ -30,7 +30,7 @@ int signed_byte(std::uint8_t byte) {
     return static_cast<std::int8_t>(byte);
 }
 
-CrsfStatistics read_statistics(std::span<const std::uint8_t> payload, Instant received) {
+RadioStatistics read_statistics(std::span<const std::uint8_t> payload, Instant received) {
     constexpr std::size_t kLinkQualityAt = 2;
     constexpr std::size_t kSnrAt = 3;
     constexpr std::size_t kAntennaAt = 4;
@@ -45,7 +45,7 @@ CrsfStatistics read_statistics(std::span<const std::uint8_t> payload, Instant re
             .received = received};
 }
 
-CrsfStatistics read_receiver_statistics(std::span<const std::uint8_t> payload, Instant received) {
+RadioStatistics read_receiver_statistics(std::span<const std::uint8_t> payload, Instant received) {
     constexpr std::size_t kLinkQualityAt = 2;
     constexpr std::size_t kSnrAt = 3;
     return {.link_quality = payload[kLinkQualityAt],
@@ -170,7 +170,7 @@ void CrsfDecoder::channels_came(ChannelFrame& channels) {
 }
 
 /// Returns whether the statistics say that there are no channels.
-bool CrsfDecoder::judge(const CrsfStatistics& statistics, ChannelFrame& channels) {
+bool CrsfDecoder::judge(const RadioStatistics& statistics, ChannelFrame& channels) {
     channels_at_ = channels_at_.value_or(statistics.received);
     statistics_ = statistics;
     channels.link_quality = std::min<std::uint8_t>(statistics.link_quality, 100);
@@ -187,7 +187,7 @@ std::span<const FrameDetail> CrsfDecoder::details() const {
     details_[count++] = {"raw", raw_, true};
     if (statistics_) {
         detail_values_ = {statistics_->link_quality,
-                          static_cast<std::uint16_t>(-statistics_->rssi_dbm)};
+                          static_cast<std::uint16_t>(-statistics_->rssi_dbm.value_or(0))};
         details_[count++] = {"link_quality", std::span(detail_values_).first(1), false};
         details_[count++] = {"rssi_minus_dbm", std::span(detail_values_).last(1), false};
     }

@@ -50,12 +50,24 @@ std::size_t CrsfEncoder::write(const ChannelFrame& frame,
     }
     pack_channels(raw, 0, wire.subspan<kPayloadAt, kPackedChannelBytes + 1>());
     std::size_t length = finish_frame<kPackedChannelBytes>(kChannelsType, wire);
-    if (frame.link_quality != kNoLinkQuality &&
-        (!statistics_at_ || now - *statistics_at_ >= kStatisticsPeriod)) {
-        statistics_at_ = now;
+    if (frame.link_quality != kNoLinkQuality && statistics_due(now)) {
         length += write_statistics(frame.link_quality, wire.subspan(length));
     }
     return length;
+}
+
+std::size_t CrsfEncoder::write_silence(std::span<std::uint8_t, kLongestSerialFrame> wire,
+                                       Instant now) {
+    return statistics_due(now) ? write_statistics(0, wire) : 0;
+}
+
+/// Returns whether statistics are to be written now.
+bool CrsfEncoder::statistics_due(Instant now) {
+    const bool due = !statistics_at_ || now - *statistics_at_ >= kStatisticsPeriod;
+    if (due) {
+        statistics_at_ = now;
+    }
+    return due;
 }
 
 }  // namespace tribus

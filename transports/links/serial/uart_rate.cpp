@@ -57,13 +57,24 @@ bool rate_is_off(const PortFacts& facts) {
            std::uint64_t{facts.asked.baud} * kMostRateErrorPerMille;
 }
 
+/// The rates of SBUS are fixed. Receivers of other protocols can often be set to another.
+std::string advice_on_rate(std::uint32_t asked) {
+    constexpr std::uint32_t kSbusBaud = 100'000;
+    if (asked == kSbusBaud || asked == 2 * kSbusBaud) {
+        return "use a port that can: a USB adapter with an FTDI FT232R or a PL011 of the board "
+               "(ttyAMA) does 100000 and 200000 baud, a CP2102 or a PC's 16550 does not";
+    }
+    return "set the device at the other end, and `baud`, to a rate that this port can do (115200 "
+           "works on nearly every one), or use a USB adapter with an FTDI FT232R or a PL011 of the "
+           "board (ttyAMA)";
+}
+
 std::string rate_refusal(const PortFacts& facts) {
     const std::uint32_t actual = wire_baud(facts);
     return "asked for " + std::to_string(facts.asked.baud) + " baud, but the port runs at " +
            std::to_string(actual) + ", " + percent_off(actual, facts.asked.baud) +
-           " off (at most 1.5 % works); " + what_it_can_do(facts) +
-           "; use a port that can: a USB adapter with an FTDI FT232R or a PL011 of the board "
-           "(ttyAMA) does 100000 and 200000 baud, a CP2102 or a PC's 16550 does not";
+           " off (at most 1.5 % works); " + what_it_can_do(facts) + "; " +
+           advice_on_rate(facts.asked.baud);
 }
 
 std::string parity_refusal(const PortFacts& facts) {

@@ -105,6 +105,13 @@ std::string signal(std::string_view name, std::string_view lines) {
            std::string(kInput) + std::string(kPipeline);
 }
 
+std::string telemetry(std::string_view lines) {
+    return around(
+        "[sensor_bus.probes]\ndevice = \"/dev/ttyD\"\nrole = \"receiver\"\n"
+        "[output.handset]\nprotocol = \"crsf-telemetry\"\ndevice = \"/dev/ttyT\"\n" +
+        std::string(lines) + "HERE\n");
+}
+
 std::string protocol_line(const Protocol& protocol) {
     return "protocol = \"" + std::string(protocol.name) + "\"\n";
 }
@@ -130,6 +137,13 @@ std::map<std::string, std::string> contexts() {
          "sensor_bus = \"probes\"\nHERE\n[sensor_bus.probes]\ndevice = \"/dev/ttyD\"\n"
          "role = \"receiver\"\n"},
         {"dronecan", on_dronecan("output.servos", "node_id = 42\n")},
+        {"crsf-telemetry", telemetry("vario = \"probes.1\"\n")},
+        {"crsf-telemetry-battery", telemetry("[output.handset.battery]\n")},
+        {"crsf-telemetry-gps", telemetry("[output.handset.gps]\nlatitude = \"probes.1\"\n"
+                                         "longitude = \"probes.2\"\n")},
+        {"crsf-telemetry-attitude", telemetry("[output.handset.attitude]\n")},
+        {"crsf-telemetry-flight_mode",
+         telemetry("[output.handset.flight_mode]\nvalue = \"probes.1\"\nnames = [\"A\"]\n")},
         {"pipeline", on_two_inputs("[pipeline.main]\nfrom = [\"main\", \"backup\"]\n"
                                    "to = \"servos\"\nHERE\n")},
         {"handover", on_two_inputs("[pipeline.main]\nfrom = [\"main\", \"backup\"]\n"

@@ -91,6 +91,11 @@ RC_GTEST_PROP(SpoiltExamples, WithAnotherValueGetAnAnswer, ()) {
     expect_an_answer(text);
 }
 
+// The parser repeats the line break that it found in the place of "nan".
+TEST(AnyBytes, ALineBreakInANumberGetsAnAnswerOfOneLine) {
+    expect_an_answer("8=[n\n");
+}
+
 TEST(AnyBytes, ADeepNestGetsAnAnswer) {
     const auto configuration = load_configuration("a = " + std::string(100'000, '['), "t.toml");
     EXPECT_FALSE(configuration);

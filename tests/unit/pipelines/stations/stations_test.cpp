@@ -61,6 +61,7 @@ TEST_F(StationsOfAPipeline, AnInputReceivesAndSendsNothing) {
 
 TEST_F(StationsOfAPipeline, EachOutcomeIsCountedAsWhatItIs) {
     using enum WriteStatus;
+    stations_.poll(at(0ms));
     for (const WriteStatus status :
          {written, busy, busy, unavailable, unavailable, unavailable, lost, lost, lost, lost}) {
         stations_.handed_over(kOutput, status, at(0ms));

@@ -255,7 +255,7 @@ TEST(CrsfDecoder, ChannelsCarryTheLinkQualityOfStatisticsForASecond) {
 TEST(CrsfDecoder, ReadsStatistics) {
     Line line;
     line.hear(statistics(87), 2ms);
-    const auto& statistics = line.decoder().statistics();
+    const RadioStatistics* statistics = line.decoder().radio_statistics();
     ASSERT_TRUE(statistics);
     EXPECT_EQ(statistics->link_quality, 87);
     EXPECT_EQ(statistics->rssi_dbm, -70) << "of the antenna in use, the second";
@@ -269,7 +269,7 @@ TEST(CrsfDecoder, ReadsStatisticsOfEveryByte) {
         const auto value = static_cast<std::uint8_t>(byte);
         Line line;
         line.hear(plain_crsf(0xC8, 0x14, {value, 1, value, value, 0, value, value, 0, 0, 0}), 0ms);
-        const auto& statistics = line.decoder().statistics();
+        const RadioStatistics* statistics = line.decoder().radio_statistics();
         ASSERT_TRUE(statistics);
         EXPECT_EQ(statistics->rssi_dbm, -static_cast<int>(byte));
         EXPECT_EQ(statistics->link_quality, byte);
@@ -346,6 +346,17 @@ TEST(CrsfEncoder, WritesTheLinkQualityTenTimesASecondAndNoneThatItDoesNotKnow) {
     EXPECT_EQ(encoded(encoder, frame, 7ms), with_statistics);
     EXPECT_EQ(encoded(encoder, frame, 106ms).size(), 26U);
     EXPECT_EQ(encoded(encoder, frame, 107ms), with_statistics);
+}
+
+TEST(CrsfEncoder, WhileSilentItWritesLinkQualityZeroTenTimesASecond) {
+    CrsfEncoder encoder;
+    std::array<std::uint8_t, kLongestSerialFrame> wire{};
+    const Bytes no_link = plain_crsf(0xC8, 0x14, Bytes(10));
+    for (const Duration at : {0ms, 100ms, 205ms}) {
+        const std::size_t length = encoder.write_silence(wire, kStart + at);
+        EXPECT_EQ(Bytes(wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)), no_link);
+        EXPECT_EQ(encoder.write_silence(wire, kStart + at + 99ms), 0U);
+    }
 }
 
 TEST(Crsf, IsInTheRegistryAndHeardByDoctor) {

@@ -55,6 +55,24 @@ TEST(UartRateTest, A16550RunsAtAWholeDivisorOfItsBaseWhateverItReports) {
     EXPECT_EQ(wire_baud(port_16550(115200, 115200)), 115200U);
 }
 
+// CRSF asks for 420000 baud. UARTs with a clock of 24 MHz, as on Allwinner boards, make 375000: the
+// cause of "no data on my board" (docs/protocols/crsf.md, "Line").
+TEST(UartRateTest, An8250At24MegahertzIsRefusedForCrsfWithTheRatesThatItMakes) {
+    const PortFacts facts = port_16550(1'500'000, 420'000);
+    EXPECT_EQ(wire_baud(facts), 375'000U);
+    const auto refusal = port_refusal(facts);
+    ASSERT_TRUE(refusal);
+    EXPECT_PRED_FORMAT2(IsSubstring, "375000, 10.7 % off", *refusal);
+    EXPECT_PRED_FORMAT2(IsSubstring, "nearest rates are 375000 and 500000", *refusal);
+    EXPECT_PRED_FORMAT2(IsSubstring, "115200 works on nearly every one", *refusal);
+    EXPECT_EQ(port_refusal(port_16550(1'500'000, 115'200)), std::nullopt);
+}
+
+TEST(UartRateTest, APcs16550IsRefusedForCrsf) {
+    EXPECT_EQ(wire_baud(port_16550(921'600, 420'000)), 460'800U);
+    EXPECT_TRUE(port_refusal(port_16550(921'600, 420'000)));
+}
+
 TEST(UartRateTest, A16550CannotExceedItsBase) {
     EXPECT_EQ(wire_baud(port_16550(115200, 200000)), 115200U);
 }

@@ -1,0 +1,108 @@
+#include "transports/codecs/crsf/telemetry.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "transports/codecs/crc8_d5.h"
+#include "transports/codecs/crsf/wire.h"
+
+namespace tribus {
+
+using namespace crsf_wire;
+
+namespace {
+
+/// Puts the number at the end of the payload. Returns the new length.
+std::size_t put_number(const CrsfTelemetryField& field, double value, std::span<std::uint8_t> wire,
+                       std::size_t at) {
+    const double range = std::ldexp(1.0, static_cast<int>(8 * field.bytes));
+    const double least = field.is_signed ? -range / 2 : 0;
+    const double most = field.is_signed ? range / 2 - 1 : range - 1;
+    const double scaled = std::clamp(value * field.scale + field.offset, least, most);
+    const auto bits = static_cast<std::uint64_t>(std::llround(scaled));
+    for (std::size_t byte = 0; byte < field.bytes; ++byte) {
+        wire[at + byte] = static_cast<std::uint8_t>(bits >> (8 * (field.bytes - 1 - byte)));
+    }
+    return at + field.bytes;
+}
+
+/// The text with that number, or nothing.
+const std::string* text_of(const CrsfTelemetryFrame& frame, double number) {
+    const double whole = std::round(number);
+    const bool known = whole >= 0 && whole < static_cast<double>(frame.texts.size());
+    return known ? &frame.texts[static_cast<std::size_t>(whole)] : nullptr;
+}
+
+}  // namespace
+
+CrsfTelemetryEncoder::CrsfTelemetryEncoder(std::vector<CrsfTelemetryFrame> frames)
+    : frames_(std::move(frames)) {
+    for (const CrsfTelemetryFrame& frame : frames_) {
+        first_place_.push_back(places_.size());
+        places_.resize(places_.size() + frame.fields.size());
+    }
+}
+
+void CrsfTelemetryEncoder::use(const ValueBoard& board) {
+    board_ = &board;
+    std::size_t place = 0;
+    for (const CrsfTelemetryFrame& frame : frames_) {
+        for (const CrsfTelemetryField& field : frame.fields) {
+            places_[place++] = board.find(field.value);
+        }
+    }
+}
+
+std::optional<double> CrsfTelemetryEncoder::number(std::size_t place, Instant now) const {
+    const auto fresh = places_[place] ? board_->fresh(*places_[place], now) : std::nullopt;
+    return fresh && std::isfinite(*fresh) ? fresh : std::nullopt;
+}
+
+std::size_t CrsfTelemetryEncoder::write(const ChannelFrame& /*frame*/,
+                                        std::span<std::uint8_t, kLongestSerialFrame> wire,
+                                        Instant now) {
+    for (std::size_t tries = 0; board_ != nullptr && tries < frames_.size(); ++tries) {
+        const std::size_t index = next_;
+        next_ = (next_ + 1) % frames_.size();
+        if (const std::size_t length = write_frame(index, wire, now); length > 0) {
+            return length;
+        }
+    }
+    return 0;
+}
+
+std::size_t CrsfTelemetryEncoder::write_frame(std::size_t index, std::span<std::uint8_t> wire,
+                                              Instant now) const {
+    const CrsfTelemetryFrame& frame = frames_[index];
+    std::size_t at = kPayloadAt;
+    for (const std::uint8_t byte : frame.prefix) {
+        wire[at++] = byte;
+    }
+    for (std::size_t i = 0; i < frame.fields.size(); ++i) {
+        const CrsfTelemetryField& field = frame.fields[i];
+        const auto value =
+            field.value.empty() ? std::optional(0.0) : number(first_place_[index] + i, now);
+        if (!value) {
+            return 0;
+        }
+        if (frame.texts.empty()) {
+            at = put_number(field, *value, wire, at);
+            continue;
+        }
+        const std::string* text = text_of(frame, *value);
+        if (text == nullptr) {
+            return 0;
+        }
+        std::ranges::copy(*text, wire.begin() + static_cast<std::ptrdiff_t>(at));
+        at += text->size();
+        wire[at++] = 0;
+    }
+    wire[0] = kFlightController;
+    wire[kLengthAt] = static_cast<std::uint8_t>(at + 1 - kUncounted);
+    wire[kTypeAt] = frame.type;
+    wire[at] = crc8_d5(std::span<const std::uint8_t>(wire).subspan(kTypeAt, at - kTypeAt));
+    return at + 1;
+}
+
+}  // namespace tribus
