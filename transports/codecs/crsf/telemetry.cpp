@@ -49,14 +49,29 @@ void CrsfTelemetryEncoder::use(const ValueBoard& board) {
     std::size_t place = 0;
     for (const CrsfTelemetryFrame& frame : frames_) {
         for (const CrsfTelemetryField& field : frame.fields) {
-            places_[place++] = board.find(field.value);
+            places_[place++] = place_of(field, board);
         }
     }
 }
 
+std::optional<CrsfTelemetryEncoder::Place> CrsfTelemetryEncoder::place_of(
+    const CrsfTelemetryField& field, const ValueBoard& board) {
+    const auto index = board.find(field.value);
+    if (!index) {
+        return std::nullopt;
+    }
+    const std::string_view unit = board.value(*index).unit;
+    const auto conversion = unit_conversion(unit, field.unit);
+    const bool measures_something_else = !conversion && !field.unit.empty() && is_known_unit(unit);
+    return measures_something_else
+               ? std::nullopt
+               : std::optional(Place{*index, conversion.value_or(UnitConversion{})});
+}
+
 std::optional<double> CrsfTelemetryEncoder::number(std::size_t place, Instant now) const {
-    const auto fresh = places_[place] ? board_->fresh(*places_[place], now) : std::nullopt;
-    return fresh && std::isfinite(*fresh) ? fresh : std::nullopt;
+    const auto fresh = places_[place] ? board_->fresh(places_[place]->index, now) : std::nullopt;
+    return fresh && std::isfinite(*fresh) ? std::optional(places_[place]->conversion.apply(*fresh))
+                                          : std::nullopt;
 }
 
 std::size_t CrsfTelemetryEncoder::write(const ChannelFrame& /*frame*/,

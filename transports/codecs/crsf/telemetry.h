@@ -5,9 +5,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/setting.h"
+#include "core/unit.h"
 #include "core/value_board.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/protocol.h"
@@ -22,6 +24,7 @@ extern const Protocol kCrsfTelemetryProtocol;
 struct CrsfTelemetryField {
     std::string value;              ///< name; empty: the number is 0
     std::vector<std::string> path;  ///< of the key that names it
+    std::string_view unit;          ///< of `value * scale`; empty: any
     double scale = 1;
     double offset = 0;
     std::size_t bytes = 2;
@@ -42,7 +45,9 @@ struct CrsfTelemetryFrame {
 std::vector<CrsfTelemetryFrame> crsf_telemetry_frames(const SettingValues& settings,
                                                       std::vector<SettingMistake>& mistakes);
 
-/// Writes one frame each time, in turn. A frame of which a value is missing or too old is left out.
+/// Writes one frame each time, in turn. A frame of which a value is missing or too old is left out,
+/// and one with a value whose unit measures something else. A value without a unit, or with an
+/// unknown one, is taken as it is.
 class CrsfTelemetryEncoder final : public ByteEncoder {
   public:
     explicit CrsfTelemetryEncoder(std::vector<CrsfTelemetryFrame> frames);
@@ -60,8 +65,15 @@ class CrsfTelemetryEncoder final : public ByteEncoder {
 
     std::vector<CrsfTelemetryFrame> frames_;
     const ValueBoard* board_ = nullptr;
-    /// For each field of each frame, one after the other: its place on the board.
-    std::vector<std::optional<std::size_t>> places_;
+    /// The place of a value on the board, and how it becomes the unit of its field.
+    struct Place {
+        std::size_t index = 0;
+        UnitConversion conversion{};
+    };
+    static std::optional<Place> place_of(const CrsfTelemetryField& field, const ValueBoard& board);
+
+    /// For each field of each frame, one after the other. Nothing if there is no such value.
+    std::vector<std::optional<Place>> places_;
     std::vector<std::size_t> first_place_;  ///< for each frame
     std::size_t next_ = 0;
 };

@@ -33,16 +33,16 @@ constexpr double kTenThousandthRadiansADegree = 10'000 * std::numbers::pi / 180;
 constexpr std::array kBattery{
     TelemetryNumber{"voltage", "V", 2, false, 10}, TelemetryNumber{"current", "A", 2, false, 10},
     TelemetryNumber{"consumed", "mAh", 3}, TelemetryNumber{"remaining", "%", 1}};
-constexpr std::array kGps{TelemetryNumber{"latitude", "degrees", 4, true, 1e7},
-                          TelemetryNumber{"longitude", "degrees", 4, true, 1e7},
+constexpr std::array kGps{TelemetryNumber{"latitude", "deg", 4, true, 1e7},
+                          TelemetryNumber{"longitude", "deg", 4, true, 1e7},
                           TelemetryNumber{"speed", "km/h", 2, false, 10},
-                          TelemetryNumber{"heading", "degrees", 2, false, 100},
+                          TelemetryNumber{"heading", "deg", 2, false, 100},
                           TelemetryNumber{"altitude", "m", 2, false, 1, 1000},
                           TelemetryNumber{"satellites", "", 1}};
 constexpr std::array kAttitude{
-    TelemetryNumber{"pitch", "degrees", 2, true, kTenThousandthRadiansADegree},
-    TelemetryNumber{"roll", "degrees", 2, true, kTenThousandthRadiansADegree},
-    TelemetryNumber{"yaw", "degrees", 2, true, kTenThousandthRadiansADegree}};
+    TelemetryNumber{"pitch", "deg", 2, true, kTenThousandthRadiansADegree},
+    TelemetryNumber{"roll", "deg", 2, true, kTenThousandthRadiansADegree},
+    TelemetryNumber{"yaw", "deg", 2, true, kTenThousandthRadiansADegree}};
 constexpr TelemetryNumber kVario{"vario", "m/s", 2, true, 100};
 constexpr TelemetryNumber kAirspeed{"airspeed", "km/h", 2, false, 10};
 constexpr TelemetryNumber kRpm{"rpm", "1/min", 3, true};
@@ -104,6 +104,7 @@ constexpr std::array kTelemetrySettings{
 CrsfTelemetryField field_of(const TelemetryNumber& number, std::string value, Path path) {
     return {.value = std::move(value),
             .path = std::move(path),
+            .unit = number.unit,
             .scale = number.scale,
             .offset = number.offset,
             .bytes = number.bytes,

@@ -60,11 +60,12 @@ std::vector<SettingMistake> mistakes_of(const SettingValues& settings) {
     return kCrsfTelemetryProtocol.check(settings, SettingScope::output);
 }
 
-/// An output with these settings, and a board with these numbers.
+/// An output with these settings, and a board with these numbers, all of one unit.
 class Telemetry {
   public:
-    Telemetry(const SettingValues& settings, std::vector<std::pair<std::string, double>> numbers)
-        : board_(names_of(numbers)), encoder_(frames_of(settings)) {
+    Telemetry(const SettingValues& settings, std::vector<std::pair<std::string, double>> numbers,
+              const std::string& unit = {})
+        : board_(names_of(numbers, unit)), encoder_(frames_of(settings)) {
         for (std::size_t i = 0; i < numbers.size(); ++i) {
             board_.set(i, numbers[i].second, kNow);
         }
@@ -81,10 +82,10 @@ class Telemetry {
 
   private:
     static std::vector<NamedValue> names_of(
-        const std::vector<std::pair<std::string, double>>& numbers) {
+        const std::vector<std::pair<std::string, double>>& numbers, const std::string& unit) {
         std::vector<NamedValue> values;
         for (const auto& [name, number] : numbers) {
-            values.push_back({.name = name, .unit = {}, .lasts = kLasts});
+            values.push_back({.name = name, .unit = unit, .lasts = kLasts});
         }
         return values;
     }
@@ -174,6 +175,20 @@ TEST(CrsfTelemetry, LeavesOutAFrameWithAValueThatIsTooOldOrNoNumber) {
     EXPECT_TRUE(telemetry.sent().empty());
     telemetry.board().remove(1);
     EXPECT_TRUE(telemetry.sent().empty());
+}
+
+TEST(CrsfTelemetry, ConvertsUnits) {
+    const Bytes four_volts = plain_crsf(0xC8, 0x0E, {0, 0x0F, 0xA0});
+    const SettingValues cells = with("cells", numbered({"a"}));
+    EXPECT_EQ(Telemetry(cells, {{"a", 4000}}, "mV").sent(), four_volts);
+    EXPECT_EQ(Telemetry(cells, {{"a", 4}}, "V").sent(), four_volts);
+    EXPECT_EQ(Telemetry(cells, {{"a", 4}}, "furlongs").sent(), four_volts) << "as it is";
+    EXPECT_EQ(Telemetry(with("temperature", numbered({"a"})), {{"a", 298.15}}, "K").sent(),
+              plain_crsf(0xC8, 0x0D, {0, 0x00, 0xFA}));
+}
+
+TEST(CrsfTelemetry, LeavesOutAFrameWithAValueThatMeasuresSomethingElse) {
+    EXPECT_TRUE(Telemetry(with("cells", numbered({"a"})), {{"a", 20}}, "degC").sent().empty());
 }
 
 TEST(CrsfTelemetry, SendsItsFramesInTurnAndPassesOverThoseThatItLeavesOut) {
