@@ -54,10 +54,13 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
                            way == SettingScope::input ? "an input" : "an output",
                            fmt::join(allowed, ", "));
     }
+    const auto keys = required_keys(*protocol, way);
+    const std::string needs = keys.empty() ? std::string("keys that say what it sends")
+                                           : fmt::format("the keys {}", fmt::join(keys, " and "));
     return fmt::format(
-        "{} needs the keys {}, which only you know; allowed here: {}. For {}, start from an "
-        "example in /usr/share/doc/tribus/examples",
-        word, fmt::join(required_keys(*protocol, way), " and "), fmt::join(allowed, ", "), word);
+        "{} needs {}, which only you know; allowed here: {}. For {}, start from an example in "
+        "/usr/share/doc/tribus/examples",
+        word, needs, fmt::join(allowed, ", "), word);
 }
 
 /// Why the protocol does not run on this kind of link; empty if it does.

@@ -15,7 +15,7 @@
 
 namespace tribus::test {
 
-/// Of a row that only informs.
+/// The bound of a row that only informs.
 inline constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// One row of the table, measured in one run.

@@ -102,7 +102,7 @@ OutputSettings output_of(std::string_view protocol, bool map) {
     return output;
 }
 
-/// What arrives at one time.
+/// One arrival: bytes, or the frames of a snapshot.
 struct Unit {
     std::vector<std::uint8_t> bytes;
     std::vector<CanFrame> frames;

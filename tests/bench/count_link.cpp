@@ -33,7 +33,7 @@ namespace {
 
 constexpr std::size_t kFrames = 5;
 
-/// What the socket would read.
+/// Holds the frames that the socket reads next.
 struct Kernel {
     std::array<canfd_frame, 64> waiting{};
     std::size_t count = 0;

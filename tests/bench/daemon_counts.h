@@ -17,8 +17,8 @@
 /// wrong.
 namespace tribus::bench {
 
-/// What the program carries, through a map with a rule for each channel, and the upper limit of its
-/// user instructions a frame in all threads. The number of wake-ups differs a little from run to
+/// A workload of the program, with a rule for each channel, and the upper limit of its user
+/// instructions a frame in all threads. The number of wake-ups differs a little from run to
 /// run, so the limits have some room.
 struct DaemonRow {
     std::string_view name;

@@ -67,14 +67,15 @@ class CrsfDecoder final : public FramedDecoder {
     /// 992 is 1500 us, a step is 5/8 us.
     SbusScale scale_ = *SbusScale::named("betaflight");
     SbusRaw raw_{};
+    bool has_raw_ = false;  ///< the latest frame was one of type 16
     mutable std::array<std::uint16_t, 2> detail_values_{};
     mutable std::array<FrameDetail, 3> details_{};
 };
 
 /// Writes channels as type 16 with address C8, which every reader takes, and each 100 ms the link
-/// statistics of type 14 behind them, if the link quality is known. 16 channels; an absent one is
-/// sent as 1500 us. Nothing in CRSF says failsafe: on loss the channels stop, and the statistics go
-/// on with link quality 0.
+/// statistics of type 14 behind them, if the link quality is known; with values that are held or
+/// preset it is 0. 16 channels; an absent one is sent as 1500 us. Nothing in CRSF says failsafe: on
+/// loss the channels stop, and the statistics go on with link quality 0.
 class CrsfEncoder final : public ByteEncoder {
   public:
     bool marks_frame_lost() const override { return false; }

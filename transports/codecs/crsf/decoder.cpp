@@ -114,6 +114,7 @@ void CrsfDecoder::read_channels(const std::uint8_t* payload, ChannelFrame& chann
     std::copy_n(payload, kPackedChannelBytes, packed.begin());
     const SbusLanes raw = unpack_channels(packed);
     raw_ = from_lanes(raw);
+    has_raw_ = true;
     const Instant received = channels.received;
     channels = kSixteenChannels;
     channels.received = received;
@@ -156,7 +157,7 @@ bool CrsfDecoder::read_subset(std::span<const std::uint8_t> payload, ChannelFram
             channels.set(i, subset_[i].pulse);
         }
     }
-    raw_ = {};
+    has_raw_ = false;
     channels_came(channels);
     return channels.has_any();
 }
@@ -171,6 +172,7 @@ void CrsfDecoder::channels_came(ChannelFrame& channels) {
 
 /// Returns whether the statistics say that there are no channels.
 bool CrsfDecoder::judge(const RadioStatistics& statistics, ChannelFrame& channels) {
+    has_raw_ = false;
     channels_at_ = channels_at_.value_or(statistics.received);
     statistics_ = statistics;
     channels.link_quality = std::min<std::uint8_t>(statistics.link_quality, 100);
@@ -184,7 +186,9 @@ bool CrsfDecoder::judge(const RadioStatistics& statistics, ChannelFrame& channel
 
 std::span<const FrameDetail> CrsfDecoder::details() const {
     std::size_t count = 0;
-    details_[count++] = {"raw", raw_, true};
+    if (has_raw_) {
+        details_[count++] = {"raw", raw_, true};
+    }
     if (statistics_) {
         detail_values_ = {statistics_->link_quality,
                           static_cast<std::uint16_t>(-statistics_->rssi_dbm.value_or(0))};

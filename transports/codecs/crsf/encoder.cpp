@@ -51,7 +51,8 @@ std::size_t CrsfEncoder::write(const ChannelFrame& frame,
     pack_channels(raw, 0, wire.subspan<kPayloadAt, kPackedChannelBytes + 1>());
     std::size_t length = finish_frame<kPackedChannelBytes>(kChannelsType, wire);
     if (frame.link_quality != kNoLinkQuality && statistics_due(now)) {
-        length += write_statistics(frame.link_quality, wire.subspan(length));
+        // Held and preset values have no other mark.
+        length += write_statistics(frame.good() ? frame.link_quality : 0, wire.subspan(length));
     }
     return length;
 }

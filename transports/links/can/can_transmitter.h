@@ -17,9 +17,9 @@ namespace tribus {
 /// on the whole interface: the next one is handed over when the one before has left the controller.
 /// A controller repeats a frame for ever if no node acknowledges it, and the kernel queues the
 /// frames after it (docs/protocols/can.md, "SocketCAN: transmit queue"). This way one old snapshot
-/// can wait there, but no more. On a bus that had errors or an outage, and where the driver does
-/// not confirm, the first frame goes alone and the others when it has left, so that only one frame
-/// can wait there.
+/// can wait there, but no more. On a bus that had errors or an outage the first frame goes alone
+/// and the others when it is confirmed, so that only one frame can wait there. Where the driver
+/// does not confirm, the others follow when the first has left the kernel's queue, which says less.
 ///
 /// Pure: time is an argument, the caller executes `next` and reports the result. Thread-bound. No
 /// heap.

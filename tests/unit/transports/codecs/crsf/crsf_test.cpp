@@ -280,6 +280,25 @@ TEST(CrsfDecoder, ReadsStatisticsOfEveryByte) {
     }
 }
 
+TEST(CrsfDecoder, RawValuesAreTheDetailOfTheirOwnFrameOnly) {
+    Line line;
+    const auto names = [&] {
+        std::vector<std::string_view> all;
+        for (const FrameDetail& detail : line.decoder().details()) {
+            all.push_back(detail.name);
+        }
+        return all;
+    };
+    line.hear(channels_of(992), 0ms);
+    EXPECT_EQ(names(), std::vector<std::string_view>{"raw"});
+    line.hear(from_hex(kSubset), 7ms);
+    EXPECT_EQ(names(), std::vector<std::string_view>{});
+    line.hear(channels_of(992), 14ms);
+    line.hear(from_hex(kNoLink), 20ms);
+    line.hear(from_hex(kNoLink), 21ms);
+    EXPECT_EQ(names(), (std::vector<std::string_view>{"link_quality", "rssi_minus_dbm"}));
+}
+
 TEST(CrsfDecoder, StatisticsOfQualityZeroWithoutChannelsSinceTheLastAreFailsafe) {
     Line line;
     line.hear(channels_of(992), 0ms);
@@ -333,7 +352,23 @@ TEST(CrsfEncoder, WritesEveryRawValueAndLimitsTheOthers) {
 
 TEST(CrsfEncoder, CentresAbsentChannels) {
     CrsfEncoder encoder;
-    EXPECT_EQ(encoded(encoder, ChannelFrame{}, 0ms), from_hex(kCentred));
+    ChannelFrame none;
+    none.frame_lost = false;
+    none.failsafe = false;
+    EXPECT_EQ(encoded(encoder, none, 0ms), from_hex(kCentred));
+}
+
+TEST(CrsfEncoder, ValuesThatAreHeldOrPresetHaveLinkQualityZero) {
+    Bytes no_link = from_hex(kCentred);
+    append(no_link, plain_crsf(0xC8, 0x14, Bytes(10)));
+    for (const bool held : {true, false}) {
+        CrsfEncoder encoder;
+        ChannelFrame frame = all_at(kCentrePulse);
+        frame.link_quality = 87;
+        frame.frame_lost = held;
+        frame.failsafe = !held;
+        EXPECT_EQ(encoded(encoder, frame, 0ms), no_link) << held;
+    }
 }
 
 TEST(CrsfEncoder, WritesTheLinkQualityTenTimesASecondAndNoneThatItDoesNotKnow) {
