@@ -41,6 +41,9 @@ class CrsfDecoder final : public FramedDecoder {
     }
 
   private:
+    /// Above every raw value.
+    static constexpr std::uint16_t kNoRaw = 0xFFFF;
+
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
     std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override;
@@ -66,8 +69,8 @@ class CrsfDecoder final : public FramedDecoder {
 
     /// 992 is 1500 us, a step is 5/8 us.
     SbusScale scale_ = *SbusScale::named("betaflight");
-    SbusRaw raw_{};
-    bool has_raw_ = false;  ///< the latest frame was one of type 16
+    /// Raw values of the latest frame if it was one of type 16; else the first is kNoRaw.
+    SbusRaw raw_{kNoRaw};
     mutable std::array<std::uint16_t, 2> detail_values_{};
     mutable std::array<FrameDetail, 3> details_{};
 };

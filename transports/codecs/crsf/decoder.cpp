@@ -114,7 +114,6 @@ void CrsfDecoder::read_channels(const std::uint8_t* payload, ChannelFrame& chann
     std::copy_n(payload, kPackedChannelBytes, packed.begin());
     const SbusLanes raw = unpack_channels(packed);
     raw_ = from_lanes(raw);
-    has_raw_ = true;
     const Instant received = channels.received;
     channels = kSixteenChannels;
     channels.received = received;
@@ -157,7 +156,7 @@ bool CrsfDecoder::read_subset(std::span<const std::uint8_t> payload, ChannelFram
             channels.set(i, subset_[i].pulse);
         }
     }
-    has_raw_ = false;
+    raw_[0] = kNoRaw;
     channels_came(channels);
     return channels.has_any();
 }
@@ -172,7 +171,7 @@ void CrsfDecoder::channels_came(ChannelFrame& channels) {
 
 /// Returns whether the statistics say that there are no channels.
 bool CrsfDecoder::judge(const RadioStatistics& statistics, ChannelFrame& channels) {
-    has_raw_ = false;
+    raw_[0] = kNoRaw;
     channels_at_ = channels_at_.value_or(statistics.received);
     statistics_ = statistics;
     channels.link_quality = std::min<std::uint8_t>(statistics.link_quality, 100);
@@ -186,7 +185,7 @@ bool CrsfDecoder::judge(const RadioStatistics& statistics, ChannelFrame& channel
 
 std::span<const FrameDetail> CrsfDecoder::details() const {
     std::size_t count = 0;
-    if (has_raw_) {
+    if (raw_[0] != kNoRaw) {
         details_[count++] = {"raw", raw_, true};
     }
     if (statistics_) {
