@@ -58,6 +58,15 @@ void Schedule::continue_from(const Schedule& before, Instant now) {
     point_ = due_;
 }
 
+void Schedule::retime(Duration period, Duration later) {
+    set_period(period);
+    if (settings_.kind == ScheduleKind::grid && settings_.phase == Phase::free &&
+        served_point_ != kLongAgo) {
+        point_ = served_point_ + std::clamp(period + later, period / 2, 2 * period);
+        due_ = point_;
+    }
+}
+
 /// The turn of the frame that is written next.
 Instant Schedule::turn_of_next() const {
     return std::max(turn_ + settings_.period, arrivals_.fitted);
@@ -166,6 +175,7 @@ void Schedule::done(Instant now, bool wrote, Instant valid_until) {
     const Instant served = due_;
     const std::optional<Duration> locked = locked_step();
     const Duration step = locked.value_or(settings_.period);
+    served_point_ = point_;
     point_ += step;
     if (point_ <= now) {
         const auto missed = (now - point_) / step + 1;

@@ -56,6 +56,11 @@ class Schedule {
         spacing_ = std::min(settings_.least_spacing, period);
     }
 
+    /// A receiver of the frames asks for this period, and for the next point of a free grid that
+    /// much `later` than a period after the one before. A step is at least half a period and at
+    /// most two.
+    void retime(Duration period, Duration later);
+
     /// When the output is due next.
     Instant due() const { return due_; }
 
@@ -88,6 +93,8 @@ class Schedule {
     Instant due_ = kNever;
     /// The latest point of the grid. Nothing is written before it.
     Instant point_ = kNever;
+    /// The point before, which was served. Before all time if there is none.
+    Instant served_point_ = kLongAgo;
     /// Before all time if nothing was written.
     Instant latest_write_ = kLongAgo;
     /// When the latest frame would have been written if neither it nor a repeat had been late. The

@@ -79,16 +79,19 @@ Finding finding(Severity severity, std::string_view id, std::string what, std::s
 }
 
 Finding inverted(const LineStory& story) {
-    const bool sbus = story.protocol == "sbus";
+    const bool needs_inverter = find_protocol(story.protocol)->line.inverted_wire;
     return finding(
         Severity::problem, "line.inverted",
         fmt::format("{} is on it, but inverted", name_of(story.protocol)),
         "Linux has no setting that inverts a line.",
-        sbus ? fmt::format("Put an inverter between the receiver and RX: a gate 74LVC1G04, a "
-                           "transistor, or an FTDI FT232R whose EEPROM inverts RXD; {}.",
-                           kWiring)
-             : std::string("i.Bus needs no inverter: remove it. If an FTDI adapter was set to "
-                           "invert for SBUS, set it back or use another one."));
+        needs_inverter
+            ? fmt::format("Put an inverter between the receiver and RX: a gate 74LVC1G04, a "
+                          "transistor, or an FTDI FT232R whose EEPROM inverts RXD; {}.",
+                          kWiring)
+            : fmt::format("{} needs no inverter: remove it, or set the receiver's output to "
+                          "not inverted. If an FTDI adapter was set to invert for SBUS, set it "
+                          "back or use another one.",
+                          name_of(story.protocol)));
 }
 
 Finding wrong_parity(const LineStory& story) {
@@ -126,12 +129,12 @@ Finding silence(const LineStory& story) {
 Finding unknown(const LineStory& story) {
     return finding(
         Severity::problem, "line.unknown",
-        fmt::format("{} bytes came, {} of them with errors, but no frame of i.Bus, SBUS or the "
-                    "sensor bus",
+        fmt::format("{} bytes came, {} of them with errors, but no frame of a protocol that "
+                    "tribus reads",
                     story.bytes, story.damaged),
-        "It is another protocol (CRSF, GHST, SRXL, MAVLink), another rate, or a wire that picks "
-        "up noise.",
-        "Set the receiver's output to i.Bus or SBUS. If it is set so: check ground and the wire, "
+        "It is another protocol (MAVLink, MSP), another rate, or a wire that picks up noise.",
+        "Set the receiver's output to i.Bus, SBUS or CRSF at its usual rate. If it is set so: "
+        "check ground and the wire, "
         "and give a recording to `tribus decode`.");
 }
 
@@ -239,13 +242,16 @@ std::vector<Finding> judge_story(const LineStory& story, const std::string& node
 
 std::vector<HeardKey> heard_keys(const LineStory& story) {
     std::vector<HeardKey> keys;
-    if (story.protocol == "sbus" && story.line.baud != kSbusLine.baud) {
+    const Protocol* const protocol = find_protocol(story.protocol);
+    if (protocol != nullptr && story.line.baud != protocol->line.baud) {
         keys.push_back({"baud", fmt::format("{}", story.line.baud)});
     }
     if (!story.scale.name.empty() && story.scale.name != "betaflight") {
         keys.push_back({"scale", in_quotes(story.scale.name)});
     }
-    if (story.period && 3 * *story.period > kUsualTimeout) {
+    const Duration usual_timeout =
+        protocol == nullptr ? kUsualTimeout : protocol->default_timeout.value_or(kUsualTimeout);
+    if (story.period && 3 * *story.period > usual_timeout) {
         constexpr auto kStep = std::chrono::milliseconds(10);
         const auto steps = (3 * *story.period + kStep - Duration(1)) / kStep;
         keys.push_back({"timeout", in_quotes(format_duration(steps * kStep))});

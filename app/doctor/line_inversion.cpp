@@ -1,7 +1,7 @@
 #include "app/doctor/line_inversion.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -22,10 +22,14 @@ constexpr Duration kUneven = milliseconds(2);
 /// Few enough for the slowest sender, too many for a coincidence.
 constexpr std::size_t kFewestFrames = 4;
 
+/// Gap between reads that shows the beginning of a frame, even if it comes before a break.
+constexpr Duration kGap = milliseconds(1);
+
 struct HeardByte {
     Duration at{};
     std::uint8_t value = 0;
     bool damaged = false;
+    bool behind_gap = false;
 
     bool is_break() const { return damaged && value == 0; }
 };
@@ -63,7 +67,10 @@ std::vector<HeardByte> first_bytes(const std::vector<HeardByte>& bytes, bool err
         const bool first = errors_told ? bytes[i - 1].damaged && !bytes[i].is_break()
                                        : bytes[i].at - bytes[i - 1].at >= kSilence;
         if (first) {
-            found.push_back(bytes[i]);
+            HeardByte byte = bytes[i];
+            byte.behind_gap = byte.at - bytes[i - 1].at >= kGap ||
+                              (i > 1 && bytes[i - 1].at - bytes[i - 2].at >= kGap);
+            found.push_back(byte);
         }
     }
     return found;
@@ -95,43 +102,95 @@ std::optional<Duration> regular_period(const std::vector<Duration>& times) {
     return sum / static_cast<std::int64_t>(even);
 }
 
-enum class Stop : std::uint8_t { missing, there, either };
+/// A byte as a port sees it on an inverted line.
+struct SeenByte {
+    std::uint8_t value = 0;
+    /// Its parity and stop bits are wrong. Absent: that depends on unknown bytes.
+    std::optional<bool> damaged{};
+};
 
-/// Looks for frames whose first byte, received inverted, is one of `headers`.
-std::optional<Inversion> by_headers(const Heard& heard, std::span<const std::uint8_t> headers,
-                                    Stop stop) {
+/// The levels of a line on which a frame begins, in bit times from the first start bit, as an
+/// inverted line has them. Shorter than a byte that is not known.
+std::vector<bool> inverted_levels(const FrameBeginning& beginning, const LineSettings& line,
+                                  unsigned pause_bits) {
+    std::vector<bool> levels;
+    const auto send = [&](std::uint8_t byte) {
+        levels.push_back(true);
+        for (unsigned bit = 0; bit < 8; ++bit) {
+            levels.push_back((byte >> bit & 1U) == 0);
+        }
+        if (line.parity == Parity::even) {
+            levels.push_back(std::popcount(byte) % 2 == 0);
+        }
+        levels.insert(levels.end(), line.stop_bits + pause_bits, false);
+    };
+    send(beginning.first);
+    if (beginning.second) {
+        send(*beginning.second);
+    } else {
+        levels.push_back(true);
+    }
+    return levels;
+}
+
+/// The first byte that a port sees: behind the first falling edge. Nothing if it needs bytes that
+/// are not known.
+std::optional<SeenByte> first_seen(const std::vector<bool>& levels, const LineSettings& line) {
+    const auto fall = std::ranges::adjacent_find(
+        levels, [](bool before, bool after) { return before && !after; });
+    const auto data = static_cast<std::size_t>(fall - levels.begin()) + 2;
+    if (fall == levels.end() || data + 8 > levels.size()) {
+        return std::nullopt;
+    }
+    SeenByte seen;
+    for (std::size_t bit = 0; bit < 8; ++bit) {
+        seen.value = static_cast<std::uint8_t>(seen.value | (levels[data + bit] ? 1U << bit : 0U));
+    }
+    const bool has_parity = line.parity == Parity::even;
+    const std::size_t stop = data + 8 + (has_parity ? 1 : 0);
+    if (stop < levels.size()) {
+        const bool odd = std::popcount(seen.value) % 2 != 0;
+        seen.damaged = !levels[stop] || (has_parity && levels[stop - 1] != odd);
+    }
+    return seen;
+}
+
+std::vector<SeenByte> seen_beginnings(const Protocol& protocol, const LineSettings& line) {
+    constexpr unsigned kMostPauseBits = 1;
+    std::vector<SeenByte> all;
+    for (const FrameBeginning& beginning : protocol.beginnings) {
+        for (unsigned pause = 0; pause <= kMostPauseBits; ++pause) {
+            if (const auto seen = first_seen(inverted_levels(beginning, line, pause), line)) {
+                all.push_back(*seen);
+            }
+        }
+    }
+    return all;
+}
+
+}  // namespace
+
+std::optional<Inversion> inverted_frames(const Heard& heard, const Protocol& protocol) {
     const std::vector<HeardByte> bytes = bytes_of(heard);
     const bool errors_told = std::ranges::any_of(bytes, &HeardByte::damaged);
     if (errors_told && !may_idle_low(bytes)) {
         return std::nullopt;
     }
+    const std::vector<SeenByte> seen = seen_beginnings(protocol, heard.line);
     std::vector<Duration> times;
+    std::size_t behind_gaps = 0;
     for (const HeardByte& byte : first_bytes(bytes, errors_told)) {
-        const bool stop_fits =
-            !errors_told || stop == Stop::either || byte.damaged == (stop == Stop::missing);
-        if (stop_fits && std::ranges::find(headers, byte.value) != headers.end()) {
+        if (std::ranges::any_of(seen, [&](const SeenByte& one) {
+                return one.value == byte.value &&
+                       (!errors_told || one.damaged.value_or(byte.damaged) == byte.damaged);
+            })) {
             times.push_back(byte.at);
+            behind_gaps += byte.behind_gap ? 1 : 0;
         }
     }
     const auto period = regular_period(times);
-    return period ? std::optional(Inversion{.period = period}) : std::nullopt;
-}
-
-}  // namespace
-
-std::optional<Inversion> inverted_sbus(const Heard& heard) {
-    constexpr std::array<std::uint8_t, 1> kHeader{0xF8};
-    return by_headers(heard, kHeader, Stop::missing);
-}
-
-std::optional<Inversion> inverted_ibus(const Heard& heard) {
-    constexpr std::array<std::uint8_t, 2> kHeaders{0xF3, 0xFB};
-    return by_headers(heard, kHeaders, Stop::there);
-}
-
-std::optional<Inversion> inverted_sensor_bus(const Heard& heard) {
-    constexpr std::array<std::uint8_t, 1> kLength{0x9F};
-    return by_headers(heard, kLength, Stop::either);
+    return period ? std::optional(Inversion{.period = period, .behind_gaps = behind_gaps})
+                  : std::nullopt;
 }
 
 std::optional<Duration> period_of_breaks(const Heard& heard) {

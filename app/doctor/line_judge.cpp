@@ -205,10 +205,28 @@ bool is_cleaner(const LineStory& story, const LineStory& other) {
     return story.lost_bytes * other.bytes < other.lost_bytes * story.bytes;
 }
 
+/// Whether the key `baud` may give the protocol that rate. `usual`: one of few that are its own.
+bool takes_rate(const Protocol& protocol, std::uint32_t baud, bool usual = false) {
+    const auto key = std::ranges::find(protocol.settings, "baud", &Setting::key);
+    if (baud == protocol.line.baud || key == protocol.settings.end()) {
+        return baud == protocol.line.baud;
+    }
+    if (!key->choices.empty()) {
+        return std::ranges::count(key->choices, std::to_string(baud)) > 0;
+    }
+    return !usual && baud >= key->least && baud <= key->most;
+}
+
+/// Whether a line with these settings may be one of the protocol.
+bool is_line_of(const LineSettings& line, const Protocol& protocol, bool usual = false) {
+    return line.parity == protocol.line.parity && line.stop_bits == protocol.line.stop_bits &&
+           takes_rate(protocol, line.baud, usual);
+}
+
 /// SBUS is recognised with any line settings but those of i.Bus, to see wrong ones; another
-/// protocol with its own settings only.
+/// protocol with its own settings, and at other rates that it may be set to.
 bool may_carry(const LineSettings& line, const Protocol& protocol) {
-    return &protocol == &kSbusProtocol ? line != kIbusLine : line == protocol.line;
+    return &protocol == &kSbusProtocol ? line != kIbusLine : is_line_of(line, protocol);
 }
 
 Reading read_any(const Heard& heard) {
@@ -231,12 +249,20 @@ Reading read_any(const Heard& heard) {
     return best;
 }
 
+/// Whether the two are the same frames, heard at rates so close that a port takes both.
+bool are_neighbours(const LineStory& story, const LineStory& other) {
+    const double ratio = static_cast<double>(story.line.baud) / other.line.baud;
+    return story.protocol == other.protocol && story.line.parity == other.line.parity &&
+           ratio > 0.94 && ratio < 1.06;
+}
+
 /// The cleanest reading; the first of equal ones.
 std::optional<LineStory> best_of(std::span<const Heard> heard, bool believe_damage) {
     std::optional<LineStory> best;
     for (const Heard& one : heard) {
         auto story = read_any(believe_damage ? one : undamaged(one)).story;
-        if (story && (!best || is_cleaner(*story, *best))) {
+        if (story && (!best || (is_cleaner(*story, *best) && !(are_neighbours(*story, *best) &&
+                                                               story->frames <= best->frames)))) {
             best = std::move(story);
             best->damaged = count_bytes(one).damaged;
         }
@@ -244,30 +270,31 @@ std::optional<LineStory> best_of(std::span<const Heard> heard, bool believe_dama
     return best;
 }
 
-struct InversionTest {
-    LineSettings line;
-    std::string_view protocol;
-    std::optional<Inversion> (*judge)(const Heard&);
-};
-
+/// A protocol at its usual rate comes before another one at a rate that it may be set to; else the
+/// one whose beginning is seen most often behind a gap.
 std::optional<LineStory> judge_inversion(std::span<const Heard> heard) {
-    const std::array<InversionTest, 4> tests{{{kSbusLine, kSbusProtocol.name, inverted_sbus},
-                                              {kFastSbusLine, kSbusProtocol.name, inverted_sbus},
-                                              {kIbusLine, kIbusProtocol.name, inverted_ibus},
-                                              {kIbusLine, kSensorBusName, inverted_sensor_bus}}};
-    for (const InversionTest& test : tests) {
-        for (const Heard& one : heard) {
-            const auto inversion = one.line == test.line ? test.judge(one) : std::nullopt;
-            if (inversion) {
-                LineStory story = story_of(one);
-                story.sound = LineSound::inverted;
-                story.protocol = test.protocol;
-                story.period = inversion->period;
-                return story;
+    std::optional<LineStory> best;
+    std::size_t most = 0;
+    for (const bool usual : {true, false}) {
+        for (const Protocol* protocol : protocols()) {
+            for (const Heard& one : heard) {
+                const auto inversion = is_line_of(one.line, *protocol, usual)
+                                           ? inverted_frames(one, *protocol)
+                                           : std::optional<Inversion>();
+                if (inversion && (!best || inversion->behind_gaps > most)) {
+                    best = story_of(one);
+                    best->sound = LineSound::inverted;
+                    best->protocol = protocol->name;
+                    best->period = inversion->period;
+                    most = inversion->behind_gaps;
+                }
             }
         }
+        if (best) {
+            break;
+        }
     }
-    return std::nullopt;
+    return best;
 }
 
 LineStory judge_rest(std::span<const Heard> heard) {

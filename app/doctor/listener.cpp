@@ -3,8 +3,12 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,21 +29,6 @@ constexpr Duration kLook = milliseconds(250);
 constexpr int kPollMilliseconds = 20;
 /// More than any line delivers in a minute; a pty has no rate.
 constexpr std::size_t kMostBytes = std::size_t{1} << 21;
-
-/// The line settings of all protocols that can be read, each once.
-std::vector<LineSettings> lines_to_hear() {
-    std::vector<LineSettings> lines{kIbusLine, kSbusLine, kFastSbusLine};
-    for (const Protocol* protocol : protocols()) {
-        if (protocol->shape == WireShape::bytes && protocol->goes(SettingScope::input) &&
-            std::ranges::find(lines, protocol->line) == lines.end()) {
-            lines.push_back(protocol->line);
-        }
-    }
-    return lines;
-}
-
-/// For senders that omit the parity bit of SBUS.
-constexpr LineSettings kSbusWithoutParity{.baud = 100'000};
 
 Burst burst_of(const Reception& reception, Duration at) {
     const auto bytes = reception.view();
@@ -101,6 +90,44 @@ bool add_trial(const std::string& device, const LineSettings& line, Visit& visit
 
 }  // namespace
 
+std::vector<LineSettings> usual_lines() {
+    std::vector<LineSettings> lines{kIbusLine, kSbusLine, kFastSbusLine};
+    const auto hear = [&lines](LineSettings line) {
+        line.inverted_wire = false;
+        if (std::ranges::find(lines, line) == lines.end()) {
+            lines.push_back(line);
+        }
+    };
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->shape != WireShape::bytes || !protocol->goes(SettingScope::input)) {
+            continue;
+        }
+        hear(protocol->line);
+        const auto key = std::ranges::find(protocol->settings, "baud", &Setting::key);
+        for (const std::string_view rate :
+             key == protocol->settings.end() ? std::span<const std::string_view>() : key->choices) {
+            LineSettings line = protocol->line;
+            std::from_chars(rate.data(), rate.data() + rate.size(), line.baud);
+            hear(line);
+        }
+    }
+    return lines;
+}
+
+std::vector<LineSettings> further_lines() {
+    // SBUS of senders that omit the parity bit, and rates to which people set receivers of
+    // protocols that take several.
+    std::vector<LineSettings> lines;
+    const std::vector<LineSettings> usual = usual_lines();
+    for (const std::uint32_t baud : {100'000U, 400'000U, 460'800U, 921'600U}) {
+        const LineSettings line{.baud = baud};
+        if (std::ranges::find(usual, line) == usual.end()) {
+            lines.push_back(line);
+        }
+    }
+    return lines;
+}
+
 Visit try_port(const std::string& device, const LineSettings& line) {
     Visit visit;
     add_trial(device, line, visit);
@@ -110,7 +137,7 @@ Visit try_port(const std::string& device, const LineSettings& line) {
 Visit visit_port(const std::string& device, Duration time,
                  const std::function<void(std::string_view)>& says) {
     Visit visit;
-    for (const LineSettings& line : lines_to_hear()) {
+    for (const LineSettings& line : usual_lines()) {
         if (!add_trial(device, line, visit)) {
             return visit;
         }
@@ -150,9 +177,10 @@ Visit visit_port(const std::string& device, Duration time,
             return visit;
         }
     }
-    if (std::ranges::any_of(
-            lines, [](const LineSettings& line) { return line.baud == kSbusWithoutParity.baud; })) {
-        lines.push_back(kSbusWithoutParity);
+    for (const LineSettings& line : further_lines()) {
+        if (listen(device, line, Duration::zero())) {
+            lines.push_back(line);
+        }
     }
     const Duration each = left / static_cast<std::int64_t>(lines.size());
     for (const LineSettings& line : lines) {

@@ -12,6 +12,11 @@
 
 namespace tribus::doctor {
 
+/// The settings with which a port is listened to: those of all protocols that can be read, and
+/// those that are tried too if nothing is recognised. Each once.
+std::vector<LineSettings> usual_lines();
+std::vector<LineSettings> further_lines();
+
 /// Whether a port accepts the settings of a protocol.
 struct Trial {
     LineSettings line;

@@ -26,6 +26,17 @@ bool is_plain(char c) {
     return std::isprint(static_cast<unsigned char>(c)) != 0 && c != '/';
 }
 
+/// Name of the [values.NAME] with that index among those with messages.
+std::string_view name_of_message(const Configuration& configuration, std::size_t index) {
+    for (const ValuesConfig& values : configuration.values) {
+        const bool has_messages = std::holds_alternative<ValueMessageConfig>(values.source);
+        if (has_messages && index-- == 0) {
+            return values.name;
+        }
+    }
+    return {};
+}
+
 RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan) {
     RecordedPort port{.ring = plan.wiring.capture,
                       .can = plan.config.medium->shape == WireShape::can_frames,
@@ -47,6 +58,9 @@ RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan)
     }
     if (const auto index = first_of(stations, StationKind::input)) {
         port.read_file = fmt::format("input-{}.txt", configuration.inputs[*index].name);
+    }
+    if (const auto index = first_of(stations, StationKind::value_message)) {
+        port.read_file = fmt::format("values-{}.txt", name_of_message(configuration, *index));
     }
     if (const auto index = first_of(stations, StationKind::output)) {
         port.written_file = fmt::format("output-{}.txt", configuration.outputs[*index].name);

@@ -46,6 +46,16 @@ std::optional<std::string> misfit(const std::string& path, RecordingKind kind,
                      path, title_of(source), source.protocol);
 }
 
+/// For recordings of bytes without times.
+constexpr Duration kUsualTelemetryPeriod = std::chrono::milliseconds(100);
+
+std::string_view protocol_of(const ValueMessageConfig& source) {
+    if (const auto* bytes = std::get_if<ByteValueSource>(&source.layout)) {
+        return bytes->protocol;
+    }
+    return std::holds_alternative<DbcValueSource>(source.layout) ? "dbc" : "dronecan";
+}
+
 /// Whether there is nothing but comments, which fits every source.
 bool is_empty(Pieces& content) {
     recording_text::Lines lines(content);
@@ -274,10 +284,9 @@ std::vector<SimulatedSource> simulated_sources(const Configuration& configuratio
         if (const auto* source = std::get_if<ValueMessageConfig>(&values.source)) {
             sources.push_back({.station = {.kind = StationKind::value_message, .index = message++},
                                .name = values.name,
-                               .protocol = std::holds_alternative<DbcValueSource>(source->layout)
-                                               ? "dbc"
-                                               : "dronecan",
-                               .port = &source->port});
+                               .protocol = protocol_of(*source),
+                               .port = &source->port,
+                               .usual_period = kUsualTelemetryPeriod});
         }
     }
     return sources;

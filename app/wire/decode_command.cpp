@@ -21,6 +21,7 @@
 #include "app/wire/decode_dronecan.h"
 #include "app/wire/decode_frames.h"
 #include "app/wire/decode_sensor.h"
+#include "app/wire/decode_values.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
@@ -153,6 +154,9 @@ std::unique_ptr<Decoding> make_decoding(const ProtocolUse& use, RecordingKind ki
     }
     if (arguments.explains_dronecan()) {
         return transfer_decoding(arguments);
+    }
+    if (use.protocol->make_decoder == nullptr && use.protocol->make_value_reader != nullptr) {
+        return std::make_unique<ValueDecoding>(use, output_of(kind, arguments));
     }
     return std::make_unique<FrameDecoding>(use, output_of(kind, arguments));
 }

@@ -146,6 +146,13 @@ int run_encode(const EncodeArguments& arguments) {
         return fail(use.error(), kExitWrongUse);
     }
     const Protocol& protocol = *use->protocol;
+    if (protocol.shape == WireShape::bytes && protocol.needs_pipeline != nullptr &&
+        !protocol.needs_pipeline(use->settings)) {
+        return fail(fmt::format("{} sends named values, and a line of channels has none; `tribus "
+                                "simulate` shows what such an output sends",
+                                protocol.name),
+                    kExitWrongUse);
+    }
     const auto format = choose_format(protocol, arguments);
     if (!format) {
         return fail(format.error(), kExitWrongUse);

@@ -79,6 +79,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
                                                            : std::nullopt,
              .yield_to_foreign_sender = output.foreign_sender == ForeignSender::failsafe,
              .schedule = output.schedule,
+             .least_asked_period = frame_time(output),
              .selection = {},
              .channels = {},
              .mapped_channels = 0,
@@ -125,7 +126,11 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
         add(StationKind::input, i, configuration.inputs[i].port);
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
-        add(StationKind::output, i, configuration.outputs[i].port);
+        const OutputConfig& output = configuration.outputs[i];
+        add(StationKind::output, i, output.port);
+        if (is_timed_by_receiver(output)) {
+            add(StationKind::replies, i, output.port);
+        }
     }
     const auto nodes = plan_nodes(configuration, {});
     for (std::size_t i = 0; i < nodes.size(); ++i) {

@@ -86,7 +86,7 @@ std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configurati
     settings.buses = std::move(buses);
     for (ValueCatalog::Message& message : catalog.messages) {
         settings.messages.push_back(
-            {.reader = make_reader(*message.config), .values = std::move(message.values)});
+            {.reader = *make_reader(*message.config), .values = std::move(message.values)});
     }
     auto values = std::make_unique<ValueEngine>(std::move(settings));
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {

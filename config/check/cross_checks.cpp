@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "config/check/can.h"
@@ -17,12 +18,15 @@ namespace tribus {
 namespace {
 
 constexpr std::string_view kBus = "sensor_bus";
+constexpr std::string_view kValues = "values";
 
 struct PortUse {
     std::string_view direction;
     std::string_view name;
     const PortConfig* port = nullptr;
     bool is_receiver_role = false;
+    /// An output that reads what comes back on its line.
+    bool hears_replies = false;
 
     /// Whether both may share a device if their line settings agree: one receives and the other
     /// sends. A sensor answers in the pauses of a receiver that sends servo frames on the same wire
@@ -32,7 +36,8 @@ struct PortUse {
             return (direction == a && other.direction == b) ||
                    (direction == b && other.direction == a);
         };
-        return pair("input", "output") ||
+        return (pair("input", "output") && !hears_replies && !other.hears_replies) ||
+               pair(kValues, "output") ||
                (pair("input", kBus) && !is_receiver_role && !other.is_receiver_role);
     }
 };
@@ -51,13 +56,20 @@ std::vector<PortUse> port_uses(const Draft& draft) {
     }
     for (const OutputDraft& output : draft.outputs) {
         if (output.port_sound) {
-            uses.push_back({"output", output.config.name, &output.config.port});
+            uses.push_back({"output", output.config.name, &output.config.port, false,
+                            is_timed_by_receiver(output.config)});
         }
     }
     for (const SensorBusDraft& bus : draft.sensor_buses) {
         if (bus.port_sound) {
             uses.push_back(
                 {kBus, bus.config.name, &bus.config.port, bus.config.role == BusRole::receiver});
+        }
+    }
+    for (const ValuesDraft& values : draft.values) {
+        const auto* message = std::get_if<ValueMessageConfig>(&values.config.source);
+        if (message != nullptr && values.sound) {
+            uses.push_back({kValues, values.config.name, &message->port});
         }
     }
     return uses;
@@ -74,18 +86,31 @@ void check_pair(const PortUse& earlier, const PortUse& later, Mistakes& mistakes
                                                     already, medium.place.key));
         return;
     }
+    if (earlier.hears_replies || later.hears_replies) {
+        if (!earlier.goes_with(later)) {
+            mistakes.add(later.port->where,
+                         fmt::format("{}; an output of this kind reads the replies on its device "
+                                     "itself, so it shares the device with [values.NAME] at most",
+                                     already));
+            return;
+        }
+    }
     const bool bus = earlier.direction == kBus || later.direction == kBus;
+    const bool values = earlier.direction == kValues || later.direction == kValues;
     if (!earlier.goes_with(later)) {
         mistakes.add(
             later.port->where,
             fmt::format("{}; one device serves at most one input and one output{}", already,
-                        bus ? ", or one input and one sensor bus with role \"sensor\"" : ""));
+                        bus      ? ", or one input and one sensor bus with role \"sensor\""
+                        : values ? ", or one [values.NAME] and one output"
+                                 : ""));
     } else if (earlier.port->line != later.port->line) {
-        mistakes.add(later.port->where,
-                     fmt::format("{} with {}, here with {}; an input and {} may share a "
-                                 "device if their line settings agree",
-                                 already, line_text(earlier.port->line),
-                                 line_text(later.port->line), bus ? "a sensor bus" : "an output"));
+        mistakes.add(
+            later.port->where,
+            fmt::format("{} with {}, here with {}; {} and {} may share a "
+                        "device if their line settings agree",
+                        already, line_text(earlier.port->line), line_text(later.port->line),
+                        values ? "values" : "an input", bus ? "a sensor bus" : "an output"));
     }
 }
 

@@ -6,6 +6,7 @@
 #include "config/keys/rows_ports.h"
 #include "transports/codecs/dronecan/value_reader.h"
 #include "transports/codecs/ibus_sensor/types.h"
+#include "transports/registry/registry.h"
 
 /// Rows of sensor buses, their types, and named values.
 namespace tribus::key_rows {
@@ -172,7 +173,7 @@ inline constexpr std::array kValuesKeys{
     row<&ConstantConfig::unit>(
         {.key = "unit", .absent = "no unit", .help = "Unit of `constant`", .example = "\"V\""}),
     row<&PortConfig::device>({.key = "interface",
-                              .absent = "required, unless `constant` is given",
+                              .absent = "required with `dbc` and `dronecan`",
                               .help = "CAN interface that the message comes from",
                               .example = "\"can0\""}),
     row<&DbcValueSource::dbc>(
@@ -212,13 +213,43 @@ inline constexpr std::array kValuesKeys{
                                    .absent = "`false`",
                                    .help = "With `dronecan`: frames of CAN FD are read too",
                                    .example = "true"}),
+    row<&ByteValueSource::protocol>(
+        {.key = "protocol",
+         .type = choice,
+         .absent = "the message is on CAN",
+         .choices = kValueProtocols,
+         .help = "Protocol of bytes whose messages are read, instead of a message on CAN. Each of "
+                 "its numbers is a value, such as NAME.battery.voltage",
+         .example = "\"crsf-telemetry\""}),
+    row<&PortConfig::device>({.key = kDeviceSetting.key,
+                              .absent = "required with `protocol`, unless `address` is given",
+                              .help = "With `protocol`: serial port that is read",
+                              .example = "\"/dev/ttyAMA3\""}),
+    row<&PortConfig::device>({.key = "address",
+                              .absent = "the bytes come from `device`",
+                              .help = "With `protocol`: IP address and port for UDP, one message "
+                                      "or more a datagram",
+                              .example = "\"127.0.0.1:5502\""}),
+    Key{{.key = "public",
+         .type = boolean,
+         .absent = "`false`",
+         .help = "With `address`: allows one outside of this machine",
+         .example = "true"}},
+    Key{{.key = "baud",
+         .type = integer,
+         .absent = "that of the protocol",
+         .least = 9600,
+         .most = 5250000,
+         .unit = "baud",
+         .help = "With `device`: bit rate of the line",
+         .example = "115200"}},
     Key{structure("signals", "Own names for values of the message: `{ name = signal }`",
                   "{ voltage = \"Voltage\" }", "the names of the message"),
         KeyKind::texts},
     row<&ValueMessageConfig::timeout>(
         {.key = "timeout",
          .absent = "three cycles of the message, 1s if the DBC file has no cycle; with "
-                   "`dronecan` 3s",
+                   "`dronecan` and `protocol` 3s",
          .least = 0.001,
          .most = 3600,
          .help = "A value that was not renewed for this long is stale",

@@ -169,19 +169,11 @@ bool port_sound(const PortConfig& port, SettingScope scope, const TableContent& 
            content.sound("protocol") && check_by_medium(port, scope, content, mistakes);
 }
 
-/// The time of one frame on the wire and a pause of one byte. Zero without a line.
-Duration wire_period(const OutputConfig& output) {
-    if (!output.port.medium->has_line) {
-        return Duration::zero();
-    }
-    return output.port.line.bytes_time(output.protocol->longest_frame + 1);
-}
-
 /// `most`: upper limit of the protocol with its settings, if they are valid.
 void check_period(const OutputConfig& output, std::optional<Duration> most,
                   const TableContent& content, Mistakes& mistakes) {
     const Duration period = output.schedule.period;
-    const Duration wire = wire_period(output);
+    const Duration wire = frame_time(output);
     const Duration protocol = output.protocol->least_period;
     const std::string longest = in_quotes(format_duration(most.value_or(kMostOutputPeriod)));
     const Location where = content.where("period");
@@ -213,6 +205,22 @@ Duration own_period(const Protocol& protocol, const SettingValues& settings, boo
     const auto own =
         sound && protocol.own_period != nullptr ? protocol.own_period(settings) : std::nullopt;
     return std::min(own.value_or(protocol.default_period), kMostOutputPeriod);
+}
+
+/// The receiver of the frames sets the points of the grid.
+void check_timed_by_receiver(const OutputConfig& output, const TableContent& content,
+                             Mistakes& mistakes) {
+    constexpr std::string_view kWhy = "but the receiver of the frames says when they should come";
+    if (output.schedule.kind != ScheduleKind::grid && content.sound("schedule")) {
+        mistakes.add(content.where("schedule"),
+                     fmt::format("\"schedule\" is \"follow\", {}; allowed: \"grid\", or leave "
+                                 "schedule out",
+                                 kWhy));
+    }
+    if (output.schedule.phase == Phase::locked && content.sound("phase")) {
+        mistakes.add(content.where("phase"),
+                     fmt::format("\"phase\" is \"locked\", {}; leave phase out", kWhy));
+    }
 }
 
 void check_phase(const OutputConfig& output, const TableContent& content, Mistakes& mistakes) {
@@ -309,7 +317,13 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
                      limited ? port.protocol->most_period(draft.config.settings) : std::nullopt,
                      content, reading.mistakes);
     }
-    check_phase(draft.config, content, reading.mistakes);
+    if (draft.settings_sound && is_timed_by_receiver(draft.config)) {
+        draft.config.schedule.kind =
+            content.given("schedule") ? draft.config.schedule.kind : ScheduleKind::grid;
+        check_timed_by_receiver(draft.config, content, reading.mistakes);
+    } else {
+        check_phase(draft.config, content, reading.mistakes);
+    }
     return draft;
 }
 

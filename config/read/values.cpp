@@ -18,6 +18,7 @@
 #include "transports/codecs/dbc/value_reader.h"
 #include "transports/codecs/dronecan/value_reader.h"
 #include "transports/links/can/can_medium.h"
+#include "transports/registry/registry.h"
 
 namespace tribus {
 namespace {
@@ -38,13 +39,20 @@ constexpr std::array<std::string_view, 2> kDbcTakes{"signals", "timeout"};
 constexpr std::array<std::string_view, 2> kDroneCanNeeds{"interface", "dronecan"};
 constexpr std::array<std::string_view, 5> kDroneCanTakes{"node", "instance", "fd", "signals",
                                                          "timeout"};
+constexpr std::array<std::string_view, 1> kBytesNeed{"protocol"};
+constexpr std::array<std::string_view, 6> kBytesTake{"device", "address", "public",
+                                                     "baud",   "signals", "timeout"};
 constexpr ValuesKind kConstant{"constant", kConstantNeeds, kConstantTakes};
 constexpr ValuesKind kDbc{"dbc", kDbcNeeds, kDbcTakes};
 constexpr ValuesKind kDroneCan{"dronecan", kDroneCanNeeds, kDroneCanTakes};
+constexpr ValuesKind kBytes{"protocol", kBytesNeed, kBytesTake};
 
 const ValuesKind& kind_of(const TableContent& content) {
     if (content.given(kConstant.key)) {
         return kConstant;
+    }
+    if (content.given(kBytes.key)) {
+        return kBytes;
     }
     return content.given(kDroneCan.key) ? kDroneCan : kDbc;
 }
@@ -94,9 +102,79 @@ std::optional<DroneCanValueSource> read_dronecan_source(const TableContent& cont
     return source;
 }
 
+/// The medium whose place the table names. Exactly one place is needed.
+const Medium* byte_medium(const TableContent& content, Mistakes& mistakes) {
+    const Medium* medium = nullptr;
+    for (const Medium* candidate : media_for(WireShape::bytes)) {
+        const std::string_view key = candidate->place.key;
+        if (!content.given(key)) {
+            continue;
+        }
+        if (medium != nullptr) {
+            mistakes.add(content.find(key)->where,
+                         fmt::format("{} beside {}; leave one of them out", in_quotes(key),
+                                     in_quotes(medium->place.key)));
+            return nullptr;
+        }
+        medium = candidate;
+    }
+    if (medium == nullptr) {
+        mistakes.add(content.where("protocol"),
+                     "the place is missing; required with \"protocol\": \"device\", a serial "
+                     "port, or \"address\" for UDP");
+    }
+    return medium;
+}
+
+/// Absent after a mistake.
+std::optional<PortConfig> read_byte_port(const TableContent& content, const Protocol& protocol,
+                                         Mistakes& mistakes) {
+    PortConfig port;
+    port.medium = byte_medium(content, mistakes);
+    if (port.medium == nullptr) {
+        return std::nullopt;
+    }
+    const std::string_view place = port.medium->place.key;
+    content.read_into(port);
+    port.where = content.where(place);
+    port.line = protocol.line;
+    port.line.baud =
+        static_cast<std::uint32_t>(content.values().get_or("baud", std::int64_t{port.line.baud}));
+    for (const std::string_view key : {"public", "baud"}) {
+        const bool fits = (key == "baud") == port.medium->has_line;
+        if (content.given(key) && !fits) {
+            mistakes.add(content.find(key)->where,
+                         fmt::format("{} has no effect together with {}; leave it out",
+                                     in_quotes(key), in_quotes(place)));
+        }
+    }
+    for (const Setting& setting : port.medium->settings) {
+        if (const SettingValue* value = content.values().find(setting.key)) {
+            port.settings.set(setting.key, *value);
+        }
+    }
+    if (!content.sound(place) || !content.sound("baud") || !content.sound("public")) {
+        return std::nullopt;
+    }
+    const auto found = port.medium->check == nullptr
+                           ? std::vector<SettingMistake>{}
+                           : port.medium->check(port.device, port.settings, SettingScope::input);
+    for (const SettingMistake& mistake : found) {
+        mistakes.add(port.where, mistake.text);
+    }
+    return found.empty() ? std::optional(std::move(port)) : std::nullopt;
+}
+
+struct SourceName {
+    std::string_view operator()(const ByteValueSource& source) const { return source.protocol; }
+    template <class CanSource>
+    std::string_view operator()(const CanSource& source) const {
+        return source.message;
+    }
+};
+
 std::string_view message_name(const ValueMessageConfig& config) {
-    return std::visit([](const auto& source) -> std::string_view { return source.message; },
-                      config.layout);
+    return std::visit(SourceName{}, config.layout);
 }
 
 std::vector<std::pair<std::string, std::string>> read_own_names(const TableContent& content,
@@ -109,7 +187,7 @@ std::vector<std::pair<std::string, std::string>> read_own_names(const TableConte
     }
     const auto reader = make_reader(config);
     std::vector<std::string_view> known;
-    for (const CanValueReader::Value& value : reader->values()) {
+    for (const ValueReader::Value& value : common_part(*reader).values()) {
         known.emplace_back(value.name);
     }
     const std::string_view message = message_name(config);
@@ -139,7 +217,33 @@ Duration default_timeout(const ValueMessageConfig& config) {
     return cycle > Duration::zero() ? kCyclesToStale * cycle : kDefaultTimeout;
 }
 
+/// Own names and lifetime of the values.
+void finish(ValueMessageConfig& config, const TableContent& content, Mistakes& mistakes) {
+    config.names = read_own_names(content, config, mistakes);
+    config.timeout = default_timeout(config);
+    content.read_into(config);
+}
+
+std::optional<ValueMessageConfig> read_bytes(const TableContent& content, Mistakes& mistakes) {
+    ByteValueSource source;
+    content.read_into(source);
+    if (source.protocol.empty()) {
+        return std::nullopt;
+    }
+    auto port = read_byte_port(content, *find_protocol(source.protocol), mistakes);
+    if (!port) {
+        return std::nullopt;
+    }
+    ValueMessageConfig config{
+        .port = std::move(*port), .layout = std::move(source), .timeout = {}, .names = {}};
+    finish(config, content, mistakes);
+    return config;
+}
+
 std::optional<ValueMessageConfig> read_message(const TableContent& content, Mistakes& mistakes) {
+    if (&kind_of(content) == &kBytes) {
+        return read_bytes(content, mistakes);
+    }
     ValueMessageConfig config;
     bool sound = false;
     if (&kind_of(content) == &kDroneCan) {
@@ -157,9 +261,7 @@ std::optional<ValueMessageConfig> read_message(const TableContent& content, Mist
     }
     config.port.medium = &kCanMedium;
     config.port.where = content.where("interface");
-    config.names = read_own_names(content, config, mistakes);
-    config.timeout = default_timeout(config);
-    content.read_into(config);
+    finish(config, content, mistakes);
     return config;
 }
 
@@ -181,7 +283,8 @@ void check_kind(const TableContent& content, const std::string& title, Mistakes&
         if (!content.given(key)) {
             mistakes.add(content.where(key),
                          fmt::format("{} lacks {}; required: \"constant\", or \"interface\" with "
-                                     "either \"dbc\" and \"message\" or \"dronecan\"",
+                                     "either \"dbc\" and \"message\" or \"dronecan\", or "
+                                     "\"protocol\" with \"device\"",
                                      title, in_quotes(key)));
         }
     }

@@ -92,6 +92,19 @@ struct OutputConfig {
     bool operator==(const OutputConfig&) const = default;
 };
 
+/// The time of the longest frame on the wire and a pause of one byte. Zero without a line.
+inline Duration frame_time(const OutputConfig& output) {
+    return output.port.medium->has_line
+               ? output.port.line.bytes_time(output.protocol->longest_frame + 1)
+               : Duration::zero();
+}
+
+/// Whether the receiver of its frames sets their timing.
+inline bool is_timed_by_receiver(const OutputConfig& output) {
+    return output.protocol->is_timed_by_receiver != nullptr &&
+           output.protocol->is_timed_by_receiver(output.settings);
+}
+
 /// [pipeline.NAME].
 struct PipelineConfig {
     std::string name;
@@ -184,10 +197,17 @@ struct DroneCanValueSource {
     bool operator==(const DroneCanValueSource&) const = default;
 };
 
-/// A CAN message with values.
+/// Values from the messages of a protocol on bytes, one of kValueProtocols.
+struct ByteValueSource {
+    std::string protocol;
+
+    bool operator==(const ByteValueSource&) const = default;
+};
+
+/// One kind of message with values on CAN, or all messages of a protocol on bytes.
 struct ValueMessageConfig {
     PortConfig port;
-    std::variant<DbcValueSource, DroneCanValueSource> layout;
+    std::variant<DbcValueSource, DroneCanValueSource, ByteValueSource> layout;
     Duration timeout{};
     /// Own names of values (first), and their names in the message (second).
     std::vector<std::pair<std::string, std::string>> names;

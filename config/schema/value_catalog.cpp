@@ -9,6 +9,7 @@
 #include "pipelines/engine/machine_facts.h"
 #include "transports/codecs/dbc/value_reader.h"
 #include "transports/codecs/dronecan/value_reader.h"
+#include "transports/registry/registry.h"
 
 namespace tribus {
 namespace {
@@ -56,7 +57,7 @@ class Catalog {
         if (!reader) {
             return;
         }
-        for (const CanValueReader::Value& value : reader->values()) {
+        for (const ValueReader::Value& value : common_part(*reader).values()) {
             const auto renamed = std::ranges::find(config.names, value.name,
                                                    &std::pair<std::string, std::string>::second);
             const std::string& own = renamed == config.names.end() ? value.name : renamed->first;
@@ -146,12 +147,21 @@ ValueSources value_sources(const Configuration& configuration) {
     return sources;
 }
 
-std::unique_ptr<CanValueReader> make_reader(const ValueMessageConfig& config) {
+std::optional<AnyValueReader> make_reader(const ValueMessageConfig& config) {
     if (const auto* message = std::get_if<DroneCanValueSource>(&config.layout)) {
         return dronecan::make_value_reader(message->message, message->from, message->fd);
     }
+    if (const auto* source = std::get_if<ByteValueSource>(&config.layout)) {
+        return find_protocol(source->protocol)->make_value_reader({});
+    }
     const auto& dbc = std::get<DbcValueSource>(config.layout).described;
-    return dbc.messages.empty() ? nullptr : std::make_unique<DbcValueReader>(dbc.messages.front());
+    return dbc.messages.empty() ? std::nullopt
+                                : std::optional<AnyValueReader>(
+                                      std::make_unique<DbcValueReader>(dbc.messages.front()));
+}
+
+const ValueReader& common_part(const AnyValueReader& reader) {
+    return std::visit([](const auto& any) -> const ValueReader& { return *any; }, reader);
 }
 
 bool needs_values(const Configuration& configuration) {

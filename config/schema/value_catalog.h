@@ -26,8 +26,10 @@ struct ValueSources {
 };
 ValueSources value_sources(const Configuration& configuration);
 
-/// Null if the message could not be read from the configuration.
-std::unique_ptr<CanValueReader> make_reader(const ValueMessageConfig& config);
+/// Absent if the message could not be read from the configuration.
+std::optional<AnyValueReader> make_reader(const ValueMessageConfig& config);
+/// What both kinds of readers have.
+const ValueReader& common_part(const AnyValueReader& reader);
 
 /// Whether anything provides or uses a value while the configuration runs.
 bool needs_values(const Configuration& configuration);

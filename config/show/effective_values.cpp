@@ -59,14 +59,20 @@ Json named_values_json(const ValuesConfig& named) {
         return fields_json(*constant, values_keys());
     }
     const auto& message = std::get<ValueMessageConfig>(named.source);
-    Json json = fields_json(message.port, values_keys());
+    const std::string place(message.port.medium->place.key);
+    Json json = Json::object();
+    json[place] = message.port.device;
+    if (message.port.medium->has_line) {
+        json["baud"] = message.port.line.baud;
+    }
+    json.update(values_json(message.port.settings, values_keys()));
     std::visit([&json](const auto& layout) { json.update(fields_json(layout, values_keys())); },
                message.layout);
     json.update(fields_json(message, values_keys()));
     for (const auto& [name, signal] : message.names) {
         json["signals"][name] = signal;
     }
-    return json;
+    return in_order_of_rows(json, values_keys());
 }
 
 Json dronecan_json(const DroneCanConfig& node) {

@@ -52,6 +52,13 @@ class Engine {
     }
     /// Takes a CAN frame of another node on the interface of one output.
     void watch_for_foreign_sender(std::size_t output, const CanFrame& frame, Instant at);
+    /// Takes undamaged bytes that came back on the line of one output, read at `now`.
+    void hear(std::size_t output, std::span<const std::uint8_t> bytes, Instant now) {
+        outputs_[output].hear(bytes, now);
+        due_[output] = outputs_[output].due();
+    }
+    /// What one output heard so far has a gap behind it.
+    void forget_heard(std::size_t output) { outputs_[output].forget_heard(); }
     /// The device of one input is gone.
     void device_lost(std::size_t input) { inputs_[input].device_lost(); }
     /// Unread bytes of one input were discarded.

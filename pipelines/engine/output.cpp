@@ -22,6 +22,7 @@ Output::Output(OutputSettings settings)
       encoder_(std::move(settings.encoder)),
       yield_to_foreign_sender_(settings.yield_to_foreign_sender),
       schedule_(settings.schedule),
+      least_asked_period_(settings.least_asked_period),
       selector_(settings.selection, settings.failsafe.recover, settings.failsafe.power_on),
       changeover_us_per_second_(settings.selection.changeover_us_per_second),
       map_(settings.channels),
@@ -84,6 +85,15 @@ OutputState Output::state(Instant now) const {
 
 std::optional<std::size_t> Output::controlling_input() const {
     return stage() == OutputStage::control ? selector_.current() : std::nullopt;
+}
+
+void Output::hear(std::span<const std::uint8_t> bytes, Instant now) {
+    if (const auto asked = encoder_.hear(bytes, now)) {
+        const Duration period =
+            std::clamp(asked->period, least_asked_period_, OutputSettings::kMostAskedPeriod);
+        // With another period than was asked for there is no phase to hold.
+        schedule_.retime(period, period == asked->period ? asked->later : Duration::zero());
+    }
 }
 
 void Output::dropped_busy() {

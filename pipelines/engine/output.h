@@ -35,6 +35,10 @@ struct OutputSettings {
     /// CAN only: go to failsafe while another node sends with the ids of this output.
     bool yield_to_foreign_sender = true;
     ScheduleSettings schedule;
+    /// Limits of a period that the receiver of the frames asks for: the time of a frame on the
+    /// wire, and the slowest rate that is a link.
+    Duration least_asked_period = std::chrono::milliseconds(1);
+    static constexpr Duration kMostAskedPeriod = std::chrono::milliseconds(50);
     /// The inputs of its pipeline, and how one is selected.
     SelectionSettings selection;
     std::vector<ChannelRule> channels;
@@ -120,6 +124,10 @@ class Output {
     void send_as(const dronecan::NodeIdentity& identity) { encoder_.encoder().send_as(identity); }
     /// Changes the period from the next frame on.
     void set_period(Duration period) { schedule_.set_period(period); }
+    /// Takes undamaged bytes that came back on its line, read at `now`. They may ask for a timing.
+    void hear(std::span<const std::uint8_t> bytes, Instant now);
+    /// What it heard so far has a gap behind it.
+    void forget_heard() { encoder_.forget_heard(); }
     /// A frame of input `index`, one of `inputs()`, has arrived.
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);
     /// When to call `run` next.
@@ -217,6 +225,7 @@ class Output {
     FrameEncoder encoder_;
     bool yield_to_foreign_sender_;
     Schedule schedule_;
+    Duration least_asked_period_;
     InputSelector selector_;
     std::optional<double> changeover_us_per_second_;
     ChannelMap map_;

@@ -14,9 +14,10 @@ enum class StationKind : std::uint8_t {
     output,
     dronecan_node,
     sensor_bus,
-    value_message,  ///< reads named values from a CAN message
+    value_message,  ///< reads named values from messages
+    replies,        ///< hears for an output what comes back on its line; the index is the output's
 };
-inline constexpr std::size_t kStationKinds = 5;
+inline constexpr std::size_t kStationKinds = 6;
 
 /// One part of a configuration that sits on a port. A serial device may have an input and an
 /// output, a CAN interface many of each.
@@ -39,7 +40,10 @@ constexpr std::optional<std::size_t> first_of(std::span<const Station> stations,
 
 /// Whether one of them reads bytes.
 constexpr bool wants_bytes(std::span<const Station> stations) {
-    return first_of(stations, StationKind::input) || first_of(stations, StationKind::sensor_bus);
+    return std::ranges::any_of(stations, [](const Station& station) {
+        return station.kind == StationKind::input || station.kind == StationKind::sensor_bus ||
+               station.kind == StationKind::value_message || station.kind == StationKind::replies;
+    });
 }
 
 /// Whether it may have something to send.

@@ -82,9 +82,18 @@ bool Stations::receive(Station station, const CanFrame& frame, Instant at) {
             values_->receive(station.index, frame, at);
             break;
         case StationKind::sensor_bus:
+        case StationKind::replies:
             break;
     }
     return false;
+}
+
+void Stations::forget_unfinished(Station station) {
+    if (station.kind == StationKind::value_message) {
+        values_->message_lost(station.index);
+    } else if (station.kind == StationKind::replies) {
+        engine_->forget_heard(station.index);
+    }
 }
 
 void Stations::device_lost(Station station) {
@@ -92,6 +101,8 @@ void Stations::device_lost(Station station) {
         engine_->device_lost(station.index);
     } else if (station.kind == StationKind::sensor_bus) {
         values_->device_lost(station.index);
+    } else {
+        forget_unfinished(station);
     }
     set_device_present(station, false);
 }
@@ -117,6 +128,8 @@ void Stations::bytes_discarded(Station station, Instant now) {
         engine_->bytes_discarded(station.index);
     } else if (station.kind == StationKind::sensor_bus) {
         values_->bytes_discarded(station.index, now);
+    } else {
+        forget_unfinished(station);
     }
 }
 
@@ -141,6 +154,7 @@ Transmission Stations::take_from_other(Station station, Instant now) {
         case StationKind::input:
         case StationKind::output:
         case StationKind::value_message:
+        case StationKind::replies:
             break;
     }
     return {};
@@ -169,9 +183,11 @@ bool Stations::on_can(Station station) const {
         case StationKind::output:
             return engine_->outputs()[station.index].on_can();
         case StationKind::dronecan_node:
-        case StationKind::value_message:
             return true;
+        case StationKind::value_message:
+            return values_->on_can(station.index);
         case StationKind::sensor_bus:
+        case StationKind::replies:
             break;
     }
     return false;
@@ -187,6 +203,7 @@ bool Stations::uses_fd(Station station) const {
             return values_->uses_fd(station.index);
         case StationKind::dronecan_node:
         case StationKind::sensor_bus:
+        case StationKind::replies:
             break;
     }
     return false;
@@ -202,6 +219,7 @@ std::span<const CanIdMatch> Stations::wanted_ids(Station station) const {
             return values_->wanted_ids(station.index);
         case StationKind::output:
         case StationKind::sensor_bus:
+        case StationKind::replies:
             break;
     }
     return {};

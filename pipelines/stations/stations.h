@@ -32,25 +32,44 @@ class Stations {
 
     /// Takes undamaged bytes, read at `now`. Returns whether they completed a frame of an input.
     bool receive(Station station, std::span<const std::uint8_t> bytes, Instant now) {
+        if (station.kind == StationKind::input) {
+            return engine_->receive(station.index, bytes, now);
+        }
         if (station.kind == StationKind::sensor_bus) {
             values_->receive(station.index, bytes, now);
-            return false;
+        } else if (station.kind == StationKind::value_message) {
+            values_->receive_message(station.index, bytes, now);
+        } else if (station.kind == StationKind::replies) {
+            engine_->hear(station.index, bytes, now);
         }
-        return station.kind == StationKind::input && engine_->receive(station.index, bytes, now);
+        return false;
     }
     /// The same for bytes with damage. `damaged[i]` is true if byte i was damaged on the line.
     template <class DamagedMarks>
     bool receive(Station station, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
                  Instant now) {
+        if (station.kind == StationKind::input) {
+            return engine_->receive(station.index, bytes, damaged, now);
+        }
         if (station.kind == StationKind::sensor_bus) {
             values_->receive(station.index, bytes, damaged, now);
-            return false;
+        } else if (station.kind == StationKind::value_message) {
+            values_->receive_message(station.index, bytes, damaged, now);
+        } else if (station.kind == StationKind::replies) {
+            for_undamaged_parts(
+                bytes, damaged,
+                [&](std::span<const std::uint8_t> part) {
+                    engine_->hear(station.index, part, now);
+                },
+                [&] { engine_->forget_heard(station.index); });
         }
-        return station.kind == StationKind::input &&
-               engine_->receive(station.index, bytes, damaged, now);
+        return false;
     }
     /// See `Engine::datagram_ended`.
     bool datagram_ended(Station station, Instant now) {
+        if (station.kind == StationKind::value_message || station.kind == StationKind::replies) {
+            forget_unfinished(station);
+        }
         return station.kind == StationKind::input && engine_->datagram_ended(station.index, now);
     }
     /// Takes a CAN frame of another node that arrived at `at`. Returns as above.
@@ -114,6 +133,8 @@ class Stations {
     std::span<const CanIdMatch> sent_ids(Station station) const;
 
   private:
+    /// What its bytes have begun will not be completed.
+    void forget_unfinished(Station station);
     Transmission take_from_other(Station station, Instant now);
     Duration valid_for_other(Station station) const;
     void tell_outcome(Station station, WriteStatus status, Instant at);

@@ -81,18 +81,63 @@ void ValueEngine::continue_from(ValueEngine& before, const ValueCarry& carry,
     }
 }
 
+CanValueReader* ValueEngine::can_reader(std::size_t message) const {
+    const auto* reader = std::get_if<std::unique_ptr<CanValueReader>>(&messages_[message].reader);
+    return reader == nullptr ? nullptr : reader->get();
+}
+
+ByteValueReader* ValueEngine::byte_reader(std::size_t message) const {
+    const auto* reader = std::get_if<std::unique_ptr<ByteValueReader>>(&messages_[message].reader);
+    return reader == nullptr ? nullptr : reader->get();
+}
+
+std::span<const CanIdMatch> ValueEngine::wanted_ids(std::size_t message) const {
+    const CanValueReader* reader = can_reader(message);
+    return reader == nullptr ? std::span<const CanIdMatch>() : reader->wanted();
+}
+
+bool ValueEngine::uses_fd(std::size_t message) const {
+    const CanValueReader* reader = can_reader(message);
+    return reader != nullptr && reader->uses_fd();
+}
+
 void ValueEngine::receive(std::size_t message, const CanFrame& frame, Instant at) {
-    ValueMessageSettings& source = messages_[message];
-    const auto readings = std::span(readings_).first(source.values.size());
-    const auto of = source.reader->take(frame, at, readings);
-    if (!of) {
+    CanValueReader* reader = can_reader(message);
+    if (reader == nullptr) {
         return;
     }
-    for (std::size_t i = 0; i < readings.size(); ++i) {
+    if (const auto of = reader->take(frame, at, readings_)) {
+        note_readings(messages_[message], *of);
+    }
+}
+
+void ValueEngine::receive_message(std::size_t message, std::span<const std::uint8_t> bytes,
+                                  Instant now) {
+    ByteValueReader* reader = byte_reader(message);
+    while (reader != nullptr && reader->next(bytes, now, readings_)) {
+        note_readings(messages_[message], now);
+    }
+}
+
+void ValueEngine::message_damaged(std::size_t message) {
+    if (ByteValueReader* reader = byte_reader(message)) {
+        reader->damaged_byte();
+    }
+}
+
+void ValueEngine::message_lost(std::size_t message) {
+    if (ByteValueReader* reader = byte_reader(message)) {
+        reader->reset();
+    }
+}
+
+/// Puts the latest readings on the board.
+void ValueEngine::note_readings(const ValueMessageSettings& source, Instant at) {
+    for (std::size_t i = 0; i < source.values.size(); ++i) {
         const auto value = source.values[i];
-        const ValueReading& reading = readings[i];
+        const ValueReading& reading = readings_[i];
         if (value && reading.state == ValueReading::State::number) {
-            board_.set(*value, reading.number, *of);
+            board_.set(*value, reading.number, at);
         } else if (value && reading.state == ValueReading::State::not_available) {
             board_.remove(*value);
         }

@@ -20,15 +20,16 @@
 #include "pipelines/sensor_bus/sensor_role.h"
 #include "transports/codecs/can_value_reader.h"
 #include "transports/codecs/frame_encoder.h"
+#include "transports/codecs/undamaged_parts.h"
 
 namespace tribus {
 
 using SensorBusSettings = std::variant<SensorRoleSettings, ReceiverRoleSettings>;
 
-/// A CAN message with named values.
+/// Messages with named values, on CAN or on bytes.
 struct ValueMessageSettings {
-    std::unique_ptr<CanValueReader> reader;
-    /// Index on the board for each value of the message. `nullopt`: no name refers to it.
+    AnyValueReader reader;
+    /// Index on the board for each value of the reader. `nullopt`: no name refers to it.
     std::vector<std::optional<std::size_t>> values;
 };
 
@@ -104,18 +105,28 @@ class ValueEngine {
     template <class DamagedMarks>
     void receive(std::size_t bus, std::span<const std::uint8_t> bytes, const DamagedMarks& damaged,
                  Instant now) {
-        std::size_t start = 0;
-        for (std::size_t position = 0; position < bytes.size(); ++position) {
-            if (damaged[position]) {
-                role(bus).receive(bytes.subspan(start, position - start), now, board_);
-                role(bus).damaged_byte(now);
-                start = position + 1;
-            }
-        }
-        role(bus).receive(bytes.subspan(start), now, board_);
+        for_undamaged_parts(
+            bytes, damaged,
+            [&](std::span<const std::uint8_t> part) { role(bus).receive(part, now, board_); },
+            [&] { role(bus).damaged_byte(now); });
     }
     /// Takes a CAN frame that arrived at `at` on the interface of one message.
     void receive(std::size_t message, const CanFrame& frame, Instant at);
+    /// Takes undamaged bytes of one message's port, read at `now`.
+    void receive_message(std::size_t message, std::span<const std::uint8_t> bytes, Instant now);
+    /// The same for bytes with damage, as above.
+    template <class DamagedMarks>
+    void receive_message(std::size_t message, std::span<const std::uint8_t> bytes,
+                         const DamagedMarks& damaged, Instant now) {
+        for_undamaged_parts(
+            bytes, damaged,
+            [&](std::span<const std::uint8_t> part) { receive_message(message, part, now); },
+            [&] { message_damaged(message); });
+    }
+    /// A byte of one message's port was damaged, or bytes were discarded.
+    void message_damaged(std::size_t message);
+    /// The device of one message is gone.
+    void message_lost(std::size_t message);
     /// The device of one bus is gone.
     void device_lost(std::size_t bus) { role(bus).device_lost(board_); }
     /// Unread bytes of one bus were discarded.
@@ -136,13 +147,16 @@ class ValueEngine {
     void dropped(std::size_t bus) { role(bus).dropped(); }
 
     SensorBusState bus_state(std::size_t bus) const;
-    /// The CAN ids of one message.
-    std::span<const CanIdMatch> wanted_ids(std::size_t message) const {
-        return messages_[message].reader->wanted();
-    }
-    bool uses_fd(std::size_t message) const { return messages_[message].reader->uses_fd(); }
+    /// The CAN ids of one message; none on bytes.
+    std::span<const CanIdMatch> wanted_ids(std::size_t message) const;
+    bool on_can(std::size_t message) const { return can_reader(message) != nullptr; }
+    bool uses_fd(std::size_t message) const;
 
   private:
+    /// Null if the message is not of that kind.
+    CanValueReader* can_reader(std::size_t message) const;
+    ByteValueReader* byte_reader(std::size_t message) const;
+    void note_readings(const ValueMessageSettings& source, Instant at);
     SensorBusRole& role(std::size_t bus) { return *roles_[bus]; }
     void make_health_watch();
     void update_health(const Engine& engine, Instant now);

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "app/doctor/line_heard.h"
+#include "app/doctor/listener.h"
 #include "tests/support/captures.h"
 #include "tests/support/shell.h"
 #include "tests/support/uart_wire.h"
@@ -51,8 +54,9 @@ struct HeardBy {
 /// Returns what doctor receives with each line setting, one after the other.
 inline std::vector<doctor::Heard> heard_of(const Wire& wire, const HeardBy& by) {
     std::vector<doctor::Heard> all;
-    for (const LineSettings& line : {doctor::kIbusLine, doctor::kSbusLine, doctor::kFastSbusLine,
-                                     LineSettings{.baud = 100'000}}) {
+    std::vector<LineSettings> lines = doctor::usual_lines();
+    std::ranges::copy(doctor::further_lines(), std::back_inserter(lines));
+    for (const LineSettings& line : lines) {
         all.push_back({.line = line,
                        .listened = kRecordedTime,
                        .bursts = in_lumps(UartEar(line, by.kind).listen(wire), by.lump)});

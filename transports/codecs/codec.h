@@ -160,6 +160,14 @@ class Encoder {
     virtual std::span<const CanIdMatch> sent() const { return {}; }
 };
 
+/// What the receiver of an output's frames asks for.
+struct AskedTiming {
+    Duration period{};
+    /// By how much more than the period the next frame should come after the one before; negative:
+    /// by how much less. Once.
+    Duration later{};
+};
+
 /// For protocols on bytes.
 class ByteEncoder : public Encoder {
   public:
@@ -173,6 +181,15 @@ class ByteEncoder : public Encoder {
                                       Instant /*now*/) {
         return 0;
     }
+    /// Takes undamaged bytes that came back on the same line, read at `now`. Returns the timing
+    /// that they ask for last, if they do.
+    virtual std::optional<AskedTiming> hear(std::span<const std::uint8_t> /*bytes*/,
+                                            Instant /*now*/) {
+        return std::nullopt;
+    }
+    /// What was heard so far has a gap behind it: damaged or discarded bytes, or the line was
+    /// unplugged.
+    virtual void forget_heard() {}
 };
 
 }  // namespace tribus

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <variant>
@@ -76,6 +77,17 @@ class FrameEncoder {
         const auto* bytes = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_);
         const std::size_t length = bytes != nullptr ? (*bytes)->write_silence(wire_, now) : 0;
         return Transmission(std::span<const std::uint8_t>(wire_).first(length));
+    }
+
+    /// See ByteEncoder. Nothing on CAN.
+    std::optional<AskedTiming> hear(std::span<const std::uint8_t> bytes, Instant now) {
+        const auto* encoder = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_);
+        return encoder != nullptr ? (*encoder)->hear(bytes, now) : std::nullopt;
+    }
+    void forget_heard() {
+        if (const auto* encoder = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_)) {
+            (*encoder)->forget_heard();
+        }
     }
 
   private:

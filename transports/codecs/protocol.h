@@ -18,6 +18,7 @@
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/frame_encoder.h"
+#include "transports/codecs/value_reader.h"
 
 namespace tribus {
 
@@ -31,6 +32,13 @@ struct NamedUse {
     std::vector<std::string> path;
 };
 
+/// The bytes with which each frame of a protocol on bytes begins, as far as they are always the
+/// same.
+struct FrameBeginning {
+    std::uint8_t first = 0;
+    std::optional<std::uint8_t> second{};
+};
+
 /// Description of a protocol for the rest of the program. Each one is a line of the table in
 /// transports/registry/protocols.inc. The functions are pure and reentrant.
 struct Protocol {
@@ -42,6 +50,8 @@ struct Protocol {
     WireShape shape = WireShape::bytes;
     /// Settings of a serial line for it. Only for protocols of bytes.
     LineSettings line;
+    /// How frames may begin; `doctor` recognises an inverted line by them.
+    std::span<const FrameBeginning> beginnings = {};
     /// Keys of this protocol, in addition to those of every input or output.
     std::span<const Setting> settings;
     /// Longest frame that an encoder of a serial protocol writes, in bytes.
@@ -76,9 +86,15 @@ struct Protocol {
     /// always.
     bool (*needs_pipeline)(const SettingValues&) = nullptr;
 
+    /// Whether the receiver of an output's frames asks for their timing on the same line. Such an
+    /// output reads what comes back (ByteEncoder::hear), and its schedule is a grid. Null: never.
+    bool (*is_timed_by_receiver)(const SettingValues&) = nullptr;
+
     /// Null where there is no codec. Settings must be checked.
     AnyDecoder (*make_decoder)(const SettingValues&) = nullptr;
     AnyEncoder (*make_encoder)(const SettingValues&) = nullptr;
+    /// The named values that arrive. Null: none. A protocol with them is in kValueProtocols.
+    std::unique_ptr<ByteValueReader> (*make_value_reader)(const SettingValues&) = nullptr;
 
     /// Whether it carries channels. If not, no input or output has it, but `decode`, `record`,
     /// `replay` and `doctor` know it.

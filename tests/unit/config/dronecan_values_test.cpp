@@ -95,7 +95,9 @@ TEST(DroneCanValues, RefuseKeysOfOtherSources) {
         Lines{"3:1: \"node\" has no effect together with \"constant\"; leave one of them out"});
     EXPECT_EQ(mistakes(with_battery("dronecan = \"uavcan.equipment.power.BatteryInfo\"\n")),
               Lines{"1:1: [values.battery] lacks \"interface\"; required: \"constant\", or "
-                    "\"interface\" with either \"dbc\" and \"message\" or \"dronecan\""});
+                    "\"interface\" with either \"dbc\" and \"message\" or \"dronecan\", or "
+                    "\"protocol\" with "
+                    "\"device\""});
 }
 
 }  // namespace

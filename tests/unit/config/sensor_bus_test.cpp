@@ -226,7 +226,8 @@ TEST_F(SensorBusConfiguration, SaysWhatIsWrongWithAMessage) {
     EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Batery\"\n").front().substr(0, 5), "7:11:");
     EXPECT_EQ(mistakes(kMessageOfABus),
               Lines{"4:1: [values.x] lacks \"message\"; required: \"constant\", or \"interface\" "
-                    "with either \"dbc\" and \"message\" or \"dronecan\""});
+                    "with either \"dbc\" and \"message\" or \"dronecan\", or \"protocol\" with "
+                    "\"device\""});
     EXPECT_EQ(mistakes(kMessageOfABus + "message = \"Battery\"\nsignals = { u = \"Voltge\" }\n"),
               Lines{"8:17: message Battery has no signal \"Voltge\"; did you mean \"Voltage\"? "
                     "Allowed: \"Voltage\", \"Current\", \"Odd\""});

@@ -9,7 +9,7 @@
 #include "core/channel_frame.h"
 #include "core/time.h"
 #include "transports/codecs/codec.h"
-#include "transports/codecs/framed_decoder.h"
+#include "transports/codecs/crsf/frames.h"
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/sbus/scale.h"
 
@@ -25,7 +25,7 @@ extern const Protocol kCrsfProtocol;
 ///   - statistics of quality 0, and no channels since the ones before: a frame marked failsafe;
 ///   - other statistics, and no channels for kNoChannelsAfter: a frame without channels.
 /// Channels carry the link quality of the latest statistics, for kStatisticsLast.
-class CrsfDecoder final : public FramedDecoder {
+class CrsfDecoder final : public CrsfFrames {
   public:
     std::span<const FrameDetail> details() const override;
 
@@ -46,8 +46,6 @@ class CrsfDecoder final : public FramedDecoder {
 
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
-    std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override;
-    bool check_holds(std::span<const std::uint8_t> frame) const override;
     bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
 
     void read_channels(const std::uint8_t* payload, ChannelFrame& channels);

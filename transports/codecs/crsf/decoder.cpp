@@ -74,25 +74,8 @@ CrsfDecoder::Taken CrsfDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     return FramedDecoder::decode(bytes, received, frame);
 }
 
-std::size_t CrsfDecoder::needed_bytes(std::span<const std::uint8_t> bytes) const {
-    if (!is_address(bytes[0])) {
-        return 0;
-    }
-    if (bytes.size() <= kTypeAt) {
-        return kTypeAt + 1;
-    }
-    const std::size_t length = bytes[kLengthAt];
-    const std::size_t least = kTypeAndCheck + least_payload(bytes[kTypeAt]);
-    return length >= least && length <= kMostLength ? kUncounted + length : 0;
-}
-
-bool CrsfDecoder::check_holds(std::span<const std::uint8_t> frame) const {
-    const std::size_t last = frame.size() - 1;
-    return crc8_d5(frame.subspan(kTypeAt, last - kTypeAt)) == frame[last];
-}
-
 bool CrsfDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {
-    const auto payload = frame.subspan(kPayloadAt, frame.size() - kPayloadAt - 1);
+    const auto payload = payload_of(frame);
     switch (frame[kTypeAt]) {
         case kChannelsType:
             read_channels(payload.data(), channels);

@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <cstdlib>
 #include <memory>
-#include <numbers>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "transports/codecs/crsf/telemetry.h"
+#include "transports/codecs/crsf/telemetry_numbers.h"
+#include "transports/codecs/crsf/telemetry_reader.h"
 #include "transports/codecs/crsf/wire.h"
 
 namespace tribus {
@@ -17,37 +19,6 @@ namespace {
 
 using Path = std::vector<std::string>;
 using TelemetryMistakes = std::vector<SettingMistake>;
-
-/// A number in a frame, and the key that names its value.
-struct TelemetryNumber {
-    std::string_view key;
-    std::string_view unit;
-    std::size_t bytes = 2;
-    bool is_signed = false;
-    double scale = 1;
-    double offset = 0;
-};
-
-// What implementations do where TBS's text differs: docs/protocols/crsf.md, "Telemetry".
-constexpr double kTenThousandthRadiansADegree = 10'000 * std::numbers::pi / 180;
-constexpr std::array kBattery{
-    TelemetryNumber{"voltage", "V", 2, false, 10}, TelemetryNumber{"current", "A", 2, false, 10},
-    TelemetryNumber{"consumed", "mAh", 3}, TelemetryNumber{"remaining", "%", 1}};
-constexpr std::array kGps{TelemetryNumber{"latitude", "deg", 4, true, 1e7},
-                          TelemetryNumber{"longitude", "deg", 4, true, 1e7},
-                          TelemetryNumber{"speed", "km/h", 2, false, 10},
-                          TelemetryNumber{"heading", "deg", 2, false, 100},
-                          TelemetryNumber{"altitude", "m", 2, false, 1, 1000},
-                          TelemetryNumber{"satellites", "", 1}};
-constexpr std::array kAttitude{
-    TelemetryNumber{"pitch", "deg", 2, true, kTenThousandthRadiansADegree},
-    TelemetryNumber{"roll", "deg", 2, true, kTenThousandthRadiansADegree},
-    TelemetryNumber{"yaw", "deg", 2, true, kTenThousandthRadiansADegree}};
-constexpr TelemetryNumber kVario{"vario", "m/s", 2, true, 100};
-constexpr TelemetryNumber kAirspeed{"airspeed", "km/h", 2, false, 10};
-constexpr TelemetryNumber kRpm{"rpm", "1/min", 3, true};
-constexpr TelemetryNumber kTemperature{"temperature", "degC", 2, true, 10};
-constexpr TelemetryNumber kCells{"cells", "V", 2, false, 1000};
 
 constexpr Setting value_key(std::string_view key, std::string_view help, std::string_view example) {
     return {.key = key,
@@ -118,15 +89,19 @@ class TelemetryReader {
         : settings_(settings), mistakes_(mistakes) {}
 
     std::vector<CrsfTelemetryFrame> read() {
-        constexpr std::uint8_t kFirstSource = 0;
-        table("battery", 0x08, kBattery);
-        table("gps", 0x02, kGps);
-        table("attitude", 0x1E, kAttitude);
-        single(kVario, 0x07);
-        single(kAirspeed, 0x0A);
-        numbered(kRpm, 0x0C, 19, kFirstSource);
-        numbered(kTemperature, 0x0D, 20, kFirstSource);
-        numbered(kCells, 0x0E, 29, kFirstSource);
+        for (const TelemetryMessage& message : kTelemetryMessages) {
+            switch (message.form) {
+                case TelemetryForm::table:
+                    table(message);
+                    break;
+                case TelemetryForm::single:
+                    single(message);
+                    break;
+                case TelemetryForm::numbered:
+                    numbered(message);
+                    break;
+            }
+        }
         flight_mode();
         if (frames_.empty() && mistakes_.empty()) {
             wrong({},
@@ -154,24 +129,24 @@ class TelemetryReader {
         return *name;
     }
 
-    template <std::size_t count>
-    void table(std::string_view key, std::uint8_t type,
-               const std::array<TelemetryNumber, count>& numbers) {
-        const SettingTree* content = tree(key);
+    void table(const TelemetryMessage& message) {
+        const auto numbers = message.numbers;
+        const SettingTree* content = tree(message.key);
         if (content == nullptr) {
             return;
         }
+        const std::string key(message.key);
         const auto* entries = content->as<SettingTree::Table>();
         if (entries == nullptr || entries->empty()) {
-            wrong({std::string(key)}, "allowed: a table with " + names_of(numbers));
+            wrong({key}, "allowed: a table with " + names_of(numbers));
             return;
         }
-        CrsfTelemetryFrame frame{.type = type};
+        CrsfTelemetryFrame frame{.type = message.type};
         for (const TelemetryNumber& number : numbers) {
             frame.fields.push_back(field_of(number, {}, {}));
         }
         for (const SettingEntry& entry : *entries) {
-            const Path path{std::string(key), entry.key};
+            const Path path{key, entry.key};
             const auto known = std::ranges::find(numbers, entry.key, &TelemetryNumber::key);
             if (known == numbers.end()) {
                 wrong(path, "unknown; allowed: " + names_of(numbers));
@@ -181,13 +156,13 @@ class TelemetryReader {
                 field.path = path;
             }
         }
-        if (type == 0x02 && (frame.fields[0].value.empty() || frame.fields[1].value.empty())) {
-            wrong({std::string(key)}, "latitude and longitude are needed, both");
+        if (message.type == kGpsType &&
+            (frame.fields[0].value.empty() || frame.fields[1].value.empty())) {
+            wrong({key}, "latitude and longitude are needed, both");
         }
         frames_.push_back(std::move(frame));
     }
-    template <std::size_t count>
-    static std::string names_of(const std::array<TelemetryNumber, count>& numbers) {
+    static std::string names_of(std::span<const TelemetryNumber> numbers) {
         std::string names;
         for (const TelemetryNumber& number : numbers) {
             names += (names.empty() ? "" : ", ") + std::string(number.key);
@@ -195,24 +170,26 @@ class TelemetryReader {
         return names;
     }
 
-    void single(const TelemetryNumber& number, std::uint8_t type) {
+    void single(const TelemetryMessage& message) {
+        const TelemetryNumber& number = message.numbers.front();
         const auto* name = settings_.find_as<std::string>(number.key);
         if (name != nullptr) {
-            frames_.push_back({.type = type,
+            frames_.push_back({.type = message.type,
                                .prefix = {},
                                .fields = {field_of(number, *name, {std::string(number.key)})}});
         }
     }
 
-    void numbered(const TelemetryNumber& number, std::uint8_t type, std::size_t most,
-                  std::uint8_t source) {
+    void numbered(const TelemetryMessage& message) {
+        const TelemetryNumber& number = message.numbers.front();
+        const std::size_t most = message.most;
         const SettingTree* content = tree(number.key);
         if (content == nullptr) {
             return;
         }
         const Path path{std::string(number.key)};
         const auto* entries = content->as<SettingTree::Table>();
-        CrsfTelemetryFrame frame{.type = type, .prefix = {source}};
+        CrsfTelemetryFrame frame{.type = message.type, .prefix = {kTelemetrySource}};
         if (entries != nullptr && entries->size() <= most) {
             frame.fields.resize(entries->size(), field_of(number, {}, {}));
         }
@@ -289,7 +266,6 @@ class TelemetryReader {
 std::vector<SettingMistake> check_telemetry(const SettingValues& settings, SettingScope scope) {
     TelemetryMistakes mistakes;
     if (scope == SettingScope::input) {
-        mistakes.push_back({{}, "protocol \"crsf-telemetry\" only sends; allowed: in an output"});
         return mistakes;
     }
     crsf_telemetry_frames(settings, mistakes);
@@ -318,6 +294,10 @@ AnyEncoder make_telemetry_encoder(const SettingValues& settings) {
     return std::make_unique<CrsfTelemetryEncoder>(crsf_telemetry_frames(settings, ignored));
 }
 
+std::unique_ptr<ByteValueReader> make_telemetry_reader(const SettingValues& /*settings*/) {
+    return std::make_unique<CrsfTelemetryReader>();
+}
+
 }  // namespace
 
 std::vector<CrsfTelemetryFrame> crsf_telemetry_frames(const SettingValues& settings,
@@ -330,7 +310,9 @@ std::vector<CrsfTelemetryFrame> crsf_telemetry_frames(const SettingValues& setti
 const Protocol kCrsfTelemetryProtocol{
     .name = "crsf-telemetry",
     .title = "CRSF telemetry",
-    .description = "Named values to a CRSF receiver, which shows them on the handset",
+    .description =
+        "Named values to a CRSF receiver, which shows them on the handset; or from a "
+        "flight controller or a transmitter module",
     .line = {.baud = 420000, .parity = Parity::none, .stop_bits = 1},
     .settings = kTelemetrySettings,
     .longest_frame = crsf_wire::kUncounted + crsf_wire::kMostLength,
@@ -342,6 +324,7 @@ const Protocol kCrsfTelemetryProtocol{
     .value_names = telemetry_values,
     .needs_pipeline = telemetry_needs_no_pipeline,
     .make_encoder = make_telemetry_encoder,
+    .make_value_reader = make_telemetry_reader,
 };
 
 }  // namespace tribus

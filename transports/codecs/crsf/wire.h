@@ -19,15 +19,15 @@ inline constexpr std::size_t kTypeAndCheck = 2;
 inline constexpr std::size_t kLeastLength = kTypeAndCheck;
 inline constexpr std::size_t kMostLength = 62;
 
-/// The address that every reader takes.
+/// The address that every reader of a receiver's frames takes.
 inline constexpr std::uint8_t kFlightController = 0xC8;
+inline constexpr std::uint8_t kHandset = 0xEA;
+inline constexpr std::uint8_t kTransmitter = 0xEE;
 
 /// Whether frames may begin with this byte. Senders put the receiver's address or theirs.
 constexpr bool is_address(std::uint8_t byte) {
     constexpr std::uint8_t kBroadcast = 0x00;
-    constexpr std::uint8_t kHandset = 0xEA;
     constexpr std::uint8_t kReceiver = 0xEC;
-    constexpr std::uint8_t kTransmitter = 0xEE;
     return byte == kFlightController || byte == kBroadcast || byte == kHandset ||
            byte == kReceiver || byte == kTransmitter;
 }

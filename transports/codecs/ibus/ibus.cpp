@@ -128,6 +128,8 @@ constexpr std::array kIbusSettings{
             .example = "18"},
 };
 
+constexpr std::array kIbusBeginnings{FrameBeginning{0x20, 0x40}};
+
 AnyDecoder make_ibus_decoder(const SettingValues& settings) {
     const bool plain = settings.get_or<std::string>("slots", "nibbles") == "plain";
     return std::make_unique<IbusDecoder>(plain ? IbusSlots::plain : IbusSlots::nibbles);
@@ -147,6 +149,7 @@ const Protocol kIbusProtocol{
     .title = "i.Bus",
     .description = "FlySky i.Bus servo frames, 14 or 18 channels",
     .line = {.baud = 115200, .parity = Parity::none, .stop_bits = 1},
+    .beginnings = kIbusBeginnings,
     .settings = kIbusSettings,
     .longest_frame = kLongestFrame,
     .default_period = std::chrono::milliseconds(7),

@@ -115,6 +115,8 @@ constexpr std::array kSbusSettings{
             .example = "false"},
 };
 
+constexpr std::array kSbusBeginnings{FrameBeginning{0x0F}};
+
 AnyDecoder make_sbus_decoder(const SettingValues& settings) {
     return std::make_unique<SbusDecoder>(SbusScale::from_setting(settings.find("scale")));
 }
@@ -138,6 +140,7 @@ const Protocol kSbusProtocol{
     .title = "SBUS",
     .description = "Futaba SBUS, and SBUS2 frames as input",
     .line = {.baud = 100000, .parity = Parity::even, .stop_bits = 2, .inverted_wire = true},
+    .beginnings = kSbusBeginnings,
     .settings = kSbusSettings,
     .longest_frame = kSbusFrameLength,
     .default_period = std::chrono::milliseconds(14),

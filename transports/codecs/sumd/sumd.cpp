@@ -93,6 +93,10 @@ constexpr std::array kSumdSettings{
             .example = "12"},
 };
 
+constexpr std::array kSumdBeginnings{FrameBeginning{kFirstByte, kLinkUp},
+                                     FrameBeginning{kFirstByte, kLinkUpVersion3},
+                                     FrameBeginning{kFirstByte, kFailsafe}};
+
 AnyDecoder make_sumd_decoder(const SettingValues& /*settings*/) {
     return std::make_unique<SumdDecoder>();
 }
@@ -111,6 +115,7 @@ const Protocol kSumdProtocol{
     .title = "SUMD",
     .description = "Graupner HoTT SUMD, up to 32 channels, of which the first 18 are used",
     .line = {.baud = 115200, .parity = Parity::none, .stop_bits = 1},
+    .beginnings = kSumdBeginnings,
     .settings = kSumdSettings,
     .longest_frame = frame_bytes(kChannelCount),
     .default_period = std::chrono::milliseconds(10),

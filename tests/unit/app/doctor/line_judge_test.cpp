@@ -3,13 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
+#include <memory>
 #include <random>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "config/schema/notation.h"
 #include "tests/support/recorded_lines.h"
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/registry/registry.h"
 
 namespace tribus::doctor::line_judge_test {
 namespace {
@@ -180,7 +186,7 @@ TEST(LineJudge, knows_ibus_with_parity_where_the_port_gets_into_step_again) {
 
 TEST(LineJudge, takes_another_rate_for_nothing_known) {
     for (const HeardBy& port : kPorts) {
-        for (const std::uint32_t baud : {57'600U, 420'000U}) {
+        for (const std::uint32_t baud : {57'600U, 300'000U}) {
             const SentAs as{.sender = {.line = {.baud = baud}}, .pause_bits = 1};
             EXPECT_EQ(story_of(kIbus14[0], as, port).sound, LineSound::unknown) << baud;
         }
@@ -190,9 +196,10 @@ TEST(LineJudge, takes_another_rate_for_nothing_known) {
 }
 
 TEST(LineJudge, takes_no_byte_for_silence) {
-    const LineStory story = judge_line(heard_of(Wire({.line = kIbusLine}), {}));
+    const auto heard = heard_of(Wire({.line = kIbusLine}), {});
+    const LineStory story = judge_line(heard);
     EXPECT_EQ(story.sound, LineSound::silence);
-    EXPECT_EQ(story.listened, 4 * test::kRecordedTime);
+    EXPECT_EQ(story.listened, static_cast<int>(heard.size()) * test::kRecordedTime);
 }
 
 TEST(LineJudge, takes_noise_for_nothing_known) {
@@ -309,6 +316,92 @@ TEST(LineJudge, counts_the_flags_of_sbus) {
     EXPECT_EQ(lost.frame_lost, 30U);
     EXPECT_EQ(lost.failsafe, 0U);
     EXPECT_EQ(sbus_story(992, 192, 1792, 0x0C).failsafe, 30U);
+}
+
+/// A protocol that can be written, as its own encoder sends it.
+Recording encoded(const Protocol& protocol, Duration period) {
+    SettingValues settings;
+    for (const Setting& setting : protocol.settings) {
+        if (!setting.fallback.empty()) {
+            settings.set(setting.key, default_of(setting));
+        }
+    }
+    const auto any = protocol.make_encoder(settings);
+    ByteEncoder& encoder = *std::get<std::unique_ptr<ByteEncoder>>(any);
+    ChannelFrame frame;
+    frame.frame_lost = false;
+    frame.failsafe = false;
+    std::mt19937 random(7);
+    Recording recording;
+    for (Duration at{}; at < test::kRecordedTime; at += period) {
+        // Real sticks tremble, so frames differ.
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            frame.set(channel, Pulse::from_eighths(8 * static_cast<int>(1000 + random() % 1000)));
+        }
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        const std::size_t length = encoder.write(frame, wire, Instant(at));
+        recording.bursts.push_back(
+            {.start = at,
+             .bytes = {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)},
+             .damaged = std::vector<bool>(length)});
+    }
+    return recording;
+}
+
+std::vector<const Protocol*> written_protocols() {
+    std::vector<const Protocol*> written;
+    for (const Protocol* protocol : protocols()) {
+        if (protocol->shape == WireShape::bytes && protocol->make_decoder != nullptr &&
+            protocol->make_encoder != nullptr) {
+            written.push_back(protocol);
+        }
+    }
+    return written;
+}
+
+/// The line that the sender has, by its own level.
+LineSettings level(LineSettings line) {
+    line.inverted_wire = false;
+    return line;
+}
+
+TEST(LineJudge, knows_every_protocol_that_can_be_written) {
+    for (const Protocol* protocol : written_protocols()) {
+        for (const HeardBy& port : kPorts) {
+            const Wire wire = on_a_wire(encoded(*protocol, milliseconds(10)),
+                                        {.sender = {level(protocol->line)}});
+            const LineStory story = judge_line(heard_of(wire, port));
+            EXPECT_EQ(story.sound, LineSound::frames) << protocol->name;
+            EXPECT_EQ(story.protocol, protocol->name);
+            EXPECT_EQ(story.line.baud, protocol->line.baud) << protocol->name;
+            expect_period(story, milliseconds(10));
+        }
+    }
+}
+
+TEST(LineJudge, knows_every_protocol_that_can_be_written_inverted) {
+    for (const Protocol* protocol : written_protocols()) {
+        for (const HeardBy& port : kPorts) {
+            const Wire wire = on_a_wire(encoded(*protocol, milliseconds(10)),
+                                        {.sender = {level(protocol->line), true}});
+            const LineStory story = judge_line(heard_of(wire, port));
+            EXPECT_EQ(story.sound, LineSound::inverted) << protocol->name;
+            EXPECT_EQ(story.protocol, protocol->name);
+            EXPECT_EQ(story.line.baud, protocol->line.baud) << protocol->name;
+        }
+    }
+}
+
+TEST(LineJudge, knows_crsf_at_the_rates_to_which_receivers_are_set) {
+    const Recording crsf = encoded(*find_protocol("crsf"), milliseconds(7));
+    for (const std::uint32_t baud : {115'200U, 400'000U, 416'666U, 420'000U, 460'800U, 921'600U}) {
+        const LineStory story =
+            judge_line(heard_of(on_a_wire(crsf, {.sender = {LineSettings{.baud = baud}}}), {}));
+        EXPECT_EQ(story.sound, LineSound::frames) << baud;
+        EXPECT_EQ(story.protocol, "crsf");
+        // A port that is off by 5 % still reads it.
+        EXPECT_LE(std::abs(static_cast<double>(story.line.baud) / baud - 1), 0.051) << baud;
+    }
 }
 
 }  // namespace

@@ -184,6 +184,8 @@ std::map<std::string, std::string> special_contexts() {
     const std::string dronecan_values = battery_in_values(
         "interface = \"can0\"\n"
         "dronecan = \"uavcan.equipment.power.BatteryInfo\"\n");
+    const std::string telemetry_of_a_controller = "protocol = \"crsf-telemetry\"\n";
+    const std::string module_line = "protocol = \"crsf\"\ndevice = \"/dev/ttyB\"\nbaud = 400000\n";
     const std::string on_can = output("protocol = \"can\"\ninterface = \"can0\"\n");
     std::map<std::string, std::string> contexts{
         {"failsafe_when-all_zero",
@@ -233,6 +235,14 @@ std::map<std::string, std::string> special_contexts() {
         {"values-node", dronecan_values},
         {"values-instance", dronecan_values},
         {"values-fd", dronecan_values},
+        {"values-protocol", battery_in_values("device = \"/dev/ttyD\"\n")},
+        {"values-device", battery_in_values(telemetry_of_a_controller)},
+        {"values-address", battery_in_values(telemetry_of_a_controller)},
+        {"values-public",
+         battery_in_values(telemetry_of_a_controller + "address = \"127.0.0.1:5502\"\n")},
+        {"values-baud", battery_in_values(telemetry_of_a_controller + "device = \"/dev/ttyD\"\n")},
+        {"crsf-role", output(module_line)},
+        {"crsf-model_id", output(module_line + "role = \"handset\"\n")},
         {"dbc-signals-channel", signal("Speed", "")},
         {"dbc-signals-value", signal("Speed", "channel = 1\n")},
         {"dbc-signals-positive", signal("Steering", "channel = 1\nnegative = \"LeftStatus\"\n")},

@@ -20,12 +20,12 @@ TEST(Stations, APortTellsTheFirstOfAKind) {
     EXPECT_EQ(first_of(kOnPort, StationKind::sensor_bus), std::nullopt);
 }
 
-TEST(Stations, OnlyInputsAndSensorBusesWantBytes) {
-    for (const auto kind : {StationKind::input, StationKind::sensor_bus}) {
+TEST(Stations, InputsSensorBusesValuesAndRepliesWantBytes) {
+    for (const auto kind : {StationKind::input, StationKind::sensor_bus, StationKind::value_message,
+                            StationKind::replies}) {
         EXPECT_TRUE(wants_bytes(std::array{Station{kind, 0}}));
     }
-    for (const auto kind :
-         {StationKind::output, StationKind::dronecan_node, StationKind::value_message}) {
+    for (const auto kind : {StationKind::output, StationKind::dronecan_node}) {
         EXPECT_FALSE(wants_bytes(std::array{Station{kind, 0}}));
     }
 }

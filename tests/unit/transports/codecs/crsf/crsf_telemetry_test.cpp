@@ -235,9 +235,6 @@ TEST(CrsfTelemetry, RefusesWrongSettingsWithThePlace) {
               (std::vector<std::string>{"cells", "3"}));
     EXPECT_EQ(first(with("cells", table({{"01", "a"}}))).path,
               (std::vector<std::string>{"cells", "01"}));
-    const auto as_input =
-        kCrsfTelemetryProtocol.check(with("rpm", numbered({"a"})), SettingScope::input);
-    EXPECT_FALSE(as_input.empty());
 }
 
 TEST(CrsfTelemetry, NamesItsValuesWithTheKeysThatNameThem) {
