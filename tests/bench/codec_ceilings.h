@@ -74,6 +74,9 @@ inline constexpr std::array kFrameRows{
     Row{"DecodeCrsfInOneRead", "decode_crsf_read", 175, 229},
     Row{"DecodeCrsfByteByByte", "decode_crsf_bytes", 1270, 1455},
     Row{"EncodeCrsf", "encode_crsf", 139, 175},
+    Row{"DecodeGhstInOneRead", "decode_ghst_read", 169, 196},
+    Row{"DecodeGhstByteByByte", "decode_ghst_bytes", 980, 1100},
+    Row{"EncodeGhst", "encode_ghst", 104, 170},
 };
 
 constexpr Row garbage(std::string_view name, std::string_view workload, std::string_view pattern,

@@ -11,6 +11,7 @@
 
 #include "transports/codecs/codec.h"
 #include "transports/codecs/crsf/crsf.h"
+#include "transports/codecs/ghst/ghst.h"
 #include "transports/codecs/ibus/ibus.h"
 #include "transports/codecs/sbus/sbus.h"
 
@@ -108,15 +109,16 @@ std::vector<ChannelFrame> channel_frames(std::size_t count, std::uint32_t absent
 }
 
 constexpr std::size_t kCrsfLength = 26;
+constexpr std::size_t kGhstLength = 14;
 
-std::vector<std::uint8_t> crsf_frames(std::size_t count) {
-    std::vector<std::uint8_t> bytes(count * kCrsfLength);
+/// Frames of `length` bytes as the encoder writes them.
+std::vector<std::uint8_t> frames_of(ByteEncoder& encoder, std::size_t length, std::size_t count) {
+    std::vector<std::uint8_t> bytes(count * length);
     const auto channels = channel_frames(count, 0);
-    CrsfEncoder encoder;
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
     for (std::size_t i = 0; i < count; ++i) {
         encoder.write(channels[i], wire, Instant{});
-        std::memcpy(&bytes[i * kCrsfLength], wire.data(), kCrsfLength);
+        std::memcpy(&bytes[i * length], wire.data(), length);
     }
     return bytes;
 }
@@ -208,6 +210,9 @@ std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
     if (work.about("crsf")) {
         return std::make_unique<CrsfDecoder>();
     }
+    if (work.about("ghst")) {
+        return std::make_unique<GhstDecoder>();
+    }
     if (work.about("sbus")) {
         return std::make_unique<SbusDecoder>(
             *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));
@@ -218,6 +223,9 @@ std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
 std::unique_ptr<ByteEncoder> encoder_for(const Work& work) {
     if (work.about("crsf")) {
         return std::make_unique<CrsfEncoder>();
+    }
+    if (work.about("ghst")) {
+        return std::make_unique<GhstEncoder>();
     }
     if (work.about("sbus")) {
         return std::make_unique<SbusEncoder>(
@@ -234,8 +242,10 @@ void run(const Work& work) {
         encode(std::span(frames).first(work.units), *encoder_for(work));
     } else if (work.about("garbage")) {
         decode_garbage(work, *decoder_for(work));
-    } else if (work.about("crsf")) {
-        decode_frames(work, *decoder_for(work), crsf_frames(work.prepared), kCrsfLength);
+    } else if (work.about("crsf") || work.about("ghst")) {
+        const std::size_t length = work.about("crsf") ? kCrsfLength : kGhstLength;
+        decode_frames(work, *decoder_for(work),
+                      frames_of(*encoder_for(work), length, work.prepared), length);
     } else if (work.about("sbus")) {
         decode_frames(work, *decoder_for(work), sbus_frames(work.prepared), kSbusFrameLength);
     } else {

@@ -46,6 +46,9 @@ Figures codecs(const BoundSettings& /*settings*/) {
         {"instructions, decode CRSF, one read", 140},
         {"instructions, decode CRSF, byte by byte", kNoBound},
         {"instructions, encode CRSF", 90},
+        {"instructions, decode GHST, one read", 140},
+        {"instructions, decode GHST, byte by byte", kNoBound},
+        {"instructions, encode GHST", 140},
     }};
     std::vector<Figure> figures;
     for (std::size_t i = 0; i < kBounds.size(); ++i) {
