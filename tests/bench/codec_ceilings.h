@@ -77,6 +77,9 @@ inline constexpr std::array kFrameRows{
     Row{"DecodeGhstInOneRead", "decode_ghst_read", 169, 196},
     Row{"DecodeGhstByteByByte", "decode_ghst_bytes", 980, 1100},
     Row{"EncodeGhst", "encode_ghst", 104, 170},
+    Row{"DecodeSrxlInOneRead", "decode_srxl_read", 200, 295},
+    Row{"DecodeSrxlByteByByte", "decode_srxl_bytes", 960, 1240},
+    Row{"EncodeSrxl", "encode_srxl", 242, 200},
 };
 
 constexpr Row garbage(std::string_view name, std::string_view workload, std::string_view pattern,

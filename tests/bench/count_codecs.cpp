@@ -14,6 +14,7 @@
 #include "transports/codecs/ghst/ghst.h"
 #include "transports/codecs/ibus/ibus.h"
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/codecs/srxl/srxl.h"
 
 /// count_codecs WORKLOAD UNITS PREPARED [PATTERN]
 ///
@@ -213,6 +214,9 @@ std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
     if (work.about("ghst")) {
         return std::make_unique<GhstDecoder>();
     }
+    if (work.about("srxl")) {
+        return std::make_unique<SrxlDecoder>();
+    }
     if (work.about("sbus")) {
         return std::make_unique<SbusDecoder>(
             *SbusScale::named(work.about("frsky") ? "frsky" : "betaflight"));
@@ -226,6 +230,9 @@ std::unique_ptr<ByteEncoder> encoder_for(const Work& work) {
     }
     if (work.about("ghst")) {
         return std::make_unique<GhstEncoder>();
+    }
+    if (work.about("srxl")) {
+        return std::make_unique<SrxlEncoder>();
     }
     if (work.about("sbus")) {
         return std::make_unique<SbusEncoder>(
@@ -242,8 +249,10 @@ void run(const Work& work) {
         encode(std::span(frames).first(work.units), *encoder_for(work));
     } else if (work.about("garbage")) {
         decode_garbage(work, *decoder_for(work));
-    } else if (work.about("crsf") || work.about("ghst")) {
-        const std::size_t length = work.about("crsf") ? kCrsfLength : kGhstLength;
+    } else if (work.about("crsf") || work.about("ghst") || work.about("srxl")) {
+        const std::size_t length = work.about("crsf")   ? kCrsfLength
+                                   : work.about("ghst") ? kGhstLength
+                                                        : kSrxlMostBytes;
         decode_frames(work, *decoder_for(work),
                       frames_of(*encoder_for(work), length, work.prepared), length);
     } else if (work.about("sbus")) {

@@ -49,6 +49,9 @@ Figures codecs(const BoundSettings& /*settings*/) {
         {"instructions, decode GHST, one read", 140},
         {"instructions, decode GHST, byte by byte", kNoBound},
         {"instructions, encode GHST", 140},
+        {"instructions, decode SRXL, one read", 350},
+        {"instructions, decode SRXL, byte by byte", kNoBound},
+        {"instructions, encode SRXL", 350},
     }};
     std::vector<Figure> figures;
     for (std::size_t i = 0; i < kBounds.size(); ++i) {
