@@ -10,6 +10,9 @@ namespace {
 
 constexpr std::array kGhstSettings{baud_setting("420000", "400000")};
 
+constexpr std::array kGhstBeginnings{
+    FrameBeginning{ghst_wire::kGhstAddress, ghst_wire::kGhstLength}};
+
 AnyDecoder make_ghst_decoder(const SettingValues& /*settings*/) {
     return std::make_unique<GhstDecoder>();
 }
@@ -26,6 +29,7 @@ const Protocol kGhstProtocol{
     .title = "GHST",
     .description = "GHST of ImmersionRC Ghost receivers, 16 channels, 5 to 16 by turns",
     .line = {.baud = 420000, .parity = Parity::none, .stop_bits = 1},
+    .beginnings = kGhstBeginnings,
     .settings = kGhstSettings,
     .longest_frame = ghst_wire::kGhstFrameBytes,
     .default_period = std::chrono::milliseconds(4),

@@ -9,6 +9,9 @@ namespace {
 
 constexpr std::array kSrxlSettings{baud_setting("115200", "115200")};
 
+constexpr std::array kSrxlBeginnings{FrameBeginning{0xA1}, FrameBeginning{0xA2},
+                                     FrameBeginning{0xA5}};
+
 AnyDecoder make_srxl_decoder(const SettingValues& /*settings*/) {
     return std::make_unique<SrxlDecoder>();
 }
@@ -26,6 +29,7 @@ const Protocol kSrxlProtocol{
     .title = "SRXL",
     .description = "SRXL of Multiplex (JR XBus mode B), up to 16 channels, and of Spektrum",
     .line = {.baud = 115200, .parity = Parity::none, .stop_bits = 1},
+    .beginnings = kSrxlBeginnings,
     .settings = kSrxlSettings,
     .longest_frame = kSrxlMostBytes,
     .default_period = std::chrono::milliseconds(14),
