@@ -3,9 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 
+#include "transports/codecs/byte_sum.h"
 #include "transports/codecs/ibus/wire.h"
 
 /// Checks that tell an i.Bus frame from noise; only for the decoder.
@@ -39,14 +39,7 @@ inline std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t po
 
 inline constexpr std::uint16_t kLongFrameHeader = kLongestFrame | kServoCommand << 8U;
 
-/// Sum of at most 32 bytes.
-inline unsigned sum_of(std::span<const std::uint8_t> bytes) {
-    std::uint64_t words = 0;
-    for (; bytes.size() >= kGroupBytes; bytes = bytes.subspan(kGroupBytes)) {
-        words += sum_by_words(load_word(bytes.data()));
-    }
-    return std::accumulate(bytes.begin(), bytes.end(), total(words));
-}
+using byte_sums::sum_of;
 
 /// 0xFFFF less each byte before the checksum (docs/protocols/ibus.md, "Servo frame").
 inline std::uint16_t servo_checksum(std::span<const std::uint8_t> body) {

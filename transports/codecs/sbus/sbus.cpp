@@ -8,6 +8,7 @@
 #include <numeric>
 #include <string_view>
 
+#include "transports/codecs/sbus/settings.h"
 #include "transports/codecs/sbus/wire.h"
 
 namespace tribus {
@@ -89,8 +90,6 @@ std::size_t SbusEncoder::write(const ChannelFrame& frame,
 namespace {
 
 constexpr std::array<std::string_view, 2> kBaudChoices{"100000", "200000"};
-constexpr std::array<std::string_view, 5> kScaleChoices{"betaflight", "ardupilot", "px4", "frsky",
-                                                        "futaba"};
 constexpr std::array kSbusSettings{
     Setting{.key = "baud",
             .type = SettingType::integer,
@@ -100,19 +99,8 @@ constexpr std::array kSbusSettings{
             .of_line = true,
             .help = "Bit rate of the line: 100000, or 200000 for the fast variant (DJI)",
             .example = "200000"},
-    Setting{.key = "scale",
-            .type = SettingType::scale,
-            .fallback = "\"betaflight\"",
-            .choices = kScaleChoices,
-            .help = "How raw values become microseconds: a maker's scale, or two points",
-            .example = "{ raw = [172, 1811], us = [988, 2012] }"},
-    Setting{.key = "inverted",
-            .type = SettingType::boolean,
-            .fallback = "false",
-            .of_line = true,
-            .help = "Must be false: Linux has no setting that inverts a serial line. Use an "
-                    "inverter",
-            .example = "false"},
+    kSbusScaleSetting,
+    kInvertedSetting,
 };
 
 constexpr std::array kSbusBeginnings{FrameBeginning{0x0F}};

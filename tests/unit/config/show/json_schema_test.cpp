@@ -16,8 +16,10 @@ TEST(JsonSchema, OffersTheKeysOfAProtocolToItsTablesOnly) {
     for (const auto& branch : input.at("allOf")) {
         const auto& protocol = branch.at("/if/properties/protocol/const"_json_pointer);
         EXPECT_EQ(branch.at("/then/properties/slots"_json_pointer).is_object(), protocol == "ibus");
+        const bool has_sbus_channels =
+            protocol == "sbus" || protocol == "fport" || protocol == "fport2" || protocol == "fbus";
         EXPECT_EQ(branch.at("/then/properties/scale"_json_pointer).is_object(),
-                  protocol == "sbus" || protocol == "dronecan");
+                  has_sbus_channels || protocol == "dronecan");
         EXPECT_EQ(branch.at("/then/properties/signals"_json_pointer).is_object(),
                   protocol == "dbc");
     }
