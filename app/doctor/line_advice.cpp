@@ -140,8 +140,10 @@ Finding unknown(const LineStory& story) {
 
 Finding ibus2() {
     return finding(Severity::problem, "line.ibus2", "i-BUS2 is on it, another protocol",
-                   "tribus cannot read it.",
-                   "Set this output of the receiver to i.BUS (servo), in the transmitter's menu.");
+                   "An input of i.Bus cannot read it.",
+                   "Set this output of the receiver to i.BUS (servo), in the transmitter's menu. "
+                   "Beside an i-BUS2 device that asks for the key, `protocol = \"ibus2\"` reads "
+                   "it.");
 }
 
 void judge_frames(const LineStory& story, std::vector<Finding>& findings) {

@@ -20,7 +20,8 @@ class FramedDecoder : public ByteDecoder {
   public:
     void damaged_byte() final;
     bool silence(DecodedFrame& frame) final;
-    void reset() final;
+    /// A derived class that keeps what later frames need forgets it, too.
+    void reset() override;
     std::optional<DecodedFrame> finish() final;
     std::span<const NamedCount> rejected() const final { return rejected_; }
     std::uint64_t skipped_bytes() const final { return skipped_bytes_; }
