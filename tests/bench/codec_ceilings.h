@@ -80,6 +80,9 @@ inline constexpr std::array kFrameRows{
     Row{"DecodeSrxlInOneRead", "decode_srxl_read", 200, 295},
     Row{"DecodeSrxlByteByByte", "decode_srxl_bytes", 960, 1240},
     Row{"EncodeSrxl", "encode_srxl", 242, 200},
+    Row{"DecodeFport2InOneRead", "decode_fport2_read", 147, 150},
+    Row{"DecodeFportInOneRead", "decode_fport_read", 168, 172},
+    Row{"DecodeIbus2InOneRead", "decode_ibus2_read", 290, 340},
 };
 
 constexpr Row garbage(std::string_view name, std::string_view workload, std::string_view pattern,

@@ -11,8 +11,10 @@
 
 #include "transports/codecs/codec.h"
 #include "transports/codecs/crsf/crsf.h"
+#include "transports/codecs/fport/fport.h"
 #include "transports/codecs/ghst/ghst.h"
 #include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/ibus2/ibus2.h"
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/codecs/srxl/srxl.h"
 
@@ -124,6 +126,98 @@ std::vector<std::uint8_t> frames_of(ByteEncoder& encoder, std::size_t length, st
     return bytes;
 }
 
+constexpr std::size_t kFport2Length = 27;
+
+/// 16 channels. The sum of all bytes but the length, with each carry added again, is FF.
+std::vector<std::uint8_t> fport2_frames(std::size_t count) {
+    Random random;
+    std::vector<std::uint8_t> bytes(count * kFport2Length);
+    for (std::size_t start = 0; start < bytes.size(); start += kFport2Length) {
+        bytes[start] = 0x18;
+        bytes[start + 1] = 0xFF;
+        unsigned sum = 0xFF;
+        for (std::size_t at = start + 2; at < start + kFport2Length - 1; ++at) {
+            bytes[at] = static_cast<std::uint8_t>(random());
+            sum += bytes[at];
+        }
+        bytes[start + kFport2Length - 1] = static_cast<std::uint8_t>(0xFF - sum % 0xFF);
+    }
+    return bytes;
+}
+
+constexpr std::size_t kFportLength = 29;
+
+/// 16 channels without escapes.
+std::vector<std::uint8_t> fport_frames(std::size_t count) {
+    Random random;
+    std::vector<std::uint8_t> bytes(count * kFportLength);
+    for (std::size_t start = 0; start < bytes.size(); start += kFportLength) {
+        bytes[start] = bytes[start + kFportLength - 1] = 0x7E;
+        bytes[start + 1] = 0x19;
+        unsigned sum = 0x19;
+        for (std::size_t at = start + 3; at < start + kFportLength - 2; ++at) {
+            bytes[at] = static_cast<std::uint8_t>(random() & 0x5FU);
+            sum += bytes[at];
+        }
+        // The last random byte makes room for a sum that needs no escape.
+        std::uint8_t& last = bytes[start + kFportLength - 3];
+        for (unsigned check = 0xFF - sum % 0xFF; check == 0x7D || check == 0x7E;
+             check = 0xFF - sum % 0xFF) {
+            ++last;
+            ++sum;
+        }
+        bytes[start + kFportLength - 2] = static_cast<std::uint8_t>(0xFF - sum % 0xFF);
+    }
+    return bytes;
+}
+
+constexpr std::size_t kIbus2Length = 29;
+
+/// Writes the CRC of a frame of i-BUS2 behind it.
+void put_ibus2_check(std::span<std::uint8_t> frame) {
+    unsigned crc = 0xFF;
+    for (const std::uint8_t byte : frame.first(frame.size() - 1)) {
+        crc ^= byte;
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = (crc << 1U) ^ ((crc & 0x80U) != 0 ? 0x125U : 0U);
+        }
+    }
+    frame.back() = static_cast<std::uint8_t>(crc);
+}
+
+/// 18 channels of 11 bits in steps of 1 us.
+std::array<std::uint8_t, 24> ibus2_key() {
+    constexpr unsigned kType = 0x1B;
+    std::array<std::uint8_t, 24> key{0x04, 24, 0x07};
+    for (std::size_t bit = 0; bit < 5 * kChannelCount; ++bit) {
+        std::uint8_t& byte = key[3 + bit / 8];
+        byte = static_cast<std::uint8_t>(byte | (kType >> bit % 5 & 1U) << bit % 8);
+    }
+    put_ibus2_check(key);
+    return key;
+}
+
+/// Values from 988 to 2011 us.
+std::vector<std::uint8_t> ibus2_frames(std::size_t count) {
+    Random random;
+    std::vector<std::uint8_t> bytes(count * kIbus2Length);
+    for (std::size_t start = 0; start < bytes.size(); start += kIbus2Length) {
+        const auto frame = std::span(bytes).subspan(start, kIbus2Length);
+        frame[1] = kIbus2Length;
+        frame[2] = 0x07;
+        for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+            const std::uint32_t value = (random() & 0x3FFU) - 512;
+            for (std::size_t bit = 0; bit < 11; ++bit) {
+                const std::size_t at = 11 * channel + bit;
+                std::uint8_t& byte = frame[3 + at / 8];
+                byte = static_cast<std::uint8_t>(byte | (value >> bit & 1U) << at % 8);
+            }
+        }
+        put_ibus2_check(frame);
+    }
+    return bytes;
+}
+
 struct WireByte {
     std::uint8_t value = 0;
     bool damaged = false;
@@ -208,6 +302,18 @@ void decode_garbage(const Work& work, ByteDecoder& decoder) {
 }
 
 std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
+    if (work.about("ibus2")) {
+        auto decoder = std::make_unique<Ibus2Decoder>();
+        DecodedFrame frame;
+        take_frames(*decoder, ibus2_key(), frame);
+        return decoder;
+    }
+    if (work.about("fport2")) {
+        return std::make_unique<Fport2Decoder>();
+    }
+    if (work.about("fport")) {
+        return std::make_unique<FportDecoder>();
+    }
     if (work.about("crsf")) {
         return std::make_unique<CrsfDecoder>();
     }
@@ -255,6 +361,12 @@ void run(const Work& work) {
                                                         : kSrxlMostBytes;
         decode_frames(work, *decoder_for(work),
                       frames_of(*encoder_for(work), length, work.prepared), length);
+    } else if (work.about("ibus2")) {
+        decode_frames(work, *decoder_for(work), ibus2_frames(work.prepared), kIbus2Length);
+    } else if (work.about("fport2")) {
+        decode_frames(work, *decoder_for(work), fport2_frames(work.prepared), kFport2Length);
+    } else if (work.about("fport")) {
+        decode_frames(work, *decoder_for(work), fport_frames(work.prepared), kFportLength);
     } else if (work.about("sbus")) {
         decode_frames(work, *decoder_for(work), sbus_frames(work.prepared), kSbusFrameLength);
     } else {

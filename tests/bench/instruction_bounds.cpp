@@ -52,6 +52,9 @@ Figures codecs(const BoundSettings& /*settings*/) {
         {"instructions, decode SRXL, one read", 350},
         {"instructions, decode SRXL, byte by byte", kNoBound},
         {"instructions, encode SRXL", 350},
+        {"instructions, decode F.Port 2, one read", 270},
+        {"instructions, decode F.Port, one read", 290},
+        {"instructions, decode i-BUS2, one read", 290},
     }};
     std::vector<Figure> figures;
     for (std::size_t i = 0; i < kBounds.size(); ++i) {
