@@ -82,7 +82,7 @@ std::uint32_t ghst_fine_raw(std::uint64_t packed, std::size_t channel) {
 /// Whole mW of a power in dBm; nothing above what the number can hold.
 std::optional<std::uint16_t> ghst_milliwatts(std::uint8_t byte) {
     constexpr int kMostDbm = 48;
-    const int dbm = static_cast<std::int8_t>(byte);
+    const int dbm = byte < 0x80 ? byte : byte - 0x100;
     return dbm <= kMostDbm
                ? std::optional(static_cast<std::uint16_t>(std::lround(std::pow(10.0, dbm / 10.0))))
                : std::nullopt;
