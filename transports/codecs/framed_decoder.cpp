@@ -65,6 +65,7 @@ bool FramedDecoder::search(bool more_may_come, Instant received, DecodedFrame& f
 
 ByteDecoder::Taken FramedDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
                                          DecodedFrame& frame) {
+    read_at_ = received;
     buffer_.open(bytes);
     const bool found = search(true, received, frame);
     return {.bytes = bytes.size() - buffer_.close().size(), .frame = found};
@@ -72,7 +73,7 @@ ByteDecoder::Taken FramedDecoder::decode(std::span<const std::uint8_t> bytes, In
 
 bool FramedDecoder::silence(DecodedFrame& frame) {
     buffer_.open({});
-    const bool found = search(false, {}, frame);
+    const bool found = search(false, read_at_, frame);
     buffer_.close();
     return found;
 }

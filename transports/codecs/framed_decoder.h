@@ -49,6 +49,9 @@ class FramedDecoder : public ByteDecoder {
 
     std::array<NamedCount, 2> rejected_{{{"checksum"}, {"damaged"}}};
     std::uint64_t skipped_bytes_ = 0;
+    /// When the latest bytes came that were looked at together with others. A frame that a pause
+    /// shows came then.
+    Instant read_at_{};
 };
 
 }  // namespace tribus

@@ -18,6 +18,11 @@ constexpr LineSettings kFportLine{
 constexpr LineSettings kFbusLine{
     .baud = 460800, .parity = Parity::none, .stop_bits = 1, .inverted_wire = true};
 
+constexpr std::array kFportBeginnings{FrameBeginning{0x7E, 0x19}};
+/// By the number of channels.
+constexpr std::array kFport2Beginnings{FrameBeginning{0x18, 0xFF}, FrameBeginning{0x0D, 0xFF},
+                                       FrameBeginning{0x23, 0xFF}};
+
 template <class Decoder>
 AnyDecoder make_fport_decoder(const SettingValues& settings) {
     return std::make_unique<Decoder>(SbusScale::from_setting(settings.find("scale")));
@@ -36,6 +41,7 @@ const Protocol kFportProtocol{
     .title = "F.Port",
     .description = "FrSky F.Port (version 1) as input, 16 channels",
     .line = kFportLine,
+    .beginnings = kFportBeginnings,
     .settings = kFportSettings,
     .signals_failsafe = always_signals_failsafe,
     .raw_zero = fport_raw_zero,
@@ -48,6 +54,7 @@ const Protocol kFport2Protocol{
     .title = "F.Port 2",
     .description = "FrSky F.Port 2 as input, up to 24 channels, of which the first 18 are used",
     .line = kFportLine,
+    .beginnings = kFport2Beginnings,
     .settings = kFportSettings,
     .signals_failsafe = always_signals_failsafe,
     .raw_zero = fport_raw_zero,
@@ -60,6 +67,7 @@ const Protocol kFbusProtocol{
     .title = "FBUS",
     .description = "FrSky FBUS as input: F.Port 2 at 460800 baud",
     .line = kFbusLine,
+    .beginnings = kFport2Beginnings,
     .settings = kFbusSettings,
     .signals_failsafe = always_signals_failsafe,
     .raw_zero = fport_raw_zero,

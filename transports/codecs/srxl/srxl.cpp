@@ -98,7 +98,6 @@ Pulse srxl_word_pulse(std::uint16_t word) {
 
 [[gnu::flatten]] SrxlDecoder::Taken SrxlDecoder::decode(std::span<const std::uint8_t> bytes,
                                                         Instant received, DecodedFrame& frame) {
-    read_at_ = received;
     // The usual case, a frame in one read. The general way gives the same.
     if (buffer_.size() == 0 && !bytes.empty()) {
         const std::size_t length = srxl_length(bytes[0]);
@@ -158,12 +157,12 @@ void SrxlDecoder::read_words(std::span<const std::uint8_t> frame, ChannelFrame& 
         raw_[i] = word;
         const std::size_t channel = word >> 11U;
         if (channel < words_.size()) {
-            words_[channel] = {srxl_word_pulse(word), read_at_};
+            words_[channel] = {srxl_word_pulse(word), channels.received};
         }
     }
     for (std::size_t channel = 0; channel < words_.size(); ++channel) {
         const WordChannel& latest = words_[channel];
-        if (latest.received && read_at_ - *latest.received <= kWordLasts) {
+        if (latest.received && channels.received - *latest.received <= kWordLasts) {
             channels.set(channel, latest.pulse);
         }
     }

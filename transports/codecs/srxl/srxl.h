@@ -49,8 +49,6 @@ class SrxlDecoder final : public FramedDecoder {
     void read_all(const std::uint8_t* words, std::size_t count, ChannelFrame& channels);
     void read_words(std::span<const std::uint8_t> frame, ChannelFrame& channels);
 
-    /// When the latest bytes were read. A frame that a pause shows has no arrival of its own.
-    Instant read_at_{};
     /// The latest word of each channel of version 5, and its arrival.
     struct WordChannel {
         Pulse pulse{};
