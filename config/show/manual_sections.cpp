@@ -143,11 +143,15 @@ std::string protocol_text(const Protocol& protocol) {
     const std::string_view ways = !protocol.goes(SettingScope::input)    ? "Outputs only"
                                   : !protocol.goes(SettingScope::output) ? "Inputs only"
                                                                          : "Inputs and outputs";
+    const std::string text =
+        fmt::format("{}. {}, {}.", protocol.description, ways, line_text(protocol));
+    if (!protocol.goes(SettingScope::output)) {
+        return text;
+    }
     return fmt::format(
-        "{}. {}, {}. The `period` of an output is {}`\"{}\"` by default, and at least `\"{}\"` "
-        "without `force`.",
-        protocol.description, ways, line_text(protocol),
-        protocol.own_period == nullptr ? "" : "that of its messages, else ",
+        "{} The `period` of an output is {}`\"{}\"` by default, and at least `\"{}\"` without "
+        "`force`.",
+        text, protocol.own_period == nullptr ? "" : "that of its messages, else ",
         format_duration(protocol.default_period), format_duration(protocol.least_period));
 }
 

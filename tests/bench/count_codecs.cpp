@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "transports/codecs/codec.h"
+#include "transports/codecs/crc16_8408.h"
 #include "transports/codecs/crsf/crsf.h"
+#include "transports/codecs/exbus/exbus.h"
 #include "transports/codecs/fport/fport.h"
 #include "transports/codecs/ghst/ghst.h"
 #include "transports/codecs/ibus/ibus.h"
@@ -218,6 +220,27 @@ std::vector<std::uint8_t> ibus2_frames(std::size_t count) {
     return bytes;
 }
 
+constexpr std::size_t kExBusLength = 40;
+
+/// 16 channels, no request.
+std::vector<std::uint8_t> exbus_frames(std::size_t count) {
+    constexpr std::array<std::uint8_t, 6> kHeader{0x3E, 0x03, kExBusLength, 0x06, 0x31, 32};
+    constexpr std::size_t kBody = kExBusLength - 2;
+    Random random;
+    std::vector<std::uint8_t> bytes(count * kExBusLength);
+    for (std::size_t start = 0; start < bytes.size(); start += kExBusLength) {
+        std::memcpy(&bytes[start], kHeader.data(), kHeader.size());
+        for (std::size_t at = start + kHeader.size(); at < start + kBody; at += 2) {
+            bytes[at] = static_cast<std::uint8_t>(random());
+            bytes[at + 1] = static_cast<std::uint8_t>((random() & 0x1FU) + 0x1F);
+        }
+        const std::uint16_t crc = crc16_8408(0, std::span(bytes).subspan(start, kBody));
+        bytes[start + kBody] = static_cast<std::uint8_t>(crc);
+        bytes[start + kBody + 1] = static_cast<std::uint8_t>(crc >> 8U);
+    }
+    return bytes;
+}
+
 struct WireByte {
     std::uint8_t value = 0;
     bool damaged = false;
@@ -302,6 +325,9 @@ void decode_garbage(const Work& work, ByteDecoder& decoder) {
 }
 
 std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
+    if (work.about("exbus")) {
+        return std::make_unique<ExBusDecoder>();
+    }
     if (work.about("ibus2")) {
         auto decoder = std::make_unique<Ibus2Decoder>();
         DecodedFrame frame;
@@ -367,6 +393,8 @@ void run(const Work& work) {
         decode_frames(work, *decoder_for(work), fport2_frames(work.prepared), kFport2Length);
     } else if (work.about("fport")) {
         decode_frames(work, *decoder_for(work), fport_frames(work.prepared), kFportLength);
+    } else if (work.about("exbus")) {
+        decode_frames(work, *decoder_for(work), exbus_frames(work.prepared), kExBusLength);
     } else if (work.about("sbus")) {
         decode_frames(work, *decoder_for(work), sbus_frames(work.prepared), kSbusFrameLength);
     } else {

@@ -1,0 +1,54 @@
+#include <cstddef>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/captures.h"
+#include "tests/support/streams.h"
+#include "transports/codecs/exbus/exbus.h"
+
+/// The examples of Jeti's text (further/jeti_exbus.json).
+namespace tribus::exbus_vectors_test {
+namespace {
+
+using nlohmann::json;
+
+std::vector<json> exbus_vectors() {
+    std::ifstream file(test::capture("further/jeti_exbus.json"));
+    EXPECT_TRUE(file) << test::kNoCaptures;
+    return file ? json::parse(file).get<std::vector<json>>() : std::vector<json>{};
+}
+
+TEST(ExBusVectors, AreFramesAndChannelsAreThoseOfTheText) {
+    std::size_t with_channels = 0;
+    std::size_t without = 0;
+    for (const json& vector : exbus_vectors()) {
+        ExBusDecoder decoder;
+        const auto frames =
+            test::feed(decoder, test::from_hex(vector.at("bytes_hex").get<std::string>()));
+        EXPECT_EQ(decoder.waiting(), 0U) << vector["name"];
+        EXPECT_EQ(decoder.skipped_bytes(), 0U) << vector["name"];
+        EXPECT_EQ(test::count_of(decoder, "checksum"), 0U) << vector["name"];
+        if (!vector.contains("raw")) {
+            EXPECT_TRUE(frames.empty()) << vector["name"];
+            ++without;
+            continue;
+        }
+        ++with_channels;
+        ASSERT_EQ(frames.size(), 1U) << vector["name"];
+        for (std::size_t channel = 0; channel < vector["raw"].size(); ++channel) {
+            EXPECT_EQ(frames[0].channels.channel(channel)->eighths(),
+                      vector["raw"][channel].get<int>());
+            EXPECT_EQ(frames[0].channels.channel(channel)->microseconds(),
+                      vector["channels_us"][channel].get<double>());
+        }
+    }
+    EXPECT_EQ(with_channels, 1U);
+    EXPECT_EQ(without, 2U);
+}
+
+}  // namespace
+}  // namespace tribus::exbus_vectors_test
