@@ -64,7 +64,7 @@ const Setting* find_setting(const Protocol& protocol, SettingScope direction,
 std::vector<std::string_view> known_protocols(SettingScope direction) {
     std::vector<std::string_view> names;
     for (const Protocol* protocol : protocols()) {
-        if (direction == SettingScope::input || protocol->has_channels()) {
+        if (direction == SettingScope::input || protocol->goes(SettingScope::output)) {
             names.push_back(protocol->name);
         }
     }
@@ -83,9 +83,15 @@ std::string as_option_message(const Setting& setting, const Mistakes& mistakes) 
     return text.starts_with(key) ? option + text.substr(key.size()) : option + ": " + text;
 }
 
-/// The first mistake that the protocol finds between values that are each valid; else empty.
+/// The first mistake between values that are each valid, or that the protocol does not go this way;
+/// else empty.
 std::string mistake_between(const Protocol& protocol, SettingScope direction,
                             const SettingValues& settings) {
+    if (direction == SettingScope::output && !protocol.goes(SettingScope::output) &&
+        protocol.goes(SettingScope::input)) {
+        return fmt::format("--protocol {}: protocol {} only receives; allowed: in an input",
+                           protocol.name, in_quotes(protocol.name));
+    }
     if (protocol.check == nullptr) {
         return {};
     }

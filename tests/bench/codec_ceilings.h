@@ -83,6 +83,7 @@ inline constexpr std::array kFrameRows{
     Row{"DecodeFport2InOneRead", "decode_fport2_read", 147, 150},
     Row{"DecodeFportInOneRead", "decode_fport_read", 168, 172},
     Row{"DecodeIbus2InOneRead", "decode_ibus2_read", 290, 340},
+    Row{"DecodeDsmInOneRead", "decode_dsm_read", 236, 244},
     Row{"DecodeExBusInOneRead", "decode_exbus_read", 327, 376},
 };
 

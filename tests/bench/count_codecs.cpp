@@ -12,6 +12,7 @@
 #include "transports/codecs/codec.h"
 #include "transports/codecs/crc16_8408.h"
 #include "transports/codecs/crsf/crsf.h"
+#include "transports/codecs/dsm/dsm.h"
 #include "transports/codecs/exbus/exbus.h"
 #include "transports/codecs/fport/fport.h"
 #include "transports/codecs/ghst/ghst.h"
@@ -241,6 +242,24 @@ std::vector<std::uint8_t> exbus_frames(std::size_t count) {
     return bytes;
 }
 
+/// Two phases by turns. Without pauses, so the first few frames are the proof.
+std::vector<std::uint8_t> dsm_frames(std::size_t count) {
+    constexpr std::array<std::array<std::uint8_t, 7>, 2> kPhases{
+        {{1, 5, 2, 3, 0, 7, 6}, {1, 5, 2, 3, 4, 8, 9}}};
+    Random random;
+    std::vector<std::uint8_t> bytes(count * kDsmFrameBytes);
+    for (std::size_t i = 0; i < count; ++i) {
+        std::uint8_t* const frame = &bytes[i * kDsmFrameBytes];
+        frame[1] = 0xB2;
+        for (std::size_t word = 0; word < kDsmWords; ++word) {
+            const unsigned high = kPhases[i % 2][word] * 8U + random() % 8;
+            frame[2 + 2 * word] = static_cast<std::uint8_t>(high);
+            frame[3 + 2 * word] = static_cast<std::uint8_t>(random());
+        }
+    }
+    return bytes;
+}
+
 struct WireByte {
     std::uint8_t value = 0;
     bool damaged = false;
@@ -328,6 +347,9 @@ std::unique_ptr<ByteDecoder> decoder_for(const Work& work) {
     if (work.about("exbus")) {
         return std::make_unique<ExBusDecoder>();
     }
+    if (work.about("dsm")) {
+        return std::make_unique<DsmDecoder>();
+    }
     if (work.about("ibus2")) {
         auto decoder = std::make_unique<Ibus2Decoder>();
         DecodedFrame frame;
@@ -393,6 +415,8 @@ void run(const Work& work) {
         decode_frames(work, *decoder_for(work), fport2_frames(work.prepared), kFport2Length);
     } else if (work.about("fport")) {
         decode_frames(work, *decoder_for(work), fport_frames(work.prepared), kFportLength);
+    } else if (work.about("dsm")) {
+        decode_frames(work, *decoder_for(work), dsm_frames(work.prepared), kDsmFrameBytes);
     } else if (work.about("exbus")) {
         decode_frames(work, *decoder_for(work), exbus_frames(work.prepared), kExBusLength);
     } else if (work.about("sbus")) {

@@ -55,6 +55,7 @@ Figures codecs(const BoundSettings& /*settings*/) {
         {"instructions, decode F.Port 2, one read", 270},
         {"instructions, decode F.Port, one read", 290},
         {"instructions, decode i-BUS2, one read", 290},
+        {"instructions, decode DSM, one read", 160},
         {"instructions, decode EX Bus, one read", 400},
     }};
     std::vector<Figure> figures;

@@ -105,6 +105,14 @@ TEST(ProtocolUse, AProtocolThatOnlySendsCannotBeRead) {
               "--sensor_bus: protocol \"sensors\" only sends; al");
 }
 
+TEST(ProtocolUse, AProtocolThatOnlyReceivesCannotBeWritten) {
+    const auto uses = choose_protocols("exbus", SettingScope::output, {});
+    ASSERT_FALSE(uses);
+    EXPECT_EQ(uses.error(),
+              "--protocol exbus: protocol \"exbus\" only receives; allowed: in an input");
+    EXPECT_EQ(protocol_list(SettingScope::output).find("exbus"), std::string::npos);
+}
+
 TEST(ProtocolUse, ListsTheProtocolsOfOneKindOfLink) {
     EXPECT_TRUE(protocol_list(WireShape::bytes).starts_with("ibus, sbus"));
     EXPECT_TRUE(protocol_list(WireShape::can_frames).starts_with("can, dbc, sensors, dronecan"));

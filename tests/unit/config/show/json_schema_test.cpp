@@ -19,7 +19,7 @@ TEST(JsonSchema, OffersTheKeysOfAProtocolToItsTablesOnly) {
         const bool has_sbus_channels =
             protocol == "sbus" || protocol == "fport" || protocol == "fport2" || protocol == "fbus";
         EXPECT_EQ(branch.at("/then/properties/scale"_json_pointer).is_object(),
-                  has_sbus_channels || protocol == "dronecan");
+                  has_sbus_channels || protocol == "dsm" || protocol == "dronecan");
         EXPECT_EQ(branch.at("/then/properties/signals"_json_pointer).is_object(),
                   protocol == "dbc");
     }

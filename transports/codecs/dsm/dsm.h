@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/channel_frame.h"
+#include "core/time.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/dsm/layout.h"
+#include "transports/codecs/protocol.h"
+
+/// Spektrum DSM2 and DSMX, as satellite receivers send them (docs/protocols/dsm.md). A frame has 16
+/// bytes: fades, system, seven words of a channel number and a value. There is no first byte, no
+/// check and no mark for failsafe.
+namespace tribus {
+
+extern const Protocol kDsmProtocol;
+
+/// The line between values and pulses; makers disagree (docs/protocols/dsm.md, "Scales").
+enum class DsmScale : std::uint8_t { spektrum, betaflight };
+
+/// The pulse of each value of 11 bits.
+using DsmPulses = std::array<Pulse, 2048>;
+
+/// Finds frames by pauses, and without pauses by content.
+///
+/// A frame is plausible if its words have numbers of channels, each once. It agrees if its words
+/// stand as in an earlier one. It counts from the second agreeing frame in a row on, if throttle,
+/// aileron, elevator and rudder (numbers 0 to 3) were among them. A frame that is not plausible, or
+/// has its words in other places, or was cut off by a pause, breaks the row. kSilence without a
+/// frame also makes it forget the earlier ones.
+///
+/// A pause says that the next byte begins a frame. Further frames may follow without a pause as
+/// long as they agree. Else the decoder searches by content: 4 frames in a row must agree, with one
+/// of the documented system bytes, at no more than one place of 16.
+///
+/// A value that was changed on the line is not noticed: nothing in the frame can tell. Channels
+/// stay in the order of the wire, throttle first. Values of the frame before, which has the other
+/// channels, count for kChannelLasts.
+///
+/// Thread-bound; no heap.
+class DsmDecoder final : public ByteDecoder {
+  public:
+    explicit DsmDecoder(DsmScale scale = DsmScale::spektrum,
+                        DsmResolution resolution = DsmResolution::either);
+
+    void damaged_byte() override;
+    bool silence(DecodedFrame& frame) override;
+    void reset() override;
+    std::optional<DecodedFrame> finish() override { return std::nullopt; }
+    std::span<const NamedCount> rejected() const override { return rejected_; }
+    std::uint64_t skipped_bytes() const override { return skipped_bytes_; }
+    std::span<const FrameDetail> details() const override;
+
+    /// Each channel comes each 44 ms or more often; one miss is allowed.
+    static constexpr Duration kChannelLasts = std::chrono::milliseconds(100);
+    /// The default timeout of an input.
+    static constexpr Duration kSilence = std::chrono::milliseconds(100);
+    static constexpr int kAgreeingFrames = 2;
+
+  private:
+    enum RejectCause : std::size_t { kUnproven, kImplausible, kCut, kDamaged };
+    enum class Step : std::uint8_t { again, frame, wait };
+    /// A layout that came lately.
+    struct Known {
+        DsmLayout layout;
+        /// When it came last, and whether that was in the present row of agreeing frames.
+        Instant latest{};
+        bool counts = false;
+        std::uint64_t order = 0;  ///< of its latest frame
+        bool used = false;
+    };
+    /// Room for two by turns, one of them with settings of a video transmitter, and a wrong one.
+    static constexpr std::size_t kMostKnown = 4;
+    static constexpr std::size_t kSearchFrames = 4;
+    static constexpr std::size_t kSearchBytes = (kSearchFrames + 1) * kDsmFrameBytes - 1;
+    static_assert(kSearchBytes <= LineBuffer::kCapacity);
+
+    Taken decode(std::span<const std::uint8_t> bytes, Instant received,
+                 DecodedFrame& frame) override;
+    Step step(Instant received, DecodedFrame& frame);
+    Step search(Instant received, DecodedFrame& frame);
+    bool proven_at(std::size_t start) const;
+    bool take(const std::uint8_t* wire, Instant received);
+    Known* recognise(const std::uint8_t* wire);
+    Known* meet(const std::uint8_t* wire, Instant received);
+    void give(const std::uint8_t* wire, Instant received, DecodedFrame& frame);
+    void skip(std::size_t count);
+    void break_row();
+    void forget();
+
+    void keep_values(const DsmLayout& layout, const std::uint8_t* wire);
+    void mark_present(std::uint32_t channels);
+
+    const DsmPulses& pulses_;
+    DsmResolution resolution_;
+    /// The next byte begins a frame.
+    bool aligned_ = false;
+    int agreeing_ = 0;
+    /// The channels of the present row of agreeing frames.
+    std::uint32_t channels_in_row_ = 0;
+    std::array<Known, kMostKnown> known_{};
+    std::uint64_t frames_ = 0;
+    /// Of the latest plausible frame.
+    Instant latest_frame_{};
+    /// The newest value of each channel.
+    ChannelFrame values_;
+    std::array<std::uint8_t, kDsmFrameBytes> latest_{};
+
+    std::array<NamedCount, 4> rejected_{{{"unproven"}, {"implausible"}, {"cut"}, {"damaged"}}};
+    std::uint64_t skipped_bytes_ = 0;
+    mutable std::array<std::uint16_t, 2 + kDsmWords> detail_values_{};
+    mutable std::array<FrameDetail, 3> details_{};
+};
+
+}  // namespace tribus
