@@ -29,15 +29,17 @@ std::size_t indent_of(std::string_view line, std::size_t column_width) {
 }
 
 /// Returns the start of the next line: behind a blank, or behind a comma if a list of choices in
-/// braces is too long for one line. npos: the line cannot be broken.
-std::size_t next_line_of(const std::string& line, std::size_t indent) {
+/// braces is too long for one line. npos: the line cannot be broken. `goes_on`: the line goes on
+/// with such a list.
+std::size_t next_line_of(const std::string& line, std::size_t indent, bool goes_on) {
     const std::size_t blank = line.rfind(' ', kColumns);
     const std::size_t word = line.find_last_not_of(' ', blank);
     if (blank != std::string::npos && word != std::string::npos && word >= indent) {
         return blank + 1;
     }
     const std::size_t comma = line.rfind(',', kColumns - 1);
-    if (comma != std::string::npos && line.find('{') < comma) {
+    const bool in_list = goes_on || line.find('{') < comma;
+    if (comma != std::string::npos && in_list && comma < line.find('}')) {
         return comma + 1;
     }
     const std::size_t late = line.find(' ', kColumns);
@@ -46,11 +48,13 @@ std::size_t next_line_of(const std::string& line, std::size_t indent) {
 
 void append_broken(std::string& text, std::string line, std::size_t column_width) {
     const std::size_t indent = indent_of(line, column_width);
+    bool goes_on = false;
     while (line.size() > kColumns) {
-        const std::size_t next = next_line_of(line, indent);
+        const std::size_t next = next_line_of(line, indent, goes_on);
         if (next == std::string::npos) {
             break;
         }
+        goes_on = line[next - 1] == ',';
         text += line.substr(0, line[next - 1] == ' ' ? next - 1 : next) + '\n';
         line = std::string(indent, ' ') + line.substr(next);
     }

@@ -11,6 +11,7 @@
 #include "app/wire/frames/frame_finder.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "transports/codecs/ibus/ibus.h"
+#include "transports/codecs/ibus2/ibus2.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/registry/registry.h"
@@ -223,23 +224,28 @@ bool is_line_of(const LineSettings& line, const Protocol& protocol, bool usual =
            takes_rate(protocol, line.baud, usual);
 }
 
-/// SBUS is recognised with any line settings but those of i.Bus, to see wrong ones; another
-/// protocol with its own settings, and at other rates that it may be set to.
+/// SBUS is recognised at its rates with any other settings, to see wrong ones; another protocol
+/// with its own settings, and at other rates that it may be set to.
 bool may_carry(const LineSettings& line, const Protocol& protocol) {
-    return &protocol == &kSbusProtocol ? line != kIbusLine : is_line_of(line, protocol);
+    return &protocol == &kSbusProtocol ? takes_rate(protocol, line.baud)
+                                       : is_line_of(line, protocol);
 }
 
+/// A protocol at its usual rate comes before another one at a rate that it may be set to.
 Reading read_any(const Heard& heard) {
     Reading best;
-    for (const Protocol* protocol : protocols()) {
-        if (protocol->shape != WireShape::bytes || !protocol->goes(SettingScope::input) ||
-            !may_carry(heard.line, *protocol)) {
-            continue;
-        }
-        Reading reading = read_frames(heard, *protocol);
-        best.ibus2 += reading.ibus2;
-        if (reading.story && (!best.story || is_cleaner(*reading.story, *best.story))) {
-            best.story = std::move(reading.story);
+    for (const bool usual : {true, false}) {
+        for (const Protocol* protocol : protocols()) {
+            const bool own = heard.line.baud == protocol->line.baud;
+            if (protocol->shape != WireShape::bytes || !protocol->goes(SettingScope::input) ||
+                own != usual || !may_carry(heard.line, *protocol)) {
+                continue;
+            }
+            Reading reading = read_frames(heard, *protocol);
+            best.ibus2 += reading.ibus2;
+            if (reading.story && (!best.story || is_cleaner(*reading.story, *best.story))) {
+                best.story = std::move(reading.story);
+            }
         }
     }
     const bool may_be_sensor_bus = !best.story || best.story->protocol == kIbusProtocol.name;
@@ -270,28 +276,23 @@ std::optional<LineStory> best_of(std::span<const Heard> heard, bool believe_dama
     return best;
 }
 
-/// A protocol at its usual rate comes before another one at a rate that it may be set to; else the
-/// one whose beginning is seen most often behind a gap.
+/// At usual rates only. The protocol whose beginning is seen most often behind a gap; the first of
+/// equal ones.
 std::optional<LineStory> judge_inversion(std::span<const Heard> heard) {
     std::optional<LineStory> best;
     std::size_t most = 0;
-    for (const bool usual : {true, false}) {
-        for (const Protocol* protocol : protocols()) {
-            for (const Heard& one : heard) {
-                const auto inversion = is_line_of(one.line, *protocol, usual)
-                                           ? inverted_frames(one, *protocol)
-                                           : std::optional<Inversion>();
-                if (inversion && (!best || inversion->behind_gaps > most)) {
-                    best = story_of(one);
-                    best->sound = LineSound::inverted;
-                    best->protocol = protocol->name;
-                    best->period = inversion->period;
-                    most = inversion->behind_gaps;
-                }
+    for (const Protocol* protocol : protocols()) {
+        for (const Heard& one : heard) {
+            const auto inversion = is_line_of(one.line, *protocol, true)
+                                       ? inverted_frames(one, *protocol)
+                                       : std::optional<Inversion>();
+            if (inversion && (!best || inversion->behind_gaps > most)) {
+                best = story_of(one);
+                best->sound = LineSound::inverted;
+                best->protocol = protocol->name;
+                best->period = inversion->period;
+                most = inversion->behind_gaps;
             }
-        }
-        if (best) {
-            break;
         }
     }
     return best;
@@ -333,6 +334,11 @@ LineStory judge_line(std::span<const Heard> heard) {
         const bool without_parity =
             story->protocol == kSbusProtocol.name && story->line.parity == Parity::none;
         story->sound = without_parity ? LineSound::wrong_parity : LineSound::frames;
+        if (story->protocol == kIbus2Protocol.name && story->channels == 0) {
+            // No device asked for the key of the channels, so nothing can be read.
+            story->sound = LineSound::ibus2;
+            story->protocol = {};
+        }
         return *std::move(story);
     }
     if (auto story = best_of(heard, false)) {

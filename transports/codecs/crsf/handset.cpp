@@ -6,6 +6,7 @@
 #include "transports/codecs/big_endian.h"
 #include "transports/codecs/crsf/wire.h"
 #include "transports/codecs/crsf/write.h"
+#include "transports/codecs/protocol.h"
 
 namespace tribus {
 

@@ -150,10 +150,6 @@ constexpr std::array kExBusSettings{
             .example = "250000"},
 };
 
-constexpr std::array kExBusBeginnings{
-    FrameBeginning{kExBusFromReceiver, kExBusAnswerAllowed},
-    FrameBeginning{kExBusFromReceiver, kExBusAnswerForbidden}};
-
 AnyDecoder make_exbus_decoder(const SettingValues& /*settings*/) {
     return std::make_unique<ExBusDecoder>();
 }
@@ -165,7 +161,6 @@ const Protocol kExBusProtocol{
     .title = "EX Bus",
     .description = "Jeti EX Bus, up to 24 channels, of which the first 18 are used",
     .line = {.baud = 125000, .parity = Parity::none, .stop_bits = 1},
-    .beginnings = kExBusBeginnings,
     .settings = kExBusSettings,
     .default_period = std::chrono::milliseconds(10),
     .signals_failsafe = never_signals_failsafe,

@@ -188,10 +188,13 @@ TEST(LineJudge, takes_another_rate_for_nothing_known) {
     for (const HeardBy& port : kPorts) {
         for (const std::uint32_t baud : {57'600U, 300'000U}) {
             const SentAs as{.sender = {.line = {.baud = baud}}, .pause_bits = 1};
-            EXPECT_EQ(story_of(kIbus14[0], as, port).sound, LineSound::unknown) << baud;
+            const LineStory story = story_of(kIbus14[0], as, port);
+            EXPECT_EQ(story.sound, LineSound::unknown)
+                << baud << " " << story.protocol << " at " << story.line.baud;
         }
         const LineSettings sbus{.baud = 115'200, .parity = Parity::even, .stop_bits = 2};
-        EXPECT_EQ(story_of(kSbus2, {.sender = {.line = sbus}}, port).sound, LineSound::unknown);
+        const LineStory story = story_of(kSbus2, {.sender = {.line = sbus}}, port);
+        EXPECT_EQ(story.sound, LineSound::unknown) << story.protocol << " at " << story.line.baud;
     }
 }
 
