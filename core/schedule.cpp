@@ -58,7 +58,7 @@ void Schedule::continue_from(const Schedule& before, Instant now) {
     point_ = due_;
 }
 
-void Schedule::retime(Duration period, Duration later) {
+[[gnu::cold]] void Schedule::retime(Duration period, Duration later) {
     set_period(period);
     if (settings_.kind == ScheduleKind::grid && settings_.phase == Phase::free &&
         served_point_ != kLongAgo) {

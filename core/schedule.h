@@ -93,8 +93,6 @@ class Schedule {
     Instant due_ = kNever;
     /// The latest point of the grid. Nothing is written before it.
     Instant point_ = kNever;
-    /// The point before, which was served. Before all time if there is none.
-    Instant served_point_ = kLongAgo;
     /// Before all time if nothing was written.
     Instant latest_write_ = kLongAgo;
     /// When the latest frame would have been written if neither it nor a repeat had been late. The
@@ -106,6 +104,8 @@ class Schedule {
     int held_up_ = 0;
     ArrivalLine arrivals_;
     std::uint64_t overruns_ = 0;
+    /// The latest point of a grid that was served. Before all time if there is none.
+    Instant served_point_ = kLongAgo;
 };
 
 }  // namespace tribus

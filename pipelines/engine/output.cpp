@@ -22,12 +22,12 @@ Output::Output(OutputSettings settings)
       encoder_(std::move(settings.encoder)),
       yield_to_foreign_sender_(settings.yield_to_foreign_sender),
       schedule_(settings.schedule),
-      least_asked_period_(settings.least_asked_period),
       selector_(settings.selection, settings.failsafe.recover, settings.failsafe.power_on),
       changeover_us_per_second_(settings.selection.changeover_us_per_second),
       map_(settings.channels),
       mapped_channels_(settings.mapped_channels),
-      failsafe_(settings.failsafe) {}
+      failsafe_(settings.failsafe),
+      least_asked_period_(settings.least_asked_period) {}
 
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
     const bool standby = ongoing_.stage == OutputStage::control && index != selector_.current();
@@ -87,10 +87,9 @@ std::optional<std::size_t> Output::controlling_input() const {
     return stage() == OutputStage::control ? selector_.current() : std::nullopt;
 }
 
-void Output::hear(std::span<const std::uint8_t> bytes, Instant now) {
+[[gnu::cold]] void Output::hear(std::span<const std::uint8_t> bytes, Instant now) {
     if (const auto asked = encoder_.hear(bytes, now)) {
-        const Duration period =
-            std::clamp(asked->period, least_asked_period_, OutputSettings::kMostAskedPeriod);
+        const Duration period = std::clamp(asked->period, least_asked_period_, most_asked_period_);
         // With another period than was asked for there is no phase to hold.
         schedule_.retime(period, period == asked->period ? asked->later : Duration::zero());
     }

@@ -225,7 +225,6 @@ class Output {
     FrameEncoder encoder_;
     bool yield_to_foreign_sender_;
     Schedule schedule_;
-    Duration least_asked_period_;
     InputSelector selector_;
     std::optional<double> changeover_us_per_second_;
     ChannelMap map_;
@@ -237,6 +236,10 @@ class Output {
     /// When the frame of the latest `run` would be judged differently.
     Instant valid_until_ = kNever;
     Transmission transmission_;
+    /// Limits of a period that the receiver asks for. Two of them: a size of this class that is a
+    /// multiple of 512 costs an instruction for each index into the list of outputs.
+    Duration least_asked_period_;
+    Duration most_asked_period_ = OutputSettings::kMostAskedPeriod;
 };
 
 }  // namespace tribus
