@@ -23,15 +23,14 @@ constexpr std::uint8_t kTiming = 0x10;
 
 /// CRC-8 with polynomial BA, the inner check of commands. One frame now and then: no table.
 std::uint8_t command_check(std::span<const std::uint8_t> bytes) {
-    std::uint8_t crc = 0;
+    unsigned crc = 0;
     for (const std::uint8_t byte : bytes) {
-        crc = static_cast<std::uint8_t>(crc ^ byte);
+        crc ^= byte;
         for (int bit = 0; bit < 8; ++bit) {
-            const bool carry = (crc & 0x80U) != 0;
-            crc = static_cast<std::uint8_t>((crc << 1U) ^ (carry ? 0xBAU : 0U));
+            crc = (crc & 0x80U) != 0 ? (crc << 1U ^ 0xBAU) & 0xFFU : crc << 1U;
         }
     }
-    return crc;
+    return static_cast<std::uint8_t>(crc);
 }
 
 std::uint32_t word_at(std::span<const std::uint8_t> payload, std::size_t at) {

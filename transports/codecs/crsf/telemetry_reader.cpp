@@ -1,6 +1,7 @@
 #include "transports/codecs/crsf/telemetry_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "transports/codecs/crsf/telemetry_numbers.h"
@@ -27,10 +28,9 @@ double number_at(std::span<const std::uint8_t> payload, std::size_t at,
     for (std::size_t byte = 0; byte < number.bytes; ++byte) {
         bits = bits << 8U | payload[at + byte];
     }
-    const std::uint64_t sign = std::uint64_t{1} << (8 * number.bytes - 1);
-    const auto raw = number.is_signed ? static_cast<double>(static_cast<std::int64_t>(bits ^ sign) -
-                                                            static_cast<std::int64_t>(sign))
-                                      : static_cast<double>(bits);
+    const double range = std::ldexp(1.0, static_cast<int>(8 * number.bytes));
+    auto raw = static_cast<double>(bits);
+    raw -= number.is_signed && raw >= range / 2 ? range : 0;
     return (raw - number.offset) / number.scale;
 }
 
@@ -51,7 +51,7 @@ std::size_t read_numbers(const TelemetryMessage& message, std::span<const std::u
 }
 
 std::string name_of_reading(const TelemetryMessage& message, std::size_t index) {
-    const std::string key(message.key);
+    std::string key(message.key);
     switch (message.form) {
         case TelemetryForm::table:
             return key + "." + std::string(message.numbers[index].key);
