@@ -61,6 +61,12 @@ class Schedule {
     /// most two.
     void retime(Duration period, Duration later);
 
+    /// A receiver of the frames asks for one at `now`, wherever the next point of a free grid is.
+    void due_at_once(Instant now) {
+        point_ = now;
+        due_ = now;
+    }
+
     /// When the output is due next.
     Instant due() const { return due_; }
 

@@ -61,10 +61,17 @@ const Setting* find_setting(const Protocol& protocol, SettingScope direction,
     return nullptr;
 }
 
+/// Whether recorded bytes of the protocol can be read, or written.
+bool is_known(const Protocol& protocol, SettingScope direction) {
+    return protocol.goes(direction) ||
+           (direction == SettingScope::input &&
+            (protocol.make_value_reader != nullptr || !protocol.has_channels()));
+}
+
 std::vector<std::string_view> known_protocols(SettingScope direction) {
     std::vector<std::string_view> names;
     for (const Protocol* protocol : protocols()) {
-        if (direction == SettingScope::input || protocol->goes(SettingScope::output)) {
+        if (is_known(*protocol, direction)) {
             names.push_back(protocol->name);
         }
     }
@@ -87,10 +94,11 @@ std::string as_option_message(const Setting& setting, const Mistakes& mistakes) 
 /// else empty.
 std::string mistake_between(const Protocol& protocol, SettingScope direction,
                             const SettingValues& settings) {
-    if (direction == SettingScope::output && !protocol.goes(SettingScope::output) &&
-        protocol.goes(SettingScope::input)) {
-        return fmt::format("--protocol {}: protocol {} only receives; allowed: in an input",
-                           protocol.name, in_quotes(protocol.name));
+    if (protocol.has_channels() && !is_known(protocol, direction)) {
+        const bool sends = direction == SettingScope::input;
+        return fmt::format("--protocol {}: protocol {} only {}; allowed: in an {}", protocol.name,
+                           in_quotes(protocol.name), sends ? "sends" : "receives",
+                           sends ? "output" : "input");
     }
     if (protocol.check == nullptr) {
         return {};

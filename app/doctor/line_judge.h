@@ -19,7 +19,7 @@ enum class LineSound : std::uint8_t {
     wrong_parity,  ///< frames of a protocol with wrong parity: a parity bit too many, or none
     inverted,      ///< inverted frames of a protocol
     breaks,        ///< the line is low most of the time; nothing else is known
-    ibus2,         ///< FlySky's newer protocol, which tribus does not support
+    ibus2,         ///< FlySky's newer protocol; tribus only listens to it
     unknown,       ///< bytes of unknown origin
 };
 std::string_view sound_name(LineSound sound);

@@ -88,6 +88,108 @@ bool add_trial(const std::string& device, const LineSettings& line, Visit& visit
     return true;
 }
 
+std::vector<LineSettings> accepted_lines(const Visit& visit) {
+    std::vector<LineSettings> lines;
+    for (const Trial& trial : visit.trials) {
+        if (trial.refusal.empty()) {
+            lines.push_back(trial.line);
+        }
+    }
+    return lines;
+}
+
+/// Listens to a port with one line after another, until frames are there, the time is over or the
+/// port is lost.
+class Listening {
+  public:
+    Listening(const std::string& device, Duration time,
+              const std::function<void(std::string_view)>& says)
+        : device_(device), left_(time), says_(says) {}
+
+    /// Returns how the port was lost, or nothing.
+    std::string run(std::vector<LineSettings> lines) {
+        if (!lines.empty()) {
+            look(lines);
+            stay_while_silent(lines);
+            look_further(lines);
+            listen_again(lines);
+        }
+        return failure_;
+    }
+    std::span<const Heard> heard() const { return heard_; }
+
+  private:
+    bool is_over() const { return found_ || !failure_.empty(); }
+    bool is_silent() const {
+        return std::ranges::all_of(heard_, [](const Heard& one) { return one.bursts.empty(); });
+    }
+    void listen_with(const LineSettings& line, Duration time, std::string_view how) {
+        says_(fmt::format("listening at {} baud{} ...", line.baud, how));
+        auto heard = listen(device_, line, std::max(time, kLook));
+        if (!heard) {
+            failure_ = heard.error();
+            return;
+        }
+        left_ -= heard->listened;
+        heard_.push_back(*std::move(heard));
+    }
+    /// Briefly with each; the rest of the time with the first that gives frames.
+    void look(std::span<const LineSettings> lines) {
+        for (auto line = lines.begin(); line != lines.end() && !is_over(); ++line) {
+            listen_with(*line, kLook, "");
+            if (failure_.empty() && has_frames(heard_.back())) {
+                stay(*line);
+            }
+        }
+    }
+    void stay(const LineSettings& line) {
+        found_ = true;
+        const Heard look = std::exchange(heard_, {}).back();
+        listen_with(line, left_, "");
+        if (failure_.empty() && !has_frames(heard_.back())) {
+            heard_.push_back(look);
+        }
+    }
+    /// A line that carries anything carries bytes with any settings, so one of them is enough to
+    /// wait for the first byte.
+    void stay_while_silent(std::span<const LineSettings> lines) {
+        if (is_over() || !is_silent()) {
+            return;
+        }
+        listen_with(lines.front(), left_, " again");
+        if (failure_.empty() && !is_silent()) {
+            look(lines);
+        }
+    }
+    void look_further(std::vector<LineSettings>& lines) {
+        if (is_over() || is_silent()) {
+            return;
+        }
+        std::vector<LineSettings> further = further_lines();
+        std::erase_if(further, [this](const LineSettings& line) {
+            return !listen(device_, line, Duration::zero());
+        });
+        look(further);
+        lines.insert(lines.end(), further.begin(), further.end());
+    }
+    void listen_again(std::span<const LineSettings> lines) {
+        const Duration each = left_ / static_cast<std::int64_t>(lines.size());
+        if (is_silent() || each < kLook) {
+            return;
+        }
+        for (auto line = lines.begin(); line != lines.end() && !is_over(); ++line) {
+            listen_with(*line, each, " again");
+        }
+    }
+
+    const std::string& device_;
+    Duration left_;
+    const std::function<void(std::string_view)>& says_;
+    std::vector<Heard> heard_;
+    std::string failure_;
+    bool found_ = false;
+};
+
 }  // namespace
 
 std::vector<LineSettings> usual_lines() {
@@ -142,54 +244,11 @@ Visit visit_port(const std::string& device, Duration time,
             return visit;
         }
     }
-    std::vector<LineSettings> lines;
-    for (const Trial& trial : visit.trials) {
-        if (trial.refusal.empty()) {
-            lines.push_back(trial.line);
-        }
+    Listening listening(device, time, says);
+    visit.failure = listening.run(accepted_lines(visit));
+    if (visit.failure.empty()) {
+        visit.story = judge_line(listening.heard());
     }
-    std::vector<Heard> all;
-    Duration left = time;
-    const auto listen_more = [&](const LineSettings& line, Duration most) {
-        auto heard = listen(device, line, std::max(most, kLook));
-        if (!heard) {
-            visit.failure = heard.error();
-            return false;
-        }
-        left -= heard->listened;
-        all.push_back(*std::move(heard));
-        return true;
-    };
-    for (const LineSettings& line : lines) {
-        says(fmt::format("listening at {} baud ...", line.baud));
-        if (!listen_more(line, kLook)) {
-            return visit;
-        }
-        if (has_frames(all.back())) {
-            const Heard look = std::exchange(all, {}).back();
-            if (!listen_more(line, left)) {
-                return visit;
-            }
-            if (!has_frames(all.back())) {
-                all.push_back(look);
-            }
-            visit.story = judge_line(all);
-            return visit;
-        }
-    }
-    for (const LineSettings& line : further_lines()) {
-        if (listen(device, line, Duration::zero())) {
-            lines.push_back(line);
-        }
-    }
-    const Duration each = left / static_cast<std::int64_t>(lines.size());
-    for (const LineSettings& line : lines) {
-        says(fmt::format("listening at {} baud again ...", line.baud));
-        if (!listen_more(line, each)) {
-            return visit;
-        }
-    }
-    visit.story = judge_line(all);
     return visit;
 }
 

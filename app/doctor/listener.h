@@ -31,8 +31,9 @@ struct Visit {
 };
 
 /// Opens the port as `tribus run` does, with the settings of each protocol in turn, and listens for
-/// `time` in total: first briefly with each, then with the settings that gave frames, or else again
-/// with each. Never writes. Passes progress messages to `says`.
+/// `time`: first briefly with each, then with the settings that gave frames. A look at all settings
+/// takes 3 s. What is left is for the first settings if nothing was heard, else again for all.
+/// Never writes. Passes progress messages to `says`.
 Visit visit_port(const std::string& device, Duration time,
                  const std::function<void(std::string_view)>& says);
 

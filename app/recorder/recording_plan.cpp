@@ -59,6 +59,9 @@ RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan)
     if (const auto index = first_of(stations, StationKind::input)) {
         port.read_file = fmt::format("input-{}.txt", configuration.inputs[*index].name);
     }
+    if (const auto index = first_of(stations, StationKind::replies)) {
+        port.read_file = fmt::format("output-{}-heard.txt", configuration.outputs[*index].name);
+    }
     if (const auto index = first_of(stations, StationKind::value_message)) {
         port.read_file = fmt::format("values-{}.txt", name_of_message(configuration, *index));
     }

@@ -25,7 +25,7 @@ struct PortUse {
     std::string_view name;
     const PortConfig* port = nullptr;
     bool is_receiver_role = false;
-    /// An output that reads what comes back on its line.
+    /// An output of channels that reads what comes back on its line.
     bool hears_replies = false;
 
     /// Whether both may share a device if their line settings agree: one receives and the other
@@ -57,7 +57,7 @@ std::vector<PortUse> port_uses(const Draft& draft) {
     for (const OutputDraft& output : draft.outputs) {
         if (output.port_sound) {
             uses.push_back({"output", output.config.name, &output.config.port, false,
-                            is_timed_by_receiver(output.config)});
+                            output.needs_pipeline && is_timed_by_receiver(output.config)});
         }
     }
     for (const SensorBusDraft& bus : draft.sensor_buses) {
@@ -167,6 +167,9 @@ void check_timeout(const InputDraft& input, const PipelineConfig& pipeline, cons
     const OutputDraft* slowest = nullptr;
     for (const std::size_t index : pipeline.outputs) {
         const OutputDraft& output = draft.outputs[index];
+        if (!output.needs_pipeline) {
+            continue;
+        }
         if (slowest == nullptr || output.config.schedule.period > slowest->config.schedule.period) {
             slowest = &output;
         }

@@ -28,7 +28,7 @@ ValueSources value_sources(const Configuration& configuration);
 
 /// Absent if the message could not be read from the configuration.
 std::optional<AnyValueReader> make_reader(const ValueMessageConfig& config);
-/// What both kinds of readers have.
+/// The base of a reader of either kind.
 const ValueReader& common_part(const AnyValueReader& reader);
 
 /// Whether anything provides or uses a value while the configuration runs.

@@ -57,7 +57,7 @@ class Engine {
         outputs_[output].hear(bytes, now);
         due_[output] = outputs_[output].due();
     }
-    /// What one output heard so far has a gap behind it.
+    /// Tells one output that bytes are missing behind those it heard so far.
     void forget_heard(std::size_t output) { outputs_[output].forget_heard(); }
     /// The device of one input is gone.
     void device_lost(std::size_t input) { inputs_[input].device_lost(); }

@@ -22,7 +22,7 @@ enum class InputFact : std::uint8_t {
     good,          ///< 1 or 0
     cause,         ///< number of the LinkCause
     link_quality,  ///< %, as the latest frame says; only some protocols have it
-    // Of the latest statistics of the radio link; only some protocols have them.
+    // From the latest statistics of the radio link; only some protocols have them.
     rssi,   ///< dBm
     snr,    ///< dB
     power,  ///< mW, of the transmitter

@@ -23,6 +23,7 @@
 #include "transports/codecs/line_pauses.h"
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/read_times.h"
+#include "transports/codecs/undamaged_parts.h"
 
 namespace tribus {
 
@@ -68,15 +69,11 @@ class Input {
     template <class DamagedMarks>
     bool receive(std::span<const std::uint8_t> bytes, const DamagedMarks& damaged, Instant now) {
         bool any = arrived(bytes.size(), now);
-        std::size_t start = 0;
-        for (std::size_t position = 0; position < bytes.size(); ++position) {
-            if (damaged[position]) {
-                any = decode(bytes.subspan(start, position - start), now) || any;
-                byte_decoder().damaged_byte();
-                start = position + 1;
-            }
-        }
-        return decode(bytes.subspan(start), now) || any;
+        for_undamaged_parts(
+            bytes, damaged,
+            [&](std::span<const std::uint8_t> part) { any = decode(part, now) || any; },
+            [&] { byte_decoder().damaged_byte(); });
+        return any;
     }
     /// Takes one CAN frame that arrived at `at`. Returns true if it completed a frame of channels.
     /// Ignores unwanted ids.

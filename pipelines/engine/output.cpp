@@ -88,7 +88,10 @@ std::optional<std::size_t> Output::controlling_input() const {
 }
 
 [[gnu::cold]] void Output::hear(std::span<const std::uint8_t> bytes, Instant now) {
-    if (const auto asked = encoder_.hear(bytes, now)) {
+    const auto asked = encoder_.hear(bytes, now);
+    if (asked && asked->at_once) {
+        schedule_.due_at_once(now);
+    } else if (asked) {
         const Duration period = std::clamp(asked->period, least_asked_period_, most_asked_period_);
         // With another period than was asked for there is no phase to hold.
         schedule_.retime(period, period == asked->period ? asked->later : Duration::zero());

@@ -126,7 +126,7 @@ class Output {
     void set_period(Duration period) { schedule_.set_period(period); }
     /// Takes undamaged bytes that came back on its line, read at `now`. They may ask for a timing.
     void hear(std::span<const std::uint8_t> bytes, Instant now);
-    /// What it heard so far has a gap behind it.
+    /// Tells it that bytes are missing behind those it heard so far.
     void forget_heard() { encoder_.forget_heard(); }
     /// A frame of input `index`, one of `inputs()`, has arrived.
     void frame_arrived(std::size_t index, const ArrivalClock& arrivals);

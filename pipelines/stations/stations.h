@@ -133,7 +133,7 @@ class Stations {
     std::span<const CanIdMatch> sent_ids(Station station) const;
 
   private:
-    /// What its bytes have begun will not be completed.
+    /// Discards a message that its bytes have begun: the rest will not come.
     void forget_unfinished(Station station);
     Transmission take_from_other(Station station, Instant now);
     Duration valid_for_other(Station station) const;

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "transports/codecs/codec.h"
-#include "transports/codecs/crc16_8408.h"
 #include "transports/codecs/crsf/crsf.h"
 #include "transports/codecs/dsm/dsm.h"
 #include "transports/codecs/exbus/exbus.h"
+#include "transports/codecs/exbus/wire.h"
 #include "transports/codecs/fport/fport.h"
 #include "transports/codecs/ghst/ghst.h"
 #include "transports/codecs/ibus/ibus.h"
@@ -235,7 +235,7 @@ std::vector<std::uint8_t> exbus_frames(std::size_t count) {
             bytes[at] = static_cast<std::uint8_t>(random());
             bytes[at + 1] = static_cast<std::uint8_t>((random() & 0x1FU) + 0x1F);
         }
-        const std::uint16_t crc = crc16_8408(0, std::span(bytes).subspan(start, kBody));
+        const std::uint16_t crc = ExBusCrc::of(0, std::span(bytes).subspan(start, kBody));
         bytes[start + kBody] = static_cast<std::uint8_t>(crc);
         bytes[start + kBody + 1] = static_cast<std::uint8_t>(crc >> 8U);
     }

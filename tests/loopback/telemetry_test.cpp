@@ -1,4 +1,8 @@
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -7,6 +11,7 @@
 #include "tests/loopback/loopback.h"
 #include "tests/loopback/sensor_bus.h"
 #include "tests/reference/plain_crsf.h"
+#include "tests/reference/plain_exbus_telemetry.h"
 
 /// Values between an i.Bus sensor bus and CRSF, through the built program over ptys, with plain
 /// codecs at the far ends.
@@ -90,6 +95,56 @@ sensor = [{ type = "battery_current", value = "fc.battery.current" }]
         controller.send(battery);
         return receiver.ask(0xA1) == value_reply(1, 250);
     }));
+    expect_clean_end(program);
+}
+
+/// A constant is on the display of a Jeti transmitter, and channels come from the same wire
+/// (docs/protocols/exbus.md, "Telemetry").
+TEST_F(TelemetryBothWays, AJetiReceiverThatAsksGetsAValueBesideItsChannels) {
+    FarEnd& receiver = device("jeti");
+    FarEnd& servos = device("servos");
+    Program& program = run(write_config(R"(
+[values.supply]
+constant = 12.6
+
+[input.radio]
+protocol = "exbus"
+device = "@jeti"
+
+[output.display]
+protocol = "exbus-telemetry"
+device = "@jeti"
+sensors = { 3 = { value = "supply", label = "Supply", unit = "V" } }
+
+[output.servos]
+protocol = "sbus"
+device = "@servos"
+
+[pipeline.main]
+from = "radio"
+to = "servos"
+)"));
+    std::uint8_t packet = 0;
+    std::vector<std::string> names;
+    bool moves = false;
+    EXPECT_TRUE(eventually([&] {
+        receiver.send(reference::plain_exbus_channels(std::vector<std::uint16_t>(16, 8066)));
+        ::usleep(4000);
+        receiver.send(reference::plain_exbus_request(++packet));
+        ::usleep(8000);
+        moves = moves || servos.receive().size() >= 25;
+        const auto answer = reference::plain_exbus_answer(receiver.receive());
+        // An answer that came late, or none, is a request without an answer.
+        if (!answer || answer->packet != packet) {
+            return false;
+        }
+        if (answer->named) {
+            names.push_back(answer->label + " " + answer->unit);
+        }
+        return answer->numbers == std::map<unsigned, double>{{3, 12.6}};
+    })) << program.errors();
+    EXPECT_EQ(names, (std::vector<std::string>{"tribus ", "Supply V"}));
+    EXPECT_TRUE(moves);
     expect_clean_end(program);
 }
 

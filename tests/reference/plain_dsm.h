@@ -45,7 +45,7 @@ class PlainDsm {
     }
 
   private:
-    /// What each word is: a number of a channel (with a phase: 100 more), unused, or an extension.
+    /// Each word as a number of a channel (with a phase: 100 more), unused, or an extension.
     static constexpr int kUnused = -1;
     static constexpr int kExtension = -2;
     using Places = std::vector<int>;

@@ -160,8 +160,9 @@ class Encoder {
     virtual std::span<const CanIdMatch> sent() const { return {}; }
 };
 
-/// What the receiver of an output's frames asks for.
+/// What the receiver of an output's frames asks for: a frame at once, or a timing of all frames.
 struct AskedTiming {
+    bool at_once = false;
     Duration period{};
     /// By how much more than the period the next frame should come after the one before; negative:
     /// by how much less. Once.
@@ -187,8 +188,8 @@ class ByteEncoder : public Encoder {
                                             Instant /*now*/) {
         return std::nullopt;
     }
-    /// What was heard so far has a gap behind it: damaged or discarded bytes, or the line was
-    /// unplugged.
+    /// Tells it that bytes are missing behind those it heard so far: they were damaged or
+    /// discarded, or the line was unplugged.
     virtual void forget_heard() {}
 };
 

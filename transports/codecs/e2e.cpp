@@ -1,38 +1,11 @@
 #include "transports/codecs/e2e.h"
 
 #include <array>
-#include <limits>
+
+#include "transports/codecs/crc.h"
 
 namespace tribus {
 namespace {
-
-/// Effect of each value of the top byte on a CRC that shifts out its top bit first.
-template <class Crc>
-constexpr std::array<Crc, 256> crc_table(Crc polynomial) {
-    constexpr int kShift = std::numeric_limits<Crc>::digits - 8;
-    constexpr unsigned kTopBit = 1U << (std::numeric_limits<Crc>::digits - 1);
-    std::array<Crc, 256> table{};
-    for (std::size_t byte = 0; byte < table.size(); ++byte) {
-        unsigned crc = static_cast<unsigned>(byte) << kShift;
-        for (int bit = 0; bit < 8; ++bit) {
-            crc = (crc & kTopBit) != 0 ? (crc << 1U) ^ polynomial : crc << 1U;
-        }
-        table[byte] = static_cast<Crc>(crc);
-    }
-    return table;
-}
-
-constexpr auto kTable1d = crc_table<std::uint8_t>(0x1D);
-constexpr auto kTable2f = crc_table<std::uint8_t>(0x2F);
-constexpr auto kTable1021 = crc_table<std::uint16_t>(0x1021);
-
-std::uint8_t crc8(const std::array<std::uint8_t, 256>& table, std::uint8_t crc,
-                  std::span<const std::uint8_t> bytes) {
-    for (const std::uint8_t byte : bytes) {
-        crc = table[crc ^ byte];
-    }
-    return crc;
-}
 
 constexpr std::uint8_t low_byte(std::uint16_t word) {
     return static_cast<std::uint8_t>(word);
@@ -66,19 +39,15 @@ std::uint8_t p01_id_crc(std::uint16_t data_id, P01DataId mode, bool odd_counter)
 }  // namespace
 
 std::uint8_t crc8_1d(std::uint8_t start, std::span<const std::uint8_t> bytes) {
-    return crc8(kTable1d, start, bytes);
+    return Crc<std::uint8_t, 0x1D>::of_few(start, bytes);
 }
 
 std::uint8_t crc8_2f(std::uint8_t start, std::span<const std::uint8_t> bytes) {
-    return crc8(kTable2f, start, bytes);
+    return Crc<std::uint8_t, 0x2F>::of_few(start, bytes);
 }
 
 std::uint16_t crc16_1021(std::uint16_t start, std::span<const std::uint8_t> bytes) {
-    std::uint16_t crc = start;
-    for (const std::uint8_t byte : bytes) {
-        crc = static_cast<std::uint16_t>((crc << 8) ^ kTable1021[high_byte(crc) ^ byte]);
-    }
-    return crc;
+    return Crc<std::uint16_t, 0x1021>::of_few(start, bytes);
 }
 
 std::uint8_t p01_crc(std::span<const std::uint8_t> payload, std::uint16_t data_id, P01DataId mode) {

@@ -63,7 +63,7 @@ CrsfDecoder::Taken CrsfDecoder::decode(std::span<const std::uint8_t> bytes, Inst
     if (buffer_.size() == 0 && bytes.size() >= kChannelsFrameBytes &&
         bytes[kLengthAt] == kChecked + 1 && bytes[kTypeAt] == kChannelsType &&
         is_address(bytes[0]) &&
-        crc8_d5(bytes.subspan<kTypeAt, kChecked>()) == bytes[kChannelsFrameBytes - 1]) {
+        Crc8D5::of(0, bytes.subspan<kTypeAt, kChecked>()) == bytes[kChannelsFrameBytes - 1]) {
         frame.first_byte = buffer_.first_position();
         frame.length = kChannelsFrameBytes;
         frame.channels.received = received;

@@ -25,7 +25,7 @@ std::size_t CrsfFrames::needed_bytes(std::span<const std::uint8_t> bytes) const 
 
 bool CrsfFrames::check_holds(std::span<const std::uint8_t> frame) const {
     const std::size_t last = frame.size() - 1;
-    return crc8_d5(frame.subspan(kTypeAt, last - kTypeAt)) == frame[last];
+    return Crc8D5::of(0, frame.subspan(kTypeAt, last - kTypeAt)) == frame[last];
 }
 
 }  // namespace tribus

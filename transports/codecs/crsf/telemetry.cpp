@@ -39,45 +39,24 @@ const std::string* text_of(const CrsfTelemetryFrame& frame, double number) {
 CrsfTelemetryEncoder::CrsfTelemetryEncoder(std::vector<CrsfTelemetryFrame> frames)
     : frames_(std::move(frames)) {
     for (const CrsfTelemetryFrame& frame : frames_) {
-        first_place_.push_back(places_.size());
-        places_.resize(places_.size() + frame.fields.size());
+        first_number_.push_back(numbers_.size());
+        numbers_.resize(numbers_.size() + frame.fields.size());
     }
 }
 
 void CrsfTelemetryEncoder::use(const ValueBoard& board) {
-    board_ = &board;
     std::size_t place = 0;
     for (const CrsfTelemetryFrame& frame : frames_) {
         for (const CrsfTelemetryField& field : frame.fields) {
-            places_[place++] = place_of(field, board);
+            numbers_[place++].find(board, field.value, field.unit);
         }
     }
-}
-
-std::optional<CrsfTelemetryEncoder::Place> CrsfTelemetryEncoder::place_of(
-    const CrsfTelemetryField& field, const ValueBoard& board) {
-    const auto index = board.find(field.value);
-    if (!index) {
-        return std::nullopt;
-    }
-    const std::string_view unit = board.value(*index).unit;
-    const auto conversion = unit_conversion(unit, field.unit);
-    const bool measures_something_else = !conversion && !field.unit.empty() && is_known_unit(unit);
-    return measures_something_else
-               ? std::nullopt
-               : std::optional(Place{*index, conversion.value_or(UnitConversion{})});
-}
-
-std::optional<double> CrsfTelemetryEncoder::number(std::size_t place, Instant now) const {
-    const auto fresh = places_[place] ? board_->fresh(places_[place]->index, now) : std::nullopt;
-    return fresh && std::isfinite(*fresh) ? std::optional(places_[place]->conversion.apply(*fresh))
-                                          : std::nullopt;
 }
 
 std::size_t CrsfTelemetryEncoder::write(const ChannelFrame& /*frame*/,
                                         std::span<std::uint8_t, kLongestSerialFrame> wire,
                                         Instant now) {
-    for (std::size_t tries = 0; board_ != nullptr && tries < frames_.size(); ++tries) {
+    for (std::size_t tries = 0; tries < frames_.size(); ++tries) {
         const std::size_t index = next_;
         next_ = (next_ + 1) % frames_.size();
         if (const std::size_t length = write_frame(index, wire, now); length > 0) {
@@ -96,8 +75,8 @@ std::size_t CrsfTelemetryEncoder::write_frame(std::size_t index, std::span<std::
     }
     for (std::size_t i = 0; i < frame.fields.size(); ++i) {
         const CrsfTelemetryField& field = frame.fields[i];
-        const auto value =
-            field.value.empty() ? std::optional(0.0) : number(first_place_[index] + i, now);
+        const auto value = field.value.empty() ? std::optional(0.0)
+                                               : numbers_[first_number_[index] + i].fresh(now);
         if (!value) {
             return 0;
         }
@@ -116,7 +95,7 @@ std::size_t CrsfTelemetryEncoder::write_frame(std::size_t index, std::span<std::
     wire[0] = kFlightController;
     wire[kLengthAt] = static_cast<std::uint8_t>(at + 1 - kUncounted);
     wire[kTypeAt] = frame.type;
-    wire[at] = crc8_d5(std::span<const std::uint8_t>(wire).subspan(kTypeAt, at - kTypeAt));
+    wire[at] = Crc8D5::of(0, std::span<const std::uint8_t>(wire).subspan(kTypeAt, at - kTypeAt));
     return at + 1;
 }
 

@@ -2,17 +2,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/setting.h"
-#include "core/unit.h"
 #include "core/value_board.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/protocol.h"
+#include "transports/codecs/sent_number.h"
 
 /// Telemetry of CRSF: named values that a receiver passes on to the handset
 /// (docs/protocols/crsf.md, "Telemetry").
@@ -61,20 +60,11 @@ class CrsfTelemetryEncoder final : public ByteEncoder {
 
   private:
     std::size_t write_frame(std::size_t index, std::span<std::uint8_t> wire, Instant now) const;
-    std::optional<double> number(std::size_t place, Instant now) const;
 
     std::vector<CrsfTelemetryFrame> frames_;
-    const ValueBoard* board_ = nullptr;
-    /// The place of a value on the board, and how it becomes the unit of its field.
-    struct Place {
-        std::size_t index = 0;
-        UnitConversion conversion{};
-    };
-    static std::optional<Place> place_of(const CrsfTelemetryField& field, const ValueBoard& board);
-
-    /// For each field of each frame, one after the other. Nothing if there is no such value.
-    std::vector<std::optional<Place>> places_;
-    std::vector<std::size_t> first_place_;  ///< for each frame
+    /// For each field of each frame, one after the other.
+    std::vector<SentNumber> numbers_;
+    std::vector<std::size_t> first_number_;  ///< for each frame
     std::size_t next_ = 0;
 };
 

@@ -5,31 +5,13 @@
 #include <bit>
 #include <chrono>
 #include <memory>
-#include <string_view>
 
-#include "transports/codecs/crc16_8408.h"
+#include "transports/codecs/exbus/wire.h"
 #include "transports/codecs/wire_words.h"
 
 namespace tribus {
-namespace {
 
-constexpr std::uint8_t kExBusFromReceiver = 0x3E;
-constexpr std::uint8_t kExBusRequest = 0x3D;
-constexpr std::uint8_t kExBusAnswer = 0x3B;
-constexpr std::uint8_t kExBusAnswerAllowed = 0x01;
-constexpr std::uint8_t kExBusAnswerForbidden = 0x03;
-constexpr std::uint8_t kExBusChannels = 0x31;
-constexpr std::size_t kExBusAccessAt = 1;
-constexpr std::size_t kExBusLengthAt = 2;
-constexpr std::size_t kExBusKindAt = 4;
-constexpr std::size_t kExBusDataLengthAt = 5;
-constexpr std::size_t kExBusDataAt = 6;
-constexpr std::size_t kExBusCheckBytes = 2;
-constexpr std::size_t kExBusLeastLength = kExBusDataAt + kExBusCheckBytes;
-/// No known frame is longer than the 56 bytes of 24 channels.
-constexpr std::size_t kExBusMostLength = 64;
-constexpr std::size_t kExBusMostWireChannels = 24;
-static_assert(kExBusLeastLength + 2 * kExBusMostWireChannels <= kExBusMostLength);
+namespace {
 
 bool begins_exbus(std::uint8_t byte) {
     return byte == kExBusFromReceiver || byte == kExBusRequest || byte == kExBusAnswer;
@@ -58,7 +40,7 @@ bool exbus_lengths_fit(std::span<const std::uint8_t> header) {
 bool exbus_crc_holds(std::span<const std::uint8_t> frame) {
     const std::size_t body = frame.size() - kExBusCheckBytes;
     const unsigned check = frame[body] | unsigned{frame[body + 1]} << 8U;
-    return crc16_8408(0, frame.first(body)) == check;
+    return ExBusCrc::of(0, frame.first(body)) == check;
 }
 
 /// Eight words are pulses as they stand, if all of them are pulses.
@@ -113,7 +95,7 @@ ExBusDecoder::Taken ExBusDecoder::decode(std::span<const std::uint8_t> bytes, In
     return FramedDecoder::decode(bytes, received, frame);
 }
 
-std::size_t ExBusDecoder::needed_bytes(std::span<const std::uint8_t> bytes) const {
+std::size_t ExBusFrames::needed_bytes(std::span<const std::uint8_t> bytes) const {
     if (!begins_exbus(bytes[0]) ||
         (bytes.size() > kExBusAccessAt && !is_exbus_access(bytes[kExBusAccessAt]))) {
         return 0;
@@ -124,7 +106,7 @@ std::size_t ExBusDecoder::needed_bytes(std::span<const std::uint8_t> bytes) cons
     return exbus_lengths_fit(bytes) ? bytes[kExBusLengthAt] : 0;
 }
 
-bool ExBusDecoder::check_holds(std::span<const std::uint8_t> frame) const {
+bool ExBusFrames::check_holds(std::span<const std::uint8_t> frame) const {
     return exbus_crc_holds(frame);
 }
 
@@ -138,17 +120,7 @@ bool ExBusDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& chann
 
 namespace {
 
-constexpr std::array<std::string_view, 2> kExBusBaudChoices{"125000", "250000"};
-constexpr std::array kExBusSettings{
-    Setting{.key = "baud",
-            .type = SettingType::integer,
-            .fallback = "125000",
-            .unit = "baud",
-            .choices = kExBusBaudChoices,
-            .of_line = true,
-            .help = "Bit rate of the line: 125000, or 250000 for EX Bus HS",
-            .example = "250000"},
-};
+constexpr std::array kExBusSettings{kExBusBaudSetting};
 
 AnyDecoder make_exbus_decoder(const SettingValues& /*settings*/) {
     return std::make_unique<ExBusDecoder>();
@@ -160,7 +132,7 @@ const Protocol kExBusProtocol{
     .name = "exbus",
     .title = "EX Bus",
     .description = "Jeti EX Bus, up to 24 channels, of which the first 18 are used",
-    .line = {.baud = 125000, .parity = Parity::none, .stop_bits = 1},
+    .line = kExBusLine,
     .settings = kExBusSettings,
     .default_period = std::chrono::milliseconds(10),
     .signals_failsafe = never_signals_failsafe,

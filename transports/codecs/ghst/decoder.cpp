@@ -95,7 +95,7 @@ std::optional<std::uint16_t> ghst_milliwatts(std::uint8_t byte) {
     // The usual case, channels in one read. The general way gives the same.
     if (buffer_.size() == 0 && bytes.size() >= kGhstFrameBytes && bytes[0] == kGhstAddress &&
         bytes[kGhstLengthAt] == kGhstLength && has_ghst_channels(bytes[kGhstTypeAt]) &&
-        crc8_d5(bytes.subspan<kGhstTypeAt, kGhstCheckedBytes>()) == bytes[kGhstCheckAt]) {
+        Crc8D5::of(0, bytes.subspan<kGhstTypeAt, kGhstCheckedBytes>()) == bytes[kGhstCheckAt]) {
         frame.first_byte = buffer_.first_position();
         frame.length = kGhstFrameBytes;
         frame.channels.received = received;
@@ -116,7 +116,7 @@ std::size_t GhstDecoder::needed_bytes(std::span<const std::uint8_t> bytes) const
 }
 
 bool GhstDecoder::check_holds(std::span<const std::uint8_t> frame) const {
-    return crc8_d5(frame.subspan<kGhstTypeAt, kGhstCheckedBytes>()) == frame[kGhstCheckAt];
+    return Crc8D5::of(0, frame.subspan<kGhstTypeAt, kGhstCheckedBytes>()) == frame[kGhstCheckAt];
 }
 
 bool GhstDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {

@@ -3,9 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <span>
 
+#include "transports/codecs/byte_sum.h"
+#include "transports/codecs/ibus/ibus2_frame.h"
 #include "transports/codecs/ibus/wire.h"
 
 /// Checks that tell an i.Bus frame from noise; only for the decoder.
@@ -17,19 +18,9 @@ inline constexpr std::uint8_t kIa6Header = 0x55;
 inline constexpr std::size_t kIa6Length = 31;
 inline constexpr std::size_t kIa6SlotsAt = 1;
 
-// i-BUS2 (AFHDS 3, another protocol; docs/protocols/ibus.md, "Variants"): bits 0 and 1 of the first
-// byte are the packet type, 0 for channels; the next four its subtype, 0 to 2. The second byte is
-// the length. The last byte is a CRC-8 with polynomial 0x25 and start value 0xFF. The start value
-// is that of ArduPilot AP_IBus2 and its captures of a FTr8B; Betaflight has 0, which the captures
-// refute.
-inline constexpr std::uint8_t kIbus2TypeMask = 0x03;
-inline constexpr unsigned kIbus2SubtypeShift = 2;
-inline constexpr std::uint8_t kIbus2SubtypeMask = 0x0F;
-inline constexpr std::uint8_t kIbus2LastSubtype = 2;
+// i-BUS2 is another protocol (docs/protocols/ibus2.md); its frames with at least one channel.
 inline constexpr std::size_t kIbus2Shortest = 8;
-inline constexpr std::size_t kIbus2Longest = 37;
-inline constexpr std::uint8_t kIbus2Polynomial = 0x25;
-inline constexpr std::uint8_t kIbus2CrcStart = 0xFF;
+inline constexpr std::size_t kIbus2Longest = ibus2_frame::kLongest;
 
 static_assert(kIa6SlotsAt + 2 * kSlotCount + kChecksumBytes == kIa6Length);
 
@@ -39,14 +30,7 @@ inline std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t po
 
 inline constexpr std::uint16_t kLongFrameHeader = kLongestFrame | kServoCommand << 8U;
 
-/// Sum of at most 32 bytes.
-inline unsigned sum_of(std::span<const std::uint8_t> bytes) {
-    std::uint64_t words = 0;
-    for (; bytes.size() >= kGroupBytes; bytes = bytes.subspan(kGroupBytes)) {
-        words += sum_by_words(load_word(bytes.data()));
-    }
-    return std::accumulate(bytes.begin(), bytes.end(), total(words));
-}
+using byte_sums::sum_of;
 
 /// 0xFFFF less each byte before the checksum (docs/protocols/ibus.md, "Servo frame").
 inline std::uint16_t servo_checksum(std::span<const std::uint8_t> body) {
@@ -80,51 +64,13 @@ inline bool ia6_holds(std::span<const std::uint8_t> frame) {
     return (sum & 0xFFFFU) == word_at(frame, kIa6Length - kChecksumBytes);
 }
 
-/// Effect of a byte on the CRC of i-BUS2 when as many more bytes follow it as the index says.
-using CrcTables = std::array<std::array<std::uint8_t, 256>, kGroupBytes>;
-inline constexpr CrcTables kIbus2Crc = [] {
-    CrcTables tables{};
-    for (unsigned byte = 0; byte < 256; ++byte) {
-        unsigned crc = byte;
-        for (int bit = 0; bit < 8; ++bit) {
-            crc = crc << 1U ^ ((crc & 0x80U) != 0 ? kIbus2Polynomial : 0U);
-        }
-        tables[0][byte] = static_cast<std::uint8_t>(crc);
-    }
-    for (std::size_t behind = 1; behind < tables.size(); ++behind) {
-        for (std::size_t byte = 0; byte < 256; ++byte) {
-            tables[behind][byte] = tables[0][tables[behind - 1][byte]];
-        }
-    }
-    return tables;
-}();
-
-inline bool ibus2_holds(std::span<const std::uint8_t> frame) {
-    std::uint8_t crc = kIbus2CrcStart;
-    const std::uint8_t* at = frame.data();
-    const std::uint8_t* const end = at + frame.size() - 1;
-    const auto& crc_of = kIbus2Crc;
-    for (; end - at >= 8; at += 8) {
-        crc = crc_of[7][at[0] ^ crc] ^ crc_of[6][at[1]] ^ crc_of[5][at[2]] ^ crc_of[4][at[3]] ^
-              crc_of[3][at[4]] ^ crc_of[2][at[5]] ^ crc_of[1][at[6]] ^ crc_of[0][at[7]];
-    }
-    if (end - at >= 4) {
-        crc = crc_of[3][at[0] ^ crc] ^ crc_of[2][at[1]] ^ crc_of[1][at[2]] ^ crc_of[0][at[3]];
-        at += 4;
-    }
-    for (; at != end; ++at) {
-        crc = crc_of[0][*at ^ crc];
-    }
-    return crc == *end;
-}
-
 constexpr bool is_servo_length(std::uint8_t first) {
     return first >= kShortestFrame && first <= kLongestFrame && first % 2 == 0;
 }
 
 constexpr bool may_be_ibus2(std::uint8_t first) {
-    return (first & kIbus2TypeMask) == 0 &&
-           ((first >> kIbus2SubtypeShift) & kIbus2SubtypeMask) <= kIbus2LastSubtype;
+    return ibus2_frame::type_of(first) == ibus2_frame::kToAll &&
+           ibus2_frame::subtype_of(first) <= ibus2_frame::kLastSubtype;
 }
 
 // Frames that may begin with a byte, as bits.

@@ -83,7 +83,7 @@ inline bool IbusDecoder::checksum_holds(Kind kind, std::span<const std::uint8_t>
         case Kind::ia6:
             return ia6_holds(frame);
         case Kind::ibus2:
-            return ibus2_holds(frame);
+            return ibus2_frame::crc_of(frame) == 0;
         case Kind::noise:
         case Kind::undecided:
             break;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "transports/codecs/crc8.h"
+#include "transports/codecs/crc.h"
 
 /// Beginning and check of i-BUS2 frames (docs/protocols/ibus2.md, "Frames"), for its decoder and
 /// for that of i.Bus, which tells such a line from its own.
@@ -27,14 +27,11 @@ constexpr std::uint8_t subtype_of(std::uint8_t first) {
     return static_cast<std::uint8_t>((first >> kSubtypeShift) & kSubtypeMask);
 }
 
-/// Whether the last byte is the CRC-8 of all before: polynomial 0x25, start value 0xFF. The start
-/// value is that of ArduPilot AP_IBus2 and its captures of a FTr8B; Betaflight has 0, which the
-/// captures refute.
-inline bool check_holds(std::span<const std::uint8_t> frame) {
-    constexpr std::uint8_t kPolynomial = 0x25;
-    constexpr std::uint8_t kStart = 0xFF;
-    const auto body = frame.first(frame.size() - 1);
-    return crc8<kPolynomial>(kStart, body) == frame.back();
+/// The CRC-8 with which a frame ends: polynomial 0x25, start value 0xFF. That of a whole frame is
+/// 0. The start value is that of ArduPilot AP_IBus2 and its captures of a FTr8B; Betaflight has 0,
+/// which the captures refute.
+[[gnu::always_inline]] inline std::uint8_t crc_of(std::span<const std::uint8_t> bytes) {
+    return Crc<std::uint8_t, 0x25>::of(0xFF, bytes);
 }
 
 }  // namespace tribus::ibus2_frame

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/channel_frame.h"
+#include "transports/codecs/byte_sum.h"
 #include "transports/codecs/wire_words.h"
 
 /// Layout of an i.Bus frame (docs/protocols/ibus.md, "Servo frame"); only for its decoder and
@@ -25,18 +26,9 @@ inline constexpr std::size_t kNibbleChannels = kChannelCount - kSlotCount;
 static_assert(kSlotsAt + 2 * kSlotCount + kChecksumBytes == kLongestFrame);
 static_assert(kNibbleChannels * kNibblesPerChannel <= kSlotCount);
 
-// Four words of 16 bits side by side.
-inline constexpr std::size_t kGroupBytes = sizeof(std::uint64_t);
-inline constexpr std::uint64_t kLowBytes = 0x00FF00FF'00FF00FF;
-inline constexpr std::uint64_t kEachWord = 0x00010001'00010001;
+using byte_sums::kGroupBytes;
+using byte_sums::sum_by_words;
+using byte_sums::total;
 inline constexpr std::uint64_t kNibbles = 0xF000F000'F000F000;
-
-inline std::uint64_t sum_by_words(std::uint64_t bytes) {
-    return (bytes & kLowBytes) + ((bytes >> 8U) & kLowBytes);
-}
-/// Sum of the four words, which must be less than 2^16.
-inline unsigned total(std::uint64_t words) {
-    return static_cast<unsigned>((words * kEachWord) >> 48U);
-}
 
 }  // namespace tribus::ibus_wire

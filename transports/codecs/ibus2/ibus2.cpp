@@ -169,7 +169,7 @@ Ibus2Decoder::Taken Ibus2Decoder::decode(std::span<const std::uint8_t> bytes, In
         (bytes[0] & ~unsigned{kSyncLost | kIbus2Failsafe}) == 0 &&
         bytes[kIbus2LengthAt] == length &&
         (bytes[kIbus2AddressAt] & kIbus2AddressMask) == kAllDevices &&
-        ibus2_frame::check_holds(bytes.first(length))) {
+        ibus2_frame::crc_of(bytes.first(length - 1)) == bytes[length - 1]) {
         const std::uint8_t first = bytes[0];
         frame = {.first_byte = buffer_.first_position(), .length = length};
         frame.channels.received = received;
@@ -204,7 +204,7 @@ std::size_t Ibus2Decoder::needed_bytes(std::span<const std::uint8_t> bytes) cons
 }
 
 bool Ibus2Decoder::check_holds(std::span<const std::uint8_t> frame) const {
-    return ibus2_frame::check_holds(frame);
+    return ibus2_frame::crc_of(frame) == 0;
 }
 
 bool Ibus2Decoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {

@@ -5,7 +5,7 @@
 #include <bit>
 
 #include "transports/codecs/big_endian.h"
-#include "transports/codecs/srxl/check.h"
+#include "transports/codecs/crc.h"
 #include "transports/codecs/wire_words.h"
 
 namespace tribus {
@@ -36,13 +36,18 @@ static_assert(srxl_length(kSrxlVersion2) == kSrxlMostBytes);
 
 /// The check of a frame of any version.
 std::uint16_t srxl_crc(const std::uint8_t* frame) {
+    const auto of = [frame]<std::size_t length>() {
+        constexpr std::size_t kBody = length - kSrxlCheckBytes;
+        return Crc<std::uint16_t, 0x1021>::of(0,
+                                              std::span<const std::uint8_t, kBody>(frame, kBody));
+    };
     switch (frame[0]) {
         case kSrxlVersion1:
-            return srxl_check::crc_of<srxl_length(kSrxlVersion1) - kSrxlCheckBytes>(frame);
+            return of.operator()<srxl_length(kSrxlVersion1)>();
         case kSrxlVersion2:
-            return srxl_check::crc_of<srxl_length(kSrxlVersion2) - kSrxlCheckBytes>(frame);
+            return of.operator()<srxl_length(kSrxlVersion2)>();
         default:
-            return srxl_check::crc_of<srxl_length(kSrxlVersion5) - kSrxlCheckBytes>(frame);
+            return of.operator()<srxl_length(kSrxlVersion5)>();
     }
 }
 

@@ -101,16 +101,27 @@ TEST(ProtocolUse, AutoIsSilentOfProtocolsThatCannotBeRead) {
 }
 
 TEST(ProtocolUse, AProtocolThatOnlySendsCannotBeRead) {
-    EXPECT_EQ(refusal("sensors", {{"sensor_bus", "probes"}}).substr(0, 47),
-              "--sensor_bus: protocol \"sensors\" only sends; al");
+    EXPECT_EQ(refusal("sensors", {{"sensor_bus", "probes"}}),
+              "--protocol sensors: protocol \"sensors\" only sends; allowed: in an output");
+}
+
+TEST(ProtocolUse, AProtocolOfValuesThatOnlySendsCannotBeRead) {
+    const auto uses = choose_protocols("exbus-telemetry", SettingScope::input, {});
+    ASSERT_FALSE(uses);
+    EXPECT_EQ(uses.error(),
+              "--protocol exbus-telemetry: protocol \"exbus-telemetry\" only sends; allowed: in "
+              "an output");
+    EXPECT_EQ(protocol_list(SettingScope::input).find("exbus-telemetry"), std::string::npos);
+    EXPECT_NE(protocol_list(SettingScope::input).find("crsf-telemetry"), std::string::npos);
+    EXPECT_NE(protocol_list(SettingScope::input).find("ibus-sensor"), std::string::npos);
 }
 
 TEST(ProtocolUse, AProtocolThatOnlyReceivesCannotBeWritten) {
-    const auto uses = choose_protocols("exbus", SettingScope::output, {});
+    const auto uses = choose_protocols("fport", SettingScope::output, {});
     ASSERT_FALSE(uses);
     EXPECT_EQ(uses.error(),
-              "--protocol exbus: protocol \"exbus\" only receives; allowed: in an input");
-    EXPECT_EQ(protocol_list(SettingScope::output).find("exbus"), std::string::npos);
+              "--protocol fport: protocol \"fport\" only receives; allowed: in an input");
+    EXPECT_EQ(protocol_list(SettingScope::output).find("fport"), std::string::npos);
 }
 
 TEST(ProtocolUse, ListsTheProtocolsOfOneKindOfLink) {

@@ -112,6 +112,13 @@ std::string telemetry(std::string_view lines) {
         std::string(lines) + "HERE\n");
 }
 
+std::string exbus_telemetry(std::string_view lines) {
+    return around(
+        "[sensor_bus.probes]\ndevice = \"/dev/ttyD\"\nrole = \"receiver\"\n"
+        "[output.display]\nprotocol = \"exbus-telemetry\"\ndevice = \"/dev/ttyT\"\n" +
+        std::string(lines));
+}
+
 std::string protocol_line(const Protocol& protocol) {
     return "protocol = \"" + std::string(protocol.name) + "\"\n";
 }
@@ -144,6 +151,9 @@ std::map<std::string, std::string> contexts() {
         {"crsf-telemetry-attitude", telemetry("[output.handset.attitude]\n")},
         {"crsf-telemetry-flight_mode",
          telemetry("[output.handset.flight_mode]\nvalue = \"probes.1\"\nnames = [\"A\"]\n")},
+        {"exbus-telemetry", exbus_telemetry("sensors = { 1 = { value = \"probes.1\" } }\nHERE\n")},
+        {"exbus-telemetry-sensors",
+         exbus_telemetry("[output.display.sensors.1]\nvalue = \"probes.5\"\nHERE\n")},
         {"pipeline", on_two_inputs("[pipeline.main]\nfrom = [\"main\", \"backup\"]\n"
                                    "to = \"servos\"\nHERE\n")},
         {"handover", on_two_inputs("[pipeline.main]\nfrom = [\"main\", \"backup\"]\n"

@@ -15,7 +15,7 @@
 #include "app/doctor/line_judge.h"
 #include "tests/reference/plain_exbus.h"
 #include "tests/support/streams.h"
-#include "transports/codecs/crc16_8408.h"
+#include "transports/codecs/exbus/wire.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::test::exbus_test {
@@ -81,8 +81,8 @@ FrameStream line_of(std::uint32_t seed, std::size_t count) {
 TEST(ExBusCrc, HasTheCheckValueOfTheCatalogue) {
     // CRC-16/KERMIT of "123456789"; the one with start FFFF is CRC-16/MCRF4XX.
     const Bytes check{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
-    EXPECT_EQ(crc16_8408(0, check), 0x2189);
-    EXPECT_EQ(crc16_8408(0xFFFF, check), 0x6F91);
+    EXPECT_EQ(ExBusCrc::of(0, check), 0x2189);
+    EXPECT_EQ(ExBusCrc::of(0xFFFF, check), 0x6F91);
 }
 
 TEST(ExBusCrc, EqualsThePlainFormAtEveryLength) {
@@ -90,7 +90,7 @@ TEST(ExBusCrc, EqualsThePlainFormAtEveryLength) {
     for (std::size_t length = 0; length <= 64; ++length) {
         Bytes bytes(length);
         std::ranges::generate(bytes, [&] { return random.byte(); });
-        EXPECT_EQ(crc16_8408(0, bytes), reference::plain_exbus_check(bytes)) << length;
+        EXPECT_EQ(ExBusCrc::of(0, bytes), reference::plain_exbus_check(bytes)) << length;
     }
 }
 
