@@ -19,6 +19,7 @@
 #include "app/replay/record.h"
 #include "app/replay/replay.h"
 #include "app/replay/simulate.h"
+#include "app/web/pairing/pair_command.h"
 #include "app/wire/dbc_command.h"
 #include "app/wire/decode_command.h"
 #include "app/wire/encode.h"
@@ -32,7 +33,7 @@ std::vector<tribus::Command> commands() {
             check_command(),  diff_command(),   graph_command(),    demo_command(),
             decode_command(), encode_command(), simulate_command(), record_command(),
             replay_command(), learn_command(),  doctor_command(),   dbc_command(),
-            bench_command(),  schema_command()};
+            bench_command(),  schema_command(), web::pair_command()};
 }
 
 }  // namespace

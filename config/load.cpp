@@ -179,10 +179,15 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
 
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
     const std::filesystem::path& path, FileKinds kinds) {
-    const auto text = read_file(path, kMostConfigurationBytes + 1, kinds);
+    return load_configuration_draft(path, path, kinds);
+}
+
+tl::expected<Configuration, std::vector<Mistake>> load_configuration_draft(
+    const std::filesystem::path& draft, const std::filesystem::path& path, FileKinds kinds) {
+    const auto text = read_file(draft, kMostConfigurationBytes + 1, kinds);
     if (!text) {
         return tl::unexpected(std::vector<Mistake>{
-            {path.string(),
+            {draft.string(),
              {},
              fmt::format("cannot be read: {}; give the path of a configuration file", text.error()),
              true}});

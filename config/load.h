@@ -22,4 +22,9 @@ tl::expected<Configuration, std::vector<Mistake>> load_configuration(std::string
 tl::expected<Configuration, std::vector<Mistake>> load_configuration_file(
     const std::filesystem::path& path, FileKinds kinds = FileKinds::any);
 
+/// The same for a draft: the text of `draft` as if it stood in `path`. Mistakes name `path`.
+tl::expected<Configuration, std::vector<Mistake>> load_configuration_draft(
+    const std::filesystem::path& draft, const std::filesystem::path& path,
+    FileKinds kinds = FileKinds::any);
+
 }  // namespace tribus

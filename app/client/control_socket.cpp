@@ -102,6 +102,13 @@ std::optional<std::string> default_socket(const SocketDirectories& directories,
     return fmt::format("{}/{}/{}{}", directory, kFolder, fs::path(config).stem().string(), kEnding);
 }
 
+std::string draft_file(const std::string& socket) {
+    const fs::path path(socket);
+    const std::string folder =
+        path.filename() == kOwnName ? "draft" : path.stem().string() + ".draft";
+    return path.parent_path() / folder / "draft.toml";
+}
+
 tl::expected<LocalListener, std::string> LocalListener::open(const std::string& path) {
     // The socket listens before it is renamed to its path, so that clients never find one that does
     // not.

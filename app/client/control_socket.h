@@ -30,6 +30,10 @@ struct SocketDirectories {
 std::optional<std::string> default_socket(const SocketDirectories& directories,
                                           const std::string& config);
 
+/// Where the daemon with that socket reads a draft: a file in a folder of its own beside the
+/// socket. Pure.
+std::string draft_file(const std::string& socket);
+
 /// A listening local socket that only its user and group may use. Its destructor removes the file,
 /// unless another socket has replaced it.
 class LocalListener {

@@ -32,6 +32,8 @@ class SocketClient {
     std::string_view received() const { return received_; }
     /// True if there is no room for more of this request.
     bool request_too_long() const { return received_.size() >= most_received_; }
+    /// Removes the first bytes of what was received.
+    void take_received(std::size_t count) { received_.erase(0, count); }
     /// Removes the first complete line and returns it without its end.
     std::optional<std::string> take_line();
     /// True if the client will send no more.
@@ -45,7 +47,7 @@ class SocketClient {
     bool ready() const { return sent_ == under_way_.size(); }
     /// True if the client has also read all answers. Local sockets only.
     bool has_read_all() const;
-    /// The connection ends after the present answer.
+    /// The connection ends after the present answer, or the one that it waits for.
     void close_when_sent() { closing_ = true; }
     /// The answer comes later, as soon as `answer` returns one. No further request is handled
     /// before.
@@ -58,13 +60,20 @@ class SocketClient {
     std::optional<std::string> take_answer();
 
     /// True if the client gets no further answer.
-    bool done() const { return closing_ && ready(); }
+    bool done() const { return closing_ && ready() && !waits(); }
 
     /// From `first` on, the client gets an answer each `period` without a request.
     void repeat(Duration period, Instant first) {
         period_ = period;
         next_ = first;
     }
+    /// The same, with what is sent then. It returns false if the client must be dropped.
+    using Next = std::function<bool(SocketClient&, Instant now)>;
+    void repeat(Duration period, Instant first, Next next) {
+        repeat(period, first);
+        next_answer_ = std::move(next);
+    }
+    bool send_next(Instant now) { return next_answer_(*this, now); }
     bool repeats() const { return period_ > Duration::zero(); }
     /// When the next such answer is due; `kNever` without `repeat`.
     Instant due() const { return repeats() ? next_ : kNever; }
@@ -86,6 +95,7 @@ class SocketClient {
     std::function<std::optional<std::string>()> answer_;
     Duration period_{};
     Instant next_{};
+    Next next_answer_;
     Instant quiet_since_;
     Instant begin_;
     std::uint32_t user_;

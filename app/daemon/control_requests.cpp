@@ -1,6 +1,11 @@
 #include "app/daemon/control_requests.h"
 
+#include <sys/stat.h>
+
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <utility>
@@ -42,18 +47,34 @@ std::optional<std::string> outcome_of(const Daemon& daemon, std::optional<std::u
 }
 
 ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
-    const auto trial = words.empty() ? std::nullopt : parse_duration(words.front());
-    if (words.size() > 1 ||
-        (!words.empty() && (!trial || *trial < kLeastTrial || *trial > kMostTrial))) {
+    const bool draft = !words.empty() && words.front() == "draft";
+    const Words time = draft ? words.subspan(1) : words;
+    const auto trial = time.empty() ? std::nullopt : parse_duration(time.front());
+    const bool right =
+        time.empty() ? !draft : trial && *trial >= kLeastTrial && *trial <= kMostTrial;
+    if (time.size() > 1 || !right) {
         return known(error_object(
-            "\"reload\" takes the length of a trial, from \"1s\" to \"3600s\", or nothing"));
+            "\"reload\" takes the length of a trial, from \"1s\" to \"3600s\", or nothing; "
+            "\"reload draft\" needs it"));
     }
-    return [&daemon, trial, change = std::optional<std::uint64_t>()]() mutable {
+    return [&daemon, draft, trial, change = std::optional<std::uint64_t>()]() mutable {
         if (!change && daemon.runs()) {
-            change = daemon.begin_reload(trial);
+            change = draft ? daemon.begin_reload_of_draft(*trial) : daemon.begin_reload(trial);
         }
         return outcome_of(daemon, change);
     };
+}
+
+/// Makes the folder for drafts, for the user and the group of the socket.
+std::string make_draft_folder(const std::string& file) {
+    const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+    // Files in it belong to the group of the folder, whoever writes them.
+    constexpr mode_t kUserAndGroup = S_ISGID | S_IRWXU | S_IRWXG;
+    if ((::mkdir(folder.c_str(), S_IRWXU | S_IRWXG) != 0 && errno != EEXIST) ||
+        ::chmod(folder.c_str(), kUserAndGroup) != 0) {
+        return error_object(fmt::format("{}: {}", folder.string(), std::strerror(errno)));
+    }
+    return json_text({{"type", "draft"}, {"file", file}});
 }
 
 /// Nothing if `words` name the present trial, else the reason why it cannot be ended.
@@ -89,6 +110,7 @@ ControlServer::LateAnswer go_back(Daemon& daemon, Words words) {
 void add_control_requests(ControlServer& control, Daemon& daemon) {
     control.add_late("reload", [&daemon](Words words) { return reload(daemon, words); });
     control.add_late("back", [&daemon](Words words) { return go_back(daemon, words); });
+    control.add("draft", [&daemon](Words) { return make_draft_folder(daemon.draft_file()); });
     control.add("confirm", [&daemon](Words words) { return confirm(daemon, words); });
     control.add("configuration", [&daemon](Words) {
         if (!daemon.runs()) {

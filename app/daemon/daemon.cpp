@@ -137,17 +137,14 @@ ReloadOutcome Daemon::take(std::unique_ptr<Appliance> fresh) {
                                         : take_with_a_stop(std::move(fresh), carry_over.obstacles);
 }
 
-std::optional<Instant> Daemon::trial_end() const {
-    return trial_ ? std::optional(trial_->end) : std::nullopt;
-}
-
 std::optional<std::uint64_t> Daemon::trial() const {
     return trial_ ? std::optional(trial_->number) : std::nullopt;
 }
 
 void Daemon::set_trial(std::optional<Trial> trial) {
     trial_ = std::move(trial);
-    sockets_.show_trial(trial_end());
+    sockets_.show_trial(trial_ ? std::optional(ShownTrial{trial_->number, trial_->end})
+                               : std::nullopt);
 }
 
 void Daemon::confirm() {

@@ -52,9 +52,13 @@ class Daemon {
     /// then cannot be started again, `runs` is false. Returns the number of the change, or nothing
     /// while another change is under way.
     std::optional<std::uint64_t> begin_reload(std::optional<Duration> trial = std::nullopt);
+    /// The same for a trial of the draft in `draft_file` of the control socket.
+    std::optional<std::uint64_t> begin_reload_of_draft(Duration trial);
     /// Requests a reload for SIGHUP, which gets no answer; a trial stays a trial. At most one such
     /// reload begins each 100 ms, however often this is called.
     void note_hang_up() { hung_up_ = true; }
+    /// Where a draft is read from.
+    const std::string& draft_file() const { return sockets_.draft(); }
     /// Number of the trial, if a configuration is on trial. Each trial has its own number.
     std::optional<std::uint64_t> trial() const;
     /// Ends the trial; its configuration stays. Only while one is on trial.
@@ -106,7 +110,6 @@ class Daemon {
                                    std::vector<std::string> obstacles);
     ReloadOutcome take_between_frames(std::unique_ptr<Appliance> fresh,
                                       const CarryOver& carry_over);
-    std::optional<Instant> trial_end() const;
     void set_trial(std::optional<Trial> trial);
     void restart();
     void show_started();

@@ -46,6 +46,16 @@ std::optional<std::uint64_t> Daemon::begin_reload(std::optional<Duration> trial)
                   .preparation = Preparation::of_file(path_)});
 }
 
+std::optional<std::uint64_t> Daemon::begin_reload_of_draft(Duration trial) {
+    if (change_) {
+        return std::nullopt;
+    }
+    return begin({.kind = ChangeKind::reload,
+                  .trial = trial,
+                  .before = {},
+                  .preparation = Preparation::of_draft(sockets_.draft(), path_)});
+}
+
 std::uint64_t Daemon::begin_going_back() {
     if (change_) {
         remember(change_->number,

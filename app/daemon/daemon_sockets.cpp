@@ -5,8 +5,10 @@
 #include "app/cli/object_text.h"
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
+#include "app/status/fingerprint.h"
 #include "app/status/metrics_text.h"
 #include "app/status/status_json.h"
+#include "config/show/effective.h"
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -31,6 +33,7 @@ tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
         return sockets;
     }
     sockets->control_ = std::move(*control);
+    sockets->draft_ = draft_file(*path);
     sockets->control_->add("status", [self = sockets.get()](auto) { return self->status(); });
     sockets->control_->add("record",
                            [self = sockets.get()](auto words) { return self->record(words); });
@@ -40,6 +43,7 @@ tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
 void DaemonSockets::show(const Appliance& appliance) {
     appliance_ = &appliance;
     keeper_.emplace(appliance, started_);
+    fingerprint_.clear();
 }
 
 void DaemonSockets::look() {
@@ -85,14 +89,23 @@ tl::expected<void, std::string> DaemonSockets::serve_metrics(const std::string& 
 StatusReport DaemonSockets::report() const {
     const Instant now = monotonic_now();
     StatusReport report = keeper_->report(*appliance_, now, wall_time_now());
-    if (trial_end_) {
-        report.trial_left = std::max(*trial_end_ - now, Duration::zero());
+    report.fingerprint = fingerprint_;
+    if (trial_) {
+        report.trial_left = std::max(trial_->end - now, Duration::zero());
+        report.trial = trial_->number;
     }
     return report;
 }
 
-std::string DaemonSockets::status() const {
-    return keeper_ ? status_json(report()) : error_object("nothing runs any more");
+std::string DaemonSockets::status() {
+    if (!keeper_) {
+        return error_object("nothing runs any more");
+    }
+    // The text of many pipelines takes memory that a daemon whom nobody asks does not need.
+    if (fingerprint_.empty()) {
+        fingerprint_ = fingerprint(effective_toml(appliance_->configuration()));
+    }
+    return status_json(report());
 }
 
 std::string DaemonSockets::record(std::span<const std::string> words) const {

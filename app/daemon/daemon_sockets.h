@@ -16,6 +16,12 @@
 
 namespace tribus {
 
+/// What a status tells of a trial.
+struct ShownTrial {
+    std::uint64_t number = 0;
+    Instant end;
+};
+
 /// What a running daemon shows to its clients: the control socket and the metrics. Thread-bound to
 /// the main thread, which waits for `descriptors` and `due`; no function here waits.
 class DaemonSockets {
@@ -35,8 +41,8 @@ class DaemonSockets {
     void show(const Appliance& appliance);
     /// Call it when no appliance runs any more.
     void hide() { keeper_.reset(); }
-    /// End of the trial; nothing while no configuration is on trial.
-    void show_trial(std::optional<Instant> end) { trial_end_ = end; }
+    /// Nothing while no configuration is on trial.
+    void show_trial(std::optional<ShownTrial> trial) { trial_ = trial; }
     /// Updates the rates. Call it a few times a second.
     void look();
 
@@ -50,17 +56,21 @@ class DaemonSockets {
     bool watched() const { return metrics_ || (control_ && control_->watched()); }
     /// Null if the daemon runs without a control socket.
     ControlServer* control() { return control_.get(); }
+    /// The file from which a draft is read. Empty without a control socket.
+    const std::string& draft() const { return draft_; }
 
   private:
     explicit DaemonSockets(Instant started) : started_(started) {}
-    std::string status() const;
+    std::string status();
     StatusReport report() const;
     std::string record(std::span<const std::string> words) const;
 
     Instant started_;
     const Appliance* appliance_ = nullptr;
     std::optional<StatusKeeper> keeper_;
-    std::optional<Instant> trial_end_;
+    std::optional<ShownTrial> trial_;
+    std::string fingerprint_;  ///< of the configuration that runs; empty until somebody asks
+    std::string draft_;
     std::unique_ptr<ControlServer> control_;
     std::unique_ptr<MetricsServer> metrics_;
 };

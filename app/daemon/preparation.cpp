@@ -67,8 +67,13 @@ std::unique_ptr<Preparation> Preparation::begin(std::function<Result()> prepare)
 }
 
 std::unique_ptr<Preparation> Preparation::of_file(const std::string& path) {
-    return begin([path]() -> Result {
-        auto configuration = load_configuration_file(path, FileKinds::regular);
+    return of_draft(path, path);
+}
+
+std::unique_ptr<Preparation> Preparation::of_draft(const std::string& draft,
+                                                   const std::string& path) {
+    return begin([draft, path]() -> Result {
+        auto configuration = load_configuration_draft(draft, path, FileKinds::regular);
         if (!configuration) {
             return tl::unexpected(std::move(configuration.error()));
         }

@@ -21,6 +21,8 @@ class Preparation {
 
     /// Reads the file as it is now.
     static std::unique_ptr<Preparation> of_file(const std::string& path);
+    /// Reads the text of `draft` as if it stood in `path`.
+    static std::unique_ptr<Preparation> of_draft(const std::string& draft, const std::string& path);
     /// Builds an appliance from a configuration that was read before.
     static std::unique_ptr<Preparation> of(const Configuration& configuration);
     Preparation(const Preparation&) = delete;

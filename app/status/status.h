@@ -62,6 +62,8 @@ struct StatusReport {
     Instant figures_at{};
     std::optional<Duration>
         trial_left;  ///< time until the configuration on trial goes back by itself
+    std::optional<std::uint64_t> trial;  ///< its number
+    std::string fingerprint;             ///< of the configuration with every default
     std::vector<std::string> missing_realtime;
     std::vector<InputReport> inputs;
     std::vector<OutputReport> outputs;

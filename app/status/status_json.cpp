@@ -144,6 +144,17 @@ OrderedJson outvoted(const OutputReport& output, const Configuration& configurat
     return json;
 }
 
+/// Null for an output without a pipeline: it sends values only.
+const FailsafeSettings* failsafe_of(std::size_t output, const Configuration& configuration) {
+    for (const PipelineConfig& pipeline : configuration.pipelines) {
+        const auto found = std::ranges::find(pipeline.outputs, output);
+        if (found != pipeline.outputs.end()) {
+            return &pipeline.failsafe[static_cast<std::size_t>(found - pipeline.outputs.begin())];
+        }
+    }
+    return nullptr;
+}
+
 OrderedJson output_json(std::size_t index, const OutputReport& output, const StatusReport& report) {
     const Configuration& configuration = *report.configuration;
     const OutputConfig& config = configuration.outputs[index];
@@ -155,6 +166,10 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     json["inputs"] = names_of(output.inputs, configuration);
     json["state"] = output_state_word(status.state.stage, status.sends);
     json["obstacle"] = obstacle_word(status.state.obstacle);
+    const FailsafeSettings* const failsafe = failsafe_of(index, configuration);
+    json["hold_us"] = failsafe == nullptr ? OrderedJson() : OrderedJson(us(failsafe->hold));
+    json["action"] = failsafe == nullptr ? OrderedJson() : OrderedJson(word_of(failsafe->action));
+    json["marks_frame_lost"] = status.state.marks_frame_lost;
     json["forced"] = status.state.forced;
     json["awaits_release"] = status.state.awaits_release;
     json["input"] = status.state.input < configuration.inputs.size()
@@ -351,6 +366,8 @@ std::string status_json(const StatusReport& report) {
     json.add("uptime_us", us(report.now - report.started));
     json.add("trial_left_us",
              report.trial_left ? OrderedJson(us(*report.trial_left)) : OrderedJson());
+    json.add("trial", report.trial ? OrderedJson(*report.trial) : OrderedJson());
+    json.add("fingerprint", report.fingerprint);
     json.add("figures_age_us", age(report.figures_at, report.now));
     json.add("missing_realtime", report.missing_realtime);
     add_lists(json, report);

@@ -1,4 +1,6 @@
 #include <csignal>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
@@ -122,6 +124,54 @@ TEST_F(Trial, GoesBackAlsoToADeviceThatIsGoneMeanwhile) {
     expect_first_channel(1100);
     EXPECT_TRUE(other.receive().empty());
     expect_clean_end(program);
+}
+
+/// The draft is on trial, and the file stays as it is.
+TEST_F(Trial, RunsADraftAndGoesBackToTheFile) {
+    const std::string config = write_config(main_job(kPatientInput, "", kReversed));
+    std::ifstream reversed(config);
+    const std::string text{std::istreambuf_iterator<char>(reversed), {}};
+    Program& program = run(write_config(main_job(kPatientInput)));
+    expect_first_channel(1100);
+    const auto ask = [&](std::string_view request) {
+        const auto answer = ask_daemon(socket(), request, std::chrono::seconds(15));
+        EXPECT_TRUE(answer) << answer.error();
+        return answer.value_or(nlohmann::json::object());
+    };
+    const auto before = ask("status");
+    EXPECT_TRUE(before["trial"].is_null());
+    const std::string file = ask("draft")["file"];
+    std::ofstream(file) << text;
+    const auto outcome = ask("reload draft 1000s");
+    EXPECT_EQ(outcome["taken"], true) << outcome;
+    expect_first_channel(1900);
+    const auto trial = ask("status");
+    EXPECT_EQ(trial["trial"], outcome["trial"]);
+    EXPECT_NE(trial["fingerprint"], before["fingerprint"]);
+    EXPECT_EQ(ask("back " + outcome["trial"].dump())["taken"], true);
+    expect_first_channel(1100);
+    EXPECT_EQ(ask("status")["fingerprint"], before["fingerprint"]);
+    expect_seamless_end(program);
+}
+
+TEST_F(Trial, ADraftNeedsTheLengthOfATrialAndItsMistakesNameTheRealFile) {
+    const std::string config = write_config(main_job(kPatientInput));
+    Program& program = run(config);
+    expect_first_channel(1100);
+    for (const std::string_view request : {"reload draft", "reload draft 0s", "reload draft x"}) {
+        const auto refused = ask_daemon(socket(), request, std::chrono::seconds(15));
+        ASSERT_FALSE(refused) << request;
+        EXPECT_NE(refused.error().find("needs it"), std::string::npos) << refused.error();
+    }
+    const auto folder = ask_daemon(socket(), "draft", std::chrono::seconds(15));
+    ASSERT_TRUE(folder) << folder.error();
+    std::ofstream((*folder)["file"].get<std::string>()) << "[input.a]\nprotocol = \"x\"\n";
+    const auto outcome = ask_daemon(socket(), "reload draft 10s", std::chrono::seconds(15));
+    ASSERT_TRUE(outcome) << outcome.error();
+    EXPECT_EQ((*outcome)["taken"], false);
+    EXPECT_EQ((*outcome)["lines"][1].get<std::string>().find(config + ":2:12: "), 0U) << *outcome;
+    expect_first_channel(1100);
+    expect_seamless_end(program);
 }
 
 TEST_F(Trial, ShowsHowMuchTimeIsLeft) {

@@ -32,7 +32,8 @@ const fs::path kRoot = fs::path(TRIBUS_SOURCE_DIR).lexically_normal();
 bool is_foreign(const fs::path& folder) {
     const std::string name = folder.filename().string();
     return (name.starts_with(".") && name != ".ci") || name.starts_with("build") ||
-           name == "corpus" || name == "out" || fs::exists(folder / "CMakeCache.txt");
+           name == "corpus" || name == "out" || name == "node_modules" ||
+           fs::exists(folder / "CMakeCache.txt");
 }
 
 /// All files of the project, relative to it.

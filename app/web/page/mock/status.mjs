@@ -1,0 +1,196 @@
+// Makes status objects as a daemon sends them, with channels that move.
+
+const CAUSES = ['wire_silent', 'garbled', 'radio_lost', 'stale', 'implausible', 'channels_missing'];
+
+/** Every state that the page must draw; the tests and `mock.mjs --scene` name them. */
+export const SCENES = [
+    'good', 'never_seen', 'hold', 'failsafe', 'forced', 'awaits_release', 'silent',
+    'cannot_send_device', 'cannot_send_bus', 'cannot_send_busy', 'frame_lost', 'absent_channel',
+    'reversed', 'undervoltage', ...CAUSES,
+];
+
+const distribution = (p50, p99, max) => ({ count: 400, p50_us: p50, p99_us: p99, max_us: max });
+const jitter = (least, most) => least + Math.random() * (most - least);
+
+function wave(channel, seconds) {
+    return Math.round(1500 + 420 * Math.sin(seconds * (0.4 + channel * 0.13) + channel));
+}
+
+function sticks(count, seconds) {
+    return Array.from({ length: count }, (_, i) =>
+        i === 2 ? 1120 : i < 4 ? wave(i, seconds) : [1000, 1500, 2000][i % 3]);
+}
+
+export function input(name, protocol, port, channels, seconds) {
+    return {
+        name, protocol, port, state: 'good', cause: 'good', sign: 'none', state_age_us: 3_004_476,
+        rate_hz: jitter(129, 131), interval_us: 7700, age_us: Math.round(jitter(300, 7700)),
+        channels: sticks(channels, seconds), frame_lost: false, failsafe: false, bytes: 11_584,
+        frames: 362, frame_lost_frames: 0, failsafe_frames: 0, skipped_bytes: 0, device_losses: 0,
+        rejected: { checksum: 0, damaged: 0, length: 0 },
+        losses: Object.fromEntries(CAUSES.map((cause) => [cause, 0])),
+        frame_age: distribution(7877.2, 11_373.5, 13_308.4),
+    };
+}
+
+export function output(name, protocol, port, inputs, from) {
+    return {
+        name, protocol, port, inputs, state: 'control', obstacle: null, forced: false,
+        awaits_release: false, input: inputs[0], outvoted: [], rate_hz: jitter(70.5, 71.5),
+        period_us: 14_000, channels: [...from.channels, 1500, 1500, 1500, 1500].slice(0, 18),
+        frame_lost: false, failsafe: false, cause: 'good', frames: 232, overruns: 0,
+        deadline_misses: 0, dropped: { busy: 0, lost: 0, unavailable: 0 }, foreign_frames: 0,
+        failsafe_entries: 0, recoveries: 0, changeovers: 0,
+        lateness: distribution(0.1, jitter(12, 40), jitter(60, 90)),
+        latency: distribution(45.3, jitter(1500, 2846), jitter(3000, 3794)),
+    };
+}
+
+const PRESETS = Array.from({ length: 18 }, (_, i) => i === 2 ? 988 : 1500);
+
+function lose(status, cause, age) {
+    for (const one of status.inputs) {
+        const stops = cause === 'wire_silent' || cause === 'garbled';
+        Object.assign(one, {
+            state: 'failsafe', cause, state_age_us: age,
+            sign: cause === 'radio_lost' ? 'failsafe_flag' : 'none',
+            rate_hz: stops ? 0 : one.rate_hz, age_us: stops ? age + 100_000 : one.age_us,
+            channels: stops ? sticks(one.channels.length, 1) : one.channels,
+        });
+        one.losses[cause] = 1;
+    }
+}
+
+function all(status, change) {
+    for (const one of status.outputs) {
+        Object.assign(one, change);
+    }
+}
+
+const failsafe = { state: 'failsafe', input: null, frame_lost: true, failsafe: true,
+    channels: PRESETS, failsafe_entries: 1 };
+
+function cannotSend(status, obstacle) {
+    all(status, { ...failsafe, state: 'cannot_send', obstacle, rate_hz: 0 });
+    if (obstacle === 'device') {
+        status.ports.find((port) => port.name === status.outputs[0].port).present = false;
+    }
+}
+
+const CHANGES = {
+    good() {},
+    never_seen(status) {
+        for (const one of status.inputs) {
+            Object.assign(one, { state: 'failsafe', cause: 'never_seen', state_age_us: null,
+                rate_hz: 0, age_us: null, channels: [] });
+        }
+        all(status, failsafe);
+    },
+    hold(status) {
+        lose(status, 'wire_silent', 120_000);
+        all(status, { state: 'hold', input: null, frame_lost: true, cause: 'wire_silent',
+            channels: [...sticks(14, 1), 1500, 1500, 1500, 1500] });
+    },
+    failsafe(status) {
+        lose(status, 'radio_lost', 4_200_000);
+        all(status, failsafe);
+    },
+    forced: (status) => all(status, { ...failsafe, forced: true }),
+    awaits_release: (status) => all(status, { ...failsafe, awaits_release: true }),
+    silent(status) {
+        lose(status, 'wire_silent', 9_000_000);
+        all(status, { ...failsafe, state: 'silent', rate_hz: 0 });
+    },
+    cannot_send_device: (status) => cannotSend(status, 'device'),
+    cannot_send_bus: (status) => cannotSend(status, 'bus'),
+    cannot_send_busy: (status) => cannotSend(status, 'busy'),
+    frame_lost(status) {
+        status.inputs[0].state = 'frame_lost';
+    },
+    absent_channel(status) {
+        status.inputs[0].channels[4] = null;
+    },
+    reversed(status) {
+        status.inputs[0].channels[1] = 1830;
+        status.outputs[0].channels[1] = 1170;
+    },
+    undervoltage(status) {
+        status.machine.undervoltage = true;
+    },
+};
+for (const cause of CAUSES) {
+    CHANGES[cause] ??= (status) => {
+        lose(status, cause, 4_200_000);
+        all(status, failsafe);
+    };
+}
+
+function boat(seconds) {
+    const receiver = input('receiver', 'ibus', '/dev/ttyAMA2', 14, seconds);
+    return {
+        inputs: [receiver],
+        outputs: [output('servos', 'sbus', '/dev/ttyAMA3', ['receiver'], receiver)],
+        pipelines: [{ name: 'main', from: ['receiver'], to: ['servos'] }],
+        ports: [
+            { name: '/dev/ttyAMA2', kind: 'serial', present: true },
+            { name: '/dev/ttyAMA3', kind: 'serial', present: true },
+        ],
+        lines: [], sensor_buses: [], dronecan: [], values: [], missing_realtime: [],
+    };
+}
+
+/** Three receivers of which one is outvoted, and everything else that a status can have. */
+function rover(seconds) {
+    const inputs = [
+        input('left', 'ibus', '/dev/ttyAMA2', 14, seconds),
+        input('right', 'ibus', '/dev/ttyAMA3', 14, seconds),
+        input('tail', 'sbus', '/dev/ttyAMA4', 16, 0),
+    ];
+    const names = inputs.map((one) => one.name);
+    const servos = output('servos', 'sbus', '/dev/ttyAMA5', names, inputs[0]);
+    servos.outvoted = ['tail'];
+    const can = { state: 'ready', received: 12_345, sent: 4321, confirmed: 4321, error_frames: 2,
+        bus_offs: 0 };
+    return {
+        inputs,
+        outputs: [servos, output('bus', 'can', 'can0', ['left', 'right'], inputs[1])],
+        pipelines: [{ name: 'main', from: names, to: ['servos', 'bus'] }],
+        ports: [
+            ...[2, 3, 4, 5].map((n) =>
+                ({ name: `/dev/ttyAMA${n}`, kind: 'serial', present: true })),
+            { name: 'can0', kind: 'can', present: true, can },
+            { name: 'can1', kind: 'can', present: true,
+                can: { ...can, state: 'bus_off', bus_offs: 3, error_frames: 99 } },
+        ],
+        lines: [{ name: 'stop', line: 'GPIO5', present: true },
+            { name: 'lamp', line: 'gpiochip0 7', present: false }],
+        sensor_buses: [{ name: 'telemetry', port: '/dev/ttyAMA2', role: 'receiver', collisions: 0,
+            found: [{ address: 1, type: 'external_voltage', type_id: 3, bytes: 2 }],
+            counts: { requests: 900, replies: 880, misses: 20, wrong: 0 } }],
+        dronecan: [{ interface: 'can0', state: 'online', id: 42, sent: 1, received: 1, errors: 0,
+            requests: 1, dropped: 0, conflicts: 0 }],
+        values: [
+            { name: 'battery', number: 15.2, unit: 'V', age_us: 104_000, stale: false },
+            { name: 'motor_temperature', number: 61.4, unit: 'degC', age_us: 12_400_000,
+                stale: true },
+        ],
+        missing_realtime: ['memory is not locked: no permission'],
+    };
+}
+
+const PLANTS = { boat, rover };
+
+/** What a daemon would say `seconds` after the start of the mock. */
+export function statusOf(name, scene, seconds, extra = {}) {
+    const status = {
+        type: 'status', version: 1, name, file: `/etc/tribus/${name}.toml`,
+        t_us: Math.round(performance.now() * 1000), unix_time_us: Date.now() * 1000,
+        uptime_us: Math.round(seconds * 1e6), trial_left_us: null, trial: null,
+        fingerprint: 'f1', figures_age_us: 60_000,
+        ...(PLANTS[name] ?? boat)(seconds),
+        machine: { temperature_degC: 51.2, load_percent: 12, memory_percent: 31, supply_V: 5.08,
+            undervoltage: false },
+    };
+    CHANGES[scene]?.(status);
+    return { ...status, ...extra };
+}

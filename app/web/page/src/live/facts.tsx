@@ -1,0 +1,140 @@
+// Inputs, buses, lines, sensors and values: small, below the channels.
+import type { ComponentChildren } from 'preact';
+import { status } from '../model/store';
+import type { Can, Input, Machine, Port, SensorBus, Status, Value } from '../model/status';
+import { duration, inputText, protocolName, sum, words } from '../model/words';
+
+interface FactProps {
+    name: string;
+    children: ComponentChildren;
+    bad?: boolean;
+}
+
+function Fact({ name, children, bad }: FactProps) {
+    return (
+        <div class={bad ? 'fact bad' : 'fact'}>
+            <dt>{name}</dt>
+            <dd class="value">{children}</dd>
+        </div>
+    );
+}
+
+function Group({ title, children }: { title: string; children: ComponentChildren[] }) {
+    return children.length === 0 ? null : (
+        <section class="group"><h2>{title}</h2><dl>{children}</dl></section>
+    );
+}
+
+/** "controls servos", "outvoted for servos" */
+function roleOf(input: Input, now: Status): string {
+    const roles = now.outputs.flatMap((output) => [
+        output.state === 'control' && output.input === input.name ? `controls ${output.name}` : '',
+        output.outvoted.includes(input.name) ? `outvoted for ${output.name}` : '',
+    ]);
+    return roles.filter((one) => one !== '').join(', ');
+}
+
+function inputFact(input: Input, now: Status) {
+    const role = roleOf(input, now);
+    const age = input.age_us === null ? '' : `, newest frame ${duration(input.age_us)} old`;
+    return (
+        <Fact key={input.name} name={`${input.name}, ${protocolName(input.protocol)}`}
+            bad={input.cause !== 'good'}>
+            {inputText(input)}{role && <b>, {role}</b>}, {input.rate_hz.toFixed(1)}/s{age},{' '}
+            rejected {sum(input.rejected)} <small>{input.port}</small>
+        </Fact>
+    );
+}
+
+function canText(can: Can): string {
+    return `${words(can.state)}, received ${can.received}, sent ${can.sent}, `
+        + `errors ${can.error_frames}, bus-offs ${can.bus_offs}`;
+}
+
+function portFact(port: Port) {
+    const bad = !port.present || (port.can != null && port.can.state !== 'ready');
+    return (
+        <Fact key={port.name} name={port.kind === 'can' ? `CAN ${port.name}` : port.name} bad={bad}>
+            {!port.present ? 'gone' : port.can ? canText(port.can) : 'there'}
+        </Fact>
+    );
+}
+
+function busText(bus: SensorBus): string {
+    if (bus.role === 'receiver') {
+        const found = bus.found?.map((one) => one.type).join(', ');
+        return `${bus.found?.length ?? 0} sensors${found ? ` (${found})` : ''}, `
+            + `replies ${bus.counts.replies ?? 0}, misses ${bus.counts.misses ?? 0}`;
+    }
+    const age = bus.request_age_us;
+    return `answered ${bus.counts.answered ?? 0}, late ${bus.counts.late ?? 0}, newest request `
+        + (age == null ? 'never seen' : `${duration(age)} old`);
+}
+
+const valueNumber = (value: Value): string =>
+    `${Number((value.number ?? 0).toPrecision(6))} ${value.unit}`;
+
+function valueFact(value: Value) {
+    const age = value.age_us === null ? '' : `${duration(value.age_us)} old`;
+    return (
+        <Fact key={value.name} name={value.name} bad={value.stale}>
+            {value.number === null ? 'never seen'
+                : value.stale ? <><s>{valueNumber(value)}</s> stale, {age}</>
+                : <>{valueNumber(value)} <small>{age}</small></>}
+        </Fact>
+    );
+}
+
+const amount = (number: number | null | undefined, unit: string): string | null =>
+    number == null ? null : `${Number(number.toPrecision(4))} ${unit}`;
+
+function machineFacts(machine: Machine) {
+    const facts: [string, string | null][] = [
+        ['temperature', amount(machine.temperature_degC, '°C')],
+        ['load', amount(machine.load_percent, '%')],
+        ['memory', amount(machine.memory_percent, '%')],
+        ['supply', amount(machine.supply_V, 'V')],
+        ['undervoltage', machine.undervoltage ? 'yes' : null],
+    ];
+    return facts.flatMap(([name, text]) => text === null ? []
+        : [<Fact key={name} name={name} bad={name === 'undervoltage'}>{text}</Fact>]);
+}
+
+function lineText(line: Status['lines'][number]): string {
+    const state = line.active == null ? 'there' : line.active ? 'active' : 'not active';
+    return `${line.present ? state : 'its chip is gone'}, ${line.line}`;
+}
+
+export function Facts() {
+    const now = status.value;
+    if (!now) {
+        return null;
+    }
+    return (
+        <div class="facts">
+            <Group title="Inputs">{now.inputs.map((input) => inputFact(input, now))}</Group>
+            <Group title="Ports">{now.ports.map(portFact)}</Group>
+            <Group title="GPIO">
+                {now.lines.map((line) => (
+                    <Fact key={line.name} name={line.name} bad={!line.present}>
+                        {lineText(line)}
+                    </Fact>
+                ))}
+            </Group>
+            <Group title="Sensor buses">
+                {now.sensor_buses.map((bus) => (
+                    <Fact key={bus.name} name={`${bus.name}, ${bus.role}`}>{busText(bus)}</Fact>
+                ))}
+            </Group>
+            <Group title="DroneCAN">
+                {now.dronecan.map((node) => (
+                    <Fact key={node.interface} name={node.interface} bad={node.state !== 'online'}>
+                        {words(node.state)}, node {node.id ?? 'without an id'}, errors {node.errors}
+                    </Fact>
+                ))}
+            </Group>
+            <Group title="Values">{now.values.map(valueFact)}</Group>
+            <Group title="Machine">{machineFacts(now.machine)}</Group>
+        </div>
+    );
+}

@@ -1,0 +1,139 @@
+// The words of the log and of `tribus monitor`, so that a person who reads both finds the same.
+import type { Input, LinkCause, Output } from './status';
+
+const SECOND = 1e6;
+
+/** "12 us", "120 ms", "4.2 s", "3 min 12 s". */
+export function duration(us: number): string {
+    if (us < 1000) {
+        return us > 0 && us < 10 ? `${us.toFixed(1)} us` : `${Math.round(us)} us`;
+    }
+    if (us < SECOND) {
+        return us < 10_000 ? `${(us / 1000).toFixed(1)} ms` : `${Math.round(us / 1000)} ms`;
+    }
+    if (us < 60 * SECOND) {
+        return `${(us / SECOND).toFixed(1)} s`;
+    }
+    const seconds = Math.floor(us / SECOND);
+    const minutes = Math.floor(seconds / 60);
+    return minutes < 60
+        ? `${minutes} min ${seconds % 60} s`
+        : `${Math.floor(minutes / 60)} h ${minutes % 60} min`;
+}
+
+export const words = (name: string): string => name.replaceAll('_', ' ');
+
+const SIGNS: Record<string, string> = {
+    failsafe_flag: 'the receiver says failsafe',
+    value_rule: 'a failsafe_when rule says so',
+    frame_lost_run: 'only frames marked frame-lost',
+    frame_lost_ratio: 'too many frames marked frame-lost',
+};
+const SHOWN: Partial<Record<LinkCause, string>> = {
+    wire_silent: 'no bytes any more',
+    garbled: 'bytes, but no frames',
+    stale: 'frames that do not change',
+    implausible: 'values that no transmitter sends',
+    channels_missing: 'channels that were there are missing',
+};
+const OBSTACLES: Record<string, string> = {
+    device: 'its device is gone',
+    bus: 'the bus takes nothing',
+    busy: 'the port still has earlier frames',
+};
+
+/** "wire silent (no bytes any more)" */
+export function causeText(cause: LinkCause, sign: string): string {
+    const shown = cause === 'radio_lost' ? SIGNS[sign] : SHOWN[cause];
+    return words(cause) + (shown ? ` (${shown})` : '');
+}
+
+/** "wire silent (no bytes any more) for 4.2 s" */
+export function inputText(input: Input): string {
+    if (input.cause === 'good') {
+        return input.state === 'frame_lost' ? 'good, newest frame marked frame-lost' : 'good';
+    }
+    const age = input.state_age_us;
+    return causeText(input.cause, input.sign) + (age === null ? '' : ` for ${duration(age)}`);
+}
+
+/** "under control of receiver" */
+export function outputText(output: Output): string {
+    switch (output.state) {
+        case 'control':
+            return output.input ? `under control of ${output.input}` : 'under control';
+        case 'hold':
+            return holdText(output);
+        case 'failsafe':
+        case 'silent':
+            return output.forced ? 'in failsafe, forced'
+                : output.awaits_release ? 'in failsafe until release_when is true'
+                : 'in failsafe';
+        case 'cannot_send':
+            return `cannot send: ${OBSTACLES[output.obstacle ?? ''] ?? 'nothing leaves'}`;
+        default:
+            // A newer daemon may have other states: its word is better than none.
+            return words(String(output.state));
+    }
+}
+
+/** Protocols whose frames carry the mark in every configuration. */
+const MARKS_FRAME_LOST = new Set(['sbus', 'can']);
+
+function holdText(output: Output): string {
+    const marked = MARKS_FRAME_LOST.has(output.protocol) ? ', marked frame-lost' : '';
+    return `holding the last values${marked}`;
+}
+
+/** What the output does with the wire meanwhile. */
+export function sendsText(output: Output): string {
+    switch (output.state) {
+        case 'hold':
+            return output.hold_us && output.state_age_us != null
+                ? `${duration(output.state_age_us)} of ${duration(output.hold_us)}` : '';
+        case 'failsafe':
+            return 'it sends its presets';
+        case 'silent':
+            return 'silent: it sends nothing';
+        default:
+            return '';
+    }
+}
+
+/** Why an output is not under control: what its inputs say. */
+export function whyText(output: Output, inputs: Input[]): string {
+    const parts: string[] = [];
+    const sends = sendsText(output);
+    if (sends) {
+        parts.push(sends);
+    }
+    if (output.outvoted.length > 0) {
+        parts.push(`outvoted by the others: ${output.outvoted.join(', ')}`);
+    }
+    if (output.forced) {
+        parts.push('a GPIO line asks for it, another node sends with its CAN ids, or the program '
+            + 'ends');
+    }
+    for (const name of output.inputs) {
+        const input = inputs.find((one) => one.name === name);
+        if (input && (output.state !== 'control' || input.state !== 'good')) {
+            parts.push(`${name}: ${inputText(input)}`);
+        }
+    }
+    return parts.join('; ');
+}
+
+export const sum = (counts: Record<string, number> | undefined): number =>
+    Object.values(counts ?? {}).reduce((total, one) => total + one, 0);
+
+/** What the age of a page is shown as: tenths up to 10 s, so that one sees it run. */
+export function ageText(ms: number): string {
+    return ms < 10_000 ? `${(ms / 1000).toFixed(1)} s` : duration(Math.floor(ms / 1000) * SECOND);
+}
+
+export const PROTOCOLS: Record<string, string> = {
+    ibus: 'i.Bus', ibus2: 'i-BUS2', sbus: 'SBUS', crsf: 'CRSF', sumd: 'SUMD', ghst: 'GHST',
+    srxl: 'SRXL', fport: 'F.Port', fport2: 'F.Port 2', fbus: 'FBUS', exbus: 'EX Bus', dsm: 'DSM',
+    can: 'CAN', dbc: 'DBC', dronecan: 'DroneCAN',
+};
+export const protocolName = (protocol: string): string => PROTOCOLS[protocol] ?? protocol;

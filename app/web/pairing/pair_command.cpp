@@ -1,0 +1,105 @@
+#include "app/web/pairing/pair_command.h"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/web/pairing/pairing.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus::web {
+namespace {
+
+struct PairOptions {
+    std::string state = "/var/lib/tribus-web";
+    std::optional<std::string> revoke;
+    bool list = false;
+    bool look = false;
+};
+
+int list(const PairingFolder& folder) {
+    const auto sessions = folder.sessions();
+    if (!sessions) {
+        return fail(sessions.error(), kExitFailed);
+    }
+    if (sessions->empty()) {
+        fmt::print("no browser is paired; `sudo tribus pair` prints a code\n");
+    }
+    for (const Session& session : *sessions) {
+        fmt::print("{:<20} {:<6} since {:%Y-%m-%d}\n", session.name, word_of(session.role),
+                   fmt::gmtime(static_cast<std::time_t>(session.made.count())));
+    }
+    return kExitFine;
+}
+
+int revoke(PairingFolder& folder, const std::string& name) {
+    const auto gone = folder.revoke(name);
+    if (!gone) {
+        return fail(gone.error(), kExitFailed);
+    }
+    if (*gone == 0) {
+        return fail(
+            fmt::format("no paired browser is called {}; `tribus pair --list` names them", name),
+            kExitFailed);
+    }
+    fmt::print("{} may use the page no longer\n", name);
+    return kExitFine;
+}
+
+int run(const PairOptions& options) {
+    PairingFolder folder(options.state);
+    if (options.list) {
+        return list(folder);
+    }
+    if (options.revoke) {
+        return revoke(folder, *options.revoke);
+    }
+    const auto code = folder.make_code(options.look ? Role::look : Role::change,
+                                       std::chrono::duration_cast<WallTime>(wall_time_now()));
+    if (!code) {
+        return fail(code.error() + "; use sudo, and install the package that has tribus-web",
+                    kExitFailed);
+    }
+    fmt::print(
+        "{} {}\n"
+        "Type this code at http://127.0.0.1:8480/ on this board, or from another machine behind\n"
+        "    ssh -L 8480:127.0.0.1:8480 USER@BOARD\n"
+        "It is for one browser, which may then {}, and is valid for {} minutes.\n",
+        code->substr(0, 4), code->substr(4),
+        options.look ? "look" : "look and change the configuration",
+        std::chrono::duration_cast<std::chrono::minutes>(PairingFolder::kCodeLasts).count());
+    return kExitFine;
+}
+
+}  // namespace
+
+Command pair_command() {
+    auto options = std::make_shared<PairOptions>();
+    return {
+        .name = "pair",
+        .help = "Print a code with which a browser may look at, or change, this board",
+        .options = {{.name = "--look",
+                     .value = &options->look,
+                     .help = "The browser may only look"},
+                    {.name = "--list",
+                     .value = &options->list,
+                     .help = "List the paired browsers",
+                     .excludes = {"--look"}},
+                    {.name = "--revoke",
+                     .value = &options->revoke,
+                     .help = "Name of a browser that may use the page no longer",
+                     .excludes = {"--look", "--list"}},
+                    {.name = "--state",
+                     .value = &options->state,
+                     .help = "Folder of the paired browsers; default: /var/lib/tribus-web"}},
+        .run = [options] { return run(*options); },
+    };
+}
+
+}  // namespace tribus::web

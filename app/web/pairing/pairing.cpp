@@ -1,0 +1,250 @@
+#include "app/web/pairing/pairing.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <sys/random.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cerrno>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/file_error.h"
+#include "config/language/read_file.h"
+#include "transports/links/unique_fd.h"
+
+namespace tribus::web {
+namespace {
+
+namespace fs = std::filesystem;
+using PairingJson = nlohmann::json;
+using Refused = tl::unexpected<std::string>;
+
+/// Base 32 without signs that look alike.
+constexpr std::string_view kSigns = "23456789ABCDEFGHJKLMNPQRSTUVWXYZ";
+constexpr std::size_t kCodeSigns = 8;
+constexpr std::size_t kMostFileBytes = std::size_t{64} * 1024;
+constexpr std::size_t kLongestName = 40;
+constexpr mode_t kUserAndGroup = 0660;
+constexpr std::string_view kCodeFile = "code.json";
+
+/// What was typed, without blanks and dashes, in capitals.
+std::string plain(std::string_view typed) {
+    std::string code;
+    for (const char c : typed.substr(0, 4 * kCodeSigns)) {
+        const auto sign = static_cast<unsigned char>(c);
+        if (std::isspace(sign) == 0 && c != '-') {
+            code.push_back(static_cast<char>(std::toupper(sign)));
+        }
+    }
+    return code;
+}
+
+/// As a name in one line: without control characters, not longer than a line of a list.
+std::string plain_name(std::string_view name) {
+    std::string plain;
+    for (const char c : name.substr(0, kLongestName)) {
+        plain.push_back(c >= ' ' && c <= '~' ? c : '?');
+    }
+    return plain.empty() ? "browser" : plain;
+}
+
+/// Held while the files are read and written.
+class FolderLock {
+  public:
+    static tl::expected<FolderLock, std::string> take(const fs::path& folder) {
+        FolderLock lock;
+        lock.folder_ = UniqueFd(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+        if (!lock.folder_.valid() || ::flock(lock.folder_.get(), LOCK_EX) != 0) {
+            return file_error(folder, errno);
+        }
+        return lock;
+    }
+
+  private:
+    UniqueFd folder_;
+};
+
+/// The content of a file; null if it is absent, or nobody wrote it.
+tl::expected<PairingJson, std::string> stored_in(const fs::path& file) {
+    const auto text = read_file(file, kMostFileBytes);
+    if (!text) {
+        std::error_code ignored;
+        return fs::exists(file, ignored) ? tl::expected<PairingJson, std::string>(Refused(
+                                               fmt::format("{}: {}", file.string(), text.error())))
+                                         : PairingJson();
+    }
+    return PairingJson::parse(*text, nullptr, false);
+}
+
+/// Nothing of another type is taken: somebody may have edited the file.
+std::string word_in(const PairingJson& object, const char* key) {
+    const auto found = object.is_object() ? object.find(key) : object.end();
+    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+std::int64_t number_in(const PairingJson& object, const char* key) {
+    const auto found = object.is_object() ? object.find(key) : object.end();
+    return found != object.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
+}
+
+std::vector<Session> sessions_in(const PairingJson& json) {
+    std::vector<Session> sessions;
+    for (const PairingJson& one : json.is_array() ? json : PairingJson::array()) {
+        if (const auto role = role_of(word_in(one, "role"))) {
+            sessions.push_back({word_in(one, "name"), *role, word_in(one, "hash"),
+                                WallTime(number_in(one, "made"))});
+        }
+    }
+    return sessions;
+}
+
+std::string text_of(const std::vector<Session>& sessions) {
+    PairingJson json = PairingJson::array();
+    for (const Session& session : sessions) {
+        json.push_back({{"name", session.name},
+                        {"role", word_of(session.role)},
+                        {"hash", session.hash},
+                        {"made", session.made.count()}});
+    }
+    return json.dump(1) + "\n";
+}
+
+}  // namespace
+
+std::string_view word_of(Role role) {
+    return role == Role::change ? "change" : "look";
+}
+
+std::optional<Role> role_of(std::string_view word) {
+    return word == "change" ? std::optional(Role::change)
+           : word == "look" ? std::optional(Role::look)
+                            : std::nullopt;
+}
+
+/// The file belongs to the owner of the folder, whoever writes it.
+tl::expected<void, std::string> PairingFolder::write(const fs::path& file,
+                                                     const std::string& text) const {
+    const fs::path fresh = file.string() + ".new";
+    const UniqueFd out(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC,
+                              kUserAndGroup));
+    struct stat owner {};
+    const bool written =
+        out.valid() && ::stat(folder_.c_str(), &owner) == 0 &&
+        (::geteuid() != 0 || ::fchown(out.get(), owner.st_uid, owner.st_gid) == 0) &&
+        ::write(out.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size()) &&
+        ::fsync(out.get()) == 0 && ::rename(fresh.c_str(), file.c_str()) == 0;
+    if (!written) {
+        return file_error(file, errno);
+    }
+    return {};
+}
+
+tl::expected<std::string, std::string> PairingFolder::make_code(Role role, WallTime now) {
+    const auto lock = FolderLock::take(folder_);
+    if (!lock) {
+        return Refused(lock.error());
+    }
+    std::array<std::uint8_t, kCodeSigns> random{};
+    if (::getrandom(random.data(), random.size(), 0) != static_cast<ssize_t>(random.size())) {
+        return Refused("the kernel gives no random numbers");
+    }
+    std::string code;
+    for (const std::uint8_t byte : random) {
+        code.push_back(kSigns[byte % kSigns.size()]);
+    }
+    const PairingJson json{{"code", code},
+                           {"role", word_of(role)},
+                           {"until", (now + kCodeLasts).count()},
+                           {"tries", kTries}};
+    if (auto written = write(folder_ / kCodeFile, json.dump() + "\n"); !written) {
+        return Refused(written.error());
+    }
+    return code;
+}
+
+tl::expected<CodeTried, std::string> PairingFolder::try_code(std::string_view typed, WallTime now) {
+    const auto lock = FolderLock::take(folder_);
+    if (!lock) {
+        return Refused(lock.error());
+    }
+    const fs::path file = folder_ / kCodeFile;
+    auto json = stored_in(file);
+    if (!json) {
+        return Refused(json.error());
+    }
+    const WallTime until(number_in(*json, "until"));
+    const bool valid = role_of(word_in(*json, "role")) && now < until && until - now <= kCodeLasts;
+    const std::int64_t left = valid ? number_in(*json, "tries") - 1 : -1;
+    const bool right = left >= 0 && plain(typed) == word_in(*json, "code");
+    if (right || left <= 0) {
+        std::error_code ignored;
+        fs::remove(file, ignored);
+        return CodeTried{right ? role_of(word_in(*json, "role")) : std::nullopt, 0};
+    }
+    (*json)["tries"] = left;
+    if (auto written = write(file, json->dump() + "\n"); !written) {
+        return Refused(written.error());
+    }
+    return CodeTried{std::nullopt, static_cast<int>(left)};
+}
+
+tl::expected<void, std::string> PairingFolder::add_session(std::string_view name, Role role,
+                                                           std::string hash, WallTime now) {
+    const auto lock = FolderLock::take(folder_);
+    auto all = sessions();
+    if (!lock || !all) {
+        return Refused(!lock ? lock.error() : all.error());
+    }
+    std::erase_if(*all, [now](const Session& one) { return now - one.made >= kSessionLasts; });
+    if (all->size() >= kMostSessions) {
+        all->erase(all->begin());
+    }
+    all->push_back({plain_name(name), role, std::move(hash), now});
+    return write(sessions_file(), text_of(*all));
+}
+
+tl::expected<std::vector<Session>, std::string> PairingFolder::sessions() const {
+    return stored_in(sessions_file()).map(sessions_in);
+}
+
+tl::expected<std::size_t, std::string> PairingFolder::revoke(std::string_view name) {
+    const auto lock = FolderLock::take(folder_);
+    auto all = sessions();
+    if (!lock || !all) {
+        return Refused(!lock ? lock.error() : all.error());
+    }
+    const std::size_t gone =
+        std::erase_if(*all, [name](const Session& one) { return one.name == name; });
+    if (gone != 0) {
+        if (auto written = write(sessions_file(), text_of(*all)); !written) {
+            return Refused(written.error());
+        }
+    }
+    return gone;
+}
+
+tl::expected<void, std::string> PairingFolder::leave(std::string_view hash) {
+    const auto lock = FolderLock::take(folder_);
+    auto all = sessions();
+    if (!lock || !all) {
+        return Refused(!lock ? lock.error() : all.error());
+    }
+    std::erase_if(*all, [hash](const Session& one) { return one.hash == hash; });
+    return write(sessions_file(), text_of(*all));
+}
+
+const Session* find_session(const std::vector<Session>& sessions, std::string_view hash,
+                            WallTime now) {
+    const auto found = std::ranges::find_if(sessions, [&](const Session& one) {
+        return !hash.empty() && one.hash == hash && now - one.made < PairingFolder::kSessionLasts;
+    });
+    return found == sessions.end() ? nullptr : &*found;
+}
+
+}  // namespace tribus::web

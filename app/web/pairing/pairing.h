@@ -1,0 +1,76 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+/// Which browsers may use the page. `tribus pair` makes codes, `tribus-web` turns one into a
+/// cookie. They meet in a folder that belongs to the user of `tribus-web`.
+namespace tribus::web {
+
+/// What a paired browser may do. `change` may do all that `look` may.
+enum class Role : std::uint8_t { look, change };
+std::string_view word_of(Role role);
+std::optional<Role> role_of(std::string_view word);
+
+/// Seconds since 1970.
+using WallTime = std::chrono::seconds;
+
+/// A browser that may use the page. Only the SHA-256 of its cookie is kept.
+struct Session {
+    std::string name;
+    Role role = Role::look;
+    std::string hash;
+    WallTime made{};
+};
+
+/// What came of a code that somebody typed.
+struct CodeTried {
+    std::optional<Role> role;  ///< nothing: the code is wrong, or none is valid
+    int left = 0;              ///< further tries; 0: a new code is needed
+};
+
+/// The folder with the code and the sessions. Each call reads and writes under a lock, so programs
+/// do not disturb each other; files are replaced as a whole. Errors are sentences.
+class PairingFolder {
+  public:
+    explicit PairingFolder(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+    static constexpr WallTime kCodeLasts = std::chrono::minutes(5);
+    static constexpr int kTries = 5;
+    static constexpr WallTime kSessionLasts = std::chrono::hours(24 * 90);
+    static constexpr std::size_t kMostSessions = 64;
+
+    /// Makes a code of 8 signs for one browser. It takes the place of the one before.
+    tl::expected<std::string, std::string> make_code(Role role, WallTime now);
+    /// A right code is used up, and a wrong one takes one of its tries.
+    tl::expected<CodeTried, std::string> try_code(std::string_view typed, WallTime now);
+
+    /// Adds a browser. If there are too many, the oldest goes.
+    tl::expected<void, std::string> add_session(std::string_view name, Role role, std::string hash,
+                                                WallTime now);
+    tl::expected<std::vector<Session>, std::string> sessions() const;
+    /// Removes all browsers of that name. Returns how many.
+    tl::expected<std::size_t, std::string> revoke(std::string_view name);
+    /// Removes the browser whose cookie has that hash.
+    tl::expected<void, std::string> leave(std::string_view hash);
+
+    std::filesystem::path sessions_file() const { return folder_ / "sessions.json"; }
+
+  private:
+    tl::expected<void, std::string> write(const std::filesystem::path& file,
+                                          const std::string& text) const;
+    std::filesystem::path folder_;
+};
+
+/// The session whose cookie has that hash, if it has not expired. Null if there is none.
+const Session* find_session(const std::vector<Session>& sessions, std::string_view hash,
+                            WallTime now);
+
+}  // namespace tribus::web

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/client/monitor_link.h"
+#include "core/time.h"
+#include "transports/links/unique_fd.h"
+
+/// The daemons of this board, as the page sees them: by their control sockets, and by the
+/// configurations that stand in the folder of configurations. Thread-bound; nothing here waits.
+namespace tribus::web {
+
+/// A daemon that runs, or a configuration that none runs.
+struct KnownDaemon {
+    std::string name;
+    std::string socket;  ///< empty: no daemon runs
+    std::filesystem::path file;
+};
+
+/// Those whose sockets this user may use, and the configurations in `folder`, ordered by name.
+std::vector<KnownDaemon> known_daemons(const std::filesystem::path& folder);
+/// The one with that name. Names are compared with the list and never become a path.
+std::optional<KnownDaemon> find_known(const std::filesystem::path& folder, std::string_view name);
+
+/// One request to a daemon, without waiting for its answer.
+class DaemonRequest {
+  public:
+    /// The answer, or `error` says why there is none, as `{"error": ...}`.
+    using Done = std::function<void(std::string answer)>;
+
+    DaemonRequest(const std::string& socket, std::string_view line, Instant end);
+
+    int descriptor() const { return socket_.get(); }
+    Instant end() const { return end_; }
+    /// Reads what is there. Returns the answer without its end of line, once it is whole.
+    std::optional<std::string> poll(Instant now);
+
+  private:
+    UniqueFd socket_;
+    std::string received_;
+    std::string failed_;
+    Instant end_;
+};
+
+/// The newest status of one daemon, while anybody looks.
+class DaemonWatch {
+  public:
+    explicit DaemonWatch(const std::string& socket);
+
+    int descriptor() const { return link_.descriptor(); }
+    /// When `look` must be called at the latest.
+    Instant due() const { return due_; }
+    void look(Instant now);
+
+    /// JSON in one line; empty before the first.
+    const std::string& newest() const { return newest_; }
+    /// Rises with each status.
+    std::uint64_t number() const { return number_; }
+    /// When the newest status came.
+    Instant received() const { return received_; }
+    /// Why no status comes; empty while they come.
+    std::string problem(Instant now) const;
+
+    /// As often as the data thread publishes.
+    static constexpr Duration kPeriod = std::chrono::milliseconds(100);
+    /// A daemon that says nothing for so long hangs.
+    static constexpr Duration kHangs = std::chrono::milliseconds(500);
+
+  private:
+    MonitorLink link_;
+    std::string newest_;
+    std::uint64_t number_ = 0;
+    Instant received_{};
+    Instant due_{};
+};
+
+}  // namespace tribus::web

@@ -1,0 +1,142 @@
+#include "app/web/server/files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include "app/cli/file_error.h"
+#include "pipelines/realtime/clock.h"
+#include "transports/links/unique_fd.h"
+
+namespace tribus::web {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kTypes{
+    {{".html", "text/html; charset=utf-8"},
+     {".js", "text/javascript; charset=utf-8"},
+     {".css", "text/css; charset=utf-8"},
+     {".svg", "image/svg+xml"},
+     {".woff2", "font/woff2"}}};
+
+std::string content_of(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// Empty for a kind of file that the page does not have.
+std::string_view type_of(const fs::path& path) {
+    const auto known = std::ranges::find(kTypes, path.extension().string(),
+                                         [](const auto& type) { return type.first; });
+    return known == kTypes.end() ? std::string_view() : known->second;
+}
+
+bool write_all(int descriptor, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t count = ::write(descriptor, text.data(), text.size());
+        if (count < 0 && errno != EINTR) {
+            return false;
+        }
+        text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    }
+    return true;
+}
+
+void sync_folder(const fs::path& folder) {
+    const UniqueFd directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    ::fsync(directory.get());
+}
+
+/// Written beside the file and renamed, so that there is the old text or the new one.
+tl::expected<void, std::string> replace(const fs::path& file, std::string_view text) {
+    struct stat before {};
+    const bool known = ::stat(file.c_str(), &before) == 0;
+    constexpr mode_t kUsual = 0644;
+    constexpr mode_t kPermissions = 07777;
+    const fs::path fresh = file.parent_path() / fmt::format(".{}.new", file.filename().string());
+    const UniqueFd out(
+        ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600));
+    const bool written = out.valid() && write_all(out.get(), text) &&
+                         ::fchmod(out.get(), known ? before.st_mode & kPermissions : kUsual) == 0 &&
+                         ::fsync(out.get()) == 0 && ::rename(fresh.c_str(), file.c_str()) == 0;
+    if (!written) {
+        const int why = errno;
+        ::unlink(fresh.c_str());
+        return file_error(file, why);
+    }
+    sync_folder(file.parent_path());
+    return {};
+}
+
+}  // namespace
+
+PageFiles PageFiles::read(const fs::path& folder) {
+    PageFiles files;
+    std::error_code error;
+    for (fs::recursive_directory_iterator at(folder, error), end; !error && at != end;
+         at.increment(error)) {
+        const std::string_view type = type_of(at->path());
+        if (type.empty() || !at->is_regular_file(error)) {
+            continue;
+        }
+        PageFile file{.type = type, .content = content_of(at->path()), .gzip = {}};
+        file.gzip = content_of(at->path().string() + ".gz");
+        const std::string name = "/" + at->path().lexically_relative(folder).generic_string();
+        files.files_.emplace(name == "/index.html" ? "/" : name, std::move(file));
+    }
+    return files;
+}
+
+const PageFile* PageFiles::find(std::string_view path) const {
+    const auto file = files_.find(path);
+    return file == files_.end() ? nullptr : &file->second;
+}
+
+tl::expected<void, std::string> keep_configuration(const fs::path& file, std::string_view text,
+                                                   const fs::path& history) {
+    std::error_code error;
+    fs::create_directories(history, error);
+    const std::string before = content_of(file);
+    if (!before.empty()) {
+        const std::string id = fmt::format(
+            "{:%Y-%m-%dT%H-%M-%SZ}.toml",
+            fmt::gmtime(static_cast<std::time_t>(
+                std::chrono::duration_cast<std::chrono::seconds>(wall_time_now()).count())));
+        if (auto kept = replace(history / id, before); !kept) {
+            return kept;
+        }
+        const auto all = kept_files(history);
+        for (std::size_t i = kMostKept; i < all.size(); ++i) {
+            fs::remove(history / (all[i].id + ".toml"), error);
+        }
+    }
+    return replace(file, text);
+}
+
+std::vector<KeptFile> kept_files(const fs::path& history) {
+    std::vector<KeptFile> files;
+    std::error_code error;
+    for (fs::directory_iterator at(history, error), end; !error && at != end; at.increment(error)) {
+        if (at->path().extension() == ".toml" && at->is_regular_file(error)) {
+            files.push_back({at->path().stem().string(), fs::file_size(at->path(), error)});
+        }
+    }
+    std::ranges::sort(files, std::greater<>(), &KeptFile::id);
+    return files;
+}
+
+}  // namespace tribus::web

@@ -1,0 +1,286 @@
+#include "app/web/server/site.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/object_text.h"
+#include "app/client/status_fields.h"
+#include "app/inspect/graph_model.h"
+#include "app/inspect/graph_picture.h"
+#include "app/status/fingerprint.h"
+#include "app/web/server/access.h"
+#include "app/web/server/answers.h"
+#include "app/web/server/checks.h"
+#include "config/language/read_document.h"
+#include "config/language/read_file.h"
+#include "config/show/json_schema.h"
+#include "core/quotes.h"
+
+namespace tribus::web {
+namespace {
+
+constexpr std::string_view kApi = "/api/";
+
+std::string host_name() {
+    constexpr std::size_t kLongest = 256;
+    std::array<char, kLongest> name{};
+    return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : "";
+}
+
+/// The part of a path up to the next '/', which is removed, too.
+std::string_view take_part(std::string_view& path) {
+    const std::size_t end = path.find('/');
+    const std::string_view part = path.substr(0, end);
+    path.remove_prefix(end == std::string_view::npos ? path.size() : end + 1);
+    return part;
+}
+
+}  // namespace
+
+Site::Site(SiteSettings settings)
+    : settings_(std::move(settings)),
+      files_(PageFiles::read(settings_.page)),
+      pairing_(settings_.state),
+      names_(own_names(host_name(), settings_.hosts)) {}
+
+bool Site::answer(SocketClient& client, Instant now) {
+    if (client.waits()) {
+        if (auto late = client.take_answer()) {
+            return client.send(*std::move(late), now);
+        }
+        return true;
+    }
+    if (client.repeats() || client.received().empty()) {
+        return true;
+    }
+    auto parsed = parse_http(client.received());
+    if (std::holds_alternative<MoreBytes>(parsed)) {
+        return true;
+    }
+    if (const auto* refusal = std::get_if<HttpRefusal>(&parsed)) {
+        client.close_when_sent();
+        return client.send(http_text(refused(refusal->status, refusal->why, false)), now);
+    }
+    const HttpRequest request = std::get<HttpRequest>(std::move(parsed));
+    client.take_received(request.bytes);
+    if (!is_own_host(request.host, names_)) {
+        client.close_when_sent();
+        return client.send(
+            http_text(refused(421,
+                              "this machine has another name; allowed: its addresses, its "
+                              "name with or without .local, and those given with --host",
+                              false)),
+            now);
+    }
+    std::string_view path = request.path;
+    if (request.method == "GET" && path.starts_with(kApi) && path.ends_with("/stream")) {
+        path.remove_prefix(kApi.size());
+        return begin_stream(client, request, std::string(take_part(path)), now);
+    }
+    return send_reply(client, request, reply(request, now), now);
+}
+
+bool Site::send_reply(SocketClient& client, const HttpRequest& request, Reply reply, Instant now) {
+    const bool keeps_open = request.keeps_open;
+    if (!keeps_open) {
+        client.close_when_sent();
+    }
+    if (auto* late = std::get_if<Late>(&reply)) {
+        client.wait_for([late = std::move(*late), keeps_open]() -> std::optional<std::string> {
+            auto answer = late();
+            if (!answer) {
+                return std::nullopt;
+            }
+            answer->keeps_open = keeps_open;
+            return http_text(*answer);
+        });
+        return true;
+    }
+    HttpAnswer& answer = std::get<HttpAnswer>(reply);
+    answer.keeps_open = keeps_open;
+    return client.send(http_text(answer), now);
+}
+
+Site::Reply Site::reply(const HttpRequest& request, Instant now) {
+    if (request.path == "/pair" || request.path == "/leave") {
+        if (const auto why = why_not_from_own_page(request)) {
+            return refused(why->status, why->why);
+        }
+        return request.path == "/pair" ? pair(request) : leave(request);
+    }
+    std::string_view path = request.path;
+    if (path.starts_with(kApi)) {
+        path.remove_prefix(kApi.size());
+        return reply_of_api(request, path, now);
+    }
+    return request.method == "GET" ? file_of_page(request) : refused(405, "only GET");
+}
+
+HttpAnswer Site::file_of_page(const HttpRequest& request) const {
+    if (files_.empty()) {
+        return {.status = 503,
+                .type = "text/plain; charset=utf-8",
+                .content = fmt::format("The page is not in {}: this tribus was built without it.\n",
+                                       settings_.page.string())};
+    }
+    const PageFile* const file = files_.find(request.path);
+    if (file == nullptr) {
+        return refused(404, "there is no such page");
+    }
+    const bool gzip = request.takes_gzip && !file->gzip.empty();
+    return {.type = file->type,
+            .content = gzip ? file->gzip : file->content,
+            .headers = "Vary: Accept-Encoding\r\n",
+            .cached = request.path != "/",
+            .gzip = gzip};
+}
+
+Site::Reply Site::reply_of_api(const HttpRequest& request, std::string_view path, Instant now) {
+    if (request.method == "GET" && path == "me") {
+        return me(request);
+    }
+    const auto visitor = visitor_of(request);
+    if (!visitor) {
+        return refused(401, "this browser is not paired; `sudo tribus pair` prints a code");
+    }
+    if (request.method == "GET" && path == "daemons") {
+        return daemons(now);
+    }
+    const auto daemon = find_known(settings_.configurations, take_part(path));
+    if (!daemon) {
+        return refused(404, "there is no daemon and no configuration of that name");
+    }
+    return reply_of_daemon(request, *daemon, path, visitor->role, now);
+}
+
+HttpAnswer Site::me(const HttpRequest& request) const {
+    const auto visitor = visitor_of(request);
+    return json_answer(
+        {{"role", visitor ? Json(std::string(word_of(visitor->role))) : Json(nullptr)},
+         {"host", host_name()},
+         {"public", settings_.is_public},
+         {"version", settings_.version},
+         {"screens", {"live", "timing", "config", "more"}}});
+}
+
+HttpAnswer Site::daemons(Instant now) const {
+    Json list = Json::array();
+    for (const KnownDaemon& daemon : known_daemons(settings_.configurations)) {
+        const auto watch = watches_.find(daemon.name);
+        const bool hangs = watch != watches_.end() && !watch->second->problem(now).empty();
+        list.push_back({{"name", daemon.name},
+                        {"state", daemon.socket.empty() ? "absent"
+                                  : hangs               ? "hung"
+                                                        : "running"},
+                        {"file", daemon.file.string()}});
+    }
+    return json_answer({{"daemons", std::move(list)}});
+}
+
+Site::Reply Site::reply_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
+                                  std::string_view what, Role role, Instant now) {
+    if (request.method != "GET") {
+        if (const auto why = why_not_from_own_page(request)) {
+            return refused(why->status, why->why);
+        }
+        const auto text = text_in(request.body, "toml");
+        if (what == "check" && text) {
+            return json_answer(check_draft(*text, daemon.file));
+        }
+        if (what == "graph" && text) {
+            return picture_of_draft(*text, daemon.file);
+        }
+        if (what == "diff" && text) {
+            return ask(daemon, "configuration", now, [text, file = daemon.file](const auto& json) {
+                return difference_to(json, *text, file);
+            });
+        }
+        return role == Role::change
+                   ? change_of_daemon(request, daemon, what, now)
+                   : refused(403, "this browser may only look; `sudo tribus pair` lets it change");
+    }
+    if (what == "status") {
+        return ask(daemon, "status", now, as_it_is);
+    }
+    if (what == "configuration") {
+        return configuration_answer(daemon.file);
+    }
+    if (what == "schema") {
+        return HttpAnswer{.content = json_schema()};
+    }
+    if (what == "graph.svg") {
+        return ask(daemon, "configuration", now,
+                   [](const std::string& json) { return picture_of_running(json); });
+    }
+    if (what == "history" || what.starts_with("history/")) {
+        return history_answer(settings_.state / "history" / daemon.name, what.substr(7));
+    }
+    if (what.starts_with("record/")) {
+        return ask(daemon, fmt::format("record {}", what.substr(7)), now, as_it_is);
+    }
+    return refused(404, "there is nothing of that name");
+}
+
+Site::Reply Site::ask(const KnownDaemon& daemon, std::string_view line, Instant now,
+                      FromDaemon as_answer, Duration patience) {
+    if (daemon.socket.empty()) {
+        return refused(502, fmt::format("no daemon runs {}", daemon.name));
+    }
+    if (line.find_first_of("\r\n") != std::string_view::npos) {
+        return refused(400, "a name must stand in one line");
+    }
+    auto pending = std::make_shared<Pending>(
+        Pending{DaemonRequest(daemon.socket, line, later(now, patience)), std::nullopt});
+    pending_.push_back(pending);
+    return Late([pending, as_answer = std::move(as_answer)]() -> std::optional<HttpAnswer> {
+        return pending->answer ? std::optional(as_answer(*pending->answer)) : std::nullopt;
+    });
+}
+
+std::vector<int> Site::descriptors() const {
+    std::vector<int> descriptors;
+    for (const auto& pending : pending_) {
+        descriptors.push_back(pending->request.descriptor());
+    }
+    for (const auto& [name, watch] : watches_) {
+        descriptors.push_back(watch->descriptor());
+    }
+    return descriptors;
+}
+
+Instant Site::due() const {
+    Instant due = kNever;
+    for (const auto& pending : pending_) {
+        due = std::min(due, pending->request.end());
+    }
+    for (const auto& [name, watch] : watches_) {
+        due = std::min(due, watch->due());
+    }
+    return due;
+}
+
+void Site::look(Instant now) {
+    for (auto pending = pending_.begin(); pending != pending_.end();) {
+        (*pending)->answer = (*pending)->request.poll(now);
+        pending = (*pending)->answer ? pending_.erase(pending) : std::next(pending);
+    }
+    std::erase_if(streams_, [](const std::weak_ptr<Stream>& stream) { return stream.expired(); });
+    for (auto& [name, watch] : watches_) {
+        watch->look(now);
+    }
+    std::erase_if(watches_, [this](const auto& entry) {
+        return std::ranges::none_of(streams_, [&](const std::weak_ptr<Stream>& one) {
+            const auto stream = one.lock();
+            return stream && stream->daemon == entry.first;
+        });
+    });
+}
+
+}  // namespace tribus::web

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "app/client/socket_client.h"
+#include "app/web/pairing/pairing.h"
+#include "app/web/server/daemons.h"
+#include "app/web/server/files.h"
+#include "app/web/server/http.h"
+#include "core/time.h"
+
+namespace tribus::web {
+
+struct SiteSettings {
+    std::filesystem::path configurations;  ///< folder of NAME.toml
+    std::filesystem::path state;           ///< folder of PairingFolder, and of the history
+    std::filesystem::path page;            ///< folder of the built page
+    std::vector<std::string> hosts;        ///< further names of this machine
+    bool is_public = false;                ///< the network can reach the page
+    std::string version;
+};
+
+/// What the page asks and what it gets (docs/web.md). Thread-bound; nothing here waits.
+class Site {
+  public:
+    explicit Site(SiteSettings settings);
+
+    /// Answers the client if its request is whole. Returns false if the client must be dropped.
+    bool answer(SocketClient& client, Instant now);
+
+    /// Readable when `look` has something to do.
+    std::vector<int> descriptors() const;
+    /// When `look` must be called at the latest.
+    Instant due() const;
+    /// Takes what the daemons said.
+    void look(Instant now);
+    /// Whether a page looks or waits.
+    bool in_use() const { return !streams_.empty() || !pending_.empty(); }
+
+    static constexpr std::size_t kStreamsOfOneBrowser = 4;
+
+  private:
+    struct Visitor {
+        Role role;
+        std::string hash;  ///< of the cookie
+    };
+    /// A page that gets each status.
+    struct Stream {
+        std::string daemon;
+        std::string visitor;
+        std::uint64_t sent = 0;
+        std::string said;  ///< the problem that it was told
+        Instant said_at{};
+        bool displaced = false;
+        Instant looked_for_visitor{};
+    };
+    struct Pending {
+        DaemonRequest request;
+        std::optional<std::string> answer;
+    };
+    /// A draft that this program put on trial.
+    struct Draft {
+        std::uint64_t trial = 0;
+        std::string text;
+        std::string before;  ///< fingerprint of the file that it is to replace
+    };
+    using Late = std::function<std::optional<HttpAnswer>()>;
+    using Reply = std::variant<HttpAnswer, Late>;
+    using FromDaemon = std::function<HttpAnswer(const std::string& json)>;
+
+    Reply reply(const HttpRequest& request, Instant now);
+    Reply reply_of_api(const HttpRequest& request, std::string_view path, Instant now);
+    Reply reply_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
+                          std::string_view what, Role role, Instant now);
+    Reply change_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
+                           std::string_view what, Instant now);
+    HttpAnswer file_of_page(const HttpRequest& request) const;
+    HttpAnswer me(const HttpRequest& request) const;
+    HttpAnswer daemons(Instant now) const;
+    HttpAnswer pair(const HttpRequest& request);
+    HttpAnswer leave(const HttpRequest& request);
+    Reply ask(const KnownDaemon& daemon, std::string_view line, Instant now, FromDaemon as_answer,
+              Duration patience = std::chrono::seconds(5));
+    Reply begin_draft(const HttpRequest& request, const KnownDaemon& daemon, Instant now);
+    static std::optional<HttpAnswer> why_not(const HttpRequest& request, const std::string& text,
+                                             const KnownDaemon& daemon);
+    Reply save(const HttpRequest& request, const KnownDaemon& daemon);
+    Reply run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds, Instant now);
+    Reply keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Instant now);
+
+    bool begin_stream(SocketClient& client, const HttpRequest& request, std::string daemon,
+                      Instant now);
+    bool send_to_stream(const std::shared_ptr<Stream>& stream, SocketClient& client, Instant now);
+    bool send_reply(SocketClient& client, const HttpRequest& request, Reply reply, Instant now);
+    DaemonWatch* watch_of(const std::string& daemon);
+
+    std::string cookie_name(std::string_view host) const;
+    std::optional<Visitor> visitor_of(const HttpRequest& request) const;
+    std::optional<Visitor> visitor_with(std::string_view hash) const;
+
+    SiteSettings settings_;
+    PageFiles files_;
+    PairingFolder pairing_;
+    std::vector<std::string> names_;
+    std::list<std::weak_ptr<Stream>> streams_;
+    std::map<std::string, std::unique_ptr<DaemonWatch>> watches_;
+    std::list<std::shared_ptr<Pending>> pending_;
+    std::map<std::string, Draft> drafts_;
+};
+
+}  // namespace tribus::web

@@ -1,0 +1,207 @@
+#include <fstream>
+#include <memory>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <nlohmann/json.hpp>
+
+#include "app/client/status_fields.h"
+#include "app/status/fingerprint.h"
+#include "app/web/server/answers.h"
+#include "app/web/server/checks.h"
+#include "app/web/server/site.h"
+#include "config/language/read_document.h"
+#include "config/language/read_file.h"
+#include "pipelines/realtime/clock.h"
+#include "transports/links/unique_fd.h"
+
+/// What a page may change: a draft goes on trial, and stays or goes back.
+namespace tribus::web {
+namespace {
+
+/// A reload opens devices and may read large files.
+constexpr Duration kReloadPatience = std::chrono::seconds(70);
+constexpr std::int64_t kUsualTrialSeconds = 30;
+constexpr std::int64_t kMostTrialSeconds = 3600;
+
+std::string fingerprint_of(const std::filesystem::path& file) {
+    const auto text = read_file(file, kMostConfigurationBytes, FileKinds::regular);
+    return text ? fingerprint(*text) : std::string();
+}
+
+/// The text in quotation marks of If-Match.
+std::string tag_in(const std::string& if_match) {
+    const std::size_t begin = if_match.find('"');
+    const std::size_t end = if_match.rfind('"');
+    return begin == std::string::npos || end <= begin ? std::string()
+                                                      : if_match.substr(begin + 1, end - begin - 1);
+}
+
+HttpAnswer changed_meanwhile(const std::string& present) {
+    return json_answer(
+        {{"error", "the file was changed by another meanwhile"}, {"fingerprint", present}}, 412);
+}
+
+/// In memory beside the control socket; the group may write there.
+bool write_draft(const std::string& file, std::string_view text) {
+    const UniqueFd out(
+        ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0660));
+    return out.valid() && ::fchmod(out.get(), 0660) == 0 &&
+           ::write(out.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
+}
+
+}  // namespace
+
+Site::Reply Site::change_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
+                                   std::string_view what, Instant now) {
+    if (what == "draft") {
+        return begin_draft(request, daemon, now);
+    }
+    if (what == "save") {
+        return save(request, daemon);
+    }
+    if (what == "record") {
+        return ask(daemon, "record", now, as_it_is);
+    }
+    const auto trial = number_in(request.body, "trial");
+    if ((what == "confirm" || what == "back") && (!trial || *trial < 1)) {
+        return refused(400, "the number of the trial is missing");
+    }
+    if (what == "confirm") {
+        return keep_draft(daemon, static_cast<std::uint64_t>(*trial), now);
+    }
+    if (what == "back") {
+        return ask(
+            daemon, fmt::format("back {}", *trial), now,
+            [](const std::string& json) {
+                HttpAnswer answer = as_it_is(json);
+                answer.status = answer.status == 502 ? 409 : answer.status;
+                return answer;
+            },
+            kReloadPatience);
+    }
+    return refused(404, "there is nothing of that name");
+}
+
+/// Why the text of a draft is refused; nothing if it may take the place of the file.
+std::optional<HttpAnswer> Site::why_not(const HttpRequest& request, const std::string& text,
+                                        const KnownDaemon& daemon) {
+    if (daemon.file.empty()) {
+        return refused(404, "its configuration is not in the folder of configurations");
+    }
+    const std::string present = fingerprint_of(daemon.file);
+    if (tag_in(request.if_match) != present) {
+        return changed_meanwhile(present);
+    }
+    Json checked = check_draft(text, daemon.file);
+    if (!checked["mistakes"].empty()) {
+        checked["error"] = "the draft has mistakes";
+        return json_answer(checked, 400);
+    }
+    return std::nullopt;
+}
+
+Site::Reply Site::begin_draft(const HttpRequest& request, const KnownDaemon& daemon, Instant now) {
+    auto text = text_in(request.body, "toml");
+    const std::int64_t seconds = number_in(request.body, "seconds").value_or(kUsualTrialSeconds);
+    if (!text || seconds < 1 || seconds > kMostTrialSeconds) {
+        return refused(400, "a draft needs its text, and from 1 to 3600 seconds");
+    }
+    if (auto why = why_not(request, *text, daemon)) {
+        return *std::move(why);
+    }
+    if (daemon.socket.empty()) {
+        return refused(502, fmt::format("no daemon runs {}", daemon.name));
+    }
+    return run_draft(daemon,
+                     {.trial = 0, .text = *std::move(text), .before = tag_in(request.if_match)},
+                     seconds, now);
+}
+
+/// Without a daemon nothing can be tried: the file had mistakes, or its service is off.
+Site::Reply Site::save(const HttpRequest& request, const KnownDaemon& daemon) {
+    const auto text = text_in(request.body, "toml");
+    if (!text) {
+        return refused(400, "the text is missing");
+    }
+    if (!daemon.socket.empty()) {
+        return refused(409, "a daemon runs it; a change goes on trial first");
+    }
+    if (auto why = why_not(request, *text, daemon)) {
+        return *std::move(why);
+    }
+    const auto kept =
+        keep_configuration(daemon.file, *text, settings_.state / "history" / daemon.name);
+    return kept ? json_answer({{"fingerprint", fingerprint(*text)}}) : refused(500, kept.error());
+}
+
+/// Asks for the folder, writes the draft there, and lets it run.
+Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t seconds,
+                            Instant now) {
+    const auto own = std::make_shared<Draft>(std::move(draft));
+    auto folder = ask(daemon, "draft", now, as_it_is);
+    auto running = std::make_shared<std::optional<Late>>();
+    return Late([this, daemon, own, seconds, running,
+                 folder = std::get<Late>(std::move(folder))]() -> std::optional<HttpAnswer> {
+        if (*running) {
+            return (**running)();
+        }
+        const auto made = folder();
+        if (!made || made->status != 200) {
+            return made;
+        }
+        const auto json = nlohmann::json::parse(made->content, nullptr, false);
+        if (!write_draft(status_fields::raw_text(json, "file"), own->text)) {
+            return refused(500, "the draft cannot be written beside the control socket");
+        }
+        auto reply = ask(
+            daemon, fmt::format("reload draft {}s", seconds), monotonic_now(),
+            [this, name = daemon.name, own](const std::string& outcome) {
+                HttpAnswer answer = as_it_is(outcome);
+                const auto told = nlohmann::json::parse(outcome, nullptr, false);
+                if (const auto trial = status_fields::number(told, "trial")) {
+                    own->trial = static_cast<std::uint64_t>(*trial);
+                    drafts_[name] = *own;
+                }
+                return answer;
+            },
+            kReloadPatience);
+        *running = std::get<Late>(std::move(reply));
+        return std::nullopt;
+    });
+}
+
+/// The file is written first. If the daemon says that the trial is over, the old file comes back.
+Site::Reply Site::keep_draft(const KnownDaemon& daemon, std::uint64_t trial, Instant now) {
+    const auto draft = drafts_.find(daemon.name);
+    if (draft == drafts_.end() || draft->second.trial != trial) {
+        return refused(409, "that trial is over, or another program began it");
+    }
+    const auto before = read_file(daemon.file, kMostConfigurationBytes, FileKinds::regular);
+    const std::string present = before ? fingerprint(*before) : std::string();
+    if (present != draft->second.before) {
+        return changed_meanwhile(present);
+    }
+    const auto history = settings_.state / "history" / daemon.name;
+    if (auto kept = keep_configuration(daemon.file, draft->second.text, history); !kept) {
+        return refused(500, kept.error());
+    }
+    return ask(daemon, fmt::format("confirm {}", trial), now,
+               [this, file = daemon.file, name = daemon.name, before = *before,
+                history](const std::string& outcome) {
+                   const HttpAnswer answer = as_it_is(outcome);
+                   if (answer.status != 200) {
+                       const auto restored = keep_configuration(file, before, history);
+                       return refused(409, restored ? "that trial is over; the file is as before"
+                                                    : restored.error());
+                   }
+                   const std::string text = drafts_[name].text;
+                   drafts_.erase(name);
+                   return json_answer({{"kept", true}, {"fingerprint", fingerprint(text)}});
+               });
+}
+
+}  // namespace tribus::web

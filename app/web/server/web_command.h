@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "app/cli/command.h"
+
+namespace tribus::web {
+
+/// What `tribus-web` does: it serves the page until a signal ends it, or, if systemd listens for
+/// it, until nobody has used it for ten minutes.
+Command web_command(std::string version);
+
+}  // namespace tribus::web

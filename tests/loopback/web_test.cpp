@@ -1,0 +1,364 @@
+#include <atomic>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <list>
+#include <map>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/loopback/browser.h"
+#include "tests/loopback/first_channel.h"
+
+/// `tribus-web` in front of a real daemon on ptys, as browsers and those who pretend to be one see
+/// it (docs/web.md).
+namespace tribus::test::web_test {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kReversed = "[pipeline.main.channels]\n1 = { from = 1, reverse = true }";
+
+class Web : public FirstChannel {
+  protected:
+    Web() {
+        std::filesystem::create_directory(folder() / "state");
+        std::filesystem::create_directory(folder() / "page");
+        std::ofstream(folder() / "page" / "index.html") << "the page";
+    }
+    /// The daemon has the name of the test's folder, which is its runtime directory.
+    std::string name() const { return folder().filename().string(); }
+    std::string file() const { return folder() / (name() + ".toml"); }
+    std::string api(const std::string& what) const { return "/api/" + name() + "/" + what; }
+    std::string content() const {
+        std::ifstream in(file());
+        return {std::istreambuf_iterator<char>(in), {}};
+    }
+    Program& run_daemon() {
+        Program& program = run(write_config(main_job(kPatientInput), name() + ".toml"));
+        expect_first_channel(1100);
+        return program;
+    }
+    Program& serve() {
+        Program& server = start({"serve", "--listen", "127.0.0.1:0", "--configurations", folder(),
+                                 "--state", folder() / "state", "--page", folder() / "page"},
+                                {.executable = TRIBUS_WEB});
+        const std::string said = "the page is at http://127.0.0.1:";
+        EXPECT_TRUE(server.says(said)) << server.errors();
+        const std::string errors = server.errors();
+        port_ = std::stoi(errors.substr(errors.find(said) + said.size()));
+        return server;
+    }
+    std::string code(std::vector<std::string> more = {}) {
+        more.insert(more.begin(), {"pair", "--state", folder() / "state"});
+        Program& pair = start(more);
+        EXPECT_EQ(pair.end(), 0) << pair.errors();
+        std::string line = pair.output().substr(0, 9);
+        line.erase(4, 1);
+        return line;
+    }
+    Browser paired(std::vector<std::string> more = {}) {
+        Browser browser(port_);
+        EXPECT_EQ(browser.pair(code(std::move(more))).status, 200);
+        return browser;
+    }
+    /// The present text with channel 1 reversed.
+    std::string reversed() const { return content() + "\n" + kReversed + "\n"; }
+    /// Puts the reversed text on trial and returns the answer.
+    BrowserAnswer try_reversed(const Browser& browser) {
+        const std::string tag = browser.get(api("configuration")).header("ETag");
+        return post(browser, "draft", {{"toml", reversed()}, {"seconds", 1000}},
+                    {{"If-Match", tag}});
+    }
+    /// The receiver goes on meanwhile.
+    BrowserAnswer post(const Browser& browser, const std::string& what, const json& body,
+                       const std::map<std::string, std::string>& more = {}) {
+        BrowserAnswer answer;
+        std::thread asks([&] { answer = browser.post(api(what), body, more); });
+        std::atomic<bool> done{false};
+        std::thread waits([&] {
+            asks.join();
+            done = true;
+        });
+        EXPECT_TRUE(eventually([&] {
+            repeater_.send_if_due();
+            servos_.listen();
+            return done.load();
+        }));
+        waits.join();
+        return answer;
+    }
+
+    int port_ = 0;
+};
+
+TEST_F(Web, GivesThePageToAllAndNothingElseWithoutPairing) {
+    run_daemon();
+    serve();
+    const Browser stranger(port_);
+    EXPECT_EQ(stranger.get("/").content, "the page");
+    EXPECT_EQ(stranger.get("/api/me").json()["role"], nullptr);
+    for (const std::string& path :
+         {std::string("/api/daemons"), api("status"), api("configuration"), api("schema"),
+          api("graph.svg"), api("history"), api("stream"), std::string("/api/none/status")}) {
+        EXPECT_EQ(stranger.get(path).status, 401) << path;
+    }
+    for (const std::string what : {"check", "diff", "draft", "confirm", "back", "save", "record"}) {
+        EXPECT_EQ(stranger.post(api(what), {{"toml", ""}, {"trial", 1}}).status, 401) << what;
+    }
+}
+
+TEST_F(Web, ACodePairsOneBrowserWhichThenSeesTheStatus) {
+    run_daemon();
+    serve();
+    const std::string given = code();
+    Browser browser(port_);
+    EXPECT_EQ(browser.post("/pair", {{"code", "AAAAAAAA"}}).json()["left"], 4);
+    const BrowserAnswer answer = browser.pair(given);
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_NE(answer.header("Set-Cookie").find("HttpOnly; SameSite=Strict; Path=/"),
+              std::string::npos);
+    EXPECT_EQ(Browser(port_).pair(given).status, 410) << "used twice";
+    EXPECT_EQ(browser.get("/api/me").json()["role"], "change");
+    const auto daemons = browser.get("/api/daemons").json()["daemons"];
+    ASSERT_EQ(daemons.size(), 1U);
+    EXPECT_EQ(daemons[0]["name"], name());
+    EXPECT_EQ(daemons[0]["state"], "running");
+    EXPECT_EQ(browser.get(api("status")).json()["inputs"][0]["name"], "receiver");
+    EXPECT_EQ(browser.post("/leave", json::object()).status, 200);
+    EXPECT_EQ(browser.get(api("status")).status, 401);
+}
+
+TEST_F(Web, AStreamBringsEachStatusAndSaysWhenTheDaemonHangsAndIsBack) {
+    Program& daemon = run_daemon();
+    serve();
+    const Browser browser = paired();
+    EventStream stream(browser, port_, api("stream?rate=10"));
+    std::int64_t before = 0;
+    for (int i = 0; i < 5; ++i) {
+        const auto status = stream.next("status");
+        ASSERT_TRUE(status);
+        const std::int64_t at = json::parse(*status)["t_us"];
+        EXPECT_GT(at, before);
+        before = at;
+    }
+    daemon.signal(SIGSTOP);
+    const auto gone = stream.next("gone");
+    ASSERT_TRUE(gone);
+    EXPECT_EQ(json::parse(*gone)["reason"], "the daemon does not answer");
+    daemon.signal(SIGCONT);
+    EXPECT_TRUE(stream.next("status"));
+    daemon.signal(SIGKILL);
+    EXPECT_TRUE(stream.next("gone"));
+    run(file());
+    EXPECT_TRUE(stream.next("status"));
+}
+
+TEST_F(Web, AFifthStreamOfABrowserEndsItsFirstAndSaysSo) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    std::list<EventStream> streams;
+    for (int i = 0; i < 5; ++i) {
+        streams.emplace_back(browser, port_, api("stream"));
+        EXPECT_TRUE(streams.back().next("status")) << i;
+    }
+    EXPECT_TRUE(streams.front().next("ended"));
+    EXPECT_TRUE(streams.front().ended());
+    for (auto stream = std::next(streams.begin()); stream != streams.end(); ++stream) {
+        EXPECT_TRUE(stream->next("status"));
+    }
+}
+
+TEST_F(Web, ARevokedBrowserGetsNothingMoreAlsoInAStream) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    EventStream stream(browser, port_, api("stream"));
+    EXPECT_TRUE(stream.next("status"));
+    Program& revoke = start({"pair", "--state", folder() / "state", "--revoke", "browser"});
+    EXPECT_EQ(revoke.end(), 0);
+    EXPECT_TRUE(stream.next("revoked"));
+    EXPECT_TRUE(stream.ended());
+    EXPECT_EQ(browser.get(api("status")).status, 401);
+}
+
+TEST_F(Web, ADraftIsCheckedComparedTriedAndKept) {
+    Program& daemon = run_daemon();
+    serve();
+    const Browser browser = paired();
+    const auto mistakes = post(browser, "check", {{"toml", "[input.a]\nprotocol = \"x\"\n"}});
+    EXPECT_EQ(mistakes.json()["mistakes"][1]["line"], 2);
+    EXPECT_EQ(mistakes.json()["mistakes"][1]["column"], 12);
+    const auto difference = post(browser, "diff", {{"toml", reversed()}}).json();
+    EXPECT_EQ(difference["lines"][1], "  channel 1: channel 1 before, now channel 1, reverse");
+    const std::string before = content();
+    const BrowserAnswer tried = try_reversed(browser);
+    ASSERT_EQ(tried.status, 200) << tried.content;
+    expect_first_channel(1900);
+    EXPECT_EQ(content(), before) << "the file waits for the end of the trial";
+    const auto trial = tried.json()["trial"];
+    EXPECT_EQ(post(browser, "confirm", {{"trial", trial.get<int>() + 1}}).status, 409);
+    const BrowserAnswer kept = post(browser, "confirm", {{"trial", trial}});
+    ASSERT_EQ(kept.status, 200) << kept.content;
+    EXPECT_EQ(content(), before + "\n" + kReversed + "\n");
+    EXPECT_EQ(post(browser, "confirm", {{"trial", trial}}).status, 409);
+    const auto history = browser.get(api("history")).json()["files"];
+    ASSERT_EQ(history.size(), 1U);
+    EXPECT_EQ(browser.get(api("history/" + history[0]["id"].get<std::string>())).content, before);
+    expect_first_channel(1900);
+    expect_clean_end(daemon);
+}
+
+TEST_F(Web, ATrialGoesBackOnRequestAndNobodyKeepsItAfterwards) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    const std::string before = content();
+    const auto trial = try_reversed(browser).json()["trial"];
+    expect_first_channel(1900);
+    EXPECT_EQ(post(browser, "back", {{"trial", trial}}).status, 200);
+    expect_first_channel(1100);
+    EXPECT_EQ(post(browser, "back", {{"trial", trial}}).status, 409);
+    EXPECT_EQ(post(browser, "confirm", {{"trial", trial}}).status, 409);
+    EXPECT_EQ(content(), before);
+}
+
+TEST_F(Web, ADraftForAFileThatAnotherChangedIsRefusedBeforeAndAfterTheTrial) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    EXPECT_EQ(post(browser, "draft", {{"toml", reversed()}}).status, 412)
+        << "without a fingerprint";
+    const auto trial = try_reversed(browser).json()["trial"];
+    expect_first_channel(1900);
+    const std::string others = content() + "# by hand\n";
+    std::ofstream(file()) << others;
+    EXPECT_EQ(post(browser, "confirm", {{"trial", trial}}).status, 412);
+    EXPECT_EQ(content(), others);
+}
+
+TEST_F(Web, AConfigurationThatDoesNotStartIsMendedFromThePage) {
+    write_config("[input.receiver]\nprotocol = \"x\"\n", name() + ".toml");
+    serve();
+    const Browser browser = paired();
+    EXPECT_EQ(browser.get("/api/daemons").json()["daemons"][0]["state"], "absent");
+    EXPECT_EQ(browser.get(api("status")).status, 502);
+    const BrowserAnswer present = browser.get(api("configuration"));
+    const std::string good = main_job(kPatientInput);
+    const auto save = [&](const std::string& text) {
+        return browser.post(api("save"), {{"toml", text}}, {{"If-Match", present.header("ETag")}});
+    };
+    EXPECT_EQ(save(present.content).status, 400) << "it has mistakes";
+    std::string filled = good;
+    for (std::size_t at = filled.find('@'); at != std::string::npos; at = filled.find('@')) {
+        filled.replace(at, 1, folder().string() + "/");
+    }
+    const BrowserAnswer written = save(filled);
+    EXPECT_EQ(written.status, 200) << written.content;
+    EXPECT_EQ(content(), filled);
+    EXPECT_EQ(save(filled).status, 412) << "of the file before";
+    run(file());
+    EXPECT_EQ(save(filled).status, 409) << "what runs changes on trial only";
+}
+
+TEST_F(Web, ABrowserThatMayOnlyLookChangesNothing) {
+    run_daemon();
+    serve();
+    const Browser browser = paired({"--look"});
+    EXPECT_EQ(browser.get("/api/me").json()["role"], "look");
+    EXPECT_EQ(browser.get(api("status")).status, 200);
+    EXPECT_EQ(post(browser, "check", {{"toml", ""}}).status, 200);
+    EXPECT_EQ(try_reversed(browser).status, 403);
+    for (const std::string what : {"confirm", "back", "save", "record"}) {
+        EXPECT_EQ(post(browser, what, {{"trial", 1}}).status, 403) << what;
+    }
+}
+
+/// Each of them is what a page of another origin, or a name that resolves to this machine, can do.
+TEST_F(Web, APageOfAnotherOriginDoesNothing) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    const std::string body = json{{"trial", 1}}.dump();
+    using Headers = std::map<std::string, std::string>;
+    const Headers own{{"Content-Type", "application/json"},
+                      {"X-Tribus", "1"},
+                      {"Origin", "http://" + browser.host()}};
+    const auto status = [&](const std::string& name, const std::string& value) {
+        Headers headers = own;
+        headers.erase(name);
+        if (!value.empty()) {
+            headers[name] = value;
+        }
+        return browser.ask("POST", api("back"), body, headers).status;
+    };
+    EXPECT_EQ(browser.ask("POST", api("back"), body, own).status, 409) << "the own page may ask";
+    EXPECT_EQ(status("Origin", "http://evil.example"), 403);
+    EXPECT_EQ(status("Origin", "null"), 403);
+    EXPECT_EQ(status("Origin", ""), 403);
+    EXPECT_EQ(status("X-Tribus", ""), 403);
+    EXPECT_EQ(status("Content-Type", "text/plain"), 415);
+    EXPECT_EQ(status("Content-Type", "application/x-www-form-urlencoded"), 415);
+    EXPECT_EQ(status("Host", "evil.example"), 421);
+    EXPECT_EQ(browser.ask("GET", api("status"), {}, {{"Host", "evil.example"}}).status, 421);
+    EXPECT_EQ(browser.ask("GET", api("back"), {}).status, 404) << "no GET changes anything";
+    EXPECT_EQ(browser.ask("OPTIONS", api("back"), {}, own).header("Access-Control-Allow-Origin"),
+              "");
+}
+
+TEST_F(Web, NamesNeverBecomePaths) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    for (const std::string& path :
+         {std::string("/../state/sessions.json"), std::string("/..%2fstate/sessions.json"),
+          std::string("/state/sessions.json"), std::string("/api/../etc/status"),
+          std::string("/api/..%2f..%2fetc%2fpasswd/configuration"), std::string("/api//status"),
+          api("history/../../state/sessions.json"), api("history/..%2f..%2fsessions"),
+          api("../../../etc/passwd"), std::string("/index.html/..")}) {
+        EXPECT_EQ(browser.get(path).status, 404) << path;
+    }
+    EXPECT_EQ(browser.get(api("record/1%0astatus")).status, 502);
+}
+
+TEST_F(Web, GarbageEndsItsOwnConnectionOnly) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    EventStream stream(browser, port_, api("stream"));
+    EXPECT_TRUE(stream.next("status"));
+    for (const std::string& bytes :
+         {std::string("\0\0\0\0\r\n\r\n", 8), std::string("GET / HTTP/1.1\r\n\r\n"),
+          std::string(20'000, 'a'),
+          "POST /pair HTTP/1.1\r\nHost: " + browser.host() +
+              "\r\nTransfer-Encoding: chunked\r\n\r\n5\r\n",
+          std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03\r\n\r\n", 15)}) {
+        const std::string answer = browser.raw(bytes);
+        EXPECT_EQ(answer.find("HTTP/1.1 4") == 0 || answer.find("HTTP/1.1 5") == 0, true)
+            << answer.substr(0, 60);
+        EXPECT_NE(answer.find("Connection: close"), std::string::npos);
+    }
+    EXPECT_TRUE(stream.next("status"));
+    EXPECT_EQ(browser.get(api("status")).status, 200);
+}
+
+TEST_F(Web, TheDaemonGoesOnWhenTheServerIsKilled) {
+    Program& daemon = run_daemon();
+    Program& server = serve();
+    const Browser browser = paired();
+    EventStream stream(browser, port_, api("stream"));
+    EXPECT_TRUE(stream.next("status"));
+    server.signal(SIGKILL);
+    server.end();
+    expect_first_channel(1100);
+    expect_clean_end(daemon);
+}
+
+}  // namespace
+}  // namespace tribus::test::web_test
