@@ -143,8 +143,7 @@ std::string protocol_text(const Protocol& protocol) {
     const std::string_view ways = !protocol.goes(SettingScope::input)    ? "Outputs only"
                                   : !protocol.goes(SettingScope::output) ? "Inputs only"
                                                                          : "Inputs and outputs";
-    std::string text =
-        fmt::format("{}. {}, {}.", protocol.description, ways, line_text(protocol));
+    std::string text = fmt::format("{}. {}, {}.", protocol.description, ways, line_text(protocol));
     if (!protocol.goes(SettingScope::output)) {
         return text;
     }

@@ -47,6 +47,7 @@ std::vector<KnownDaemon> known_daemons(const fs::path& folder) {
         one.socket = found.path;
     }
     std::vector<KnownDaemon> daemons;
+    daemons.reserve(known.size());
     for (auto& [name, one] : known) {
         daemons.push_back(std::move(one));
     }

@@ -186,26 +186,39 @@ HttpAnswer Site::daemons(Instant now) const {
 
 Site::Reply Site::reply_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
                                   std::string_view what, Role role, Instant now) {
-    if (request.method != "GET") {
-        if (const auto why = why_not_from_own_page(request)) {
-            return refused(why->status, why->why);
-        }
-        const auto text = text_in(request.body, "toml");
-        if (what == "check" && text) {
-            return json_answer(check_draft(*text, daemon.file));
-        }
-        if (what == "graph" && text) {
-            return picture_of_draft(*text, daemon.file);
-        }
-        if (what == "diff" && text) {
-            return ask(daemon, "configuration", now, [text, file = daemon.file](const auto& json) {
-                return difference_to(json, *text, file);
-            });
-        }
-        return role == Role::change
-                   ? change_of_daemon(request, daemon, what, now)
-                   : refused(403, "this browser may only look; `sudo tribus pair` lets it change");
+    if (request.method == "GET") {
+        return look_at_daemon(daemon, what, now);
     }
+    if (const auto why = why_not_from_own_page(request)) {
+        return refused(why->status, why->why);
+    }
+    if (auto judged = judge_draft(request, daemon, what, now)) {
+        return *std::move(judged);
+    }
+    return role == Role::change
+               ? change_of_daemon(request, daemon, what, now)
+               : refused(403, "this browser may only look; `sudo tribus pair` lets it change");
+}
+
+/// What may be asked of a draft without changing anything.
+std::optional<Site::Reply> Site::judge_draft(const HttpRequest& request, const KnownDaemon& daemon,
+                                             std::string_view what, Instant now) {
+    const auto text = text_in(request.body, "toml");
+    if (text && what == "check") {
+        return json_answer(check_draft(*text, daemon.file));
+    }
+    if (text && what == "graph") {
+        return picture_of_draft(*text, daemon.file);
+    }
+    if (text && what == "diff") {
+        return ask(daemon, "configuration", now, [text, file = daemon.file](const auto& json) {
+            return difference_to(json, *text, file);
+        });
+    }
+    return std::nullopt;
+}
+
+Site::Reply Site::look_at_daemon(const KnownDaemon& daemon, std::string_view what, Instant now) {
     if (what == "status") {
         return ask(daemon, "status", now, as_it_is);
     }

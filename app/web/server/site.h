@@ -83,6 +83,9 @@ class Site {
     Reply reply_of_api(const HttpRequest& request, std::string_view path, Instant now);
     Reply reply_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
                           std::string_view what, Role role, Instant now);
+    Reply look_at_daemon(const KnownDaemon& daemon, std::string_view what, Instant now);
+    std::optional<Reply> judge_draft(const HttpRequest& request, const KnownDaemon& daemon,
+                                     std::string_view what, Instant now);
     Reply change_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
                            std::string_view what, Instant now);
     HttpAnswer file_of_page(const HttpRequest& request) const;

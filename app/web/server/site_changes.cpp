@@ -149,7 +149,7 @@ Site::Reply Site::run_draft(const KnownDaemon& daemon, Draft draft, std::int64_t
         if (*running) {
             return (**running)();
         }
-        const auto made = folder();
+        auto made = folder();
         if (!made || made->status != 200) {
             return made;
         }
