@@ -98,6 +98,17 @@ ${map}`;
         setPulses(next) { pulses = next; },
         cutWire(cut) { sends = !cut; },
         text: () => readFile(file, 'utf8'),
+        /** When the daemon logged such a line. */
+        async logged(line) {
+            for (let tries = 0; tries < 500; ++tries) {
+                const found = [...log.at].find(([text]) => line.test(text));
+                if (found) {
+                    return found[1];
+                }
+                await new Promise((later) => { setTimeout(later, 10); });
+            }
+            throw new Error(`the daemon never logged ${line}: ${log.text}`);
+        },
         async code(...words) {
             const { stdout } = await promisify(execFile)(join(PROGRAMS, 'tribus'),
                 ['pair', '--state', state, ...words]);
