@@ -30,7 +30,7 @@ struct SocketDirectories {
 std::optional<std::string> default_socket(const SocketDirectories& directories,
                                           const std::string& config);
 
-/// Where the daemon with that socket reads a draft: a file in a folder of its own beside the
+/// The file from which the daemon with that socket reads a draft: in a folder of its own beside the
 /// socket. Pure.
 std::string draft_file(const std::string& socket);
 

@@ -57,7 +57,7 @@ class Daemon {
     /// Requests a reload for SIGHUP, which gets no answer; a trial stays a trial. At most one such
     /// reload begins each 100 ms, however often this is called.
     void note_hang_up() { hung_up_ = true; }
-    /// Where a draft is read from.
+    /// The file from which a draft is read.
     const std::string& draft_file() const { return sockets_.draft(); }
     /// Number of the trial, if a configuration is on trial. Each trial has its own number.
     std::optional<std::uint64_t> trial() const;

@@ -16,7 +16,7 @@
 
 namespace tribus {
 
-/// What a status tells of a trial.
+/// A trial as a status shows it.
 struct ShownTrial {
     std::uint64_t number = 0;
     Instant end;

@@ -89,6 +89,17 @@ BrowserAnswer Browser::ask(const std::string& method, const std::string& path,
             .content = received.substr(end + 4)};
 }
 
+void Browser::post_and_leave(const std::string& path, const nlohmann::json& body) const {
+    const std::string content = body.dump();
+    const std::string text =
+        "POST " + path + " HTTP/1.1\r\nHost: " + host() + "\r\nCookie: " + cookie_ +
+        "\r\nOrigin: http://" + host() + "\r\nContent-Type: application/json\r\nX-Tribus: 1\r\n" +
+        "Content-Length: " + std::to_string(content.size()) + "\r\n\r\n" + content;
+    const int socket = connected(port_);
+    ::send(socket, text.data(), text.size(), MSG_NOSIGNAL);
+    ::close(socket);
+}
+
 std::string Browser::raw(const std::string& bytes) const {
     const int socket = connected(port_);
     std::string received;

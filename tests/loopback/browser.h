@@ -31,6 +31,8 @@ class Browser {
     BrowserAnswer ask(const std::string& method, const std::string& path,
                       const std::optional<std::string>& body,
                       const std::map<std::string, std::string>& headers = {}) const;
+    /// As `post`, but the browser is gone before the answer comes.
+    void post_and_leave(const std::string& path, const nlohmann::json& body) const;
     /// Sends these bytes and returns all that comes back until the end.
     std::string raw(const std::string& bytes) const;
     /// Pairs with this code and keeps the cookie.

@@ -1,4 +1,5 @@
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -227,6 +228,26 @@ TEST_F(Web, ATrialGoesBackOnRequestAndNobodyKeepsItAfterwards) {
     EXPECT_EQ(post(browser, "back", {{"trial", trial}}).status, 409);
     EXPECT_EQ(post(browser, "confirm", {{"trial", trial}}).status, 409);
     EXPECT_EQ(content(), before);
+}
+
+/// The daemon hangs until the trial is over, so it refuses to keep it.
+TEST_F(Web, TheFileGoesBackWithTheTrialAlsoIfThePageThatKeptItIsGone) {
+    Program& daemon = run_daemon();
+    serve();
+    const Browser browser = paired();
+    const std::string before = content();
+    const std::string after = reversed();
+    const std::string tag = browser.get(api("configuration")).header("ETag");
+    const auto trial =
+        post(browser, "draft", {{"toml", after}, {"seconds", 1}}, {{"If-Match", tag}})
+            .json()["trial"];
+    daemon.signal(SIGSTOP);
+    browser.post_and_leave(api("confirm"), {{"trial", trial}});
+    EXPECT_TRUE(eventually([&] { return content() == after; }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1200));
+    daemon.signal(SIGCONT);
+    EXPECT_TRUE(eventually([&] { return content() == before; }));
+    expect_first_channel(1100);
 }
 
 TEST_F(Web, ADraftForAFileThatAnotherChangedIsRefusedBeforeAndAfterTheTrial) {

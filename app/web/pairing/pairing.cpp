@@ -34,7 +34,7 @@ constexpr std::size_t kLongestName = 40;
 constexpr mode_t kUserAndGroup = 0660;
 constexpr std::string_view kCodeFile = "code.json";
 
-/// What was typed, without blanks and dashes, in capitals.
+/// The code as it was typed, in capitals, without blanks and dashes.
 std::string plain(std::string_view typed) {
     std::string code;
     for (const char c : typed.substr(0, 4 * kCodeSigns)) {

@@ -14,7 +14,7 @@
 /// cookie. They meet in a folder that belongs to the user of `tribus-web`.
 namespace tribus::web {
 
-/// What a paired browser may do. `change` may do all that `look` may.
+/// The rights of a paired browser. `change` may do all that `look` may.
 enum class Role : std::uint8_t { look, change };
 std::string_view word_of(Role role);
 std::optional<Role> role_of(std::string_view word);
@@ -30,7 +30,7 @@ struct Session {
     WallTime made{};
 };
 
-/// What came of a code that somebody typed.
+/// The result of a code that somebody typed.
 struct CodeTried {
     std::optional<Role> role;  ///< nothing: the code is wrong, or none is valid
     int left = 0;              ///< further tries; 0: a new code is needed

@@ -249,12 +249,11 @@ Site::Reply Site::ask(const KnownDaemon& daemon, std::string_view line, Instant 
     if (line.find_first_of("\r\n") != std::string_view::npos) {
         return refused(400, "a name must stand in one line");
     }
-    auto pending = std::make_shared<Pending>(
-        Pending{DaemonRequest(daemon.socket, line, later(now, patience)), std::nullopt});
+    auto pending =
+        std::make_shared<Pending>(Pending{DaemonRequest(daemon.socket, line, later(now, patience)),
+                                          std::move(as_answer), std::nullopt});
     pending_.push_back(pending);
-    return Late([pending, as_answer = std::move(as_answer)]() -> std::optional<HttpAnswer> {
-        return pending->answer ? std::optional(as_answer(*pending->answer)) : std::nullopt;
-    });
+    return Late([pending] { return pending->answer; });
 }
 
 std::vector<int> Site::descriptors() const {
@@ -281,8 +280,11 @@ Instant Site::due() const {
 
 void Site::look(Instant now) {
     for (auto pending = pending_.begin(); pending != pending_.end();) {
-        (*pending)->answer = (*pending)->request.poll(now);
-        pending = (*pending)->answer ? pending_.erase(pending) : std::next(pending);
+        const auto json = (*pending)->request.poll(now);
+        if (json) {
+            (*pending)->answer = (*pending)->as_answer(*json);
+        }
+        pending = json ? pending_.erase(pending) : std::next(pending);
     }
     std::erase_if(streams_, [](const std::weak_ptr<Stream>& stream) { return stream.expired(); });
     for (auto& [name, watch] : watches_) {

@@ -65,10 +65,6 @@ class Site {
         bool displaced = false;
         Instant looked_for_visitor{};
     };
-    struct Pending {
-        DaemonRequest request;
-        std::optional<std::string> answer;
-    };
     /// A draft that this program put on trial.
     struct Draft {
         std::uint64_t trial = 0;
@@ -78,6 +74,12 @@ class Site {
     using Late = std::function<std::optional<HttpAnswer>()>;
     using Reply = std::variant<HttpAnswer, Late>;
     using FromDaemon = std::function<HttpAnswer(const std::string& json)>;
+    /// Its answer is worked on also if the page that asked is gone: a file may have to go back.
+    struct Pending {
+        DaemonRequest request;
+        FromDaemon as_answer;
+        std::optional<HttpAnswer> answer;
+    };
 
     Reply reply(const HttpRequest& request, Instant now);
     Reply reply_of_api(const HttpRequest& request, std::string_view path, Instant now);
