@@ -100,6 +100,14 @@ try_raspberry_pi() {
         "$folder/tests/lab/lab_raspi3b_tests" --gtest_brief=1 >&2
 }
 
+# build_page: unless what is built is newer than its sources. It is the same for all processors.
+build_page() {
+    [ -e app/web/page/dist/index.html ] &&
+        [ -z "$(find app/web/build.sh app/web/page -path '*/dist' -prune -o -path '*/node_modules' \
+            -prune -o -type f -newer app/web/page/dist/index.html -print)" ] ||
+        app/web/build.sh
+}
+
 # build_here: the program, and the tests when asked, in $folder.
 build_here() {
     # shellcheck disable=SC2046,SC2086 # lists of words
@@ -160,7 +168,7 @@ own_release=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
 wanted=${wanted:-$own}
 release=${release:-$own_release}
 [ "$wanted" != amd64 ] || [ "$own" = amd64 ] || wrong_use "makes amd64 on such machines only"
-targets="tribus installed_texts"
+targets="tribus tribus-web installed_texts"
 [ $with_tests = OFF ] || targets="$targets $test_suites"
 # The emulated Raspberry Pi has this processor.
 with_ports=$with_tests
@@ -179,6 +187,8 @@ folder=$base/build
 [ "$base" != build ] || folder=build
 root=$base/root
 
+# In the root of another release the caller has built it.
+[ -n "${TRIBUS_PACKAGE_BASE:-}" ] || build_page
 [ "$wanted" = "$own" ] || tests/lab/prepare_board.sh "$wanted" "$base/board" "$release"
 if [ "$release" != "$own_release" ]; then
     make_root

@@ -15,7 +15,7 @@ SocketClient::SocketClient(UniqueFd descriptor, std::size_t most_received, Insta
     : descriptor_(std::move(descriptor)),
       most_received_(most_received),
       quiet_since_(now),
-      begin_(now),
+      asking_since_(now),
       user_(user) {}
 
 bool SocketClient::receive(Instant now) {
@@ -31,6 +31,7 @@ bool SocketClient::receive(Instant now) {
     }
     ended_ = count == 0;
     if (count > 0) {
+        asking_since_ = received_.empty() ? now : asking_since_;
         passed(now);
         received_.append(bytes.data(), static_cast<std::size_t>(count));
     }

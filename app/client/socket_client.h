@@ -24,14 +24,14 @@ class SocketClient {
 
     int descriptor() const { return descriptor_.get(); }
     std::uint32_t user() const { return user_; }
-    /// When it connected.
-    Instant begin() const { return begin_; }
     /// Reads what has arrived. Returns false if the connection is closed or broken.
     bool receive(Instant now);
     /// Bytes of requests that were not taken yet.
     std::string_view received() const { return received_; }
     /// True if there is no room for more of this request.
     bool request_too_long() const { return received_.size() >= most_received_; }
+    /// When the first of these bytes arrived.
+    Instant asking_since() const { return asking_since_; }
     /// Removes the first bytes of what was received.
     void take_received(std::size_t count) { received_.erase(0, count); }
     /// Removes the first complete line and returns it without its end.
@@ -97,7 +97,7 @@ class SocketClient {
     Instant next_{};
     Next next_answer_;
     Instant quiet_since_;
-    Instant begin_;
+    Instant asking_since_;
     std::uint32_t user_;
 };
 

@@ -6,7 +6,6 @@
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
 #include "app/status/fingerprint.h"
-#include "app/status/metrics_text.h"
 #include "app/status/status_json.h"
 #include "config/show/effective.h"
 #include "pipelines/realtime/clock.h"
@@ -35,6 +34,7 @@ tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
     sockets->control_ = std::move(*control);
     sockets->draft_ = draft_file(*path);
     sockets->control_->add("status", [self = sockets.get()](auto) { return self->status(); });
+    sockets->control_->add("metrics", [self = sockets.get()](auto) { return self->metrics(); });
     sockets->control_->add("record",
                            [self = sockets.get()](auto words) { return self->record(words); });
     return sockets;
@@ -55,35 +55,17 @@ std::vector<int> DaemonSockets::descriptors() const {
     if (control_) {
         descriptors.push_back(control_->descriptor());
     }
-    if (metrics_) {
-        descriptors.push_back(metrics_->descriptor());
-    }
     return descriptors;
 }
 
 Instant DaemonSockets::due() const {
-    return std::min(control_ ? control_->due() : kNever, metrics_ ? metrics_->due() : kNever);
+    return control_ ? control_->due() : kNever;
 }
 
 void DaemonSockets::serve(Instant now) {
     if (control_ && keeper_) {
         control_->serve(now);
     }
-    if (metrics_ && keeper_) {
-        metrics_->serve(now);
-    }
-}
-
-tl::expected<void, std::string> DaemonSockets::serve_metrics(const std::string& address,
-                                                             MetricsReach reach) {
-    auto metrics = MetricsServer::open(address, reach, [this] { return metrics_text(report()); });
-    if (!metrics) {
-        return tl::unexpected(metrics.error());
-    }
-    metrics_ = std::move(*metrics);
-    log_info("metrics at {}{}", address,
-             reach == MetricsReach::network ? ", for everybody who can reach it" : "");
-    return {};
 }
 
 StatusReport DaemonSockets::report() const {
@@ -106,6 +88,10 @@ std::string DaemonSockets::status() {
         fingerprint_ = fingerprint(effective_toml(appliance_->configuration()));
     }
     return status_json(report());
+}
+
+std::string DaemonSockets::metrics() const {
+    return keeper_ ? metrics_json(report()) : error_object("nothing runs any more");
 }
 
 std::string DaemonSockets::record(std::span<const std::string> words) const {

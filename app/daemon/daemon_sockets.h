@@ -10,7 +10,6 @@
 
 #include "app/appliance/appliance.h"
 #include "app/daemon/control_server.h"
-#include "app/daemon/metrics_server.h"
 #include "app/status/status.h"
 #include "core/time.h"
 
@@ -22,8 +21,8 @@ struct ShownTrial {
     Instant end;
 };
 
-/// What a running daemon shows to its clients: the control socket and the metrics. Thread-bound to
-/// the main thread, which waits for `descriptors` and `due`; no function here waits.
+/// What a running daemon shows to its clients: the control socket. Thread-bound to the
+/// main thread, which waits for `descriptors` and `due`; no function here waits.
 class DaemonSockets {
   public:
     /// Opens the control socket of the daemon that runs `config`, at `socket` or in the default
@@ -33,9 +32,6 @@ class DaemonSockets {
         const std::string& config, const std::optional<std::string>& socket);
     DaemonSockets(const DaemonSockets&) = delete;
     DaemonSockets& operator=(const DaemonSockets&) = delete;
-
-    /// Serves metrics at `address`, see `MetricsServer`. The error is a sentence.
-    tl::expected<void, std::string> serve_metrics(const std::string& address, MetricsReach reach);
 
     /// From now on it shows `appliance`, which must live until the next `show` or `hide`.
     void show(const Appliance& appliance);
@@ -53,7 +49,7 @@ class DaemonSockets {
     /// Serves all clients, without waiting.
     void serve(Instant now);
     /// True if somebody may read measurements of the machine.
-    bool watched() const { return metrics_ || (control_ && control_->watched()); }
+    bool watched() const { return control_ && control_->watched(); }
     /// Null if the daemon runs without a control socket.
     ControlServer* control() { return control_.get(); }
     /// The file from which a draft is read. Empty without a control socket.
@@ -62,6 +58,7 @@ class DaemonSockets {
   private:
     explicit DaemonSockets(Instant started) : started_(started) {}
     std::string status();
+    std::string metrics() const;
     StatusReport report() const;
     std::string record(std::span<const std::string> words) const;
 
@@ -72,7 +69,6 @@ class DaemonSockets {
     std::string fingerprint_;  ///< of the configuration that runs; empty until somebody asks
     std::string draft_;
     std::unique_ptr<ControlServer> control_;
-    std::unique_ptr<MetricsServer> metrics_;
 };
 
 }  // namespace tribus

@@ -65,8 +65,6 @@ int run(Daemon& daemon, MainWait& wait, DaemonSockets& sockets) {
 struct RunOptions {
     std::string path;
     std::optional<std::string> socket;
-    std::string metrics;
-    bool metrics_public = false;
 };
 
 /// A status with many pipelines is 100 KiB and more. As its own mapping it is returned to the
@@ -102,13 +100,6 @@ int run(const RunOptions& options) {
         log_error("{}", sockets.error());
         return kExitFailed;
     }
-    if (!options.metrics.empty()) {
-        const auto reach = options.metrics_public ? MetricsReach::network : MetricsReach::local;
-        if (auto told = (*sockets)->serve_metrics(options.metrics, reach); !told) {
-            log_error("{}", told.error());
-            return kExitFailed;
-        }
-    }
     Daemon daemon(options.path, **sockets, service);
     if (ControlServer* const control = (*sockets)->control()) {
         add_control_requests(*control, daemon);
@@ -128,21 +119,15 @@ Command run_command() {
             "SIGTERM and Ctrl-C: outputs send their last frames as their failsafe demands, then "
             "the program exits. SIGHUP: reads the configuration again and takes it between two "
             "frames. If it has mistakes or its devices cannot be opened, the old one goes on.",
-        .options =
-            {{.name = "CONFIG",
-              .value = &options->path,
-              .help = "Configuration file",
-              .required = true},
-             {.name = "--socket",
-              .value = &options->socket,
-              .help = "Control socket, for `tribus monitor`; default: `control` in "
-                      "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR"},
-             {.name = "--metrics",
-              .value = &options->metrics,
-              .help = "Serve Prometheus metrics at 127.0.0.1:PORT, [::1]:PORT, or a local socket"},
-             {.name = "--metrics-public",
-              .value = &options->metrics_public,
-              .help = "Allow an address for --metrics that the network can reach"}},
+        .options = {{.name = "CONFIG",
+                     .value = &options->path,
+                     .help = "Configuration file",
+                     .required = true},
+                    {.name = "--socket",
+                     .value = &options->socket,
+                     .help =
+                         "Control socket, for `tribus monitor`; default: `control` in "
+                         "$RUNTIME_DIRECTORY, or tribus/NAME.sock in /run or $XDG_RUNTIME_DIR"}},
         .run =
             [options] {
                 log_to_journal_or_terminal();

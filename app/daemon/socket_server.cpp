@@ -120,10 +120,18 @@ bool SocketServer::make_room_for(std::uint32_t user) {
     return true;
 }
 
+/// A client that waits for its answer is not idle: the answer has a limit of its own.
 Instant SocketServer::patience_end(const SocketClient& client) const {
-    const bool waits_for_request = client.ready() && !client.repeats();
-    return std::min(later(client.quiet_since(), waits_for_request ? limits_.idle : limits_.unread),
-                    later(client.begin(), limits_.whole));
+    if (client.waits()) {
+        return kNever;
+    }
+    if (!client.ready() || client.repeats()) {
+        return later(client.quiet_since(), limits_.unread);
+    }
+    const Instant idle_end = later(client.quiet_since(), limits_.idle);
+    return client.received().empty()
+               ? idle_end
+               : std::min(idle_end, later(client.asking_since(), limits_.asking));
 }
 
 /// A client that has not read the previous answer gets none now, and the newest one later.

@@ -25,8 +25,8 @@ struct SocketLimits {
     Duration unread = std::chrono::seconds(10);
     /// A client that requests nothing for so long, and does not watch, is dropped.
     Duration idle = std::chrono::seconds(60);
-    /// A client that is connected for so long is dropped.
-    Duration whole = Duration::max();
+    /// A client whose request is not whole so long after its first byte is dropped.
+    Duration asking = Duration::max();
     /// Sent to clients for whom there is no place; may be empty.
     std::string refusal{};
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <tl/expected.hpp>
 
 #include "app/cli/complain.h"
@@ -31,6 +33,7 @@ struct LearnOptions {
     std::string recording;
     std::string off_at;
     std::string back_at;
+    std::string format = "text";
 };
 
 using Refused = tl::unexpected<std::string>;
@@ -125,6 +128,29 @@ void print(const LossStudyResult& study, std::string_view file, std::string_view
     }
 }
 
+/// As the last step of the guide.
+void tell(const LossStudyResult& study) {
+    std::string text = fmt::format("{}. ", fmt::join(study.findings, "; "));
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    for (const std::string& advice : study.advice) {
+        text += advice + " ";
+    }
+    text += !study.recognised     ? "The loss of this link is not recognised."
+            : study.lines.empty() ? "The loss of this link is recognised with this configuration; "
+                                    "add nothing."
+                                  : "The loss of this link is recognised with these lines.";
+    tell_learn_step("done", text, study.lines);
+}
+
+/// Says why nothing was learned, to people or as the last step.
+int give_up(const LearnOptions& options, const std::string& why, int status) {
+    if (options.format == "json") {
+        tell_learn_step("broken", why);
+        return status;
+    }
+    return complain(why, status);
+}
+
 int learn(const LearnOptions& options) {
     const std::size_t colon = options.file_and_name.rfind(':');
     if (colon == std::string::npos) {
@@ -140,17 +166,19 @@ int learn(const LearnOptions& options) {
     }
     const auto input = input_named(*configuration, name);
     if (!input) {
-        return complain(input.error(), kExitWrongUse);
+        return give_up(options, input.error(), kExitWrongUse);
     }
+    const bool json = options.format == "json";
     const auto learned = options.recording.empty()
-                             ? watch_with_a_person(*configuration, *input)
+                             ? watch_with_a_person(*configuration, *input,
+                                                   json ? LearnGuide::json : LearnGuide::terminal)
                              : frames_of_recording(options, *configuration, *input);
     if (!learned) {
-        return complain(learned.error(), kExitFailed);
+        return give_up(options, learned.error(), kExitFailed);
     }
     const LossStudyResult study =
         study_loss(configuration->inputs[*input], learned->frames, learned->times);
-    print(study, file, name);
+    json ? tell(study) : print(study, file, name);
     return study.recognised ? kExitFine : kExitFailed;
 }
 
@@ -182,7 +210,12 @@ Command learn_command() {
                     {.name = "--back-at",
                      .value = &options->back_at,
                      .help = "When it was switched on again, or the recording ends",
-                     .needs = {"--recording"}}},
+                     .needs = {"--recording"}},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "json: each step in a line, for a program that guides the person",
+                     .shows_value = true,
+                     .choices = {"text", "json"}}},
         .run = [options] { return learn(*options); },
     };
 }

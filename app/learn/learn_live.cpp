@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdio>
 #include <memory>
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "app/cli/object_text.h"
 #include "app/learn/frame_collector.h"
 #include "config/build/build.h"
 #include "pipelines/realtime/clock.h"
@@ -89,15 +92,58 @@ class Watch {
     bool fine_ = true;
 };
 
-void print_step(std::string_view text) {
-    fmt::print(stderr, "{}\n", text);
-}
+/// Tells the person what to do, for the terminal or as JSON.
+class LearnPrompts {
+  public:
+    explicit LearnPrompts(LearnGuide guide) : json_(guide == LearnGuide::json) {}
+
+    void move() const {
+        constexpr std::string_view kMove =
+            "Transmitter and receiver on. Move every stick and every switch to both of its ends, "
+            "twice.";
+        json_ ? tell_learn_step("waiting", fmt::format("{} Then hands off.", kMove))
+              : fmt::print(stderr, "1/4  {}\n     Then press Enter.\n", kMove);
+    }
+    void hands_off() const {
+        if (!json_) {
+            fmt::print(stderr, "2/4  Throttle low, hands off the sticks for five seconds ...\n");
+        }
+    }
+    void off() const {
+        json_ ? tell_learn_step("off",
+                                "Switch the transmitter OFF. The next step comes eight "
+                                "seconds after you say so.")
+              : fmt::print(stderr,
+                           "3/4  Switch the transmitter OFF, then press Enter and wait eight "
+                           "seconds.\n");
+    }
+    void wait() const {
+        if (!json_) {
+            fmt::print(stderr, "     ...\n");
+        }
+    }
+    void on() const {
+        json_ ? tell_learn_step("on", "Switch the transmitter ON again, until it is connected.")
+              : fmt::print(stderr,
+                           "4/4  Switch the transmitter ON again. When it is connected, press "
+                           "Enter.\n");
+    }
+
+  private:
+    bool json_;
+};
 
 }  // namespace
 
+void tell_learn_step(std::string_view step, std::string_view text,
+                     const std::vector<std::string>& lines) {
+    fmt::print("{}\n", json_text({{"step", step}, {"text", text}, {"lines", lines}}));
+    std::fflush(stdout);
+}
+
 tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration& configuration,
-                                                             std::size_t input) {
-    if (::isatty(STDIN_FILENO) == 0) {
+                                                             std::size_t input, LearnGuide guide) {
+    if (guide == LearnGuide::terminal && ::isatty(STDIN_FILENO) == 0) {
         return tl::unexpected(std::string(
             "a person must switch the transmitter off and on, so this needs a terminal; without "
             "one give a recording: --recording FILE --off-at 12s --back-at 20s"));
@@ -115,23 +161,22 @@ tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration
     }
     Watch watch(configuration.inputs[input], std::move(*link));
     LearnedFrames learned;
-    print_step(
-        "1/4  Transmitter and receiver on. Move every stick and every switch to both of its ends,\n"
-        "     twice. Then press Enter.");
+    const LearnPrompts prompts(guide);
+    prompts.move();
     bool fine = watch.until_enter();
     if (fine && watch.collector().frames().empty()) {
         return tl::unexpected(std::string(
             "no frame came; `tribus run` with this configuration says what it receives instead"));
     }
-    print_step("2/4  Throttle low, hands off the sticks for five seconds ...");
+    prompts.hands_off();
     fine = fine && watch.for_time(kHandsOffTime);
     learned.times.off = monotonic_now();
-    print_step("3/4  Switch the transmitter OFF, then press Enter and wait eight seconds.");
+    prompts.off();
     fine = fine && watch.until_enter();
-    print_step("     ...");
+    prompts.wait();
     fine = fine && watch.for_time(kOffTime);
     learned.times.back = monotonic_now();
-    print_step("4/4  Switch the transmitter ON again. When it is connected, press Enter.");
+    prompts.on();
     fine = fine && watch.until_enter() && watch.for_time(kBackTime);
     if (!fine) {
         return tl::unexpected(fmt::format("{}: the device or the terminal is gone; nothing learned",

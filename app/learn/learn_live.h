@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -17,9 +19,18 @@ struct LearnedFrames {
     LossStudyTimes times;
 };
 
+/// How the person is told what to do.
+enum class LearnGuide : std::uint8_t {
+    terminal,  ///< lines on standard error; standard input must be a terminal
+    json,      ///< `{"step","text"}` in a line of standard output before each answer
+};
+/// `step`: `waiting` (the sticks are to be moved), `off`, `on`, `done` or `broken`.
+void tell_learn_step(std::string_view step, std::string_view text,
+                     const std::vector<std::string>& lines = {});
+
 /// Opens the device of one input and guides a person through switching the transmitter off and on.
-/// Uses standard error and standard input, which must be a terminal. The error is a sentence.
+/// A line on standard input says that it is done. The error is a sentence.
 tl::expected<LearnedFrames, std::string> watch_with_a_person(const Configuration& configuration,
-                                                             std::size_t input);
+                                                             std::size_t input, LearnGuide guide);
 
 }  // namespace tribus

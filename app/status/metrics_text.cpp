@@ -18,21 +18,10 @@ namespace {
 
 using Label = std::pair<std::string_view, std::string_view>;
 
-/// Escapes a label: backslash, quote and line feed (text format 0.0.4, "Line format").
-std::string escaped(std::string_view text) {
-    std::string out;
-    for (const char byte : text) {
-        out += byte == '\\'   ? std::string("\\\\")
-               : byte == '"'  ? std::string("\\\"")
-               : byte == '\n' ? std::string("\\n")
-                              : std::string(1, byte);
-    }
-    return out;
-}
-
 /// Writes metric families one after the other, each with one help and one type line.
 class Text {
   public:
+    explicit Text(std::string_view daemon) : daemon_(escaped_label(daemon)) {}
     void family(std::string_view name, std::string_view type, std::string_view help) {
         name_ = name;
         type_ = type;
@@ -44,12 +33,11 @@ class Text {
                 fmt::format("# HELP tribus_{0} {1}\n# TYPE tribus_{0} {2}\n", name_, help_, type_);
             begun_ = name_;
         }
-        text_ += "tribus_" + std::string(name_);
-        for (std::size_t i = 0; i < labels.size(); ++i) {
-            text_ += fmt::format("{}{}=\"{}\"", i == 0 ? "{" : ",", labels[i].first,
-                                 escaped(labels[i].second));
+        text_ += fmt::format("tribus_{}{{daemon=\"{}\"", name_, daemon_);
+        for (const auto& [label, content] : labels) {
+            text_ += fmt::format(",{}=\"{}\"", label, escaped_label(content));
         }
-        text_ += labels.empty() ? " " : "} ";
+        text_ += "} ";
         text_ += std::isnan(value)   ? std::string("NaN")
                  : std::isinf(value) ? std::string(value > 0 ? "+Inf" : "-Inf")
                                      : fmt::format("{}", value);
@@ -58,6 +46,7 @@ class Text {
     std::string take() { return std::move(text_); }
 
   private:
+    std::string daemon_;
     std::string text_;
     std::string_view name_;
     std::string_view type_;
@@ -234,8 +223,20 @@ void add_surroundings(Text& text, const StatusReport& report) {
 
 }  // namespace
 
+/// Backslash, quote and line feed are escaped (text format 0.0.4, "Line format").
+std::string escaped_label(std::string_view text) {
+    std::string out;
+    for (const char byte : text) {
+        out += byte == '\\'   ? std::string("\\\\")
+               : byte == '"'  ? std::string("\\\"")
+               : byte == '\n' ? std::string("\\n")
+                              : std::string(1, byte);
+    }
+    return out;
+}
+
 std::string metrics_text(const StatusReport& report) {
-    Text text;
+    Text text(name_of(report));
     text.family("uptime_seconds", "gauge", "Time since the program started.");
     text.sample({}, seconds(report.now - report.started));
     text.family("figures_age_seconds", "gauge",

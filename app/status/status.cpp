@@ -1,5 +1,6 @@
 #include "app/status/status.h"
 
+#include <filesystem>
 #include <utility>
 
 #include "config/build/dronecan.h"
@@ -87,6 +88,10 @@ std::vector<PortReport> port_reports(const Appliance& appliance) {
 }
 
 }  // namespace
+
+std::string name_of(const StatusReport& report) {
+    return std::filesystem::path(report.configuration->file).stem().string();
+}
 
 StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
                                   Duration wall_time) const {

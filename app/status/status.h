@@ -75,6 +75,8 @@ struct StatusReport {
     std::vector<std::optional<double>>
         machine;  ///< in the order of `kMachineFacts`; empty: not read
 };
+/// The daemon's name: that of its configuration file without extension.
+std::string name_of(const StatusReport& report);
 
 /// Frames per second, from a counter that is read now and then. Pure.
 class RateWindow {

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 
 #include "app/cli/cause_text.h"
 #include "app/cli/object_text.h"
+#include "app/status/metrics_text.h"
 #include "config/schema/choices.h"
 #include "config/show/fields_json.h"
 #include "core/link_cause.h"
@@ -359,7 +360,7 @@ std::string status_json(const StatusReport& report) {
     ObjectText json;
     json.add("type", "status");
     json.add("version", kStatusVersion);
-    json.add("name", std::filesystem::path(report.configuration->file).stem().string());
+    json.add("name", name_of(report));
     json.add("file", report.configuration->file);
     json.add("t_us", us(report.now.time_since_epoch()));
     json.add("unix_time_us", us(report.wall_time));
@@ -372,6 +373,13 @@ std::string status_json(const StatusReport& report) {
     json.add("missing_realtime", report.missing_realtime);
     add_lists(json, report);
     json.add("machine", machine_json(report));
+    return std::move(json).end();
+}
+
+std::string metrics_json(const StatusReport& report) {
+    ObjectText json;
+    json.add("type", "metrics");
+    json.add("text", metrics_text(report));
     return std::move(json).end();
 }
 

@@ -13,4 +13,7 @@ inline constexpr int kStatusVersion = 1;
 /// Without a line end. docs/status.md describes each field.
 std::string status_json(const StatusReport& report);
 
+/// `{"type":"metrics","text":...}` with the text of `metrics_text`, without a line end.
+std::string metrics_json(const StatusReport& report);
+
 }  // namespace tribus

@@ -7,7 +7,6 @@
 
 #include "app/cli/object_text.h"
 #include "app/daemon/control_server.h"
-#include "app/daemon/metrics_server.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace tribus::fuzz {
@@ -75,8 +74,7 @@ class Served {
 }  // namespace
 }  // namespace tribus::fuzz
 
-/// For any request the answers are whole objects, one a line, and the client is let go. The answer
-/// with metrics is an HTTP response.
+/// For any request the answers are whole objects, one a line, and the client is let go.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace tribus;
     using fuzz::require;
@@ -88,9 +86,5 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         require(said[begin] == '{' && said[end - 1] == '}', "an answer is an object");
         begin = end + 1;
     }
-    const std::string_view head(reinterpret_cast<const char*>(data), size);
-    const std::string response =
-        http_response(head, HostNames::own, [] { return std::string("up 1\n"); });
-    require(response.starts_with("HTTP/1.1 "), "a response begins as one");
     return 0;
 }

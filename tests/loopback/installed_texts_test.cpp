@@ -104,9 +104,9 @@ std::string section_of(const std::string& page, const std::string& command) {
 }
 
 /// Its options, `--help` aside.
-Words options_of(const std::string& command) {
+Words options_of(const std::string& command, const std::string& program = "\"$TRIBUS\"") {
     static const std::regex form(R"(\n +(?:-[a-zA-Z],)?--([a-z0-9_-]+))");
-    const std::string help = run_in_shell("\"$TRIBUS\" " + command + " --help").output;
+    const std::string help = run_in_shell(program + " " + command + " --help").output;
     Words options;
     for (std::sregex_iterator match(help.begin(), help.end(), form), none; match != none; ++match) {
         if ((*match)[1] != "help") {
@@ -154,11 +154,23 @@ TEST(ManualPage, has_no_option_that_the_command_does_not_know) {
     }
 }
 
+TEST(ManualPage, of_the_page_has_its_options_and_no_others) {
+    const std::string page =
+        text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / "tribus-web.8");
+    static const std::regex item("\n\\.It Fl -([a-z0-9_-]+)");
+    Words described;
+    for (std::sregex_iterator match(page.begin(), page.end(), item), none; match != none; ++match) {
+        described.push_back((*match)[1]);
+    }
+    EXPECT_EQ(described, options_of("serve", "'" TRIBUS_WEB "'"));
+}
+
 TEST(ManualPage, is_set_without_a_warning) {
     if (run_in_shell("groff --version").status != 0) {
         GTEST_SKIP() << "needs groff";
     }
     for (const char* page : {"cat '" TRIBUS_SOURCE_DIR "/deploy/man/tribus.1'",
+                             "cat '" TRIBUS_SOURCE_DIR "/deploy/man/tribus-web.8'",
                              "'" TRIBUS_PROGRAM "' schema --format man"}) {
         const Ended set = run_in_shell(std::string(page) + " | groff -mdoc -ww -z -Tutf8");
         EXPECT_EQ(set.output, "") << page;

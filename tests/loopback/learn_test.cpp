@@ -1,7 +1,9 @@
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -95,47 +97,81 @@ TEST_F(Learn, OfAnInputThatIsNotThereNamesThoseThatAre) {
         << program.errors();
 }
 
-TEST_F(Learn, LeadsAPersonThroughSwitchingOffAndOn) {
-    FarEnd& receiver = device("receiver");
-    device("servos");
-    FarEnd terminal(folder() / "terminal");
-    Program& program =
-        start({"learn", write_config(main_job()) + ":receiver"}, {.terminal = terminal.path()});
-    Repeater repeater(receiver, ibus_bytes(moving(0)));
-    int step = 0;
-    const auto send = [&](auto sticks_of) {
-        const auto sent_before = repeater.latest();
-        repeater.send_if_due();
-        if (repeater.latest() != sent_before) {
-            repeater.change(ibus_bytes(sticks_of(++step)));
+/// A person who does what the program says, in a terminal.
+class GuidedLearn : public Learn {
+  protected:
+    /// `prompts`: what it says before the sticks are moved, before off, before on, and at the end.
+    /// Returns all that it said.
+    std::string guided(const std::vector<std::string>& options,
+                       const std::array<std::string, 4>& prompts) {
+        FarEnd& receiver = device("receiver");
+        device("servos");
+        FarEnd terminal(folder() / "terminal");
+        std::vector<std::string> words{"learn", write_config(main_job()) + ":receiver"};
+        words.insert(words.end(), options.begin(), options.end());
+        Program& program = start(words, {.terminal = terminal.path()});
+        Repeater repeater(receiver, ibus_bytes(moving(0)));
+        std::string printed;
+        int step = 0;
+        const auto send_until = [&](auto sticks_of, auto done) {
+            return eventually([&] {
+                const auto sent_before = repeater.latest();
+                repeater.send_if_due();
+                if (repeater.latest() != sent_before) {
+                    repeater.change(ibus_bytes(sticks_of(++step)));
+                }
+                for (const std::uint8_t letter : terminal.receive()) {
+                    printed += static_cast<char>(letter);
+                }
+                return done();
+            });
+        };
+        const auto says = [&](const std::string& prompt) {
+            return [&, prompt] {
+                return (program.errors() + printed).find(prompt) != std::string::npos;
+            };
+        };
+        const auto press_enter = [&] { terminal.send(Bytes{'\n'}); };
+        EXPECT_TRUE(send_until(moving, says(prompts[0]))) << program.errors() << printed;
+        constexpr int kFramesOfMoving = 100;
+        EXPECT_TRUE(
+            send_until(moving, [&, last = step + kFramesOfMoving] { return step >= last; }));
+        press_enter();
+        EXPECT_TRUE(send_until(hands_off, says(prompts[1]))) << program.errors() << printed;
+        press_enter();
+        EXPECT_TRUE(send_until([](int) { return throttle_at(885); }, says(prompts[2])))
+            << program.errors() << printed;
+        press_enter();
+        EXPECT_TRUE(send_until(hands_off, says(prompts[3]))) << program.errors() << printed;
+        EXPECT_EQ(program.end(), 0);
+        for (const std::uint8_t letter : terminal.receive()) {
+            printed += static_cast<char>(letter);
         }
-    };
-    const auto send_until = [&](auto sticks_of, const std::string& said) {
-        return eventually([&] {
-            send(sticks_of);
-            return program.errors().find(said) != std::string::npos;
-        });
-    };
-    const auto press_enter = [&] { terminal.send(Bytes{'\n'}); };
-    ASSERT_TRUE(send_until(moving, "1/4")) << program.errors();
-    constexpr int kFramesOfMoving = 100;
-    ASSERT_TRUE(eventually([&, end = step + kFramesOfMoving] {
-        send(moving);
-        return step >= end;
-    }));
-    press_enter();
-    ASSERT_TRUE(send_until(hands_off, "3/4")) << program.errors();
-    press_enter();
-    ASSERT_TRUE(send_until([](int) { return throttle_at(885); }, "4/4")) << program.errors();
-    press_enter();
-    ASSERT_TRUE(send_until(hands_off, "is recognised")) << program.errors();
-    EXPECT_EQ(program.end(), 0);
-    std::string printed;
-    for (const std::uint8_t letter : terminal.receive()) {
-        printed += static_cast<char>(letter);
+        return printed;
     }
+};
+
+TEST_F(GuidedLearn, LeadsAPersonThroughSwitchingOffAndOn) {
+    const std::string printed = guided({}, {"1/4", "3/4", "4/4", "is recognised"});
     EXPECT_NE(printed.find("failsafe_when = [{ channel = 3, below = 942 }]"), std::string::npos)
         << printed;
+}
+
+/// The page leads the person then.
+TEST_F(GuidedLearn, LeadsAProgramThatLeadsThePerson) {
+    const std::string printed = guided(
+        {"--format", "json"},
+        {R"({"step":"waiting",)", R"({"step":"off",)", R"({"step":"on",)", R"({"step":"done",)"});
+    EXPECT_NE(printed.find(R"("lines":["failsafe_when = [{ channel = 3, below = 942 }]"]})"),
+              std::string::npos)
+        << printed;
+}
+
+TEST_F(GuidedLearn, SaysToAProgramWhyNothingWasLearned) {
+    Program& program = start({"learn", write_config(main_job()) + ":receiver", "--format", "json"});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_EQ(program.output().rfind(R"({"step":"broken","text":")", 0), 0U) << program.output();
+    EXPECT_NE(program.output().find("/receiver"), std::string::npos) << program.output();
 }
 
 }  // namespace

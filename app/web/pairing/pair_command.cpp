@@ -1,6 +1,12 @@
 #include "app/web/pairing/pair_command.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,12 +18,16 @@
 #include "app/cli/exit_status.h"
 #include "app/web/pairing/pairing.h"
 #include "pipelines/realtime/clock.h"
+#include "transports/links/unique_fd.h"
 
 namespace tribus::web {
 namespace {
 
+constexpr mode_t kPermissions = 07777;
+
 struct PairOptions {
     std::string state = "/var/lib/tribus-web";
+    std::string configurations = "/etc/tribus";
     std::optional<std::string> revoke;
     bool list = false;
     bool look = false;
@@ -52,6 +62,19 @@ int revoke(PairingFolder& folder, const std::string& name) {
     return kExitFine;
 }
 
+/// A browser that may change configurations needs a page that may write them: the folder gets the
+/// group of the page's folder. Only root can do that, and only where the package is installed.
+bool let_page_write(const PairOptions& options) {
+    struct stat page {};
+    const UniqueFd folder(
+        ::open(options.configurations.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    struct stat before {};
+    return ::geteuid() != 0 || ::stat(options.state.c_str(), &page) != 0 || page.st_uid == 0 ||
+           (folder.valid() && ::fstat(folder.get(), &before) == 0 &&
+            ::fchown(folder.get(), static_cast<uid_t>(-1), page.st_gid) == 0 &&
+            ::fchmod(folder.get(), (before.st_mode & kPermissions) | S_IWGRP) == 0);
+}
+
 int run(const PairOptions& options) {
     PairingFolder folder(options.state);
     if (options.list) {
@@ -64,6 +87,11 @@ int run(const PairOptions& options) {
                                        std::chrono::duration_cast<WallTime>(wall_time_now()));
     if (!code) {
         return fail(code.error() + "; use sudo, and install the package that has tribus-web",
+                    kExitFailed);
+    }
+    if (!options.look && !let_page_write(options)) {
+        return fail(fmt::format("{}: the page cannot be allowed to write there: {}",
+                                options.configurations, std::strerror(errno)),
                     kExitFailed);
     }
     fmt::print(
@@ -97,7 +125,11 @@ Command pair_command() {
                      .excludes = {"--look", "--list"}},
                     {.name = "--state",
                      .value = &options->state,
-                     .help = "Folder of the paired browsers; default: /var/lib/tribus-web"}},
+                     .help = "Folder of the paired browsers; default: /var/lib/tribus-web"},
+                    {.name = "--configurations",
+                     .value = &options->configurations,
+                     .help = "Folder of the configurations, which a browser that may change them "
+                             "lets the page write; default: /etc/tribus"}},
         .run = [options] { return run(*options); },
     };
 }

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <iterator>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include <fmt/chrono.h>
@@ -61,7 +62,8 @@ void sync_folder(const fs::path& folder) {
     ::fsync(directory.get());
 }
 
-/// Written beside the file and renamed, so that there is the old text or the new one.
+/// Written beside the file and renamed, so that there is the old text or the new one. The new file
+/// gets the owner and group of the old one, as far as this user may give them.
 tl::expected<void, std::string> replace(const fs::path& file, std::string_view text) {
     struct stat before {};
     const bool known = ::stat(file.c_str(), &before) == 0;
@@ -70,6 +72,9 @@ tl::expected<void, std::string> replace(const fs::path& file, std::string_view t
     const fs::path fresh = file.parent_path() / fmt::format(".{}.new", file.filename().string());
     const UniqueFd out(
         ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600));
+    if (known && ::fchown(out.get(), before.st_uid, before.st_gid) != 0) {
+        std::ignore = ::fchown(out.get(), static_cast<uid_t>(-1), before.st_gid);
+    }
     const bool written = out.valid() && write_all(out.get(), text) &&
                          ::fchmod(out.get(), known ? before.st_mode & kPermissions : kUsual) == 0 &&
                          ::fsync(out.get()) == 0 && ::rename(fresh.c_str(), file.c_str()) == 0;
@@ -124,7 +129,9 @@ tl::expected<void, std::string> keep_configuration(const fs::path& file, std::st
             fs::remove(history / (all[i].id + ".toml"), error);
         }
     }
-    return replace(file, text);
+    // A link stays; what it leads to is replaced.
+    const fs::path target = fs::weakly_canonical(file, error);
+    return replace(error ? file : target, text);
 }
 
 std::vector<KeptFile> kept_files(const fs::path& history) {

@@ -18,6 +18,7 @@
 #include "app/web/server/access.h"
 #include "app/web/server/answers.h"
 #include "app/web/server/checks.h"
+#include "app/web/server/metrics.h"
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"
 #include "config/show/json_schema.h"
@@ -32,6 +33,19 @@ std::string host_name() {
     constexpr std::size_t kLongest = 256;
     std::array<char, kLongest> name{};
     return ::gethostname(name.data(), name.size() - 1) == 0 ? std::string(name.data()) : "";
+}
+
+bool is_content_of(const std::filesystem::path& file, const std::optional<std::string>& text) {
+    const auto content = read_file(file, kMostConfigurationBytes, FileKinds::regular);
+    return content && text && *content == *text;
+}
+
+constexpr std::string_view kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
+
+HttpAnswer metrics_said(const std::string& json) {
+    const auto parsed = nlohmann::json::parse(json, nullptr, false);
+    const std::string text = status_fields::raw_text(parsed, "text");
+    return text.empty() ? refused(502, "no metrics") : HttpAnswer{.content = text};
 }
 
 /// The part of a path up to the next '/', which is removed, too.
@@ -115,6 +129,11 @@ Site::Reply Site::reply(const HttpRequest& request, Instant now) {
         }
         return request.path == "/pair" ? pair(request) : leave(request);
     }
+    if (request.path == "/metrics" && request.method == "GET") {
+        return settings_.metrics
+                   ? metrics_of_daemons(now)
+                   : refused(404, "metrics are off; `tribus-web serve --metrics` has them");
+    }
     std::string_view path = request.path;
     if (path.starts_with(kApi)) {
         path.remove_prefix(kApi.size());
@@ -192,6 +211,11 @@ Site::Reply Site::reply_of_daemon(const HttpRequest& request, const KnownDaemon&
     if (const auto why = why_not_from_own_page(request)) {
         return refused(why->status, why->why);
     }
+    // Judging a text changes nothing, but reads the files that it names: who may only look has the
+    // configuration judged as it stands.
+    if (role != Role::change && !is_content_of(daemon.file, text_in(request.body, "toml"))) {
+        return refused(403, "this browser may only look; `sudo tribus pair` lets it change");
+    }
     if (auto judged = judge_draft(request, daemon, what, now)) {
         return *std::move(judged);
     }
@@ -254,6 +278,32 @@ Site::Reply Site::ask(const KnownDaemon& daemon, std::string_view line, Instant 
                                           std::move(as_answer), std::nullopt});
     pending_.push_back(pending);
     return Late([pending] { return pending->answer; });
+}
+
+/// Scrapers wait 10 s: daemons that hang do not keep the others from being seen.
+Site::Reply Site::metrics_of_daemons(Instant now) {
+    struct Asked {
+        std::string name;
+        Reply reply;
+    };
+    constexpr Duration kPatience = std::chrono::seconds(2);
+    auto asked = std::make_shared<std::vector<Asked>>();
+    for (const KnownDaemon& daemon : known_daemons(settings_.configurations)) {
+        asked->push_back({daemon.name, ask(daemon, "metrics", now, metrics_said, kPatience)});
+    }
+    return Late([asked]() -> std::optional<HttpAnswer> {
+        std::vector<DaemonMetrics> all;
+        for (const auto& [name, reply] : *asked) {
+            const Late* const late = std::get_if<Late>(&reply);
+            const auto answer = late != nullptr ? (*late)() : std::get<HttpAnswer>(reply);
+            if (!answer) {
+                return std::nullopt;
+            }
+            all.push_back(
+                {name, answer->status == 200 ? std::optional(answer->content) : std::nullopt});
+        }
+        return HttpAnswer{.type = kMetricsType, .content = metrics_of_all(all)};
+    });
 }
 
 std::vector<int> Site::descriptors() const {

@@ -28,6 +28,7 @@ struct SiteSettings {
     std::filesystem::path page;            ///< folder of the built page
     std::vector<std::string> hosts;        ///< further names of this machine
     bool is_public = false;                ///< the network can reach the page
+    bool metrics = false;                  ///< metrics are for everybody who reaches the page
     std::string version;
 };
 
@@ -95,6 +96,7 @@ class Site {
     HttpAnswer daemons(Instant now) const;
     HttpAnswer pair(const HttpRequest& request);
     HttpAnswer leave(const HttpRequest& request);
+    Reply metrics_of_daemons(Instant now);
     Reply ask(const KnownDaemon& daemon, std::string_view line, Instant now, FromDaemon as_answer,
               Duration patience = std::chrono::seconds(5));
     Reply begin_draft(const HttpRequest& request, const KnownDaemon& daemon, Instant now);

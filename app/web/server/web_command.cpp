@@ -12,6 +12,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
 #include "app/journal/log.h"
+#include "app/web/server/listeners.h"
 #include "app/web/server/page_server.h"
 #include "pipelines/realtime/clock.h"
 
@@ -28,13 +29,17 @@ struct WebOptions {
     std::string page = "/usr/share/tribus/page";
     std::vector<std::string> hosts;
     bool is_public = false;
+    bool metrics = false;
     std::string version;
 };
 
-tl::expected<std::vector<UniqueFd>, std::string> listeners_of(const WebOptions& options) {
-    std::vector<UniqueFd> listeners = inherited_listeners();
+tl::expected<std::vector<Listener>, std::string> listeners_of(const WebOptions& options) {
+    auto listeners = inherited_listeners(options.is_public);
+    if (!listeners) {
+        return listeners;
+    }
     std::vector<std::string> addresses = options.listen;
-    if (listeners.empty() && addresses.empty()) {
+    if (listeners->empty() && addresses.empty()) {
         addresses.emplace_back(kUsualAddress);
     }
     for (const std::string& address : addresses) {
@@ -42,8 +47,8 @@ tl::expected<std::vector<UniqueFd>, std::string> listeners_of(const WebOptions& 
         if (!listener) {
             return tl::unexpected(listener.error());
         }
-        log_info("the page is at http://{}/", address_of_listener(*listener));
-        listeners.push_back(std::move(*listener));
+        log_info("the page is at {}", place_of(*listener));
+        listeners->push_back(std::move(*listener));
     }
     return listeners;
 }
@@ -83,6 +88,7 @@ int run(const WebOptions& options) {
                                                            .page = options.page,
                                                            .hosts = options.hosts,
                                                            .is_public = options.is_public,
+                                                           .metrics = options.metrics,
                                                            .version = options.version});
     if (!server) {
         log_error("{}", server.error());
@@ -101,8 +107,8 @@ Command web_command(std::string version) {
         .help = "Serve the page of all daemons of this board",
         .options = {{.name = "--listen",
                      .value = &options->listen,
-                     .help = "Address, such as 127.0.0.1:8480; may be repeated. Default: what "
-                             "systemd listens on, else 127.0.0.1:8480"},
+                     .help = "Address, such as 127.0.0.1:8480, or the path of a local socket; may "
+                             "be repeated. Default: what systemd listens on, else 127.0.0.1:8480"},
                     {.name = "--configurations",
                      .value = &options->configurations,
                      .help = "Folder of the configurations; default: /etc/tribus"},
@@ -116,6 +122,9 @@ Command web_command(std::string version) {
                     {.name = "--host",
                      .value = &options->hosts,
                      .help = "Further name of this machine that browsers may use; may be repeated"},
+                    {.name = "--metrics",
+                     .value = &options->metrics,
+                     .help = "Answer Prometheus at /metrics; it needs no pairing"},
                     {.name = "--public",
                      .value = &options->is_public,
                      .help = "Allow an address that the network can reach; nothing is encrypted"}},

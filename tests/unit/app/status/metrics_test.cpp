@@ -1,19 +1,12 @@
-#include <sys/socket.h>
-
-#include <array>
 #include <regex>
 #include <set>
 #include <sstream>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "app/daemon/metrics_server.h"
 #include "app/status/metrics_text.h"
 #include "config/load.h"
-#include "tests/support/temporary_folder.h"
 
 namespace tribus::metrics_test {
 namespace {
@@ -57,20 +50,22 @@ class Metrics : public testing::Test {
 };
 
 TEST_F(Metrics, CountByName) {
-    EXPECT_TRUE(tells("tribus_input_frames_total{input=\"main\"} 42")) << metrics_text(report_);
-    EXPECT_TRUE(tells("tribus_input_rejected_total{input=\"main\",cause=\"checksum\"} 3"));
-    EXPECT_TRUE(tells("tribus_output_in_control{output=\"servos\"} 0"));
-    EXPECT_TRUE(tells("tribus_figures_age_seconds 0.05"));
+    EXPECT_TRUE(tells("tribus_input_frames_total{daemon=\"car\",input=\"main\"} 42"))
+        << metrics_text(report_);
+    EXPECT_TRUE(
+        tells("tribus_input_rejected_total{daemon=\"car\",input=\"main\",cause=\"checksum\"} 3"));
+    EXPECT_TRUE(tells("tribus_output_in_control{daemon=\"car\",output=\"servos\"} 0"));
+    EXPECT_TRUE(tells("tribus_figures_age_seconds{daemon=\"car\"} 0.05"));
 }
 
 TEST_F(Metrics, EscapeWhatStandsInLabels) {
-    EXPECT_TRUE(tells(R"(tribus_port_present{port="/dev/tty\"A\\2\n"} 1)"))
+    EXPECT_TRUE(tells(R"(tribus_port_present{daemon="car",port="/dev/tty\"A\\2\n"} 1)"))
         << metrics_text(report_);
 }
 
 /// A value without a fresh number has no sample, because the last one would be stale.
 TEST_F(Metrics, LeaveOutValuesThatAreStale) {
-    EXPECT_TRUE(tells("tribus_value{name=\"pack.voltage\",unit=\"V\"} 12.5"));
+    EXPECT_TRUE(tells("tribus_value{daemon=\"car\",name=\"pack.voltage\",unit=\"V\"} 12.5"));
     const std::string text = metrics_text(report_);
     EXPECT_EQ(text.find("tribus_value{"), text.rfind("tribus_value{"));
 }
@@ -103,130 +98,6 @@ TEST_F(Metrics, KeepToTheGrammar) {
         }
     }
     EXPECT_GT(families.size(), 20U);
-}
-
-std::string answer_to(const std::string& head, HostNames allowed = HostNames::own) {
-    return http_response(head, allowed, [] { return std::string("tribus_uptime_seconds 1\n"); });
-}
-
-TEST(MetricsHttp, AnswersGetMetricsOnly) {
-    EXPECT_EQ(answer_to("GET /metrics HTTP/1.1\r\nHost: 127.0.0.1:9464\r\n\r\n"),
-              "HTTP/1.1 200 OK\r\nContent-Type: text/plain; version=0.0.4; charset=utf-8\r\n"
-              "Content-Length: 24\r\nConnection: close\r\n\r\ntribus_uptime_seconds 1\n");
-    EXPECT_TRUE(answer_to("GET / HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 404 "));
-    EXPECT_TRUE(answer_to("POST /metrics HTTP/1.1\r\n\r\n").starts_with("HTTP/1.1 405 "));
-    EXPECT_TRUE(answer_to("\r\n\r\n").starts_with("HTTP/1.1 400 "));
-    EXPECT_TRUE(answer_to("GET /metrics\r\n\r\n").starts_with("HTTP/1.1 400 "));
-}
-
-/// A page from elsewhere may use a name that leads to this machine, and read the answer.
-TEST(MetricsHttp, IsAskedByAddressOrAsLocalhost) {
-    const auto asked_as = [](const std::string& host, HostNames allowed = HostNames::own) {
-        return answer_to("GET /metrics HTTP/1.1\r\nAccept: */*\r\nhOST:" + host + "\r\n\r\n",
-                         allowed)
-            .substr(9, 3);
-    };
-    for (const char* host :
-         {" localhost", " LocalHost:9464 ", "127.0.0.1", " [::1]:9464", " 192.168.1.2:9464"}) {
-        EXPECT_EQ(asked_as(host), "200") << host;
-    }
-    for (const char* host : {" evil.example", " evil.example:9464", "", " 127.0.0.1.evil.example",
-                             " localhost.evil.example", " [evil]:1"}) {
-        EXPECT_EQ(asked_as(host), "421") << host;
-    }
-    EXPECT_EQ(asked_as(" board.local:9464", HostNames::any), "200");
-    EXPECT_EQ(answer_to("GET /metrics HTTP/1.0\r\n\r\n").substr(9, 3), "200");
-}
-
-class MetricsSocket : public testing::Test {
-  protected:
-    std::unique_ptr<MetricsServer> serve() {
-        auto server = MetricsServer::open(folder_ / "metrics", MetricsReach::local,
-                                          [] { return std::string(3'000'000, 'x'); });
-        EXPECT_TRUE(server) << server.error();
-        return std::move(*server);
-    }
-    static void say(const UniqueFd& socket, const std::string& text) {
-        ::send(socket.get(), text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
-    }
-
-    test::TemporaryFolder folder_;
-    Instant now_{std::chrono::hours(1)};
-};
-
-TEST_F(MetricsSocket, DropsOneWhoDoesNotReadAndOneWhoDoesNotEnd) {
-    const auto server = serve();
-    const auto silent = connect_local(folder_ / "metrics");
-    const auto endless = connect_local(folder_ / "metrics");
-    say(*silent, "GET /metrics HTTP/1.1\r\n\r\n");
-    say(*endless, "GET /metrics HTTP/1.1\r\nX: ");
-    server->serve(now_);
-    EXPECT_EQ(server->client_count(), 2U);
-    server->serve(now_ + std::chrono::seconds(5));
-    EXPECT_EQ(server->client_count(), 0U);
-}
-
-TEST_F(MetricsSocket, DropsOneWhoSendsAByteNowAndThen) {
-    const auto server = serve();
-    const auto endless = connect_local(folder_ / "metrics");
-    for (int second = 0; second < 10; ++second) {
-        say(*endless, "x");
-        server->serve(now_ + std::chrono::seconds(second));
-        EXPECT_EQ(server->client_count(), 1U);
-    }
-    server->serve(now_ + std::chrono::seconds(10));
-    EXPECT_EQ(server->client_count(), 0U);
-}
-
-TEST_F(MetricsSocket, AnswersBesideThirtyWhoAskSlowly) {
-    const auto server = serve();
-    std::vector<UniqueFd> slow;
-    for (int i = 0; i < 30; ++i) {
-        auto client = connect_local(folder_ / "metrics");
-        ASSERT_TRUE(client);
-        say(*client, "GET /metrics HTTP/1.1\r\nX: ");
-        server->serve(now_);
-        slow.push_back(std::move(*client));
-    }
-    const auto client = connect_local(folder_ / "metrics");
-    say(*client, "GET /metrics HTTP/1.1\r\n\r\n");
-    server->serve(now_);
-    std::array<char, 64> bytes{};
-    ASSERT_GT(::recv(client->get(), bytes.data(), bytes.size() - 1, MSG_DONTWAIT), 0);
-    EXPECT_TRUE(std::string(bytes.data()).starts_with("HTTP/1.1 200 ")) << bytes.data();
-}
-
-TEST_F(MetricsSocket, RefusesAHeadWithoutEnd) {
-    const auto server = serve();
-    const auto client = connect_local(folder_ / "metrics");
-    say(*client, std::string(20000, 'x'));
-    for (int i = 0; i < 10; ++i) {
-        server->serve(now_);
-    }
-    std::array<char, 64> bytes{};
-    ASSERT_GT(::recv(client->get(), bytes.data(), bytes.size() - 1, MSG_DONTWAIT), 0);
-    EXPECT_TRUE(std::string(bytes.data()).starts_with("HTTP/1.1 431 ")) << bytes.data();
-}
-
-TEST_F(MetricsSocket, AddressOfTheNetworkNeedsToBeWanted) {
-    const auto none = [] { return std::string(); };
-    const auto refused = MetricsServer::open("0.0.0.0:0", MetricsReach::local, none);
-    ASSERT_FALSE(refused);
-    EXPECT_EQ(refused.error(),
-              "0.0.0.0:0 can be reached from the network, and nothing asks who reads; use "
-              "127.0.0.1 or [::1], or allow it with --metrics-public");
-    EXPECT_TRUE(MetricsServer::open("0.0.0.0:0", MetricsReach::network, none));
-    EXPECT_TRUE(MetricsServer::open("127.0.0.1:0", MetricsReach::local, none));
-}
-
-TEST_F(MetricsSocket, AddressThatIsNoneIsRefused) {
-    for (const char* address :
-         {"", "9464", "localhost:1", "::1:9464", "127.0.0.1:", "x/y", "127.0.0.1:99999",
-          "127.0.0.1:65536", "127.0.0.1:-1", "127.0.0.1:1x"}) {
-        EXPECT_FALSE(MetricsServer::open(address, MetricsReach::local, [] {
-            return std::string();
-        })) << address;
-    }
 }
 
 }  // namespace

@@ -1,0 +1,134 @@
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/lab/installed.h"
+#include "tests/loopback/browser.h"
+
+/// The page of the package: started by its socket, confined, and what it may write.
+namespace tribus::test::systemd_page_test {
+namespace {
+
+constexpr int kPagePort = 8480;
+
+class InstalledPage : public InstalledService {
+  protected:
+    ~InstalledPage() override {
+        run_shell(
+            "systemctl stop tribus-web.service; rm -f /var/lib/tribus-web/*.json; "
+            "chgrp root /etc/tribus; chmod g-w /etc/tribus");
+    }
+    static Browser paired() {
+        Browser browser(kPagePort);
+        std::string code = shell("tribus pair").substr(0, 9);
+        EXPECT_EQ(browser.pair(code.erase(4, 1)).status, 200);
+        return browser;
+    }
+    /// Asks for the configuration with one more line, while no daemon runs it.
+    static BrowserAnswer save(const Browser& browser) {
+        const BrowserAnswer before = browser.get("/api/servos/configuration");
+        return browser.post("/api/servos/save", {{"toml", before.content + "\n"}},
+                            {{"If-Match", before.header("ETag")}});
+    }
+};
+
+TEST_F(InstalledPage, StartsWhenSomebodyAsksAndHasAUserOfItsOwn) {
+    EXPECT_EQ(property("ActiveState", "tribus-web.service"), "inactive");
+    const BrowserAnswer answer = Browser(kPagePort).get("/");
+    EXPECT_EQ(answer.status, 200) << answer.content;
+    EXPECT_NE(answer.content.find("<script"), std::string::npos) << answer.content;
+    EXPECT_EQ(property("ActiveState", "tribus-web.service"), "active");
+    EXPECT_EQ(shell("ps -o user:20=,group:20= -C tribus-web | tr -s ' '"), "tribus-web tribus\n");
+}
+
+TEST_F(InstalledPage, HasUnitsThatAreRightAndClosed) {
+    EXPECT_EQ(shell("systemd-analyze verify --man=no tribus-web.socket tribus-web.service"), "");
+    shell("systemd-analyze security --no-pager --threshold=15 tribus-web.service");
+}
+
+TEST_F(InstalledPage, ShowsADaemonToABrowserThatHasTheCode) {
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    EXPECT_EQ(Browser(kPagePort).get("/api/servos/status").status, 401);
+    EXPECT_EQ(paired().get("/api/servos/status").json()["inputs"][0]["name"], "receiver");
+}
+
+TEST_F(InstalledPage, KeepsADraftThatWasTriedSoThatTheDaemonCanReadIt) {
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    shell("chmod 640 /etc/tribus/servos.toml; chgrp tribus /etc/tribus/servos.toml");
+    const Browser browser = paired();
+    const BrowserAnswer before = browser.get("/api/servos/configuration");
+    const std::string draft =
+        before.content + "[pipeline.main.channels]\n1 = { from = 1, reverse = true }\n";
+    const auto tried = browser
+                           .post("/api/servos/draft", {{"toml", draft}, {"seconds", 60}},
+                                 {{"If-Match", before.header("ETag")}})
+                           .json();
+    ASSERT_EQ(tried["taken"], true) << tried;
+    EXPECT_TRUE(carries(1200, 1800)) << journal();
+    const BrowserAnswer kept = browser.post("/api/servos/confirm", {{"trial", tried["trial"]}});
+    EXPECT_EQ(kept.status, 200) << kept.content;
+    EXPECT_EQ(shell("stat -c %U:%G:%a /etc/tribus/servos.toml"), "tribus-web:tribus:640\n");
+    shell("systemctl restart " + kUnit);
+    EXPECT_TRUE(carries(1200, 1800)) << journal();
+}
+
+/// The package gives the page no right to write configurations; `tribus pair` does.
+TEST_F(InstalledPage, ChangesNoConfigurationBeforeABrowserMay) {
+    shell("systemctl stop " + kUnit);
+    const Browser browser = paired();
+    shell("chgrp root /etc/tribus; chmod g-w /etc/tribus");
+    EXPECT_EQ(save(browser).status, 500);
+    shell("tribus pair --look");
+    EXPECT_EQ(save(browser).status, 500);
+    shell("tribus pair");
+    EXPECT_EQ(save(browser).status, 200);
+}
+
+TEST_F(InstalledPage, TheServiceGoesOnWhileThePageIsFloodedAndKilled) {
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    EXPECT_EQ(paired().get("/api/servos/status").status, 200);
+    shell("for i in $(seq 200); do (echo x > /dev/tcp/127.0.0.1/8480) & done; wait");
+    shell("systemctl kill -s KILL tribus-web.service");
+    EXPECT_TRUE(carries(1800, 1800)) << journal();
+    EXPECT_TRUE(in_time([] { return Browser(kPagePort).get("/").status == 200; }));
+}
+
+class PageSandbox : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        install();
+        tried_.emplace("tribus-web.service", "", "/var/lib/tribus-web/tried",
+                       "try serial 'head -c 1 /dev/ttyS0'\n"
+                       "try others 'ls -d /proc/1'\n"
+                       "try realtime 'chrt -f 1 true'\n");
+    }
+
+    static inline std::optional<TriedSandbox> tried_;
+};
+
+TEST_F(PageSandbox, HasNoPrivileges) {
+    EXPECT_EQ(tried_->of("rights"), kNoRights);
+    EXPECT_TRUE(tried_->says("realtime", "Operation not permitted")) << tried_->of("realtime");
+    EXPECT_TRUE(tried_->says("namespace", "Operation not permitted")) << tried_->of("namespace");
+}
+
+TEST_F(PageSandbox, SeesNothingOfHomesAndOtherProcesses) {
+    EXPECT_TRUE(tried_->says("home", "cat: ")) << tried_->of("home");
+    EXPECT_FALSE(tried_->says("home", "treasure")) << tried_->of("home");
+    EXPECT_TRUE(tried_->says("others", "No such file")) << tried_->of("others");
+}
+
+TEST_F(PageSandbox, WritesNowhereButIntoItsFolders) {
+    EXPECT_TRUE(tried_->says("system", "Read-only file system")) << tried_->of("system");
+}
+
+TEST_F(PageSandbox, HasNoInternetAndNoDevice) {
+    EXPECT_TRUE(tried_->says("internet", "Address family not supported")) << tried_->of("internet");
+    EXPECT_TRUE(tried_->says("disk", "No such file")) << tried_->of("disk");
+    EXPECT_TRUE(tried_->says("serial", "No such file")) << tried_->of("serial");
+}
+
+}  // namespace
+}  // namespace tribus::test::systemd_page_test
