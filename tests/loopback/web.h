@@ -78,8 +78,13 @@ class Web : public FirstChannel {
     /// The receiver goes on meanwhile.
     BrowserAnswer post(const Browser& browser, const std::string& what, const nlohmann::json& body,
                        const std::map<std::string, std::string>& more = {}) {
+        return post_to(browser, api(what), body, more);
+    }
+    BrowserAnswer post_to(const Browser& browser, const std::string& path,
+                          const nlohmann::json& body,
+                          const std::map<std::string, std::string>& more = {}) {
         BrowserAnswer answer;
-        std::thread asks([&] { answer = browser.post(api(what), body, more); });
+        std::thread asks([&] { answer = browser.post(path, body, more); });
         std::atomic<bool> done{false};
         std::thread waits([&] {
             asks.join();

@@ -1,10 +1,6 @@
 #include "app/web/server/daemons.h"
 
-#include <sys/socket.h>
-
 #include <algorithm>
-#include <array>
-#include <cerrno>
 #include <cstring>
 #include <system_error>
 #include <utility>
@@ -20,7 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostConfigurations = 64;
-constexpr std::size_t kLongestAnswer = std::size_t{8} << 20U;
 constexpr Duration kLookPeriod = std::chrono::milliseconds(250);
 
 bool is_configuration(const fs::directory_entry& entry) {
@@ -60,45 +55,23 @@ std::optional<KnownDaemon> find_known(const fs::path& folder, std::string_view n
     return found == all.end() ? std::nullopt : std::optional(std::move(*found));
 }
 
-DaemonRequest::DaemonRequest(const std::string& socket, std::string_view line, Instant end)
-    : end_(end) {
-    auto connected = connect_local(socket);
-    if (!connected) {
-        failed_ = fmt::format("no daemon answers: {}", std::strerror(connected.error()));
-        return;
-    }
-    socket_ = std::move(*connected);
-    const std::string text = std::string(line) + "\n";
-    if (::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL | MSG_DONTWAIT) !=
-        static_cast<ssize_t>(text.size())) {
-        failed_ = "the daemon takes no request";
-    }
+LineTalk daemon_at(const std::string& socket) {
+    return {"the daemon", connect_local(socket).map_error([](int error) {
+                return fmt::format("no daemon answers: {}", std::strerror(error));
+            })};
 }
 
-std::optional<std::string> DaemonRequest::poll(Instant now) {
-    constexpr std::size_t kBytesAtOnce = 16384;
-    std::array<char, kBytesAtOnce> bytes;
-    while (failed_.empty()) {
-        const ssize_t count = ::recv(socket_.get(), bytes.data(), bytes.size(), MSG_DONTWAIT);
-        if (count > 0) {
-            received_.append(bytes.data(), static_cast<std::size_t>(count));
-            if (received_.size() > kLongestAnswer) {
-                failed_ = "what answers is no tribus";
-            }
-            continue;
-        }
-        if (count == 0 || (errno != EAGAIN && errno != EINTR)) {
-            failed_ = "the daemon ended before it answered";
-        }
-        break;
+LineRequest::LineRequest(LineTalk talk, std::string_view line, Instant end)
+    : talk_(std::move(talk)), end_(end) {
+    talk_.say(line);
+}
+
+std::optional<std::string> LineRequest::poll(Instant now) {
+    auto line = talk_.hear();
+    if (line || (talk_.failed().empty() && now < end_)) {
+        return line;
     }
-    if (const auto line_end = received_.find('\n'); line_end != std::string::npos) {
-        return received_.substr(0, line_end);
-    }
-    if (failed_.empty() && now >= end_) {
-        failed_ = "the daemon does not answer";
-    }
-    return failed_.empty() ? std::nullopt : std::optional(error_object(failed_));
+    return error_object(talk_.failed().empty() ? talk_.who() + " does not answer" : talk_.failed());
 }
 
 DaemonWatch::DaemonWatch(const std::string& socket) : link_(socket, kPeriod) {}

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <list>
 #include <map>
 #include <memory>
@@ -12,8 +11,8 @@
 #include <vector>
 
 #include "app/client/monitor_link.h"
+#include "app/web/server/line_talk.h"
 #include "core/time.h"
-#include "transports/links/unique_fd.h"
 
 /// The daemons of this board, as the page sees them: by their control sockets, and by the
 /// configurations that stand in the folder of configurations. Thread-bound; nothing here waits.
@@ -31,23 +30,22 @@ std::vector<KnownDaemon> known_daemons(const std::filesystem::path& folder);
 /// The one with that name. Names are compared with the list and never become a path.
 std::optional<KnownDaemon> find_known(const std::filesystem::path& folder, std::string_view name);
 
-/// One request to a daemon, without waiting for its answer.
-class DaemonRequest {
+/// A daemon that is asked over its control socket.
+LineTalk daemon_at(const std::string& socket);
+
+/// One request, without waiting for its answer.
+class LineRequest {
   public:
-    /// The answer, or `error` says why there is none, as `{"error": ...}`.
-    using Done = std::function<void(std::string answer)>;
+    LineRequest(LineTalk talk, std::string_view line, Instant end);
 
-    DaemonRequest(const std::string& socket, std::string_view line, Instant end);
-
-    int descriptor() const { return socket_.get(); }
+    int descriptor() const { return talk_.descriptor(); }
     Instant end() const { return end_; }
-    /// Reads what is there. Returns the answer without its end of line, once it is whole.
+    /// Reads what is there. Returns the answer, or `{"type":"error","error":...}` that says why
+    /// none comes; nothing while it may come.
     std::optional<std::string> poll(Instant now);
 
   private:
-    UniqueFd socket_;
-    std::string received_;
-    std::string failed_;
+    LineTalk talk_;
     Instant end_;
 };
 

@@ -172,6 +172,14 @@ Site::Reply Site::reply_of_api(const HttpRequest& request, std::string_view path
     if (request.method == "GET" && path == "daemons") {
         return daemons(now);
     }
+    constexpr std::string_view kLearn = "learn/";
+    if (path == "doctor" || path.starts_with(kLearn)) {
+        if (const auto why = why_not_from_own_page(request)) {
+            return refused(why->status, why->why);
+        }
+        return path == "doctor" ? doctor(request, visitor->role, now)
+                                : learn(request, path.substr(kLearn.size()), *visitor, now);
+    }
     const auto daemon = find_known(settings_.configurations, take_part(path));
     if (!daemon) {
         return refused(404, "there is no daemon and no configuration of that name");
@@ -186,7 +194,7 @@ HttpAnswer Site::me(const HttpRequest& request) const {
          {"host", host_name()},
          {"public", settings_.is_public},
          {"version", settings_.version},
-         {"screens", {"live", "timing", "config", "more"}}});
+         {"screens", {"live", "timing", "config", "doctor", "learn", "more"}}});
 }
 
 HttpAnswer Site::daemons(Instant now) const {
@@ -266,16 +274,20 @@ Site::Reply Site::look_at_daemon(const KnownDaemon& daemon, std::string_view wha
 }
 
 Site::Reply Site::ask(const KnownDaemon& daemon, std::string_view line, Instant now,
-                      FromDaemon as_answer, Duration patience) {
+                      FromLine as_answer, Duration patience) {
     if (daemon.socket.empty()) {
         return refused(502, fmt::format("no daemon runs {}", daemon.name));
     }
     if (line.find_first_of("\r\n") != std::string_view::npos) {
         return refused(400, "a name must stand in one line");
     }
+    return ask(LineRequest(daemon_at(daemon.socket), line, later(now, patience)),
+               std::move(as_answer));
+}
+
+Site::Reply Site::ask(LineRequest request, FromLine as_answer) {
     auto pending =
-        std::make_shared<Pending>(Pending{DaemonRequest(daemon.socket, line, later(now, patience)),
-                                          std::move(as_answer), std::nullopt});
+        std::make_shared<Pending>(Pending{std::move(request), std::move(as_answer), std::nullopt});
     pending_.push_back(pending);
     return Late([pending] { return pending->answer; });
 }
@@ -314,11 +326,14 @@ std::vector<int> Site::descriptors() const {
     for (const auto& [name, watch] : watches_) {
         descriptors.push_back(watch->descriptor());
     }
+    if (learning_ && learning_->awaits_step) {
+        descriptors.push_back(learning_->talk.descriptor());
+    }
     return descriptors;
 }
 
 Instant Site::due() const {
-    Instant due = kNever;
+    Instant due = learning_ ? learning_->end : kNever;
     for (const auto& pending : pending_) {
         due = std::min(due, pending->request.end());
     }
@@ -336,6 +351,7 @@ void Site::look(Instant now) {
         }
         pending = json ? pending_.erase(pending) : std::next(pending);
     }
+    look_at_learning(now);
     std::erase_if(streams_, [](const std::weak_ptr<Stream>& stream) { return stream.expired(); });
     for (auto& [name, watch] : watches_) {
         watch->look(now);

@@ -28,6 +28,7 @@ struct SiteSettings {
     std::filesystem::path page;            ///< folder of the built page
     std::vector<std::string> hosts;        ///< further names of this machine
     bool is_public = false;                ///< the network can reach the page
+    std::string ports;                     ///< socket of the helper for ports; empty: a child
     bool metrics = false;                  ///< metrics are for everybody who reaches the page
     std::string version;
 };
@@ -47,7 +48,7 @@ class Site {
     /// Takes what the daemons said.
     void look(Instant now);
     /// Whether a page looks or waits.
-    bool in_use() const { return !streams_.empty() || !pending_.empty(); }
+    bool in_use() const { return !streams_.empty() || !pending_.empty() || learning_; }
 
     static constexpr std::size_t kStreamsOfOneBrowser = 4;
 
@@ -74,12 +75,21 @@ class Site {
     };
     using Late = std::function<std::optional<HttpAnswer>()>;
     using Reply = std::variant<HttpAnswer, Late>;
-    using FromDaemon = std::function<HttpAnswer(const std::string& json)>;
+    using FromLine = std::function<HttpAnswer(const std::string& json)>;
     /// Its answer is worked on also if the page that asked is gone: a file may have to go back.
     struct Pending {
-        DaemonRequest request;
-        FromDaemon as_answer;
+        LineRequest request;
+        FromLine as_answer;
         std::optional<HttpAnswer> answer;
+    };
+
+    /// A receiver whose loss a person shows, step by step. One at a time.
+    struct Learning {
+        std::string visitor;
+        LineTalk talk;
+        Instant end{};
+        bool awaits_step = false;
+        std::optional<HttpAnswer> step{};
     };
 
     Reply reply(const HttpRequest& request, Instant now);
@@ -97,7 +107,16 @@ class Site {
     HttpAnswer pair(const HttpRequest& request);
     HttpAnswer leave(const HttpRequest& request);
     Reply metrics_of_daemons(Instant now);
-    Reply ask(const KnownDaemon& daemon, std::string_view line, Instant now, FromDaemon as_answer,
+    Reply doctor(const HttpRequest& request, Role role, Instant now);
+    Reply learn(const HttpRequest& request, std::string_view verb, const Visitor& visitor,
+                Instant now);
+    Reply begin_learning(const HttpRequest& request, const Visitor& visitor, Instant now);
+    Reply next_step(Instant now);
+    void look_at_learning(Instant now);
+    /// Whoever waits for a step reads why none comes.
+    void end_learning(std::string_view why);
+    Reply ask(LineRequest request, FromLine as_answer);
+    Reply ask(const KnownDaemon& daemon, std::string_view line, Instant now, FromLine as_answer,
               Duration patience = std::chrono::seconds(5));
     Reply begin_draft(const HttpRequest& request, const KnownDaemon& daemon, Instant now);
     static std::optional<HttpAnswer> why_not(const HttpRequest& request, const std::string& text,
@@ -124,6 +143,7 @@ class Site {
     std::map<std::string, std::unique_ptr<DaemonWatch>> watches_;
     std::list<std::shared_ptr<Pending>> pending_;
     std::map<std::string, Draft> drafts_;
+    std::shared_ptr<Learning> learning_;
 };
 
 }  // namespace tribus::web

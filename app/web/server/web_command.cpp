@@ -28,6 +28,7 @@ struct WebOptions {
     std::string state = "/var/lib/tribus-web";
     std::string page = "/usr/share/tribus/page";
     std::vector<std::string> hosts;
+    std::string ports;
     bool is_public = false;
     bool metrics = false;
     std::string version;
@@ -88,6 +89,7 @@ int run(const WebOptions& options) {
                                                            .page = options.page,
                                                            .hosts = options.hosts,
                                                            .is_public = options.is_public,
+                                                           .ports = options.ports,
                                                            .metrics = options.metrics,
                                                            .version = options.version});
     if (!server) {
@@ -122,6 +124,10 @@ Command web_command(std::string version) {
                     {.name = "--host",
                      .value = &options->hosts,
                      .help = "Further name of this machine that browsers may use; may be repeated"},
+                    {.name = "--ports",
+                     .value = &options->ports,
+                     .help = "Socket of the helper that opens ports for doctor and learn; default: "
+                             "a child of this program, with its rights"},
                     {.name = "--metrics",
                      .value = &options->metrics,
                      .help = "Answer Prometheus at /metrics; it needs no pairing"},

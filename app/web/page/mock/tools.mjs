@@ -34,7 +34,7 @@ export function doctorReport(device) {
 }
 
 const STEPS = {
-    start: { step: 'waiting', text: 'Transmitter and receiver on. Move every stick and every '
+    waiting: { step: 'waiting', text: 'Transmitter and receiver on. Move every stick and every '
         + 'switch to both of its ends, twice. Then throttle low, hands off.', lines: [] },
     off: { step: 'off', text: 'Switch the transmitter OFF now and wait eight seconds.', lines: [] },
     on: { step: 'on', text: 'Switch the transmitter ON again.', lines: [] },
@@ -43,8 +43,10 @@ const STEPS = {
     stop: { step: 'broken', text: 'Stopped; nothing was learned.', lines: [] },
 };
 
+const AFTER = { waiting: 'off', off: 'on', on: 'done' };
+
 export function learn(board, verb) {
-    const next = verb === 'on' && board.learnStep === 'on' ? 'done' : verb;
-    board.learnStep = next;
-    return STEPS[next] ?? STEPS.stop;
+    board.learnStep = verb === 'start' ? 'waiting' : verb === 'next' ? AFTER[board.learnStep]
+        : 'stop';
+    return STEPS[board.learnStep] ?? STEPS.stop;
 }

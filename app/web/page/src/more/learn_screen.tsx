@@ -1,7 +1,7 @@
 import { useState } from 'preact/hooks';
 import { errorText, post } from '../model/api';
 import { draft, openDraft, setDraft, withLines } from '../model/draft';
-import { addressOf, daemonName, mayChange, status } from '../model/store';
+import { absent, addressOf, daemonName, mayChange, status } from '../model/store';
 
 const LIMIT_MS = 60_000;
 
@@ -33,16 +33,13 @@ async function intoDraft(input: string, lines: string[]): Promise<void> {
 
 interface LearningProps {
     input: string;
-    /** The person has said already that the transmitter is off. */
-    wasOff: boolean;
     step: Step;
     go: (verb: string) => void;
     busy: boolean;
 }
 
-function Learning({ input, step, go, busy, wasOff }: LearningProps) {
+function Learning({ input, step, go, busy }: LearningProps) {
     const ends = step.step === 'done' || step.step === 'broken';
-    const verb = step.step === 'on' || wasOff ? 'on' : 'off';
     return (
         <section data-step={step.step}>
             <div role="status">
@@ -51,7 +48,7 @@ function Learning({ input, step, go, busy, wasOff }: LearningProps) {
             </div>
             {step.lines.length > 0 && <pre class="commands">{step.lines.join('\n')}</pre>}
             <div class="row">
-                {!ends && <button class="main" disabled={busy} onClick={() => go(verb)}>
+                {!ends && <button class="main" disabled={busy} onClick={() => go('next')}>
                     {busy ? 'Watching the receiver' : LABELS[step.step]}</button>}
                 {step.step === 'done' && step.lines.length > 0
                     && <button class="main" onClick={() => void intoDraft(input, step.lines)}>
@@ -88,7 +85,6 @@ export function LearnScreen() {
     const inputs = status.value?.inputs.map((one) => one.name) ?? [];
     const [chosen, choose] = useState('');
     const [step, setStep] = useState<Step | null>(null);
-    const [wasOff, setWasOff] = useState(false);
     const [busy, setBusy] = useState(false);
     const [error, setError] = useState('');
     const input = chosen || inputs[0] || '';
@@ -98,7 +94,6 @@ export function LearnScreen() {
         try {
             const body = verb === 'start' ? { daemon: daemonName.value, input } : {};
             setStep(await post<Step>(`/api/learn/${verb}`, body, { limit: LIMIT_MS }));
-            setWasOff(verb !== 'start' && (wasOff || verb === 'off'));
         } catch (failed) {
             setError(errorText(failed));
         } finally {
@@ -107,7 +102,7 @@ export function LearnScreen() {
     };
     return (
         <div class="tool">
-            {step ? <Learning input={input} step={step} wasOff={wasOff} busy={busy}
+            {step ? <Learning input={input} step={step} busy={busy}
                 go={(verb) => void go(verb)} />
                 : (
                     <section>
@@ -115,6 +110,10 @@ export function LearnScreen() {
                             finds out what yours does, and the lines that recognise it.</p>
                         <p><strong>Take the propellers off first, and lift the wheels.</strong> The
                             transmitter will be switched off and on.</p>
+                        {!absent.value && (
+                            <p>A daemon that runs has the port of its receiver. Stop it first:{' '}
+                                <code>sudo systemctl stop tribus@{daemonName.value}</code></p>
+                        )}
                         <InputChoice inputs={inputs} input={input} choose={choose} />
                         <div><button class="main" onClick={() => void go('start')}
                             disabled={busy || !mayChange.value || input === ''}>Start</button></div>

@@ -1,0 +1,132 @@
+#include "app/web/server/ports_command.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "app/cli/exit_status.h"
+#include "app/cli/object_text.h"
+#include "app/web/server/answers.h"
+#include "core/quotes.h"
+
+namespace tribus::web {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kLongestRequest = 4096;
+constexpr std::int64_t kMostListeningSeconds = 30;
+
+/// A name that is no option and leads nowhere else.
+bool is_plain_name(std::string_view name) {
+    constexpr std::size_t kLongestName = 64;
+    return !name.empty() && name.size() <= kLongestName && name.front() != '-' &&
+           name.front() != '.' && std::ranges::all_of(name, [](unsigned char c) {
+               return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
+           });
+}
+
+/// A file below /dev, or the name of a CAN interface.
+bool is_device_or_interface(std::string_view device) {
+    constexpr std::string_view kDevices = "/dev/";
+    if (!device.starts_with(kDevices)) {
+        return is_plain_name(device);
+    }
+    device.remove_prefix(kDevices.size());
+    while (!device.empty()) {
+        const std::size_t end = device.find('/');
+        if (!is_plain_name(device.substr(0, end))) {
+            return false;
+        }
+        device.remove_prefix(end == std::string_view::npos ? device.size() : end + 1);
+    }
+    return true;
+}
+
+/// Byte by byte: what follows the line is for the program.
+std::string read_request() {
+    std::string line;
+    char byte = 0;
+    while (line.size() < kLongestRequest && ::read(STDIN_FILENO, &byte, 1) == 1 && byte != '\n') {
+        line.push_back(byte);
+    }
+    return line;
+}
+
+int refuse(std::string_view why) {
+    fmt::print("{}\n", error_object(why));
+    return kExitWrongUse;
+}
+
+int become(const std::string& configurations) {
+    const std::string request = read_request();
+    const auto program = program_for(request, configurations);
+    if (!program) {
+        return refuse(
+            fmt::format("{} asks for nothing that this helper does", in_quotes(request, 40)));
+    }
+    std::error_code error;
+    const fs::path self = fs::read_symlink("/proc/self/exe", error);
+    std::vector<std::string> words{self.parent_path() / "tribus"};
+    words.insert(words.end(), program->begin(), program->end());
+    std::vector<char*> arguments;
+    for (std::string& word : words) {
+        arguments.push_back(word.data());
+    }
+    arguments.push_back(nullptr);
+    ::execv(arguments.front(), arguments.data());
+    return refuse(fmt::format("{}: {}", words.front(), std::strerror(errno)));
+}
+
+}  // namespace
+
+std::optional<std::vector<std::string>> program_for(std::string_view request,
+                                                    const fs::path& configurations) {
+    const std::string text(request);
+    const auto verb = text_in(text, "verb");
+    if (verb == "doctor") {
+        const auto device = text_in(text, "device");
+        const std::int64_t seconds = std::clamp<std::int64_t>(
+            number_in(text, "seconds").value_or(3), 1, kMostListeningSeconds);
+        std::vector<std::string> words{"doctor", "--format", "json", "--for",
+                                       fmt::format("{}s", seconds)};
+        if (device && !is_device_or_interface(*device)) {
+            return std::nullopt;
+        }
+        if (device) {
+            words.push_back(*device);
+        }
+        return words;
+    }
+    const auto daemon = text_in(text, "daemon");
+    const auto input = text_in(text, "input");
+    if (verb == "learn" && daemon && input && is_plain_name(*daemon) && is_plain_name(*input)) {
+        return std::vector<std::string>{
+            "learn", "--format", "json",
+            fmt::format("{}:{}", (configurations / (*daemon + ".toml")).string(), *input)};
+    }
+    return std::nullopt;
+}
+
+Command ports_command() {
+    auto configurations = std::make_shared<std::string>("/etc/tribus");
+    return {
+        .name = "ports",
+        .help = "Do what the page asks of ports, for the connection on standard input",
+        .footer = "tribus-ports.socket starts it for each request.",
+        .options = {{.name = "--configurations",
+                     .value = configurations.get(),
+                     .help = "Folder of the configurations; default: /etc/tribus"}},
+        .run = [configurations] { return become(*configurations); },
+    };
+}
+
+}  // namespace tribus::web
