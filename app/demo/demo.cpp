@@ -3,9 +3,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
+#include <fstream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -231,7 +234,44 @@ class Demo {
     std::uint64_t lost_ = 0;
 };
 
-int demo(std::optional<double> seconds) {
+/// Waits for a signal, or until `length` is over.
+void wait_for_end(std::optional<Duration> length, const sigset_t& ending_signals) {
+    if (length) {
+        const timespec wait = as_timespec(*length);
+        ::sigtimedwait(&ending_signals, nullptr, &wait);
+    } else {
+        ::sigwaitinfo(&ending_signals, nullptr);
+    }
+}
+
+/// Plays the receiver and the servos; another program has the engine.
+int play_far_ends(const std::string& file, std::optional<Duration> length,
+                  const sigset_t& ending_signals) {
+    auto receiver = Pty::open();
+    auto servos = Pty::open();
+    if (!receiver || !servos) {
+        fmt::print(stderr, "{}\n", receiver ? servos.error() : receiver.error());
+        return kExitFailed;
+    }
+    std::ofstream out(file);
+    out << demo_configuration(receiver->path, servos->path);
+    if (!out.flush()) {
+        fmt::print(stderr, "{}: {}\n", file, std::strerror(errno));
+        return kExitFailed;
+    }
+    fmt::print("receiver at {}, servos at {}; now run {}\n", receiver->path, servos->path, file);
+    std::fflush(stdout);
+    DemoPeers peers(std::move(receiver->master), std::move(servos->master));
+    wait_for_end(length, ending_signals);
+    return kExitFine;
+}
+
+struct DemoOptions {
+    std::optional<double> seconds;
+    std::string far_ends;
+};
+
+int demo(const DemoOptions& options) {
     // Blocked before any thread is created, so that all inherit it and this thread can wait for
     // them.
     sigset_t ending;
@@ -239,6 +279,14 @@ int demo(std::optional<double> seconds) {
     ::sigaddset(&ending, SIGINT);
     ::sigaddset(&ending, SIGTERM);
     ::pthread_sigmask(SIG_BLOCK, &ending, nullptr);
+    std::optional<Duration> length;
+    if (options.seconds) {
+        length =
+            std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*options.seconds));
+    }
+    if (!options.far_ends.empty()) {
+        return play_far_ends(options.far_ends, length, ending);
+    }
     auto bench = set_up();
     if (!bench) {
         fmt::print(stderr, "{}\n", bench.error());
@@ -247,17 +295,13 @@ int demo(std::optional<double> seconds) {
     for (const std::string& lack : bench->appliance->missing_realtime()) {
         fmt::print(stderr, "no full real time: {}\n", lack);
     }
-    std::optional<Duration> length;
-    if (seconds) {
-        length = std::chrono::duration_cast<Duration>(std::chrono::duration<double>(*seconds));
-    }
     return Demo(std::move(*bench), length).run(ending);
 }
 
 }  // namespace
 
 Command demo_command() {
-    auto seconds = std::make_shared<std::optional<double>>();
+    auto options = std::make_shared<DemoOptions>();
     constexpr double kLongestSeconds = 1e6;
     return {
         .name = "demo",
@@ -266,10 +310,14 @@ Command demo_command() {
             "A simulated 18-channel receiver with moving sticks on one pseudo-terminal, the real "
             "engine, a servo bank on another. The radio link drops every few seconds.",
         .options = {{.name = "--seconds",
-                     .value = seconds.get(),
+                     .value = &options->seconds,
                      .help = "End after this time, with a summary",
-                     .range = {{0.1, kLongestSeconds}}}},
-        .run = [seconds] { return demo(*seconds); },
+                     .range = {{0.1, kLongestSeconds}}},
+                    {.name = "--far-ends",
+                     .value = &options->far_ends,
+                     .help = "Only play the receiver and the servos, and write to this file the "
+                             "configuration between them, for `tribus run`"}},
+        .run = [options] { return demo(*options); },
     };
 }
 

@@ -1,8 +1,10 @@
 #include <sys/ioctl.h>
 #include <termios.h>
 
+#include <csignal>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <ostream>
 #include <regex>
 #include <sstream>
@@ -49,6 +51,17 @@ std::vector<std::string> split(const std::string& text, const std::string& at) {
 }
 
 class Demo : public Loopback {};
+
+TEST_F(Demo, FarEndsAreForAnotherTribus) {
+    const std::string file = folder() / "demo.toml";
+    Program& far_ends = start({"demo", "--far-ends", file});
+    EXPECT_TRUE(eventually([&] { return std::filesystem::exists(file); }));
+    Program& program = start({"run", file});
+    EXPECT_TRUE(program.says("output servos: under control of receiver")) << program.errors();
+    far_ends.signal(SIGTERM);
+    EXPECT_EQ(far_ends.end(), 0);
+    EXPECT_TRUE(program.says("output servos: in failsafe")) << program.errors();
+}
 
 /// The demo drops the link after 6 s for 1.5 s.
 TEST_F(Demo, WithoutATerminalPrintsPlainLinesAndRecoversFromTheDroppedLink) {
