@@ -60,7 +60,7 @@ TEST_F(Demo, FarEndsAreForAnotherTribus) {
     EXPECT_TRUE(program.says("output servos: under control of receiver")) << program.errors();
     far_ends.signal(SIGTERM);
     EXPECT_EQ(far_ends.end(), 0);
-    EXPECT_TRUE(program.says("output servos: in failsafe")) << program.errors();
+    EXPECT_TRUE(program.says("cannot send: its device is gone")) << program.errors();
 }
 
 /// The demo drops the link after 6 s for 1.5 s.
