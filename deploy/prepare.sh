@@ -18,7 +18,7 @@ bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
 # Its full tier builds kernel modules and the package; its service tier installs that on a Debian.
 lab_full_packages="bc gcc-12 libelf1 make $package_packages"
-lab_service_packages="genext2fs mmdebstrap $package_packages"
+lab_service_packages="e2fsprogs genext2fs mmdebstrap $package_packages"
 # Packages for its guests with the processors of boards (tests/lab/prepare_board.sh).
 board_packages="binutils cpio device-tree-compiler kmod mmdebstrap qemu-system-arm"
 

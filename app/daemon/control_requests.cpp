@@ -68,9 +68,8 @@ ControlServer::LateAnswer reload(Daemon& daemon, Words words) {
 /// Makes the folder for drafts, for the user and the group of the socket.
 std::string make_draft_folder(const std::string& file) {
     const std::filesystem::path folder = std::filesystem::path(file).parent_path();
-    // Files in it belong to the group of the folder, whoever writes them.
-    constexpr mode_t kUserAndGroup = S_ISGID | S_IRWXU | S_IRWXG;
-    if ((::mkdir(folder.c_str(), S_IRWXU | S_IRWXG) != 0 && errno != EEXIST) ||
+    constexpr mode_t kUserAndGroup = S_IRWXU | S_IRWXG;
+    if ((::mkdir(folder.c_str(), kUserAndGroup) != 0 && errno != EEXIST) ||
         ::chmod(folder.c_str(), kUserAndGroup) != 0) {
         return error_object(fmt::format("{}: {}", folder.string(), std::strerror(errno)));
     }

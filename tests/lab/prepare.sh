@@ -135,7 +135,7 @@ END
 # its test, without what only people read and what only delays the boot.
 prepare_systemd() {
     disk="$folder/systemd.ext2"
-    if [ -e "$disk" ] && [ -z "$(find "$here/guest.service" -newer "$disk")" ]; then
+    if [ -e "$disk" ] && [ -z "$(find "$here/guest.service" "$here/prepare.sh" -newer "$disk")" ]; then
         return 0
     fi
     say "making a Debian with systemd"
@@ -152,6 +152,9 @@ prepare_systemd() {
             apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer fstrim.timer' \
         bookworm "$disk.new.ext2" >&2
     as_root chown "$(id -u)" "$disk.new.ext2"
+    # mmdebstrap leaves room for root only.
+    truncate -s +96M "$disk.new.ext2"
+    /sbin/resize2fs "$disk.new.ext2" >&2
     mv "$disk.new.ext2" "$disk"
 }
 

@@ -23,7 +23,8 @@ class InstalledPage : public InstalledService {
     static Browser paired() {
         Browser browser(kPagePort);
         std::string code = shell("tribus pair").substr(0, 9);
-        EXPECT_EQ(browser.pair(code.erase(4, 1)).status, 200);
+        const BrowserAnswer answer = browser.pair(code.erase(4, 1));
+        EXPECT_EQ(answer.status, 200) << answer.content;
         return browser;
     }
     /// Asks for the configuration with one more line, while no daemon runs it.
@@ -44,7 +45,10 @@ TEST_F(InstalledPage, StartsWhenSomebodyAsksAndHasAUserOfItsOwn) {
 }
 
 TEST_F(InstalledPage, HasUnitsThatAreRightAndClosed) {
-    EXPECT_EQ(shell("systemd-analyze verify --man=no tribus-web.socket tribus-web.service"), "");
+    EXPECT_EQ(shell("systemd-analyze verify --man=no tribus-web.socket tribus-web.service "
+                    "tribus-ports.socket tribus-ports@0.service"),
+              "");
+    shell("systemd-analyze security --no-pager --threshold=20 tribus-ports@0.service");
     shell("systemd-analyze security --no-pager --threshold=15 tribus-web.service");
 }
 
@@ -84,6 +88,15 @@ TEST_F(InstalledPage, ChangesNoConfigurationBeforeABrowserMay) {
     EXPECT_EQ(save(browser).status, 500);
     shell("tribus pair");
     EXPECT_EQ(save(browser).status, 200);
+}
+
+TEST_F(InstalledPage, DoctorOpensAPortByItsHelper) {
+    shell("systemctl stop " + kUnit);
+    const auto report =
+        paired().post("/api/doctor", {{"device", uart_16550(1)}, {"seconds", 3}}).json();
+    ASSERT_EQ(report["ports"].size(), 1U) << report;
+    EXPECT_EQ(report["ports"][0]["tried"], true) << report;
+    EXPECT_EQ(report["ports"][0]["heard"]["bytes"], 0) << report;
 }
 
 TEST_F(InstalledPage, TheServiceGoesOnWhileThePageIsFloodedAndKilled) {

@@ -45,11 +45,14 @@ HttpAnswer changed_meanwhile(const std::string& present) {
         {{"error", "the file was changed by another meanwhile"}, {"fingerprint", present}}, 412);
 }
 
-/// In memory beside the control socket; the group may write there.
+/// In memory beside the control socket, in a folder for the group of the socket only. The daemon
+/// reads the file, whoever wrote it.
 bool write_draft(const std::string& file, std::string_view text) {
+    constexpr mode_t kReadByDaemon = 0644;
+    ::unlink(file.c_str());
     const UniqueFd out(
-        ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0660));
-    return out.valid() && ::fchmod(out.get(), 0660) == 0 &&
+        ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kReadByDaemon));
+    return out.valid() && ::fchmod(out.get(), kReadByDaemon) == 0 &&
            ::write(out.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
 }
 
