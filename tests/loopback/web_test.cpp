@@ -123,6 +123,11 @@ TEST_F(Web, ADraftIsCheckedComparedTriedAndKept) {
     EXPECT_EQ(mistakes.json()["mistakes"][1]["column"], 12);
     const auto difference = post(browser, "diff", {{"toml", reversed()}}).json();
     EXPECT_EQ(difference["lines"][1], "  channel 1: channel 1 before, now channel 1, reverse");
+    EventStream stream(browser, port_, api("stream"));
+    EXPECT_TRUE(stream.next("status"));
+    const auto changed = post(browser, "diff", {{"toml", reversed()}}).json()["outputs"];
+    EXPECT_EQ(changed.dump(),
+              R"([{"channels":[{"channel":1,"now_us":1100,"then_us":1900}],"output":"servos"}])");
     const std::string before = content();
     const BrowserAnswer tried = try_reversed(browser);
     ASSERT_EQ(tried.status, 200) << tried.content;

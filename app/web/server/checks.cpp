@@ -15,6 +15,7 @@
 #include "app/status/fingerprint.h"
 #include "app/web/server/answers.h"
 #include "app/web/server/files.h"
+#include "app/web/server/preview.h"
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"
 #include "config/load.h"
@@ -82,8 +83,8 @@ HttpAnswer picture_of_running(const std::string& running) {
     return configuration ? picture(*configuration) : configuration.error();
 }
 
-HttpAnswer difference_to(const std::string& running, const std::string& text,
-                         const fs::path& file) {
+HttpAnswer difference_to(const std::string& running, const std::string& text, const fs::path& file,
+                         const std::string& status) {
     const auto before = configuration_in(running);
     if (!before) {
         return before.error();
@@ -94,7 +95,12 @@ HttpAnswer difference_to(const std::string& running, const std::string& text,
             {{"same", false}, {"lines", Json::array()}, {"mistakes", list_of(fresh.error())}});
     }
     const auto lines = lines_of(configuration_difference(*before, *fresh));
-    return json_answer({{"same", lines.empty()}, {"lines", lines}, {"mistakes", Json::array()}});
+    return json_answer(
+        {{"same", lines.empty()},
+         {"lines", lines},
+         {"outputs",
+          channels_changed_by(*before, *fresh, nlohmann::json::parse(status, nullptr, false))},
+         {"mistakes", Json::array()}});
 }
 
 HttpAnswer configuration_answer(const fs::path& file) {

@@ -17,9 +17,9 @@ nlohmann::ordered_json check_draft(const std::string& text, const std::filesyste
 HttpAnswer picture_of_draft(const std::string& text, const std::filesystem::path& file);
 /// `running`: the daemon's answer to `configuration`.
 HttpAnswer picture_of_running(const std::string& running);
-/// `{"same", "lines", "mistakes"}`.
+/// `{"same", "lines", "outputs", "mistakes"}`. `status`: the newest one of the daemon, or empty.
 HttpAnswer difference_to(const std::string& running, const std::string& text,
-                         const std::filesystem::path& file);
+                         const std::filesystem::path& file, const std::string& status);
 
 /// The file as it stands, with its fingerprint as ETag.
 HttpAnswer configuration_answer(const std::filesystem::path& file);

@@ -243,9 +243,11 @@ std::optional<Site::Reply> Site::judge_draft(const HttpRequest& request, const K
         return picture_of_draft(*text, daemon.file);
     }
     if (text && what == "diff") {
-        return ask(daemon, "configuration", now, [text, file = daemon.file](const auto& json) {
-            return difference_to(json, *text, file);
-        });
+        const auto watch = watches_.find(daemon.name);
+        return ask(daemon, "configuration", now,
+                   [text, file = daemon.file,
+                    status = watch == watches_.end() ? std::string() : watch->second->newest()](
+                       const auto& json) { return difference_to(json, *text, file, status); });
     }
     return std::nullopt;
 }

@@ -92,7 +92,9 @@ const POST = {
         return { same, mistakes: mistakesOf(body.toml), lines: same ? [] : [
             'pipeline main:', '  failsafe.hold: 300ms before, now 200ms',
             '  channel 2: channel 2 before, now channel 2, reverse',
-            '  (applies from the next frame of its outputs)'] };
+            '  (applies from the next frame of its outputs)'],
+        outputs: same ? [] : [{ output: 'servos',
+            channels: [{ channel: 2, now_us: 1300, then_us: 1700 }] }] };
     },
     draft(board, name, body, request) {
         const tag = board.tagOf(name);

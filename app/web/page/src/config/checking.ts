@@ -6,12 +6,19 @@ import { absent, api } from '../model/store';
 
 const QUIET_MS = 300;
 
+export interface ChangedOutput {
+    output: string;
+    channels: { channel: number; now_us: number | null; then_us: number | null }[];
+}
+
 export interface Verdict {
     text: string;
     mistakes: Mistake[];
     /** In the words of `tribus diff`; null: no daemon runs that it could be compared with. */
     lines: string[] | null;
     same: boolean;
+    /** What it would send now, with the sticks as they are. */
+    outputs: ChangedOutput[];
     error: string;
 }
 
@@ -41,10 +48,11 @@ export function stopChecking(): void {
 async function judged(text: string): Promise<Verdict> {
     const { mistakes } = await post<{ mistakes: Mistake[] }>(api('check'), { toml: text });
     if (mistakes.length > 0 || absent.peek()) {
-        return { text, mistakes, lines: null, same: false, error: '' };
+        return { text, mistakes, lines: null, same: false, outputs: [], error: '' };
     }
-    const diff = await post<{ same: boolean; lines: string[] }>(api('diff'), { toml: text });
-    return { text, mistakes, lines: diff.lines, same: diff.same, error: '' };
+    const diff = await post<{ same: boolean; lines: string[]; outputs: ChangedOutput[] }>(
+        api('diff'), { toml: text });
+    return { text, mistakes, ...diff, error: '' };
 }
 
 async function check(text: string, number: number): Promise<void> {
@@ -52,7 +60,8 @@ async function check(text: string, number: number): Promise<void> {
     try {
         found = await judged(text);
     } catch (error) {
-        found = { text, mistakes: [], lines: null, same: false, error: errorText(error) };
+        found = { text, mistakes: [], lines: null, same: false, outputs: [],
+            error: errorText(error) };
     }
     if (number === newest) {
         verdict.value = found;
