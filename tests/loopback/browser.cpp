@@ -117,6 +117,14 @@ BrowserAnswer Browser::pair(const std::string& code) {
     return answer;
 }
 
+OpenConnection::OpenConnection(int port, const std::string& bytes) : socket_(connected(port)) {
+    ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+}
+
+OpenConnection::~OpenConnection() {
+    ::close(socket_);
+}
+
 EventStream::EventStream(const Browser& browser, int port, const std::string& path)
     : socket_(connected(port)) {
     const std::string text = "GET " + path + " HTTP/1.1\r\nHost: " + browser.host() +

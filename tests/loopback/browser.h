@@ -46,6 +46,18 @@ class Browser {
     std::string cookie_;
 };
 
+/// A connection whose other side sent this and reads nothing.
+class OpenConnection {
+  public:
+    OpenConnection(int port, const std::string& bytes);
+    OpenConnection(const OpenConnection&) = delete;
+    OpenConnection& operator=(const OpenConnection&) = delete;
+    ~OpenConnection();
+
+  private:
+    int socket_ = -1;
+};
+
 /// A stream of events that stays open.
 class EventStream {
   public:

@@ -1,0 +1,89 @@
+#include <chrono>
+#include <csignal>
+#include <list>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/loopback/web.h"
+
+/// Browsers that take too much, and daemons that come and go, before the page's server.
+namespace tribus::test::web_limits_test {
+namespace {
+
+using WebLimits = Web;
+
+/// The server has 16 places.
+TEST_F(WebLimits, ThirtyConnectionsThatAskNothingKeepNobodyOut) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    EventStream stream(browser, port_, api("stream"));
+    EXPECT_TRUE(stream.next("status"));
+    std::list<OpenConnection> idle;
+    for (int i = 0; i < 30; ++i) {
+        idle.emplace_back(port_, "GET / HTTP/1.1\r\nX-Slow: ");
+    }
+    EXPECT_EQ(browser.get(api("status")).status, 200);
+    EXPECT_TRUE(stream.next("status"));
+}
+
+/// What the kernel holds for it is bounded; the others get each status.
+TEST_F(WebLimits, AStreamThatNobodyReadsHoldsUpNoOther) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    const std::string head = "GET " + api("stream") +
+                             "?rate=20 HTTP/1.1\r\nHost: " + browser.host() +
+                             "\r\nCookie: " + browser.cookie() + "\r\n\r\n";
+    const OpenConnection lazy(port_, head);
+    EventStream stream(browser, port_, api("stream") + "?rate=20");
+    for (int i = 0; i < 30; ++i) {
+        ASSERT_TRUE(stream.next("status")) << i;
+        repeater_.send_if_due();
+    }
+}
+
+TEST_F(WebLimits, ADraftThatIsTooLongIsRefused) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    EXPECT_EQ(post(browser, "check", {{"toml", std::string(200'000, '#')}}).status, 200);
+    EXPECT_EQ(post(browser, "check", {{"toml", std::string(300'000, '#')}}).status, 413);
+}
+
+/// RFC 9112: whatever is left of a request that was refused would be taken for the next one.
+TEST_F(WebLimits, AfterARefusedRequestTheConnectionEnds) {
+    serve();
+    const Browser browser(port_);
+    for (const std::string& request :
+         {"POST /pair HTTP/1.1\r\nHost: " + browser.host() +
+              "\r\nTransfer-Encoding: chunked, gzip\r\n\r\n0\r\n\r\nGET /api/me "
+              "HTTP/1.1\r\nHost: " +
+              browser.host() + "\r\n\r\n",
+          "GET /api/me HTTP/1.1\r\nHost: " + browser.host() + "\r\nHost: evil.example\r\n\r\n" +
+              "GET /api/me HTTP/1.1\r\nHost: " + browser.host() + "\r\n\r\n",
+          "GET /api/me HTTP/1.1\r\nHost: " + browser.host() + "\r\nX: a\r\n b\r\n\r\n"}) {
+        const std::string answer = browser.raw(request);
+        EXPECT_EQ(answer.find("HTTP/1.1 200"), std::string::npos) << request << answer;
+        EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos) << request << answer;
+    }
+}
+
+TEST_F(WebLimits, ADaemonThatStartsLaterOrAgainIsSeenByTheOpenPage) {
+    const std::string config = write_config(main_job(kPatientInput), name() + ".toml");
+    serve();
+    const Browser browser = paired();
+    EventStream stream(browser, port_, api("stream"));
+    EXPECT_TRUE(stream.next("gone"));
+    Program& first = run(config);
+    EXPECT_TRUE(stream.next("status"));
+    expect_clean_end(first);
+    EXPECT_TRUE(stream.next("gone"));
+    run(config);
+    EXPECT_TRUE(stream.next("status"));
+}
+
+}  // namespace
+}  // namespace tribus::test::web_limits_test
