@@ -183,6 +183,20 @@ std::vector<Appliance::DeviceEvent> Appliance::devices() const {
     return all;
 }
 
+std::optional<bool> Appliance::line_active(std::size_t line) const {
+    const LineRole role = configuration_.lines[line].task.role;
+    if (!line_present(line) || role == LineRole::fresh) {
+        return std::nullopt;
+    }
+    if (is_input_role(role)) {
+        return line_exchange_->levels().of(line);
+    }
+    const LineStates states = line_exchange_->states();
+    return (states.blinking & line_bit(line)) != 0
+               ? std::nullopt
+               : std::optional((states.on & line_bit(line)) != 0);
+}
+
 std::vector<Appliance::DeviceEvent> Appliance::reopen_devices() {
     std::vector<DeviceEvent> events;
     for (std::size_t port = 0; port < plans_.size(); ++port) {

@@ -121,6 +121,8 @@ class Appliance {
     bool port_present(std::size_t port) const { return !missing_[port]; }
     /// True if this GPIO line is open.
     bool line_present(std::size_t line) const { return !missing_lines_[line]; }
+    /// Whether this GPIO line is active. Nothing if it cannot be read, blinks, or carries a wave.
+    std::optional<bool> line_active(std::size_t line) const;
     /// Only for a port that is a CAN interface.
     CanLinkStatus can_status(std::size_t port) const { return loop_->can_status(port); }
     /// True if an input, output or value message of that port uses FD frames.

@@ -110,7 +110,7 @@ StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
     report.figures_at = appliance.figures_at();
     report.ports = port_reports(appliance);
     for (std::size_t i = 0; i < report.configuration->lines.size(); ++i) {
-        report.lines_present.push_back(appliance.line_present(i));
+        report.lines.push_back({appliance.line_present(i), appliance.line_active(i)});
     }
     for (std::size_t i = 0; i < report.configuration->sensor_buses.size(); ++i) {
         report.sensor_buses.push_back(appliance.bus_state(i));

@@ -52,6 +52,11 @@ struct ValueReport {
     ValueStatus status;
 };
 
+struct LineReport {
+    bool present = false;
+    std::optional<bool> active;
+};
+
 /// State at `now`; the data thread published the figures at `figures_at`. The lists are in the
 /// order of `configuration`, which must outlive the report.
 struct StatusReport {
@@ -68,7 +73,7 @@ struct StatusReport {
     std::vector<InputReport> inputs;
     std::vector<OutputReport> outputs;
     std::vector<PortReport> ports;
-    std::vector<bool> lines_present;
+    std::vector<LineReport> lines;
     std::vector<SensorBusState> sensor_buses;
     std::vector<NodeStatus> nodes;
     std::vector<ValueReport> values;

@@ -326,8 +326,12 @@ OrderedJson pipeline_json(const PipelineConfig& pipeline, const Configuration& c
             {"to", std::move(to)}};
 }
 
-OrderedJson line_json(const LineConfig& line, bool present) {
-    return {{"name", line.name}, {"line", to_text(line.place)}, {"present", present}};
+OrderedJson line_json(const LineConfig& line, const LineReport& report) {
+    return {{"name", line.name},
+            {"line", to_text(line.place)},
+            {"present", report.present},
+            {"role", word_of(line.task.role)},
+            {"active", report.active ? OrderedJson(*report.active) : OrderedJson(nullptr)}};
 }
 
 void add_lists(ObjectText& json, const StatusReport& report) {
@@ -342,8 +346,8 @@ void add_lists(ObjectText& json, const StatusReport& report) {
                   [&](std::size_t i) { return output_json(i, report.outputs[i], report); });
     json.add_list("ports", report.ports.size(),
                   [&](std::size_t i) { return port_json(report.ports[i]); });
-    json.add_list("lines", report.lines_present.size(), [&](std::size_t i) {
-        return line_json(configuration.lines[i], report.lines_present[i]);
+    json.add_list("lines", report.lines.size(), [&](std::size_t i) {
+        return line_json(configuration.lines[i], report.lines[i]);
     });
     json.add_list("sensor_buses", report.sensor_buses.size(), [&](std::size_t i) {
         return sensor_bus_json(configuration.sensor_buses[i], report.sensor_buses[i], report);

@@ -28,6 +28,12 @@ to   = "servos"
 [sensor_bus.probes]
 device = "/dev/ttyAMA4"
 role   = "receiver"
+[gpio.stop]
+line = "GPIO5"
+role = "force_failsafe"
+[gpio.lamp]
+line = "GPIO17"
+role = "link"
 )";
 
 const Instant kNow{std::chrono::seconds(100)};
@@ -49,6 +55,7 @@ class StatusJson : public testing::Test {
                          {"/dev/ttyAMA3", true, {}}};
         report_.sensor_buses.resize(1);
         report_.sensor_buses[0].is_receiver = true;
+        report_.lines = {{true, true}, {true, std::nullopt}};
     }
     json told() const { return json::parse(status_json(report_)); }
     InputStatus& input() { return report_.inputs[0].status; }
@@ -60,6 +67,12 @@ class StatusJson : public testing::Test {
 
 TEST_F(StatusJson, IsOneLine) {
     EXPECT_EQ(status_json(report_).find('\n'), std::string::npos);
+}
+
+TEST_F(StatusJson, SaysWhatEachLineIsForAndWhetherItIsActive) {
+    EXPECT_EQ(told()["lines"], json::parse(R"([
+        {"name":"stop","line":"GPIO5","present":true,"role":"force_failsafe","active":true},
+        {"name":"lamp","line":"GPIO17","present":true,"role":"link","active":null}])"));
 }
 
 TEST_F(StatusJson, SaysWhoAndWhen) {

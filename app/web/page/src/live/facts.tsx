@@ -102,7 +102,7 @@ function machineFacts(machine: Machine) {
 
 function lineText(line: Status['lines'][number]): string {
     const state = line.active == null ? 'there' : line.active ? 'active' : 'not active';
-    return `${line.present ? state : 'its chip is gone'}, ${line.line}`;
+    return `${line.present ? state : 'its chip is gone'}, ${words(line.role ?? '')} ${line.line}`;
 }
 
 export function Facts() {
