@@ -35,6 +35,25 @@ TEST_F(GpioProgram, LampBlinksWhileValuesAreHeld) {
     expect_clean_end(program);
 }
 
+TEST_F(GpioProgram, TellsInItsStatusWhichLinesAreActive) {
+    Program& program = run(config(line("lamp", 0, "link") +
+                                  line("stop", 1, "force_failsafe", "bias = \"pull_down\"")));
+    const auto tells = [&](const std::string& lamp, const std::string& stop) {
+        return while_sending([&] {
+            Program& monitor = start({"monitor", "--format", "json", "--once"});
+            monitor.end();
+            return std::regex_search(monitor.output(),
+                                     std::regex("\"lamp\"[^}]*\"active\":" + lamp +
+                                                "\\},.\"name\":\"stop\"[^}]*\"active\":" + stop));
+        });
+    };
+    EXPECT_TRUE(tells("true", "false"));
+    bank_.pull(1, true);
+    EXPECT_TRUE(tells("false", "true"));
+    bank_.pull(1, false);
+    expect_clean_end(program);
+}
+
 TEST_F(GpioProgram, ForcesFailsafeWithinOneFrame) {
     Program& program =
         run(config(line("stop", 0, "force_failsafe", "debounce = \"0s\"\nbias = \"pull_down\"") +
