@@ -66,7 +66,19 @@ bool SocketClient::send(std::string text, Instant now) {
 }
 
 bool SocketClient::flush(Instant now) {
-    while (!ready()) {
+    // One piece at a time: a fast reader of a long answer must not keep the others waiting.
+    if (sent_ == under_way_.size() && source_) {
+        auto piece = source_();
+        if (!piece) {
+            return false;
+        }
+        if (piece->empty()) {
+            source_ = nullptr;
+        }
+        under_way_ = *std::move(piece);
+        sent_ = 0;
+    }
+    while (sent_ < under_way_.size()) {
         const ssize_t count = ::send(descriptor_.get(), under_way_.data() + sent_,
                                      under_way_.size() - sent_, MSG_DONTWAIT | MSG_NOSIGNAL);
         if (count < 0) {

@@ -41,10 +41,17 @@ class SocketClient {
 
     /// Sends an answer; call it only while `ready`. Returns false if the client is gone.
     bool send(std::string text, Instant now);
-    /// Sends more of the present answer. Returns false if the client is gone.
+    /// The next piece of something long; an empty one at its end, nothing if it breaks off.
+    using Source = std::function<std::optional<std::string>()>;
+    /// Behind the text that is sent next comes what `source` gives. Each piece is asked for when
+    /// the client has taken the one before, so that no more than a piece is in memory. If the
+    /// source breaks off, the client must be dropped: it sees that the answer is too short.
+    void follow_with(Source source) { source_ = std::move(source); }
+    /// Sends more of the present answer, at most one piece of a source. Returns false if the client
+    /// is gone or the source broke off.
     bool flush(Instant now);
     /// True if the kernel has taken the whole answer.
-    bool ready() const { return sent_ == under_way_.size(); }
+    bool ready() const { return sent_ == under_way_.size() && !source_; }
     /// True if the client has also read all answers. Local sockets only.
     bool has_read_all() const;
     /// The connection ends after the present answer, or the one that it waits for.
@@ -90,6 +97,7 @@ class SocketClient {
     std::string received_;
     std::string under_way_;
     std::size_t sent_ = 0;
+    Source source_;
     bool ended_ = false;
     bool closing_ = false;
     std::function<std::optional<std::string>()> answer_;

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include <nlohmann/json.hpp>
+
 #include "app/cli/object_text.h"
 #include "app/client/control_socket.h"
 #include "app/journal/log.h"
 #include "app/status/fingerprint.h"
+#include "app/status/histograms.h"
 #include "app/status/status_json.h"
 #include "config/show/effective.h"
 #include "pipelines/realtime/clock.h"
@@ -37,6 +40,10 @@ tl::expected<std::unique_ptr<DaemonSockets>, std::string> DaemonSockets::open(
     sockets->control_->add("metrics", [self = sockets.get()](auto) { return self->metrics(); });
     sockets->control_->add("record",
                            [self = sockets.get()](auto words) { return self->record(words); });
+    sockets->control_->add("recordings",
+                           [self = sockets.get()](auto) { return self->recordings(); });
+    sockets->control_->add("histograms",
+                           [self = sockets.get()](auto) { return self->histograms(); });
     return sockets;
 }
 
@@ -102,6 +109,22 @@ std::string DaemonSockets::record(std::span<const std::string> words) const {
     return recorder == nullptr
                ? error_object("the configuration has no [recorder]; add that table and reload")
                : recorder->answer(words, monotonic_now(), wall_time_now());
+}
+
+std::string DaemonSockets::recordings() const {
+    if (!keeper_) {
+        return error_object("nothing runs any more");
+    }
+    const FlightRecorder* recorder = appliance_->recorder();
+    return json_text({{"type", "recordings"},
+                      {"directory", recorder == nullptr
+                                        ? nlohmann::ordered_json(nullptr)
+                                        : nlohmann::ordered_json(recorder->directory().string())}});
+}
+
+std::string DaemonSockets::histograms() const {
+    return keeper_ ? histograms_json(histograms_of(*appliance_, monotonic_now()))
+                   : error_object("nothing runs any more");
 }
 
 }  // namespace tribus

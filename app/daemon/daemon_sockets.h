@@ -61,6 +61,8 @@ class DaemonSockets {
     std::string metrics() const;
     StatusReport report() const;
     std::string record(std::span<const std::string> words) const;
+    std::string recordings() const;
+    std::string histograms() const;
 
     Instant started_;
     const Appliance* appliance_ = nullptr;

@@ -43,6 +43,9 @@ class FlightRecorder {
     void record_ports(const Configuration& configuration, const std::vector<PortPlan>& ports,
                       Instant now);
 
+    /// Where recordings go.
+    const std::filesystem::path& directory() const { return directory_; }
+
     /// Call it a few times a second. `failsafe_entries`: how often each output went into failsafe.
     void look(std::span<const std::uint64_t> failsafe_entries, Instant now, Duration wall_now);
 

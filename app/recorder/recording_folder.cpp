@@ -6,20 +6,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <ctime>
 #include <optional>
 #include <string_view>
 #include <system_error>
-#include <tuple>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "app/cli/file_error.h"
+#include "app/recorder/recording_list.h"
 #include "app/replay/capture_text.h"
 #include "transports/links/unique_fd.h"
 
@@ -30,11 +28,8 @@ namespace fs = std::filesystem;
 using Failed = tl::unexpected<std::string>;
 using Done = tl::expected<void, std::string>;
 
-constexpr std::string_view kUnfinishedEnding = ".unfinished";
 constexpr std::size_t kPiecesAtOnce = 256;
 constexpr std::size_t kBytesAtOnce = std::size_t{64} * 1024;
-/// Length of a `recording_time`.
-constexpr std::size_t kTimeLength = std::string_view("2026-11-22T12-00-05Z").size();
 
 /// A new file, written once from begin to end.
 class NewFile {
@@ -243,68 +238,20 @@ Done fill(const RecordingOrder& order, const fs::path& folder) {
     return write_file(folder / "README.txt", text);
 }
 
-bool is_recording(const std::string& name) {
-    return name.size() > kTimeLength + 1 && name[kTimeLength] == '-' &&
-           name[kTimeLength - 1] == 'Z' && std::isdigit(static_cast<unsigned char>(name[0])) != 0;
-}
-
-bool is_unfinished(const std::string& name) {
-    return is_recording(name) && name.ends_with(kUnfinishedEnding);
-}
-
-/// Number of a recording among those of the same second; 1 for the first, whose name has no number.
-int number_of(const std::string& name) {
-    const std::size_t dash = name.rfind('-');
-    int number = 1;
-    // A folder that somebody else named like ours may have any number.
-    constexpr std::size_t kMostDigits = 9;
-    const std::size_t digits = std::min(name.size() - dash - 1, kMostDigits);
-    std::from_chars(name.data() + dash + 1, name.data() + dash + 1 + digits, number);
-    return number;
-}
-
-/// Ordered from the oldest to the newest.
-std::vector<fs::path> recordings_in(const fs::path& directory) {
-    std::vector<fs::path> found;
-    std::error_code error;
-    for (fs::directory_iterator at(directory, error), end; !error && at != end;
-         at.increment(error)) {
-        const std::string name = at->path().filename().string();
-        if (is_recording(name) && !is_unfinished(name)) {
-            found.push_back(at->path());
-        }
-    }
-    std::ranges::sort(found, {}, [](const fs::path& path) {
-        const std::string name = path.filename().string();
-        return std::tuple(name.substr(0, kTimeLength), number_of(name), name);
-    });
-    return found;
-}
-
-std::uintmax_t size_of(const fs::path& folder) {
-    std::uintmax_t size = 0;
-    std::error_code error;
-    for (fs::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
-        const std::uintmax_t file = at->file_size(error);
-        size += error ? 0 : file;
-    }
-    return size;
-}
-
 /// Never removes the recording that was just written.
 void remove_oldest(const RecordingOrder& order, const fs::path& newest) {
     std::vector<fs::path> found = recordings_in(order.directory);
     std::size_t count = found.size();
     std::erase(found, newest);
-    std::uintmax_t total = size_of(newest);
+    std::uintmax_t total = size_of_recording(newest);
     for (const fs::path& folder : found) {
-        total += size_of(folder);
+        total += size_of_recording(folder);
     }
     for (const fs::path& folder : found) {
         if (count <= order.keep && total <= order.space) {
             return;
         }
-        total -= size_of(folder);
+        total -= size_of_recording(folder);
         --count;
         std::error_code ignored;
         fs::remove_all(folder, ignored);
@@ -319,7 +266,7 @@ fs::path name_in(const fs::path& directory, const RecordingOrder& order) {
     for (const fs::path& found : recordings_in(directory)) {
         const std::string known = found.filename().string();
         if (known == name || known.starts_with(name + "-")) {
-            number = std::max(number, number_of(known));
+            number = std::max(number, number_of_recording(known));
         }
     }
     return directory / (number == 0 ? name : fmt::format("{}-{}", name, number + 1));
@@ -367,7 +314,7 @@ void remove_unfinished_recordings(const fs::path& directory) {
     std::vector<fs::path> found;
     for (fs::directory_iterator at(directory, error), end; !error && at != end;
          at.increment(error)) {
-        if (is_unfinished(at->path().filename().string())) {
+        if (is_unfinished_recording(at->path().filename().string())) {
             found.push_back(at->path());
         }
     }
@@ -382,7 +329,7 @@ std::optional<Duration> age_of_latest(const fs::path& directory, const std::stri
     for (const fs::path& folder : recordings_in(directory)) {
         struct stat told {};
         // A time in the future means that the clock was set back since.
-        if (folder.filename().string().find("Z-" + kind) == kTimeLength - 1 &&
+        if (folder.filename().string().find("Z-" + kind) == kRecordingTimeLength - 1 &&
             ::stat(folder.c_str(), &told) == 0 &&
             std::chrono::seconds(told.st_mtim.tv_sec) < wall_now) {
             const Duration written = std::chrono::seconds(told.st_mtim.tv_sec) +

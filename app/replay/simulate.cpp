@@ -1,7 +1,6 @@
 #include "app/replay/simulate.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -242,19 +241,6 @@ std::optional<std::string> file_used_twice(const std::map<std::size_t, std::stri
         }
     }
     return std::nullopt;
-}
-
-void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival) {
-    if (const auto* frame = std::get_if<CanFrame>(&arrival.what)) {
-        loop.receive(source.station, *frame, arrival.at);
-    } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
-        const std::span bytes(&byte->value, 1);
-        const std::array damaged{byte->damaged};
-        if (byte->untimed && source.station.kind == StationKind::input) {
-            loop.forget_read_time(source.station.index);
-        }
-        loop.receive(source.station, bytes, damaged, arrival.at);
-    }
 }
 
 /// The error says where a recording cannot be read; until there it was played.

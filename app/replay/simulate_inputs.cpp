@@ -1,7 +1,9 @@
 #include "app/replay/simulate_inputs.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -256,6 +258,19 @@ tl::expected<const Arrival*, std::string> Arrivals::next() {
         }
     }
     return latest_ != nullptr ? &latest_->next() : nullptr;
+}
+
+void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival) {
+    if (const auto* frame = std::get_if<CanFrame>(&arrival.what)) {
+        loop.receive(source.station, *frame, arrival.at);
+    } else if (const auto* byte = std::get_if<ArrivedByte>(&arrival.what)) {
+        const std::span bytes(&byte->value, 1);
+        const std::array damaged{byte->damaged};
+        if (byte->untimed && source.station.kind == StationKind::input) {
+            loop.forget_read_time(source.station.index);
+        }
+        loop.receive(source.station, bytes, damaged, arrival.at);
+    }
 }
 
 std::vector<SimulatedSource> simulated_sources(const Configuration& configuration) {

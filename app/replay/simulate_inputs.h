@@ -16,8 +16,9 @@
 #include "core/can_frame.h"
 #include "core/time.h"
 #include "pipelines/stations/station.h"
+#include "pipelines/virtual_time/virtual_loop.h"
 
-/// Recordings as input of a configuration, for `simulate`.
+/// Recordings as input of a configuration that runs in virtual time.
 namespace tribus {
 
 /// A part of a configuration that can receive a recording.
@@ -45,6 +46,8 @@ struct Arrival {
     std::size_t source = 0;
     std::variant<ArrivedByte, CanFrame> what;
 };
+/// The loop receives what arrives at that source.
+void arrive(VirtualLoop& loop, const SimulatedSource& source, const Arrival& arrival);
 
 /// The recordings of some sources, merged by time and read as they are needed. Thread-bound.
 class Arrivals {

@@ -7,9 +7,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
-
-#include "tests/loopback/program.h"
 
 namespace tribus::test {
 namespace {
@@ -28,10 +25,9 @@ int connected(int port) {
 }
 
 /// Appends what comes. Returns false at the end, or when patience is over.
-bool receive(int socket, std::string& received) {
+bool receive(int socket, std::string& received, std::chrono::milliseconds patience) {
     std::array<char, 16384> bytes;
     pollfd readable{.fd = socket, .events = POLLIN, .revents = 0};
-    const auto patience = std::chrono::duration_cast<std::chrono::milliseconds>(kPatience);
     if (::poll(&readable, 1, static_cast<int>(patience.count())) <= 0) {
         return false;
     }
@@ -104,7 +100,7 @@ std::string Browser::raw(const std::string& bytes) const {
     const int socket = connected(port_);
     std::string received;
     ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    while (receive(socket, received)) {
+    while (receive(socket, received, patience_)) {
     }
     ::close(socket);
     return received;
@@ -137,7 +133,7 @@ EventStream::~EventStream() {
 }
 
 bool EventStream::read_more() {
-    ended_ = ended_ || !receive(socket_, received_);
+    ended_ = ended_ || !receive(socket_, received_, kBrowserPatience);
     return !ended_;
 }
 

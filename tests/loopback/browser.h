@@ -1,14 +1,20 @@
 #pragma once
 
+#include <chrono>
 #include <map>
 #include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
+#include "tests/loopback/program.h"
+
 /// A plain client of HTTP, as far as tests of the page's server need one: one connection a request,
 /// and streams that stay open.
 namespace tribus::test {
+
+inline constexpr auto kBrowserPatience =
+    std::chrono::duration_cast<std::chrono::milliseconds>(kPatience);
 
 struct BrowserAnswer {
     int status = 0;  ///< 0: the connection ended without an answer
@@ -38,12 +44,16 @@ class Browser {
     /// Pairs with this code and keeps the cookie.
     BrowserAnswer pair(const std::string& code);
 
+    /// How long it waits while nothing comes.
+    void be_patient(std::chrono::milliseconds patience) { patience_ = patience; }
+
     std::string host() const { return "127.0.0.1:" + std::to_string(port_); }
     const std::string& cookie() const { return cookie_; }
 
   private:
     int port_;
     std::string cookie_;
+    std::chrono::milliseconds patience_ = kBrowserPatience;
 };
 
 /// A connection whose other side sent this and reads nothing.

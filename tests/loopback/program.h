@@ -61,6 +61,7 @@ class Program {
     Program& operator=(const Program&) = delete;
     ~Program();
 
+    pid_t pid() const { return pid_; }
     void signal(int number) const;
     bool runs();
     /// Processor time used so far.

@@ -175,7 +175,7 @@ std::string http_text(const HttpAnswer& answer) {
                     answer.headers, answer.gzip ? "Content-Encoding: gzip\r\n" : "",
                     answer.keeps_open && !answer.endless ? "" : "Connection: close\r\n");
     if (!answer.endless) {
-        text += fmt::format("Content-Length: {}\r\n", answer.content.size());
+        text += fmt::format("Content-Length: {}\r\n", answer.content.size() + answer.source_bytes);
     }
     return text + "\r\n" + answer.content;
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -61,6 +63,9 @@ struct HttpAnswer {
     /// The content goes on until the connection ends.
     bool endless = false;
     bool keeps_open = true;
+    /// What follows the content piece by piece, as SocketClient::Source, and how long it is.
+    std::function<std::optional<std::string>()> source{};
+    std::uint64_t source_bytes = 0;
 };
 std::string http_text(const HttpAnswer& answer);
 

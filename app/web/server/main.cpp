@@ -4,6 +4,7 @@
 
 #include "app/cli/command_line.h"
 #include "app/cli/exit_status.h"
+#include "app/web/recordings/plot_command.h"
 #include "app/web/server/ports_command.h"
 #include "app/web/server/web_command.h"
 
@@ -11,7 +12,8 @@ int main(int argc, char** argv) {
     // Libraries throw when memory fails; our own code does not throw.
     try {
         const std::array commands{tribus::web::web_command(TRIBUS_VERSION),
-                                  tribus::web::ports_command()};
+                                  tribus::web::ports_command(),
+                                  tribus::web::plot_command()};
         return tribus::run_command_line(commands, TRIBUS_VERSION, argc, argv);
     } catch (const std::exception& error) {
         std::fputs(error.what(), stderr);

@@ -107,18 +107,22 @@ bool Site::send_reply(SocketClient& client, const HttpRequest& request, Reply re
         client.close_when_sent();
     }
     if (auto* late = std::get_if<Late>(&reply)) {
-        client.wait_for([late = std::move(*late), keeps_open]() -> std::optional<std::string> {
-            auto answer = late();
-            if (!answer) {
-                return std::nullopt;
-            }
-            answer->keeps_open = keeps_open;
-            return http_text(*answer);
-        });
+        // The client owns this function, so it lives as long.
+        client.wait_for(
+            [late = std::move(*late), keeps_open, &client]() -> std::optional<std::string> {
+                auto answer = late();
+                if (!answer) {
+                    return std::nullopt;
+                }
+                answer->keeps_open = keeps_open;
+                client.follow_with(std::move(answer->source));
+                return http_text(*answer);
+            });
         return true;
     }
     HttpAnswer& answer = std::get<HttpAnswer>(reply);
     answer.keeps_open = keeps_open;
+    client.follow_with(std::move(answer.source));
     return client.send(http_text(answer), now);
 }
 
@@ -194,7 +198,7 @@ HttpAnswer Site::me(const HttpRequest& request) const {
          {"host", host_name()},
          {"public", settings_.is_public},
          {"version", settings_.version},
-         {"screens", {"live", "timing", "config", "doctor", "learn", "more"}}});
+         {"screens", {"live", "timing", "config", "doctor", "learn", "recordings", "more"}}});
 }
 
 HttpAnswer Site::daemons(Instant now) const {
@@ -213,6 +217,10 @@ HttpAnswer Site::daemons(Instant now) const {
 
 Site::Reply Site::reply_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
                                   std::string_view what, Role role, Instant now) {
+    constexpr std::string_view kRecordings = "recordings";
+    if (request.method == "GET" && (what == kRecordings || what.starts_with("recordings/"))) {
+        return look_at_recordings(request, daemon, what.substr(kRecordings.size()), now);
+    }
     if (request.method == "GET") {
         return look_at_daemon(daemon, what, now);
     }
@@ -255,6 +263,9 @@ std::optional<Site::Reply> Site::judge_draft(const HttpRequest& request, const K
 Site::Reply Site::look_at_daemon(const KnownDaemon& daemon, std::string_view what, Instant now) {
     if (what == "status") {
         return ask(daemon, "status", now, as_it_is);
+    }
+    if (what == "histograms") {
+        return ask(daemon, "histograms", now, as_it_is);
     }
     if (what == "configuration") {
         return configuration_answer(daemon.file);
@@ -331,11 +342,15 @@ std::vector<int> Site::descriptors() const {
     if (learning_ && learning_->awaits_step) {
         descriptors.push_back(learning_->talk.descriptor());
     }
+    if (plotting_) {
+        descriptors.push_back(plotting_->descriptor());
+    }
     return descriptors;
 }
 
 Instant Site::due() const {
     Instant due = learning_ ? learning_->end : kNever;
+    due = plotting_ ? std::min(due, plotting_->due()) : due;
     for (const auto& pending : pending_) {
         due = std::min(due, pending->request.end());
     }
@@ -354,6 +369,12 @@ void Site::look(Instant now) {
         pending = json ? pending_.erase(pending) : std::next(pending);
     }
     look_at_learning(now);
+    if (plotting_) {
+        plotting_->look(now);
+        if (plotting_->answer()) {
+            plotting_.reset();
+        }
+    }
     std::erase_if(streams_, [](const std::weak_ptr<Stream>& stream) { return stream.expired(); });
     for (auto& [name, watch] : watches_) {
         watch->look(now);

@@ -18,6 +18,8 @@
 #include "app/web/server/daemons.h"
 #include "app/web/server/files.h"
 #include "app/web/server/http.h"
+#include "app/web/server/plot_job.h"
+#include "app/web/server/recordings.h"
 #include "core/time.h"
 
 namespace tribus::web {
@@ -48,7 +50,7 @@ class Site {
     /// Takes what the daemons said.
     void look(Instant now);
     /// Whether a page looks or waits.
-    bool in_use() const { return !streams_.empty() || !pending_.empty() || learning_; }
+    bool in_use() const { return !streams_.empty() || !pending_.empty() || learning_ || plotting_; }
 
     static constexpr std::size_t kStreamsOfOneBrowser = 4;
 
@@ -101,6 +103,12 @@ class Site {
                                      std::string_view what, Instant now);
     Reply change_of_daemon(const HttpRequest& request, const KnownDaemon& daemon,
                            std::string_view what, Instant now);
+    Reply look_at_recordings(const HttpRequest& request, const KnownDaemon& daemon,
+                             std::string_view what, Instant now);
+    Reply with_recordings(const KnownDaemon& daemon, Instant now,
+                          std::function<Reply(const RecordingsPlace&)> go_on);
+    Reply begin_plot(const RecordingsPlace& place, const std::string& name,
+                     const std::string& query);
     HttpAnswer file_of_page(const HttpRequest& request) const;
     HttpAnswer me(const HttpRequest& request) const;
     HttpAnswer daemons(Instant now) const;
@@ -144,6 +152,7 @@ class Site {
     std::list<std::shared_ptr<Pending>> pending_;
     std::map<std::string, Draft> drafts_;
     std::shared_ptr<Learning> learning_;
+    std::shared_ptr<PlotJob> plotting_;  ///< null while no recording is read
 };
 
 }  // namespace tribus::web
