@@ -32,6 +32,8 @@ export class Board {
     sends = true;
     gone = null;
     recorder = true;
+    /** So many plots are refused because another is made. */
+    busyPlots = 0;
     scenes = { boat: 'good', rover: 'good' };
     daemons = [
         { name: 'boat', state: 'running', file: '/etc/tribus/boat.toml' },

@@ -30,7 +30,24 @@ const GET = {
             ?? { number: Number(rest), state: 'failed', reason: 'no such recording' });
     },
     recordings,
+    histograms: (board, name, _, response) => answerJson(response, histograms(board.status(name))),
 };
+
+/// Starts of the buckets as the daemon has them (pipelines/realtime/histogram.h).
+const STARTS_US = Array.from({ length: 80 }, (_, bucket) => 0.256 * (bucket < 4 ? bucket
+    : (bucket % 4 + 4) * 2 ** (Math.floor(bucket / 4) - 1)));
+
+function histograms(status) {
+    const reading = (middle, all) => ({
+        counts: Array.from({ length: middle + 9 }, (_, bucket) =>
+            Math.round(all * Math.exp(-((bucket - middle) ** 2) / 4))),
+        max_us: STARTS_US[middle + 3] });
+    const both = (middle) => ({
+        last_minute: reading(middle, 4000), since_start: reading(middle, 400_000) });
+    return { type: 'histograms', version: 1, t_us: 1, starts_us: STARTS_US, inputs: [],
+        outputs: status.outputs.map(({ name }) =>
+            ({ name, lateness: both(24), latency: both(48) })) };
+}
 
 function stream(board, name, _, response) {
     beginStream(response);
@@ -58,6 +75,10 @@ function stream(board, name, _, response) {
 }
 
 function recordings(board, name, rest, response, query) {
+    if (board.busyPlots > 0 && rest?.endsWith('/plot')) {
+        board.busyPlots--;
+        throw new Refusal(503, 'Another recording is being read.');
+    }
     if (!rest) {
         answerJson(response, board.recorder
             ? { directory: `/var/lib/tribus/${name}`, recordings: board.recordings }
@@ -77,12 +98,14 @@ function plot(from, to, width) {
     const series = ['receiver', 'servos'].flatMap((name) => [1, 2, 3].map((channel) => {
         const middle = Array.from({ length: width }, (_, i) => at(i) > 25e6 && name === 'receiver'
             ? null : Math.round(1500 + 400 * Math.sin(at(i) / 3e6 + channel)));
-        return { name, channel, least: middle.map((us) => us === null ? null : us - 4),
+        return { name, channel, kind: name === 'servos' ? 'output' : 'input',
+            least: middle.map((us) => us === null ? null : us - 4),
             greatest: middle.map((us) => us === null ? null : us + 4) };
     }));
-    const states = [['control', 0, 25.1e6], ['hold', 25.1e6, 25.4e6], ['failsafe', 25.4e6, 32e6]]
+    const states = [['unknown', 0, 0.6e6], ['control', 0.6e6, 25.1e6], ['hold', 25.1e6, 25.4e6], ['failsafe', 25.4e6, 32e6]]
         .map(([state, start, stop]) => ({ output: 'servos', from_us: start, to_us: stop, state }));
-    return { from_us: from, to_us: end, series, states };
+    return { from_us: from, to_us: end, length_us: 32_000_000, problem: null, states_left_out: 0,
+        states, series };
 }
 
 const POST = {

@@ -38,6 +38,19 @@ test('timing: causes are stripes with words, plots come when needed', { timeout 
     });
 });
 
+test('timing: distributions are bars with words, of the last minute or of all', { timeout }, async () => {
+    await withPage({ at: '#/boat/timing' }, async ({ page }) => {
+        await waitLive(page);
+        const latency = page.getByRole('img', { name: /^Latency of servos\. \d+ frames, most from/ });
+        await latency.waitFor();
+        assert.ok(await latency.locator('rect').count() > 5);
+        const before = await latency.getAttribute('aria-label');
+        await page.getByLabel('Frames of').selectOption('all since the start');
+        await page.waitForFunction((old) => ![...document.querySelectorAll('.histogram svg')]
+            .some((one) => one.getAttribute('aria-label') === old), before);
+    });
+});
+
 test('timing: a time without news is a gap in the stripe', { timeout }, async () => {
     await withPage({ at: '#/boat/timing' }, async ({ page, board }) => {
         await waitLive(page);
@@ -98,6 +111,13 @@ test('recordings: list, record now, plot, download; no recorder', { timeout }, a
         await page.getByText('Written to /var/lib/tribus/boat/').waitFor();
         await button(page, 'Plot 2026-11-23T23-23-27Z-failsafe').click();
         await page.getByText('servos: hold from 25.1 s to 25.4 s').waitFor();
+        await page.getByText('servos: not known from 0.0 s to 0.6 s').waitFor();
+        await page.getByText('0.0 s to 32.0 s of 32.0 s').waitFor();
+        board.busyPlots = 2;
+        await button(page, 'Closer').click();
+        await page.getByText('8.0 s to 24.0 s of 32.0 s').waitFor();
+        await button(page, 'Later').click();
+        await page.getByText('16.0 s to 32.0 s of 32.0 s').waitFor();
         assert.equal(await page.getByRole('link', { name: /^Download/ }).first()
             .getAttribute('href'), '/api/boat/recordings/2026-11-23T23-23-27Z-failsafe.tar');
         board.recorder = false;

@@ -3,6 +3,7 @@ import { samplesKept, spellsKept, type Sample } from '../model/history';
 import type { Distribution, Output } from '../model/status';
 import { status } from '../model/store';
 import { duration, sum } from '../model/words';
+import { Histograms } from './histograms';
 import { Plot, type Curve } from './plot';
 import { Stripes } from './stripes';
 
@@ -128,6 +129,7 @@ export function TimingScreen() {
             <Plot title="Losses, rejected, missed and dropped" unit="in a second" times={times}
                 summary="How many began or happened in each second."
                 curves={losses(samples, all)} />
+            <Histograms output={output.name} />
             <Stripes spells={spellsKept()} now={now} />
         </div>
     );
