@@ -43,7 +43,7 @@ class FlightRecorder {
     void record_ports(const Configuration& configuration, const std::vector<PortPlan>& ports,
                       Instant now);
 
-    /// Where recordings go.
+    /// The folder of the recordings.
     const std::filesystem::path& directory() const { return directory_; }
 
     /// Call it a few times a second. `failsafe_entries`: how often each output went into failsafe.

@@ -44,7 +44,7 @@ class Browser {
     /// Pairs with this code and keeps the cookie.
     BrowserAnswer pair(const std::string& code);
 
-    /// How long it waits while nothing comes.
+    /// It waits so long while nothing comes.
     void be_patient(std::chrono::milliseconds patience) { patience_ = patience; }
 
     std::string host() const { return "127.0.0.1:" + std::to_string(port_); }

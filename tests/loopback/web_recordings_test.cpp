@@ -267,7 +267,7 @@ TEST_F(WebRecordings, ASecondPlotAtOnceIsToComeAgain) {
     EXPECT_EQ(second.status, 503);
     EXPECT_EQ(second.header("Retry-After"), "1");
     EXPECT_EQ(browser.get(api("recordings")).status, 200) << "nobody else waits";
-    // What kills the reader does not kill the server.
+    // The server outlives its reader.
     ::kill(*reader(server), SIGSEGV);
     const BrowserAnswer killed = first.get();
     EXPECT_EQ(killed.status, 422);

@@ -98,7 +98,7 @@ class PlotStates {
     void set(Duration at, std::string_view word);
     void finish(Duration at);
     const std::vector<PlotState>& states() const { return states_; }
-    /// How many there were beyond kMost.
+    /// Number of those beyond kMost.
     std::size_t left_out() const { return left_out_; }
 
     static constexpr std::size_t kMost = 500;

@@ -39,7 +39,7 @@ struct RecordingPlot {
     Duration length{};  ///< of the whole recording
     std::vector<PlotSeries> series;
     std::vector<PlottedStates> states;
-    /// Where the recording is damaged: the plot has what could be read.
+    /// The place of the damage in a recording of which the plot has only what could be read.
     std::optional<std::string> problem;
 };
 

@@ -16,7 +16,7 @@ namespace {
 /// For what the judgement of an input needs besides its timeout.
 constexpr Duration kSettling = std::chrono::milliseconds(200);
 
-/// How long an output that hears of no good input can still do something else than failsafe.
+/// An output that hears of no good input for so long is in failsafe.
 Duration settling_time(const Configuration& configuration, std::size_t output) {
     Duration longest{};
     for (const PipelineConfig& pipeline : configuration.pipelines) {

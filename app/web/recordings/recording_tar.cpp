@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t kPieceBytes = std::size_t{32} * 1024;
 constexpr std::size_t kMostFiles = 256;
-/// What eleven octal digits can say.
+/// Eleven octal digits can say no more.
 constexpr std::uint64_t kMostFileBytes = (std::uint64_t{1} << 33U) - 1;
 /// Two blocks of zeros end an archive.
 constexpr std::size_t kArchiveEnd = 2 * kTarBlock;

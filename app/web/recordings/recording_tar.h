@@ -23,8 +23,8 @@ struct TarEntry {
     std::uint64_t bytes = 0;
     std::int64_t changed = 0;  ///< seconds since 1970
 };
-/// What stands before the content of a file: one block, or three if the name is longer than the
-/// 100 bytes of a plain header. Pure.
+/// The header before the content of a file: one block, or three if the name is longer than the
+/// 100 bytes of a plain one. Pure.
 std::string tar_header(const TarEntry& entry);
 /// So many zero bytes fill the last block of a file. Pure.
 std::size_t tar_padding(std::uint64_t bytes);

@@ -63,7 +63,7 @@ struct HttpAnswer {
     /// The content goes on until the connection ends.
     bool endless = false;
     bool keeps_open = true;
-    /// What follows the content piece by piece, as SocketClient::Source, and how long it is.
+    /// The rest, which follows piece by piece as of SocketClient::Source, and its length.
     std::function<std::optional<std::string>()> source{};
     std::uint64_t source_bytes = 0;
 };

@@ -26,7 +26,7 @@ namespace {
 constexpr const char* kOwnProgram = "/proc/self/exe";
 constexpr std::size_t kPictureBytesAtOnce = std::size_t{32} * 1024;
 
-/// How the new process differs from this one: both its outputs are `result`, and signals reach it.
+/// The new process differs from this one: both its outputs are `result`, and signals reach it.
 class SpawnRules {
   public:
     explicit SpawnRules(int result) {

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where the service keeps them (deploy/systemd/tribus@.service, STATE_DIRECTORY).
+/// The service keeps them there (deploy/systemd/tribus@.service, STATE_DIRECTORY).
 constexpr std::string_view kServiceRecordings = "/var/lib/tribus";
 
 /// The value of a number in a query; nothing if it is not there or no number.

@@ -26,7 +26,7 @@ interface Answer {
 
 type Period = 'last_minute' | 'since_start';
 
-/** Where a bucket ends: the last one has no end. */
+/** The end of a bucket: the last one has none. */
 const endOf = (starts: number[], bucket: number): string =>
     bucket + 1 < starts.length ? duration(starts[bucket + 1]!) : 'more';
 
