@@ -1,27 +1,15 @@
 // Every screen without axe violations, and all of it by keyboard.
 import assert from 'node:assert/strict';
-import { readFile } from 'node:fs/promises';
-import { createRequire } from 'node:module';
 import { after, before, test } from 'node:test';
-import { openBrowser, openPage, waitLive } from './browser.mjs';
+import {
+    openBrowser, openPage, tabTo, tooWide, violations, waitLive,
+} from './browser.mjs';
 
 let browser;
-let axe;
-before(async () => {
-    browser = await openBrowser();
-    axe = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
-});
+before(async () => { browser = await openBrowser(); });
 after(async () => { await browser.close(); });
 
 const timeout = 300_000;
-
-/** The page loads nothing from elsewhere, so axe comes in as text. */
-async function violations(page) {
-    await page.evaluate(axe);
-    const found = await page.evaluate(() => globalThis.axe.run(document));
-    return found.violations.flatMap((one) =>
-        one.nodes.map((node) => `${one.id}: ${node.target} ${node.failureSummary}`));
-}
 
 const wait = (selector) => (page) => page.locator(selector).first().waitFor();
 const mistake = async (page) => {
@@ -88,8 +76,7 @@ for (const [scheme, width] of [['dark', 360], ['light', 360], ['dark', 1280], ['
                 await options.then?.(view.page, view.board);
                 found.push(...[...await violations(view.page), ...view.problems]
                     .map((one) => `${name}: ${one}`));
-                const wide = await view.page.evaluate(() =>
-                    document.documentElement.scrollWidth - document.documentElement.clientWidth);
+                const wide = await tooWide(view.page);
                 if (wide > 0) {
                     found.push(`${name}: ${wide} px too wide`);
                 }
@@ -107,29 +94,11 @@ test('text at 200 % does not break the screens', { timeout }, async () => {
         await waitLive(view.page);
         await view.page.evaluate(() => { document.documentElement.style.fontSize = '200%'; });
         await view.page.waitForTimeout(400);
-        const wide = await view.page.evaluate(() =>
-            document.documentElement.scrollWidth - document.documentElement.clientWidth);
+        const wide = await tooWide(view.page);
         assert.ok(wide <= 0, `${at}: ${wide} px too wide`);
         await view.close();
     }
 });
-
-/** Presses Tab until the focus is on the named thing. */
-async function tabTo(page, name) {
-    for (let i = 0; i < 60; i += 1) {
-        await page.keyboard.press('Tab');
-        const here = await page.evaluate(() => {
-            const deep = (root) => root.activeElement?.shadowRoot
-                ? deep(root.activeElement.shadowRoot) : root.activeElement;
-            const e = deep(document);
-            return `${e?.getAttribute('aria-label') ?? ''} ${e?.textContent?.slice(0, 60) ?? ''}`;
-        });
-        if (here.includes(name)) {
-            return;
-        }
-    }
-    assert.fail(`Tab does not reach ${name}`);
-}
 
 test('an edit, a trial and back by keyboard alone', { timeout }, async () => {
     const view = await openPage(browser, {});

@@ -1,6 +1,5 @@
-// A real board for tests: the built programs, a simulated receiver and servos on UDP.
+// A real board for tests: the built programs, and a simulated receiver and servos on ptys.
 import { execFile, spawn } from 'node:child_process';
-import { createSocket } from 'node:dgram';
 import { mkdtemp, mkdir, readFile, rm, writeFile } from 'node:fs/promises';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
@@ -9,120 +8,135 @@ import { promisify } from 'node:util';
 
 const here = dirname(fileURLToPath(import.meta.url));
 const PROGRAMS = process.env.TRIBUS_PROGRAMS ?? resolve(here, '../../../../build/app');
-const FRAME_MS = 7;
+const PATIENCE_MS = 15_000;
 
-/** A frame of i.Bus (docs/protocols/ibus.md, "Servo frame"), written out. */
-function ibusFrame(pulses) {
-    const bytes = [0x20, 0x40];
-    for (let channel = 0; channel < 14; ++channel) {
-        const us = pulses[channel] ?? 1500;
-        bytes.push(us % 256, Math.floor(us / 256));
+/** Calls `look` until it returns something. */
+export async function until(look, what, patience = PATIENCE_MS) {
+    const end = performance.now() + patience;
+    for (;;) {
+        const found = await look();
+        if (found) {
+            return found;
+        }
+        if (performance.now() > end) {
+            throw new Error(`never came: ${what()}`);
+        }
+        await new Promise((later) => { setTimeout(later, 10); });
     }
-    const sum = 0xffff - bytes.reduce((total, byte) => total + byte, 0);
-    return Buffer.from([...bytes, sum % 256, Math.floor(sum / 256)]);
 }
 
-const port = (socket) => new Promise((ready) => {
-    socket.bind(0, '127.0.0.1', () => ready(socket.address().port));
-});
+/** Keeps what a process says. */
+class Listener {
+    text = '';
+    ended = false;
 
-function said(child, text) {
-    return new Promise((ready, failed) => {
-        let all = '';
-        child.on('exit', (code) => failed(new Error(`ended with ${code}: ${all}`)));
-        child.stderr.on('data', (bytes) => {
-            all += bytes;
-            const at = all.indexOf(text);
-            if (at >= 0) {
-                ready(all.slice(at + text.length).split(/\s/)[0]);
-            }
-        });
-    });
+    constructor(child, stream) {
+        stream.on('data', (bytes) => { this.text += bytes; });
+        child.on('close', () => { this.ended = true; });
+    }
+    /** Waits for a line, from the place `from` on, and returns the match. */
+    says(pattern, { from = 0, patience = PATIENCE_MS } = {}) {
+        return until(() => pattern.exec(this.text.slice(from)),
+            () => `${pattern} in ${this.text.slice(from)}`, patience);
+    }
 }
 
-export async function startBoard({ map = '' } = {}) {
-    const folder = await mkdtemp(join(tmpdir(), 'tribus-board-'));
-    const runtime = join(folder, 'run');
-    const state = join(folder, 'state');
-    const file = join(folder, 'boat.toml');
-    await mkdir(runtime);
-    await mkdir(state);
-    const free = createSocket('udp4');
-    const receiverPort = await port(free);
-    await new Promise((closed) => { free.close(closed); });
-    const servos = createSocket('udp4');
-    const servoPort = await port(servos);
-    const text = `[input.receiver]
+/** "13:04:05.678" of the last 24 hours, as the log has it, in ms of the wall clock. */
+function wallTime(text) {
+    const [hours, minutes, seconds] = text.split(':').map(Number);
+    const time = new Date().setHours(hours, minutes, 0, Math.round(seconds * 1000));
+    const ahead = time > Date.now() + 60_000;
+    return ahead ? time - 24 * 3_600_000 : time;
+}
+
+async function startReceiver() {
+    const child = spawn('python3', [join(here, 'receiver.py')],
+        { stdio: ['pipe', 'pipe', 'inherit'] });
+    const said = new Listener(child, child.stdout);
+    const [, receiver, servos] = await said.says(/(\S+) (\S+)\n/);
+    const command = (line) => child.stdin.write(`${line}\n`);
+    return { child, said, receiver, servos, command };
+}
+
+const mainJob = (wires, more) => `[input.receiver]
 protocol = "ibus"
-address = "127.0.0.1:${receiverPort}"
+device = "${wires.receiver}"
 
 [output.servos]
 protocol = "sbus"
-address = "127.0.0.1:${servoPort}"
+device = "${wires.servos}"
 
 [pipeline.main]
 from = "receiver"
 to = "servos"
-${map}`;
-    await writeFile(file, text);
+${more}`;
+
+/**
+ * `map`: further text of the configuration. `runs`: whether a daemon runs it. `text`: another
+ * configuration, made from the paths of the ptys. `page`: another folder of the page. `words`: more
+ * options of the server.
+ */
+export async function startBoard(options = {}) {
+    const folder = await mkdtemp(join(tmpdir(), 'tribus-board-'));
+    const [runtime, state] = [join(folder, 'run'), join(folder, 'state')];
+    const file = join(folder, 'boat.toml');
+    await mkdir(runtime);
+    await mkdir(state);
+    const wires = await startReceiver();
+    await writeFile(file, options.text?.(wires) ?? mainJob(wires, options.map ?? ''));
+    const children = new Set([wires.child]);
     const environment = { ...process.env, XDG_RUNTIME_DIR: runtime, RUNTIME_DIRECTORY: '' };
-    const start = (program, ...words) => spawn(join(PROGRAMS, program), words, {
-        env: environment, stdio: ['ignore', 'ignore', 'pipe'],
-    });
-    const socket = join(runtime, 'tribus', 'boat.sock');
-    const log = { text: '', at: new Map() };
-    const runDaemon = async () => {
-        const child = start('tribus', 'run', file, '--socket', socket);
-        child.stderr.on('data', (bytes) => {
-            log.text += bytes;
-            for (const line of String(bytes).split('\n')) {
-                log.at.set(line.replace(/^\S+ \w+ /, ''), performance.now());
-            }
+    const start = (program, ...words) => {
+        const child = spawn(join(PROGRAMS, program), words, {
+            env: environment, stdio: ['ignore', 'ignore', 'pipe'],
         });
-        return child;
+        children.add(child);
+        return { child, log: new Listener(child, child.stderr) };
     };
-    const daemon = await runDaemon();
+    const socket = join(runtime, 'tribus', 'boat.sock');
+    const run = async (...words) => (await promisify(execFile)(join(PROGRAMS, 'tribus'), words,
+        { env: environment })).stdout;
     const server = start('tribus-web', 'serve', '--listen', '127.0.0.1:0', '--configurations',
-        folder, '--state', state, '--page', resolve(here, '../dist'));
-    const address = await said(server, 'the page is at ');
-    const sender = createSocket('udp4');
-    let pulses = [1100];
-    let sends = true;
-    const timer = setInterval(() => {
-        if (sends) {
-            sender.send(ibusFrame(pulses), receiverPort, '127.0.0.1');
-        }
-    }, FRAME_MS);
-    return {
-        address, daemon, server, file, log,
-        setPulses(next) { pulses = next; },
-        cutWire(cut) { sends = !cut; },
+        folder, '--state', state, '--page', options.page ?? resolve(here, '../dist'),
+        ...(options.words ?? []));
+    const [, address] = await server.log.says(/the page is at (\S+)/);
+    const board = {
+        address, file, state, port: Number(new URL(address).port), server: server.child,
+        daemon: null, log: null,
+        /** Starts the daemon, again if it runs. */
+        runDaemon() {
+            board.daemon?.kill('SIGKILL');
+            const { child, log } = start('tribus', 'run', file, '--socket', socket);
+            [board.daemon, board.log] = [child, log];
+        },
+        setPulses: (pulses) => wires.command(`pulses ${pulses.join(' ')}`),
+        sweep: () => wires.command('sweep'),
+        cutWire: (cut) => wires.command(cut ? 'cut' : 'mend'),
+        /** Waits until the servos got this last: "control 1100 1500 1500 1500". */
+        servos: (words, patience) => until(() => wires.said.text.endsWith(`${words}\n`),
+            () => `${words} at the servos, whose last is ${wires.said.text.slice(-60)}`, patience),
         text: () => readFile(file, 'utf8'),
-        /** When the daemon logged such a line. */
-        async logged(line) {
-            for (let tries = 0; tries < 500; ++tries) {
-                const found = [...log.at].find(([text]) => line.test(text));
-                if (found) {
-                    return found[1];
-                }
-                await new Promise((later) => { setTimeout(later, 10); });
-            }
-            throw new Error(`the daemon never logged ${line}: ${log.text}`);
+        write: (text) => writeFile(file, text),
+        reload: () => run('reload', '--socket', socket),
+        /** When the daemon wrote such a line into its log, in ms of the wall clock. */
+        async logged(line, from = 0) {
+            const found = await board.log.says(
+                new RegExp(`(\\d[\\d:.]+) \\w+ .*${line.source}`), { from });
+            return wallTime(found[1]);
         },
         async code(...words) {
-            const { stdout } = await promisify(execFile)(join(PROGRAMS, 'tribus'),
-                ['pair', '--state', state, ...words]);
-            return stdout.split('\n')[0];
+            return (await run('pair', '--state', state, ...words)).split('\n')[0];
         },
+        pairing: (...words) => run('pair', '--state', state, ...words),
         async close() {
-            clearInterval(timer);
-            for (const child of [daemon, server]) {
-                child.removeAllListeners('exit');
+            for (const child of children) {
                 child.kill('SIGKILL');
             }
-            sender.close();
-            servos.close();
             await rm(folder, { recursive: true, force: true });
         },
     };
+    if (options.runs ?? true) {
+        board.runDaemon();
+    }
+    return board;
 }

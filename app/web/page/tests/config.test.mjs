@@ -1,7 +1,9 @@
 // The Configuration screen: mistakes, trial, keep, back, a file that another changed.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { openBrowser, openPage, waitLive } from './browser.mjs';
+import {
+    button, openBrowser, trialOf as trial, typeInto, waitLive, withPage as withMock,
+} from './browser.mjs';
 
 let browser;
 before(async () => { browser = await openBrowser(); });
@@ -10,25 +12,11 @@ after(async () => { await browser.close(); });
 const timeout = 60_000;
 const AT = '#/boat/config';
 
-async function withPage(options, body) {
-    const view = await openPage(browser, { at: AT, ...options });
-    try {
-        await view.page.locator('.cm-content').waitFor();
-        await body(view);
-        assert.deepEqual(view.problems, []);
-    } finally {
-        await view.close();
-    }
-}
-
-async function typeAtStart(page, text) {
-    await page.locator('.cm-content').click();
-    await page.keyboard.press('Control+Home');
-    await page.keyboard.insertText(text);
-}
-
-const button = (page, name) => page.getByRole('button', { name, exact: true });
-const trial = (page) => page.getByTestId('trial');
+const withPage = (options, body) => withMock(browser, { at: AT, ...options }, async (view) => {
+    await view.page.locator('.cm-content').waitFor();
+    await body(view);
+});
+const typeAtStart = (page, text) => typeInto(page, text, 'Home');
 
 async function startTrial(page, text = '# changed\n') {
     await typeAtStart(page, text);

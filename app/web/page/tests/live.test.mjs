@@ -1,7 +1,9 @@
 // The Live screen: every state is drawn in words, and nothing old looks live.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { lampText, openBrowser, openPage, waitLive } from './browser.mjs';
+import {
+    lampText, looksLive, openBrowser, openPage, waitLive, whenItAges, withPage as withMock,
+} from './browser.mjs';
 
 let browser;
 before(async () => { browser = await openBrowser(); });
@@ -9,15 +11,7 @@ after(async () => { await browser.close(); });
 
 const timeout = 60_000;
 
-async function withPage(options, body) {
-    const view = await openPage(browser, options);
-    try {
-        await body(view);
-        assert.deepEqual(view.problems, []);
-    } finally {
-        await view.close();
-    }
-}
+const withPage = (options, body) => withMock(browser, options, body);
 
 const said = (page) => page.locator('.sentence .said').first().innerText();
 const why = (page) => page.locator('.sentence .why').first().innerText();
@@ -91,46 +85,10 @@ test('outvoted inputs and broken buses are named', { timeout }, async () => {
     });
 });
 
-/** What of the page still looks as if it were live. */
-function looksLive(page) {
-    return page.evaluate(() => {
-        const struck = (e) => {
-            for (let up = e; up; up = up.parentElement) {
-                if (getComputedStyle(up).textDecorationLine.includes('line-through')) {
-                    return true;
-                }
-            }
-            return false;
-        };
-        const numbers = [...document.querySelectorAll('main td.us *, main dd, .said .value')]
-            .filter((e) => e.textContent !== '' && e.textContent !== 'none' && !struck(e));
-        const fills = [...document.querySelectorAll('.bar:not(.none) .fill')].filter((e) =>
-            getComputedStyle(e).backgroundColor !== 'rgba(0, 0, 0, 0)'
-            || getComputedStyle(e).backgroundImage !== 'none');
-        return [...numbers.map((e) => e.textContent), ...fills.map(() => 'bar')];
-    });
-}
-
 test('silence: grey at 0.5 s, banner at 1 s, nothing looks live', { timeout }, async () => {
     await withPage({ at: '#/rover/live' }, async ({ page, board }) => {
         await waitLive(page);
-        const times = page.evaluate(() => new Promise((done) => {
-            const seen = {};
-            let last = performance.now();
-            const fill = document.querySelector('.fill');
-            new MutationObserver(() => { last = performance.now(); }).observe(fill,
-                { attributes: true });
-            const timer = setInterval(() => {
-                const level = document.querySelector('.frame').dataset.level;
-                if (level !== 'live') {
-                    seen[level] ??= performance.now() - last;
-                }
-                if (seen.stale) {
-                    clearInterval(timer);
-                    done(seen);
-                }
-            }, 5);
-        }));
+        const times = page.evaluate(whenItAges);
         board.sends = false;
         const { late, stale } = await times;
         // Earlier by what the last status was late; never later.

@@ -1,7 +1,7 @@
 // Pairing, and what a page shows that cannot be loaded.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { openBrowser, openPage, waitLive } from './browser.mjs';
+import { openBrowser, pairBy as type, waitLive, withPage as withMock } from './browser.mjs';
 
 let browser;
 before(async () => { browser = await openBrowser(); });
@@ -9,21 +9,8 @@ after(async () => { await browser.close(); });
 
 const timeout = 60_000;
 
-async function withPage(options, body) {
-    const view = await openPage(browser, options);
-    try {
-        await body(view);
-        assert.deepEqual(view.problems, []);
-    } finally {
-        await view.close();
-    }
-}
+const withPage = (options, body) => withMock(browser, options, body);
 const unpaired = (board) => { board.paired = false; };
-
-async function type(page, code) {
-    await page.getByLabel('Code', { exact: true }).fill(code);
-    await page.getByRole('button', { name: 'Pair' }).click();
-}
 
 test('a code pairs, also in small letters with a space', { timeout }, async () => {
     await withPage({ board: unpaired }, async ({ page }) => {

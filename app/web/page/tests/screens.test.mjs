@@ -1,7 +1,7 @@
 // Timing, Doctor, Learn, Recordings, and what concerns all screens.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
-import { openBrowser, openPage, waitLive } from './browser.mjs';
+import { button, openBrowser, waitLive, withPage as withMock } from './browser.mjs';
 
 let browser;
 before(async () => { browser = await openBrowser(); });
@@ -9,16 +9,7 @@ after(async () => { await browser.close(); });
 
 const timeout = 60_000;
 
-async function withPage(options, body) {
-    const view = await openPage(browser, options);
-    try {
-        await body(view);
-        assert.deepEqual(view.problems, []);
-    } finally {
-        await view.close();
-    }
-}
-const button = (page, name) => page.getByRole('button', { name, exact: true });
+const withPage = (options, body) => withMock(browser, options, body);
 
 test('timing: causes are stripes with words, plots come when needed', { timeout }, async () => {
     await withPage({ at: '#/boat/live' }, async ({ page, board }) => {

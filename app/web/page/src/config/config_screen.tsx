@@ -5,7 +5,7 @@ import {
     changed, draft, fileOnDisk, openDraft, setDraft, setText, type Draft,
 } from '../model/draft';
 import type { Mistake } from '../model/status';
-import { absent, api, daemon, daemonName, mayChange } from '../model/store';
+import { absent, api, daemon, daemonName, mayChange, newest } from '../model/store';
 import { runningTrial, TRIAL_S, tryDraft } from '../model/trial';
 import { checkSoon, stopChecking, verdict } from './checking';
 import type { Schema } from './completion';
@@ -102,7 +102,7 @@ function Actions({ changedByAnother }: ActionsProps) {
                 {absent.value
                     ? <button class="main" disabled={!ready || !changed.value}
                         onClick={() => void write()}>Write to the file</button>
-                    : <button class="main" disabled={!ready || judged.same}
+                    : <button class="main" disabled={!ready || (judged.same && !changed.value)}
                         onClick={() => void attempt()}>Try for {TRIAL_S} s</button>}
                 <button disabled={!changed.value} onClick={drop}>Drop my changes</button>
             </div>
@@ -158,12 +158,17 @@ function Editing() {
     );
 }
 
-/** One editor for each daemon; the file is read when the screen opens. */
+/**
+ * One editor for each daemon. The file is read when the screen opens, and when the daemon runs
+ * another text: somebody may have reloaded it, and what was said of the draft is then old.
+ */
 function Opened({ name }: { name: string }) {
     const [error, setError] = useState('');
-    useEffect(() => {
-        openDraft(name).catch((failed) => setError(errorText(failed)));
-    }, []);
+    const running = useComputed(() => newest.value?.fingerprint ?? '');
+    useEffect(() => running.subscribe(() => {
+        openDraft(name).then(
+            () => checkSoon(draft.peek()?.text ?? ''), (failed) => setError(errorText(failed)));
+    }), []);
     return (
         <>
             <p class="quiet">{daemon.value?.file}{absent.value && ', no daemon runs'}</p>

@@ -48,9 +48,11 @@ export async function fileOnDisk(name: string): Promise<Draft> {
 
 /** Takes the file as it stands; an unchanged draft is replaced, a changed one stays. */
 export async function openDraft(name: string): Promise<void> {
+    const before = drafts.value[name];
     const file = await fileOnDisk(name);
     const now = drafts.value[name];
-    if (!now || now.text === now.base) {
+    // What was kept while the file was under way is newer than the file.
+    if (now === before && (!now || now.text === now.base)) {
         setDraft(name, file);
     }
 }

@@ -6,6 +6,7 @@ import { daemonName, freshness, newest } from './store';
 import type { Status } from './status';
 
 export const TRIAL_S = 30;
+const WENT_BACK = 'The trial is over: the board went back to the configuration before.';
 
 export interface Trial {
     daemon: string;
@@ -26,6 +27,10 @@ export interface TrialEnd {
 const mine = signal<Trial | null>(null);
 /** While the board is asked to keep or to go back, its status may be ahead of its answer. */
 let deciding = false;
+/** The trial whose end is told; a status that was under way may still name it. */
+let told = 0;
+/** A trial that another program or page began, and what it runs. */
+let foreign: { daemon: string; number: number; fingerprint: string | undefined } | null = null;
 export const trialEnd = signal<TrialEnd | null>(null);
 
 export type Tried =
@@ -77,8 +82,12 @@ export const runningTrial = computed<Trial | null>(() => {
 
 /** Called with every status: a trial that the board does not name any more is over. */
 export function watchTrial(news: Status): void {
+    if (deciding) {
+        return;
+    }
+    watchForeign(news);
     const own = mine.value;
-    if (!own || own.daemon !== news.name || deciding) {
+    if (!own || own.daemon !== news.name) {
         return;
     }
     if (news.trial === own.number) {
@@ -88,22 +97,36 @@ export function watchTrial(news: Status): void {
     }
 }
 
+/** If the daemon runs the same text after it, it was kept. */
+function watchForeign(news: Status): void {
+    const { name: daemon, trial: number, fingerprint } = news;
+    const before = foreign;
+    foreign = number == null || number === mine.value?.number || number === told ? null
+        : { daemon, number, fingerprint };
+    if (before && !foreign && before.daemon === daemon && number == null) {
+        const kept = before.fingerprint === fingerprint;
+        end(kept, before.number, kept ? 'The trial from elsewhere was kept.' : WENT_BACK);
+    }
+}
+
 /** The file on the board tells whether another page kept it. */
 async function endElsewhere(own: Trial): Promise<void> {
     mine.value = null;
     const file = await fileOnDisk(own.daemon).catch(() => null);
     if (file === null) {
-        end(false, 'The trial is over. Whether it was kept is not known.');
+        end(false, own.number, 'The trial is over. Whether it was kept is not known.');
     } else if (file.text === own.text) {
-        end(true, 'Kept, from elsewhere: the new configuration stands in the file.');
+        end(true, own.number, 'Kept, from elsewhere: the new configuration stands in the file.');
     } else {
-        end(false, 'The trial is over: the board went back to the configuration before.');
+        end(false, own.number, WENT_BACK);
     }
 }
 
-function end(good: boolean, text: string): void {
+function end(good: boolean, number: number, text: string): void {
     trialEnd.value = { daemon: daemonName.value, good, text };
     mine.value = null;
+    foreign = null;
+    told = number;
 }
 
 async function act<T>(verb: string, trial: Trial, done: (answer: T) => void): Promise<void> {
@@ -113,7 +136,8 @@ async function act<T>(verb: string, trial: Trial, done: (answer: T) => void): Pr
             { trial: trial.number }));
     } catch (error) {
         if (statusOf(error) === 409) {
-            end(false, 'This trial is over, or another one runs. Nothing was changed now.');
+            end(false, trial.number,
+                'This trial is over, or another one runs. Nothing was changed now.');
             return;
         }
         throw new Error(`That did not work: ${errorText(error)}`);
@@ -128,12 +152,12 @@ export function keep(trial: Trial): Promise<void> {
             const tag = `"${fingerprint}"`;
             setDraft(trial.daemon, { base: trial.text, tag, text: draft.value.text });
         }
-        end(true, 'Kept: the new configuration runs and stands in the file.');
+        end(true, trial.number, 'Kept: the new configuration runs and stands in the file.');
     });
 }
 
 export function goBack(trial: Trial): Promise<void> {
     return act<{ lines: string[] }>('back', trial, ({ lines }) => {
-        end(true, ['The configuration before runs again.', ...lines].join(' '));
+        end(true, trial.number, ['The configuration before runs again.', ...lines].join(' '));
     });
 }
