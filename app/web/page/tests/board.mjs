@@ -103,9 +103,13 @@ export async function startBoard(options = {}) {
     const board = {
         address, file, state, port: Number(new URL(address).port), server: server.child,
         daemon: null, log: null,
-        /** Starts the daemon, again if it runs. */
-        runDaemon() {
+        async stopDaemon() {
             board.daemon?.kill('SIGKILL');
+            await until(() => board.log?.ended ?? true, () => 'the end of the daemon');
+        },
+        /** Starts the daemon, again if it runs. */
+        async runDaemon() {
+            await board.stopDaemon();
             const { child, log } = start('tribus', 'run', file, '--socket', socket);
             [board.daemon, board.log] = [child, log];
         },
@@ -136,7 +140,7 @@ export async function startBoard(options = {}) {
         },
     };
     if (options.runs ?? true) {
-        board.runDaemon();
+        await board.runDaemon();
     }
     return board;
 }

@@ -246,7 +246,7 @@ test('a configuration that does not start is mended from the page', { timeout },
         await button(page, 'Write to the file').click();
         await sees(page, 'Written to the file.');
         assert.match(await board.text(), /^\[input.receiver\]\nprotocol = "ibus"\n/);
-        board.runDaemon();
+        await board.runDaemon();
         await live(page);
         await waitLive(page);
         await sees(page, 'under control of receiver');

@@ -184,7 +184,8 @@ export function keepConnected(): void {
         }
         if (!open) {
             stop();
-        } else if (!document.hidden && !streamEnded.value) {
+        } else if (!document.hidden && !streamEnded.peek()) {
+            // Not again when the page goes on: two streams would take the places of two pages.
             start();
         }
     });
