@@ -1,9 +1,9 @@
 #!/bin/sh
 # Builds the page into app/web/page/dist: app/web/build.sh [--tests [FILE...]]. Needs node 18.19 or
 # newer and npm; takes Debian's if there are none.
-# --tests also checks types and runs the tests in Debian's Chromium, or those FILEs of tests/: most
-# before a simulated server, board.test.mjs before the programs in build/app. All of them take some
-# five minutes and put pictures of each screen into build/pictures.
+# --tests also checks types and runs the tests in Debian's Chromium and Firefox, or those FILEs of
+# tests/, for which Chromium is enough: before a simulated server, or before the programs in
+# build/app. All of them take some 25 minutes and put pictures of each screen into build/pictures.
 set -eu
 cd "$(dirname "$0")/page"
 . ../../../deploy/prepare.sh
@@ -16,10 +16,12 @@ find dist -type f ! -name '*.gz' -exec gzip -9nkf {} +
 shift
 
 command -v chromium >/dev/null || install_packages chromium fonts-dejavu-core
+command -v python3 >/dev/null || install_packages python3
 npx tsc --noEmit
 if [ $# -gt 0 ]; then
     cd tests
     exec node --test --test-concurrency=1 "$@"
 fi
+command -v firefox-esr >/dev/null || install_packages firefox-esr
 npm test
 node tests/pictures.mjs ../../../build/pictures
