@@ -51,14 +51,6 @@ struct RunInstructions {
     std::uint64_t main_thread = 0;
 };
 
-/// callgrind writes a file for each thread, which ends with the thread's sum.
-std::uint64_t sum_in(const std::filesystem::path& file) {
-    constexpr std::string_view kMark = "\ntotals: ";
-    const std::string text = content_of(file);
-    const std::size_t at = text.rfind(kMark);
-    return at == text.npos ? 0 : std::strtoull(text.c_str() + at + kMark.size(), nullptr, 10);
-}
-
 tl::expected<RunInstructions, std::string> instructions_of_run(Carries carries,
                                                                std::uint64_t frames) {
     const CountFolder folder;
@@ -77,7 +69,7 @@ tl::expected<RunInstructions, std::string> instructions_of_run(Carries carries,
     subject->process().end();
     RunInstructions counted;
     for (const auto& file : std::filesystem::directory_iterator(folder.path())) {
-        const std::uint64_t sum = sum_in(file.path());
+        const std::uint64_t sum = callgrind_sum(file.path());
         counted.all += sum;
         counted.main_thread += file.path().filename() == "counts-01" ? sum : 0;
     }
@@ -147,6 +139,13 @@ tl::expected<DaemonCalls, std::string> calls_for(Subject& subject, int frames) {
 std::string content_of(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::uint64_t callgrind_sum(const std::filesystem::path& file) {
+    constexpr std::string_view kMark = "\ntotals: ";
+    const std::string text = content_of(file);
+    const std::size_t at = text.rfind(kMark);
+    return at == text.npos ? 0 : std::strtoull(text.c_str() + at + kMark.size(), nullptr, 10);
 }
 
 std::filesystem::path data_thread(pid_t process) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -74,5 +75,7 @@ tl::expected<Subject, std::string> started_daemon(std::size_t lanes,
 std::filesystem::path data_thread(pid_t process);
 /// What a file of /proc says.
 std::string content_of(const std::filesystem::path& path);
+/// callgrind writes a file for each thread, which ends with the thread's sum of instructions.
+std::uint64_t callgrind_sum(const std::filesystem::path& file);
 
 }  // namespace tribus::bench
