@@ -189,6 +189,7 @@ class Watched {
 struct WebCounted {
     std::uint64_t all = 0;
     std::uint64_t main_thread = 0;
+    std::uint64_t frames = 0;
     std::uint64_t events = 0;
     std::size_t bytes = 0;
 };
@@ -226,6 +227,7 @@ tl::expected<WebCounted, std::string> count_web(CountedProgram program, std::siz
         const TesterPriority priority;
         drive(watched.daemon(), {.period = kWebFramePeriod, .rounds = rounds});
     }
+    const std::uint64_t frames = watched.daemon().lane().counts().arrived;
     const std::uint64_t events = pages > 0 ? watched.page().events() : 0;
     const std::size_t bytes = pages > 0 ? watched.page().bytes() : 0;
     if (program == CountedProgram::daemon) {
@@ -236,6 +238,7 @@ tl::expected<WebCounted, std::string> count_web(CountedProgram program, std::siz
     if (counted.main_thread == 0) {
         return WebRefused(std::string("callgrind counted nothing"));
     }
+    counted.frames = frames;
     counted.events = events;
     counted.bytes = bytes;
     return counted;
@@ -262,7 +265,7 @@ tl::expected<PagesInDaemon, std::string> daemon_with_pages(std::size_t pages) {
             const std::uint64_t main_thread = many.main_thread - few.main_thread;
             return PagesInDaemon{
                 .data_thread_a_frame = static_cast<double>(many.all - few.all - main_thread) /
-                                       static_cast<double>(kManyRounds - kFewRounds),
+                                       static_cast<double>(many.frames - few.frames),
                 .main_thread_a_second = static_cast<double>(main_thread) / longer.count()};
         });
 }
