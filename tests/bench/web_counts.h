@@ -12,8 +12,8 @@ namespace tribus::bench {
 /// was measured plus 3 percent.
 inline constexpr double kMostOfAnEvent = 30'000;
 inline constexpr double kMostOfAFurtherPage = 30'500;
-/// Between two counts of the same in the daemon, as much as between its counts and their ceilings: it
-/// wakes a little more or less often.
+/// Between two counts of the same in the daemon, as much as between its counts and their ceilings:
+/// it wakes a little more or less often.
 inline constexpr double kDaemonNoise = 0.06;
 /// User instructions a second of the daemon's main thread while any number of pages looks.
 inline constexpr double kMostOfMainThreadWithAWatcher = 3'980'000;
