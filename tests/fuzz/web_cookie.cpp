@@ -39,8 +39,7 @@ void read_cookies(std::string_view cookies) {
 
 void read_host(std::string_view host) {
     const std::vector<std::string> names = web::own_names("Board", {"Mine.Example"});
-    // No zero byte comes through the parser of requests: the target web_request.
-    if (host.find('\0') != std::string_view::npos || !web::is_own_host(host, names)) {
+    if (!web::is_own_host(host, names)) {
         return;
     }
     const std::string small = in_small_letters(host);

@@ -111,7 +111,8 @@ TEST_F(WebPorts, LearnOfAPortThatADaemonHasSaysWhoHasIt) {
     expect_first_channel(1100);
     const json step = learn(paired(), "start").json();
     EXPECT_EQ(step["step"], "broken");
-    EXPECT_NE(step["text"].get<std::string>().find("another program uses it"), std::string::npos) << step;
+    EXPECT_NE(step["text"].get<std::string>().find("another program uses it"), std::string::npos)
+        << step;
 }
 
 TEST_F(WebPorts, LearnIsForThoseWhoMayChange) {

@@ -239,6 +239,21 @@ tl::expected<void, std::string> PairingFolder::leave(std::string_view hash) {
     return write(sessions_file(), text_of(*all));
 }
 
+const std::vector<Session>& SessionsInMemory::of(const PairingFolder& folder) {
+    struct stat file {};
+    const bool there = ::stat(folder.sessions_file().c_str(), &file) == 0;
+    const Version version = there ? Version{.inode = file.st_ino,
+                                            .bytes = file.st_size,
+                                            .changed_s = file.st_mtim.tv_sec,
+                                            .changed_ns = file.st_mtim.tv_nsec}
+                                  : Version{};
+    if (version != version_) {
+        version_ = version;
+        sessions_ = folder.sessions().value_or(std::vector<Session>());
+    }
+    return sessions_;
+}
+
 const Session* find_session(const std::vector<Session>& sessions, std::string_view hash,
                             WallTime now) {
     const auto found = std::ranges::find_if(sessions, [&](const Session& one) {

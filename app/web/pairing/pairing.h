@@ -69,6 +69,25 @@ class PairingFolder {
     std::filesystem::path folder_;
 };
 
+/// The sessions of a folder, read again when their file has changed: a stream asks each second.
+/// Thread-bound.
+class SessionsInMemory {
+  public:
+    /// Empty if the file cannot be read.
+    const std::vector<Session>& of(const PairingFolder& folder);
+
+  private:
+    struct Version {
+        std::uint64_t inode = 0;
+        std::int64_t bytes = 0;
+        std::int64_t changed_s = 0;
+        std::int64_t changed_ns = 0;
+        bool operator==(const Version&) const = default;
+    };
+    Version version_;
+    std::vector<Session> sessions_;
+};
+
 /// The session whose cookie has that hash, if it has not expired. Null if there is none.
 const Session* find_session(const std::vector<Session>& sessions, std::string_view hash,
                             WallTime now);

@@ -22,6 +22,9 @@ bool is_port(std::string_view text) {
 
 /// The host without its port. Nothing if it is no host.
 std::optional<std::string> name_in(std::string_view host) {
+    if (host.find('\0') != std::string_view::npos) {
+        return std::nullopt;
+    }
     if (host.starts_with('[')) {
         const std::size_t end = host.find(']');
         const std::string_view port = end == std::string_view::npos ? "x" : host.substr(end + 1);

@@ -10,7 +10,7 @@
 #include <chrono>
 #include <ctime>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <system_error>
 #include <tuple>
 #include <utility>
@@ -36,7 +36,9 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kTypes{
 
 std::string content_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), {}};
+    std::ostringstream content;
+    content << file.rdbuf();
+    return std::move(content).str();
 }
 
 /// Empty for a kind of file that the page does not have.

@@ -12,8 +12,7 @@ int main(int argc, char** argv) {
     // Libraries throw when memory fails; our own code does not throw.
     try {
         const std::array commands{tribus::web::web_command(TRIBUS_VERSION),
-                                  tribus::web::ports_command(),
-                                  tribus::web::plot_command()};
+                                  tribus::web::ports_command(), tribus::web::plot_command()};
         return tribus::run_command_line(commands, TRIBUS_VERSION, argc, argv);
     } catch (const std::exception& error) {
         std::fputs(error.what(), stderr);

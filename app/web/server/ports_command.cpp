@@ -78,6 +78,7 @@ int become(const std::string& configurations) {
     std::vector<std::string> words{self.parent_path() / "tribus"};
     words.insert(words.end(), program->begin(), program->end());
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) {
         arguments.push_back(word.data());
     }

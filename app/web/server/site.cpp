@@ -191,7 +191,7 @@ Site::Reply Site::reply_of_api(const HttpRequest& request, std::string_view path
     return reply_of_daemon(request, *daemon, path, visitor->role, now);
 }
 
-HttpAnswer Site::me(const HttpRequest& request) const {
+HttpAnswer Site::me(const HttpRequest& request) {
     const auto visitor = visitor_of(request);
     return json_answer(
         {{"role", visitor ? Json(std::string(word_of(visitor->role))) : Json(nullptr)},

@@ -110,7 +110,7 @@ class Site {
     Reply begin_plot(const RecordingsPlace& place, const std::string& name,
                      const std::string& query);
     HttpAnswer file_of_page(const HttpRequest& request) const;
-    HttpAnswer me(const HttpRequest& request) const;
+    HttpAnswer me(const HttpRequest& request);
     HttpAnswer daemons(Instant now) const;
     HttpAnswer pair(const HttpRequest& request);
     HttpAnswer leave(const HttpRequest& request);
@@ -140,12 +140,13 @@ class Site {
     DaemonWatch* watch_of(const std::string& daemon);
 
     std::string cookie_name(std::string_view host) const;
-    std::optional<Visitor> visitor_of(const HttpRequest& request) const;
-    std::optional<Visitor> visitor_with(std::string_view hash) const;
+    std::optional<Visitor> visitor_of(const HttpRequest& request);
+    std::optional<Visitor> visitor_with(std::string_view hash);
 
     SiteSettings settings_;
     PageFiles files_;
     PairingFolder pairing_;
+    SessionsInMemory sessions_;
     std::vector<std::string> names_;
     std::list<std::weak_ptr<Stream>> streams_;
     std::map<std::string, std::unique_ptr<DaemonWatch>> watches_;

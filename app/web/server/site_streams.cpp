@@ -52,13 +52,12 @@ std::string Site::cookie_name(std::string_view host) const {
     return "tribus_" + std::string(has_port ? host.substr(colon + 1) : "80");
 }
 
-std::optional<Site::Visitor> Site::visitor_of(const HttpRequest& request) const {
+std::optional<Site::Visitor> Site::visitor_of(const HttpRequest& request) {
     return visitor_with(hash_of_cookie(cookie_value(request.cookie, cookie_name(request.host))));
 }
 
-std::optional<Site::Visitor> Site::visitor_with(std::string_view hash) const {
-    const auto sessions = pairing_.sessions();
-    const Session* const session = sessions ? find_session(*sessions, hash, wall_now()) : nullptr;
+std::optional<Site::Visitor> Site::visitor_with(std::string_view hash) {
+    const Session* const session = find_session(sessions_.of(pairing_), hash, wall_now());
     return session == nullptr ? std::nullopt : std::optional(Visitor{session->role, session->hash});
 }
 

@@ -28,6 +28,7 @@ TEST(Access, RefusesOtherNamesThatMayResolveToThisMachine) {
           "[evil]", "boat@evil", "evil/boat", "0x7f000001", "2130706433", "boat ", "127.1"}) {
         EXPECT_FALSE(is_own_host(host, names)) << host;
     }
+    EXPECT_FALSE(is_own_host(std::string_view("127.0.0.1\0.evil", 15), names));
 }
 
 HttpRequest change() {

@@ -116,6 +116,19 @@ TEST_F(Pairing, RevokesByNameAndLeavesByCookie) {
     EXPECT_EQ(left[0].name, "desk");
 }
 
+TEST_F(Pairing, SessionsInMemoryAreThoseOfTheFile) {
+    SessionsInMemory memory;
+    EXPECT_TRUE(memory.of(folder_).empty());
+    ASSERT_TRUE(folder_.add_session("phone", Role::look, "1", kNow));
+    ASSERT_TRUE(folder_.add_session("desk", Role::change, "2", kNow));
+    EXPECT_EQ(memory.of(folder_).size(), 2U);
+    EXPECT_EQ(folder_.revoke("phone"), 1U);
+    ASSERT_EQ(memory.of(folder_).size(), 1U);
+    EXPECT_EQ(memory.of(folder_)[0].name, "desk");
+    std::filesystem::remove(folder_.sessions_file());
+    EXPECT_TRUE(memory.of(folder_).empty());
+}
+
 TEST_F(Pairing, FilesThatSomebodySpoiledLetNobodyIn) {
     for (const auto* text : {"", "{", "[]", "[1,null,{}]", "{\"role\":\"change\"}",
                              "[{\"role\":\"change\",\"hash\":7,\"made\":\"x\"}]",
