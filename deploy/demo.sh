@@ -13,7 +13,7 @@ if [ "${1:-}" != --web ]; then
 fi
 shift
 build OFF tribus tribus-web
-[ -e app/web/page/dist/index.html ] || app/web/build.sh
+build_page
 
 folder=$(mktemp -d)
 # Also the folder of the control socket, with the name of the daemon.

@@ -100,14 +100,6 @@ try_raspberry_pi() {
         "$folder/tests/lab/lab_raspi3b_tests" --gtest_brief=1 >&2
 }
 
-# build_page: unless what is built is newer than its sources. It is the same for all processors.
-build_page() {
-    [ -e app/web/page/dist/index.html ] &&
-        [ -z "$(find app/web/build.sh app/web/page -path '*/dist' -prune -o -path '*/node_modules' \
-            -prune -o -type f -newer app/web/page/dist/index.html -print)" ] ||
-        app/web/build.sh
-}
-
 # build_here: the program, and the tests when asked, in $folder.
 build_here() {
     # shellcheck disable=SC2046,SC2086 # lists of words

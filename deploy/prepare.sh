@@ -62,3 +62,11 @@ build() {
         ${CI:+-DTRIBUS_WERROR=ON} >&2
     cmake --build build --parallel "$(compilers)" --target "$@" >&2
 }
+
+# build_page: unless what is built is newer than its sources. It is the same for all processors.
+build_page() {
+    [ -e app/web/page/dist/index.html ] &&
+        [ -z "$(find app/web/build.sh app/web/page -path '*/dist' -prune -o -path '*/node_modules' \
+            -prune -o -type f -newer app/web/page/dist/index.html -print)" ] ||
+        app/web/build.sh
+}

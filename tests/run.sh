@@ -41,7 +41,7 @@ laboratory() {
     tests/lab/prepare.sh "$1" build/lab ||
         echo "The laboratory could not be prepared: its tests will fail, the others run." >&2
     # The package that the service tier installs has the page.
-    [ "$1" != service ] || app/web/build.sh
+    [ "$1" != service ] || build_page
     # After prepare.sh, because CMake looks whether libgpiod 2 is there.
     # shellcheck disable=SC2086 # a list of words
     prepare_and_build $2

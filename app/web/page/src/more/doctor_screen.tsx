@@ -98,6 +98,8 @@ function ReportView({ report, busy, listen }: { report: Report } & Omit<PortProp
             </section>
             <section>
                 <h2>Ports</h2>
+                {report.ports.length + report.can.length === 0
+                    && <p>No serial port and no CAN interface was found.</p>}
                 <ul class="list">{report.ports.map((port) => (
                     <PortItem key={port.node} port={port} busy={busy} listen={listen} />
                 ))}{report.can.map((one) => (
