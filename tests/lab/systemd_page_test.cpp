@@ -90,6 +90,24 @@ TEST_F(InstalledPage, ChangesNoConfigurationBeforeABrowserMay) {
     EXPECT_EQ(save(browser).status, 200);
 }
 
+TEST_F(InstalledPage, ListsDrawsAndSendsARecording) {
+    configure("[recorder]\n");
+    shell("systemctl restart " + kUnit);
+    EXPECT_TRUE(carries(1200, 1200)) << journal();
+    const Browser browser = paired();
+    ASSERT_EQ(browser.post("/api/servos/record", nlohmann::json::object()).status, 200);
+    nlohmann::json list;
+    ASSERT_TRUE(in_time([&] {
+        list = browser.get("/api/servos/recordings").json()["recordings"];
+        return list.is_array() && !list.empty();
+    })) << list;
+    const std::string path = "/api/servos/recordings/" + list[0]["id"].get<std::string>();
+    const BrowserAnswer drawn = browser.get(path + "/plot?from=0&to=3700000000&width=100");
+    EXPECT_EQ(drawn.status, 200) << drawn.content;
+    EXPECT_NE(drawn.content.find(R"("name":"receiver")"), std::string::npos) << drawn.content;
+    EXPECT_EQ(browser.get(path + ".tar").status, 200);
+}
+
 TEST_F(InstalledPage, DoctorOpensAPortByItsHelper) {
     shell("systemctl stop " + kUnit);
     const auto report =
