@@ -111,8 +111,13 @@ export function LearnScreen() {
                         <p><strong>Take the propellers off first, and lift the wheels.</strong> The
                             transmitter will be switched off and on.</p>
                         {!absent.value && (
-                            <p>A daemon that runs has the port of its receiver. Stop it first:{' '}
-                                <code>sudo systemctl stop tribus@{daemonName.value}</code></p>
+                            <>
+                                <p>A daemon that runs has the port of its receiver. Stop it
+                                    first:</p>
+                                <pre class="commands">
+                                    sudo systemctl stop tribus@{daemonName.value}
+                                </pre>
+                            </>
                         )}
                         <InputChoice inputs={inputs} input={input} choose={choose} />
                         <div><button class="main" onClick={() => void go('start')}
