@@ -21,8 +21,8 @@ struct ShownTrial {
     Instant end;
 };
 
-/// What a running daemon shows to its clients: the control socket. Thread-bound to the
-/// main thread, which waits for `descriptors` and `due`; no function here waits.
+/// The control socket of a running daemon, and what its clients see there. Thread-bound to the main
+/// thread, which waits for `descriptors` and `due`; no function here waits.
 class DaemonSockets {
   public:
     /// Opens the control socket of the daemon that runs `config`, at `socket` or in the default

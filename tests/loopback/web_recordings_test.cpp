@@ -131,6 +131,15 @@ TEST_F(WebRecordings, AreListedDrawnAndPacked) {
     EXPECT_EQ(plot["states"].back()["output"], "servos");
 }
 
+/// Both start processes of their own.
+TEST_F(WebRecordings, AreDrawnAlsoAfterDoctorHasLooked) {
+    run_recorder();
+    serve();
+    const Browser browser = paired();
+    EXPECT_EQ(post_to(browser, "/api/doctor", {{"device", nullptr}}).status, 200);
+    EXPECT_EQ(browser.get(one(record(browser), kAll)).status, 200);
+}
+
 TEST_F(WebRecordings, AnArchiveHoldsTheFolderAsItIs) {
     Program& daemon = run_recorder();
     serve();

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 HttpAnswer json_answer(const Json& json, int status = 200);
 /// `{"error": why}`.
 HttpAnswer refused(int status, std::string_view why, bool keeps_open = true);
-/// What the daemon said; its errors become 502.
+/// The daemon's own words; its errors become 502.
 HttpAnswer as_it_is(const std::string& json);
 
 /// A member of the JSON object in a body; nothing if it is absent or of another type.

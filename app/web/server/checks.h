@@ -7,7 +7,7 @@
 
 #include "app/web/server/http.h"
 
-/// What the real checker says of a draft. `file` is where the draft will stand: paths in it count
+/// The real checker's opinion of a draft. `file` is where the draft will stand: paths in it count
 /// from there. Reads files that the draft names.
 namespace tribus::web {
 

@@ -63,8 +63,8 @@ class DaemonWatch {
     const std::string& newest() const { return newest_; }
     /// Rises with each status.
     std::uint64_t number() const { return number_; }
-    /// When the newest status came.
-    Instant received() const { return received_; }
+    /// The newest status; empty while none comes, because that one would be old.
+    std::string fresh(Instant now) const { return problem(now).empty() ? newest_ : std::string(); }
     /// Why no status comes; empty while they come.
     std::string problem(Instant now) const;
 

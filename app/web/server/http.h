@@ -49,8 +49,8 @@ std::variant<MoreBytes, HttpRequest, HttpRefusal> parse_http(std::string_view re
 /// The value of that cookie, or empty.
 std::string_view cookie_value(std::string_view cookies, std::string_view name);
 
-/// What goes before the content. Adds the headers that every answer has: no other page may frame
-/// or read it, and a page's scripts come from here only.
+/// An answer. `http_text` adds the headers that every answer has: no other page may frame or read
+/// it, and a page's scripts come from here only.
 struct HttpAnswer {
     int status = 200;
     std::string_view type = "application/json";

@@ -1,21 +1,18 @@
 #include "app/web/server/line_talk.h"
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/socket.h>
-#include <unistd.h>
+#include <sys/wait.h>
 
 #include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/client/control_socket.h"
+#include "app/web/server/own_process.h"
 
 namespace tribus::web {
 namespace {
@@ -24,59 +21,28 @@ using NoHelper = tl::unexpected<std::string>;
 
 constexpr std::size_t kLongestLine = std::size_t{8} << 20U;
 
-/// What a child needs to begin as a program from a shell does.
-class ChildSettings {
-  public:
-    explicit ChildSettings(int connection) {
-        ::posix_spawn_file_actions_init(&files_);
-        ::posix_spawn_file_actions_adddup2(&files_, connection, STDIN_FILENO);
-        ::posix_spawn_file_actions_adddup2(&files_, connection, STDOUT_FILENO);
-        ::posix_spawnattr_init(&attributes_);
-        sigset_t none;
-        sigset_t defaults;
-        ::sigemptyset(&none);
-        ::sigemptyset(&defaults);
-        ::sigaddset(&defaults, SIGCHLD);
-        ::posix_spawnattr_setsigmask(&attributes_, &none);
-        ::posix_spawnattr_setsigdefault(&attributes_, &defaults);
-        ::posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-    }
-    ChildSettings(const ChildSettings&) = delete;
-    ChildSettings& operator=(const ChildSettings&) = delete;
-    ~ChildSettings() {
-        ::posix_spawn_file_actions_destroy(&files_);
-        ::posix_spawnattr_destroy(&attributes_);
-    }
+/// The end of a helper comes with that of its connection. Nobody waits for it: those that have
+/// ended are taken away when the next one starts.
+void take_away_ended(std::vector<pid_t>& helpers) {
+    std::erase_if(helpers, [](pid_t helper) { return ::waitpid(helper, nullptr, WNOHANG) != 0; });
+}
 
-    const posix_spawn_file_actions_t* files() const { return &files_; }
-    const posix_spawnattr_t* attributes() const { return &attributes_; }
-
-  private:
-    posix_spawn_file_actions_t files_{};
-    posix_spawnattr_t attributes_{};
-};
-
-/// Its end is that of its connection; nobody waits for it.
-tl::expected<UniqueFd, std::string> helper_as_child(std::string configurations) {
+tl::expected<UniqueFd, std::string> helper_as_child(const std::string& configurations) {
+    static std::vector<pid_t> helpers;
+    take_away_ended(helpers);
     std::array<int, 2> ends{};
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
         return NoHelper(fmt::format("no socket for the helper: {}", std::strerror(errno)));
     }
     UniqueFd ours(ends[0]);
     const UniqueFd theirs(ends[1]);
-    const ChildSettings settings(theirs.get());
-    std::string self("/proc/self/exe");
-    std::string verb("ports");
-    std::string option("--configurations");
-    const std::array<char*, 5> arguments{self.data(), verb.data(), option.data(),
-                                         configurations.data(), nullptr};
-    ::signal(SIGCHLD, SIG_IGN);
-    const int error = ::posix_spawn(nullptr, self.c_str(), settings.files(), settings.attributes(),
-                                    arguments.data(), environ);
-    if (error != 0) {
+    const auto helper = start_own_program({"ports", "--configurations", configurations},
+                                          {.input = theirs.get(), .output = theirs.get()});
+    if (!helper) {
         return NoHelper(
-            fmt::format("the helper for ports does not start: {}", std::strerror(error)));
+            fmt::format("the helper for ports does not start: {}", std::strerror(helper.error())));
     }
+    helpers.push_back(*helper);
     return ours;
 }
 

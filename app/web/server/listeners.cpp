@@ -30,7 +30,7 @@ using NoListener = tl::unexpected<std::string>;
 constexpr int kFirstInherited = 3;
 constexpr int kMostInherited = 8;
 constexpr int kMostUnaccepted = 16;
-/// What the kernel holds of a page that does not read must not become old.
+/// The kernel holds so much for a page that does not read; it must not become old.
 constexpr int kSendBufferBytes = 32 * 1024;
 
 void prepare(int listener) {

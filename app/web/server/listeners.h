@@ -9,7 +9,7 @@
 #include "app/client/control_socket.h"
 #include "transports/links/unique_fd.h"
 
-/// Where the page is served.
+/// The places at which the page is served.
 namespace tribus::web {
 
 /// A listening socket that does not block.
@@ -26,7 +26,7 @@ tl::expected<std::vector<Listener>, std::string> inherited_listeners(bool is_pub
 /// network may reach it.
 tl::expected<Listener, std::string> listen_at(const std::string& address, bool is_public);
 
-/// Where a listener can be reached: `http://127.0.0.1:8480/`, or the path of its local socket.
+/// The address of a listener: `http://127.0.0.1:8480/`, or the path of its local socket.
 std::string place_of(const Listener& listener);
 
 }  // namespace tribus::web

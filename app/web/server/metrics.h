@@ -7,7 +7,7 @@
 /// Metrics of all daemons in one text (docs/status.md, "Metrics"). Pure.
 namespace tribus::web {
 
-/// What a daemon said; nothing if it did not answer in time.
+/// The text of a daemon; nothing if it did not answer in time.
 struct DaemonMetrics {
     std::string name;
     std::optional<std::string> text;

@@ -1,7 +1,6 @@
 #include "app/web/server/plot_job.h"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -19,74 +18,40 @@
 
 #include "app/cli/exit_status.h"
 #include "app/web/server/answers.h"
+#include "app/web/server/own_process.h"
 
 namespace tribus::web {
 namespace {
 
-constexpr const char* kOwnProgram = "/proc/self/exe";
 constexpr std::size_t kPictureBytesAtOnce = std::size_t{32} * 1024;
-
-/// The new process differs from this one: both its outputs are `result`, and signals reach it.
-class SpawnRules {
-  public:
-    explicit SpawnRules(int result) {
-        ::posix_spawn_file_actions_init(&files_);
-        ::posix_spawn_file_actions_addopen(&files_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-        ::posix_spawn_file_actions_adddup2(&files_, result, STDOUT_FILENO);
-        ::posix_spawn_file_actions_adddup2(&files_, result, STDERR_FILENO);
-        sigset_t none;
-        ::sigemptyset(&none);
-        ::posix_spawnattr_init(&attributes_);
-        ::posix_spawnattr_setsigmask(&attributes_, &none);
-        ::posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK);
-    }
-    SpawnRules(const SpawnRules&) = delete;
-    SpawnRules& operator=(const SpawnRules&) = delete;
-    ~SpawnRules() {
-        ::posix_spawn_file_actions_destroy(&files_);
-        ::posix_spawnattr_destroy(&attributes_);
-    }
-
-    /// 0, or an errno value.
-    int spawn(pid_t& process, std::vector<std::string> words) {
-        std::vector<char*> arguments;
-        arguments.reserve(words.size() + 1);
-        for (std::string& word : words) {
-            arguments.push_back(word.data());
-        }
-        arguments.push_back(nullptr);
-        return ::posix_spawn(&process, kOwnProgram, &files_, &attributes_, arguments.data(),
-                             environ);
-    }
-
-  private:
-    posix_spawn_file_actions_t files_{};
-    posix_spawnattr_t attributes_{};
-};
 
 }  // namespace
 
 tl::expected<std::shared_ptr<PlotJob>, std::string> PlotJob::start(
     const std::filesystem::path& recording, const std::vector<std::string>& range, Instant now) {
     UniqueFd result(::memfd_create("plot", MFD_CLOEXEC));
-    std::vector<std::string> words{"tribus-web", "plot", recording.string()};
+    const UniqueFd nothing(::open("/dev/null", O_RDONLY | O_CLOEXEC));
+    if (!result.valid() || !nothing.valid()) {
+        return tl::unexpected(fmt::format("no process can be started: {}", std::strerror(errno)));
+    }
+    std::vector<std::string> words{"plot", recording.string()};
     words.insert(words.end(), range.begin(), range.end());
-    pid_t process = 0;
-    const int error =
-        result.valid() ? SpawnRules(result.get()).spawn(process, std::move(words)) : errno;
-    if (error != 0) {
-        return tl::unexpected(fmt::format("no process can be started: {}", std::strerror(error)));
+    const auto process = start_own_program(
+        words, {.input = nothing.get(), .output = result.get(), .error = result.get()});
+    if (!process) {
+        return tl::unexpected(
+            fmt::format("no process can be started: {}", std::strerror(process.error())));
     }
     // The header of glibc 2.36 declares its function for C only.
-    UniqueFd ended(static_cast<int>(::syscall(SYS_pidfd_open, process, 0)));
+    UniqueFd ended(static_cast<int>(::syscall(SYS_pidfd_open, *process, 0)));
     if (!ended.valid()) {
         const int why = errno;
-        ::kill(process, SIGKILL);
-        ::waitpid(process, nullptr, 0);
+        ::kill(*process, SIGKILL);
+        ::waitpid(*process, nullptr, 0);
         return tl::unexpected(fmt::format("no process can be watched: {}", std::strerror(why)));
     }
     return std::shared_ptr<PlotJob>(
-        new PlotJob(process, std::move(ended), std::move(result), later(now, kPatience)));
+        new PlotJob(*process, std::move(ended), std::move(result), later(now, kPatience)));
 }
 
 PlotJob::~PlotJob() {

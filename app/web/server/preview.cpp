@@ -19,7 +19,7 @@ namespace {
 using NewestFrames = std::map<std::string, ChannelFrame>;
 using StatusJson = nlohmann::json;
 
-/// Of the inputs that are good.
+/// Frames of the inputs that are good.
 NewestFrames newest_frames(const StatusJson& status) {
     NewestFrames frames;
     for (const StatusJson& input : status_fields::list(status, "inputs")) {
@@ -38,7 +38,7 @@ NewestFrames newest_frames(const StatusJson& status) {
     return frames;
 }
 
-/// What the output sends; nothing if no pipeline of it has a good input.
+/// The frame that the output sends; nothing if no pipeline of it has a good input.
 std::optional<ChannelFrame> sent_by(const Configuration& configuration, const std::string& output,
                                     const NewestFrames& frames) {
     for (const PipelineConfig& pipeline : configuration.pipelines) {

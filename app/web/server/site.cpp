@@ -240,7 +240,7 @@ Site::Reply Site::reply_of_daemon(const HttpRequest& request, const KnownDaemon&
                : refused(403, "this browser may only look; `sudo tribus pair` lets it change");
 }
 
-/// What may be asked of a draft without changing anything.
+/// Answers questions about a draft that change nothing.
 std::optional<Site::Reply> Site::judge_draft(const HttpRequest& request, const KnownDaemon& daemon,
                                              std::string_view what, Instant now) {
     const auto text = text_in(request.body, "toml");
@@ -252,10 +252,12 @@ std::optional<Site::Reply> Site::judge_draft(const HttpRequest& request, const K
     }
     if (text && what == "diff") {
         const auto watch = watches_.find(daemon.name);
+        const std::string status =
+            watch == watches_.end() ? std::string() : watch->second->fresh(now);
         return ask(daemon, "configuration", now,
-                   [text, file = daemon.file,
-                    status = watch == watches_.end() ? std::string() : watch->second->newest()](
-                       const auto& json) { return difference_to(json, *text, file, status); });
+                   [text, file = daemon.file, status](const auto& json) {
+                       return difference_to(json, *text, file, status);
+                   });
     }
     return std::nullopt;
 }

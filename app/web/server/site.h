@@ -35,7 +35,7 @@ struct SiteSettings {
     std::string version;
 };
 
-/// What the page asks and what it gets (docs/web.md). Thread-bound; nothing here waits.
+/// Answers what the page asks (docs/web.md). Thread-bound; nothing here waits.
 class Site {
   public:
     explicit Site(SiteSettings settings);

@@ -18,7 +18,7 @@
 #include "pipelines/realtime/clock.h"
 #include "transports/links/unique_fd.h"
 
-/// What a page may change: a draft goes on trial, and stays or goes back.
+/// Changes by a page: a draft goes on trial, and stays or goes back.
 namespace tribus::web {
 namespace {
 

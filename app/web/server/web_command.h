@@ -6,8 +6,8 @@
 
 namespace tribus::web {
 
-/// What `tribus-web` does: it serves the page until a signal ends it, or, if systemd listens for
-/// it, until nobody has used it for ten minutes.
+/// The command `serve` of tribus-web: it serves the page until a signal ends it, or, if systemd
+/// listens for it, until nobody has used it for ten minutes.
 Command web_command(std::string version);
 
 }  // namespace tribus::web
