@@ -106,6 +106,19 @@ std::string Browser::raw(const std::string& bytes) const {
     return received;
 }
 
+std::string Browser::raw(const std::string& bytes, const std::string& more) const {
+    const int socket = connected(port_);
+    std::string received;
+    ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (receive(socket, received, patience_)) {
+        ::send(socket, more.data(), more.size(), MSG_NOSIGNAL);
+    }
+    while (receive(socket, received, patience_)) {
+    }
+    ::close(socket);
+    return received;
+}
+
 BrowserAnswer Browser::pair(const std::string& code) {
     BrowserAnswer answer = post("/pair", {{"code", code}, {"name", "browser"}});
     const std::string cookie = answer.header("Set-Cookie");

@@ -41,6 +41,8 @@ class Browser {
     void post_and_leave(const std::string& path, const nlohmann::json& body) const;
     /// Sends these bytes and returns all that comes back until the end.
     std::string raw(const std::string& bytes) const;
+    /// The same, and sends `more` once the first answer has begun.
+    std::string raw(const std::string& bytes, const std::string& more) const;
     /// Pairs with this code and keeps the cookie.
     BrowserAnswer pair(const std::string& code);
 

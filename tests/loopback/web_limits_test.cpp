@@ -53,22 +53,39 @@ TEST_F(WebLimits, ADraftThatIsTooLongIsRefused) {
     EXPECT_EQ(post(browser, "check", {{"toml", std::string(300'000, '#')}}).status, 413);
 }
 
-/// RFC 9112: whatever is left of a request that was refused would be taken for the next one.
-TEST_F(WebLimits, AfterARefusedRequestTheConnectionEnds) {
+/// RFC 9112, 11.2: the rest of a request that was refused would be taken for the next one.
+TEST_F(WebLimits, AfterARefusedRequestNothingIsAnswered) {
     serve();
     const Browser browser(port_);
-    for (const std::string& request :
-         {"POST /pair HTTP/1.1\r\nHost: " + browser.host() +
-              "\r\nTransfer-Encoding: chunked, gzip\r\n\r\n0\r\n\r\nGET /api/me "
-              "HTTP/1.1\r\nHost: " +
-              browser.host() + "\r\n\r\n",
-          "GET /api/me HTTP/1.1\r\nHost: " + browser.host() + "\r\nHost: evil.example\r\n\r\n" +
-              "GET /api/me HTTP/1.1\r\nHost: " + browser.host() + "\r\n\r\n",
-          "GET /api/me HTTP/1.1\r\nHost: " + browser.host() + "\r\nX: a\r\n b\r\n\r\n"}) {
-        const std::string answer = browser.raw(request);
-        EXPECT_EQ(answer.find("HTTP/1.1 200"), std::string::npos) << request << answer;
-        EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos) << request << answer;
+    const std::string host = "Host: " + browser.host() + "\r\n";
+    const std::string next = "GET /api/me HTTP/1.1\r\n" + host + "\r\n";
+    for (const std::string& refused :
+         {"POST /pair HTTP/1.1\r\n" + host + "Transfer-Encoding: chunked, gzip\r\n\r\n",
+          "GET /api/me HTTP/1.1\r\n" + host + "Host: evil.example\r\n\r\n",
+          "GET /api/me HTTP/1.1\r\n" + host + "X: a\r\n b\r\n\r\n",
+          std::string("GET /api/me HTTP/1.1\r\nHost: evil.example\r\n\r\n")}) {
+        for (const std::string& answer :
+             {browser.raw(refused + next), browser.raw(refused, next)}) {
+            EXPECT_EQ(answer.find("HTTP/1.1 200"), std::string::npos) << refused << answer;
+            EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos) << refused << answer;
+        }
     }
+}
+
+TEST_F(WebLimits, RequestsThatComeTogetherAreAllAnswered) {
+    run_daemon();
+    serve();
+    const Browser browser = paired();
+    const std::string head =
+        " HTTP/1.1\r\nHost: " + browser.host() + "\r\nCookie: " + browser.cookie();
+    const std::string answers =
+        browser.raw("GET /api/me" + head + "\r\n\r\nGET " + api("status") + head +
+                    "\r\n\r\nGET /api/daemons" + head + "\r\nConnection: close\r\n\r\n");
+    const std::size_t me = answers.find("\"role\"");
+    const std::size_t status = answers.find("\"type\":\"status\"");
+    const std::size_t daemons = answers.find("\"daemons\":[");
+    EXPECT_TRUE(me < status && status < daemons && daemons != std::string::npos) << answers;
+    EXPECT_NE(answers.find("Connection: close"), std::string::npos) << "the last one ends it";
 }
 
 TEST_F(WebLimits, ADaemonThatStartsLaterOrAgainIsSeenByTheOpenPage) {

@@ -48,8 +48,11 @@ TEST_F(WebPlace, AnAddressThatTheNetworkCanReachNeedsToBeAllowed) {
         EXPECT_EQ(server.end(), 1);
         return server.errors();
     };
-    EXPECT_NE(errors_at("0.0.0.0:0").find("0.0.0.0:0 can be reached from the network"),
-              std::string::npos);
+    for (const std::string open : {"0.0.0.0:0", "[::]:0", "192.0.2.1:0"}) {
+        EXPECT_NE(errors_at(open).find(open + " can be reached from the network"),
+                  std::string::npos)
+            << open;
+    }
     for (const std::string wrong :
          {"127.0.0.1:", "127.0.0.1:99999", "127.0.0.1:a", "::1:80", "x"}) {
         EXPECT_NE(errors_at(wrong).find("allowed: \"127.0.0.1:8480\""), std::string::npos) << wrong;

@@ -64,7 +64,21 @@ Site::Site(SiteSettings settings)
       pairing_(settings_.state),
       names_(own_names(host_name(), settings_.hosts)) {}
 
+/// A request that came together with the one before has no event of its own.
 bool Site::answer(SocketClient& client, Instant now) {
+    bool went_on = true;
+    while (went_on && client.ready() && !client.done()) {
+        const std::size_t before = client.received().size();
+        const bool waited = client.waits();
+        if (!answer_one(client, now)) {
+            return false;
+        }
+        went_on = client.received().size() < before || (waited && !client.waits());
+    }
+    return true;
+}
+
+bool Site::answer_one(SocketClient& client, Instant now) {
     if (client.waits()) {
         if (auto late = client.take_answer()) {
             return client.send(*std::move(late), now);

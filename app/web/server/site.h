@@ -40,7 +40,8 @@ class Site {
   public:
     explicit Site(SiteSettings settings);
 
-    /// Answers the client if its request is whole. Returns false if the client must be dropped.
+    /// Answers the client as far as its requests are whole. Returns false if the client must be
+    /// dropped.
     bool answer(SocketClient& client, Instant now);
 
     /// Readable when `look` has something to do.
@@ -55,6 +56,8 @@ class Site {
     static constexpr std::size_t kStreamsOfOneBrowser = 4;
 
   private:
+    bool answer_one(SocketClient& client, Instant now);
+
     struct Visitor {
         Role role;
         std::string hash;  ///< of the cookie
