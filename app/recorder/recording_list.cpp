@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/plain_name.h"
+
 namespace tribus {
 namespace {
 
@@ -18,13 +20,6 @@ bool is_recording(const std::string& name) {
     return name.size() > kRecordingTimeLength + 1 && name[kRecordingTimeLength] == '-' &&
            name[kRecordingTimeLength - 1] == 'Z' &&
            std::isdigit(static_cast<unsigned char>(name[0])) != 0;
-}
-
-/// Such a name stands in an address, a header and a message as it is.
-bool is_plain_name(std::string_view name) {
-    return std::ranges::all_of(name, [](unsigned char c) {
-        return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.';
-    });
 }
 
 /// `2026-11-22T12:00:05Z`, of a name that begins with `2026-11-22T12-00-05Z`.

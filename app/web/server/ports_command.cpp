@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -14,6 +13,7 @@
 
 #include "app/cli/exit_status.h"
 #include "app/cli/object_text.h"
+#include "app/cli/plain_name.h"
 #include "app/web/server/answers.h"
 #include "core/quotes.h"
 
@@ -24,15 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kLongestRequest = 4096;
 constexpr std::int64_t kMostListeningSeconds = 30;
-
-/// A name that is no option and leads nowhere else.
-bool is_plain_name(std::string_view name) {
-    constexpr std::size_t kLongestName = 64;
-    return !name.empty() && name.size() <= kLongestName && name.front() != '-' &&
-           name.front() != '.' && std::ranges::all_of(name, [](unsigned char c) {
-               return std::isalnum(c) != 0 || c == '_' || c == '-' || c == '.';
-           });
-}
 
 /// A file below /dev, or the name of a CAN interface.
 bool is_device_or_interface(std::string_view device) {

@@ -11,14 +11,12 @@
 #include <nlohmann/json.hpp>
 
 #include "app/cli/object_text.h"
-#include "app/client/status_fields.h"
 #include "app/inspect/graph_model.h"
 #include "app/inspect/graph_picture.h"
 #include "app/status/fingerprint.h"
 #include "app/web/server/access.h"
 #include "app/web/server/answers.h"
 #include "app/web/server/checks.h"
-#include "app/web/server/metrics.h"
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"
 #include "config/show/json_schema.h"
@@ -38,14 +36,6 @@ std::string host_name() {
 bool is_content_of(const std::filesystem::path& file, const std::optional<std::string>& text) {
     const auto content = read_file(file, kMostConfigurationBytes, FileKinds::regular);
     return content && text && *content == *text;
-}
-
-constexpr std::string_view kMetricsType = "text/plain; version=0.0.4; charset=utf-8";
-
-HttpAnswer metrics_said(const std::string& json) {
-    const auto parsed = nlohmann::json::parse(json, nullptr, false);
-    const std::string text = status_fields::raw_text(parsed, "text");
-    return text.empty() ? refused(502, "no metrics") : HttpAnswer{.content = text};
 }
 
 /// The part of a path up to the next '/', which is removed, too.
@@ -319,32 +309,6 @@ Site::Reply Site::ask(LineRequest request, FromLine as_answer) {
         std::make_shared<Pending>(Pending{std::move(request), std::move(as_answer), std::nullopt});
     pending_.push_back(pending);
     return Late([pending] { return pending->answer; });
-}
-
-/// Scrapers wait 10 s: daemons that hang do not keep the others from being seen.
-Site::Reply Site::metrics_of_daemons(Instant now) {
-    struct Asked {
-        std::string name;
-        Reply reply;
-    };
-    constexpr Duration kPatience = std::chrono::seconds(2);
-    auto asked = std::make_shared<std::vector<Asked>>();
-    for (const KnownDaemon& daemon : known_daemons(settings_.configurations)) {
-        asked->push_back({daemon.name, ask(daemon, "metrics", now, metrics_said, kPatience)});
-    }
-    return Late([asked]() -> std::optional<HttpAnswer> {
-        std::vector<DaemonMetrics> all;
-        for (const auto& [name, reply] : *asked) {
-            const Late* const late = std::get_if<Late>(&reply);
-            const auto answer = late != nullptr ? (*late)() : std::get<HttpAnswer>(reply);
-            if (!answer) {
-                return std::nullopt;
-            }
-            all.push_back(
-                {name, answer->status == 200 ? std::optional(answer->content) : std::nullopt});
-        }
-        return HttpAnswer{.type = kMetricsType, .content = metrics_of_all(all)};
-    });
 }
 
 std::vector<int> Site::descriptors() const {
