@@ -134,9 +134,8 @@ class Watched {
                     return WebRefused(std::string("a browser cannot be paired"));
                 }
             }
-            const std::string name = browser->get("/api/daemons").json()["daemons"][0]["name"];
-            pages_.push_back(
-                std::make_unique<Page>(*browser, port_, "/api/" + name + "/stream?rate=10"));
+            pages_.push_back(std::make_unique<Page>(
+                *browser, port_, "/api/" + folder_.filename().string() + "/stream?rate=10"));
             if (!frames_until([&] { return pages_.back()->events() > 0; })) {
                 return WebRefused(std::string("a page got no status"));
             }
@@ -152,8 +151,9 @@ class Watched {
     }
 
   private:
+    /// The daemon has its socket in the folder, and its name, whatever other daemons run here.
     std::vector<std::string> environment() const {
-        return {"XDG_RUNTIME_DIR=" + folder_.string(), "RUNTIME_DIRECTORY="};
+        return {"RUNTIME_DIRECTORY=" + folder_.string()};
     }
     bool errors_have(const std::string& text) {
         return server_->errors().find(text) != std::string::npos;

@@ -33,6 +33,16 @@ class Web : public FirstChannel {
     std::string name() const { return folder().filename().string(); }
     std::string file() const { return folder() / (name() + ".toml"); }
     std::string api(const std::string& what) const { return "/api/" + name() + "/" + what; }
+    /// Its state in the list; other daemons of the machine may be there, too.
+    std::string listed_state(const Browser& browser) const {
+        const auto list = browser.get("/api/daemons").json();
+        for (const auto& daemon : list["daemons"]) {
+            if (daemon["name"] == name()) {
+                return daemon["state"];
+            }
+        }
+        return "not listed";
+    }
     std::string content() const {
         std::ifstream in(file());
         return {std::istreambuf_iterator<char>(in), {}};

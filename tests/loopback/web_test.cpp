@@ -51,10 +51,7 @@ TEST_F(Web, ACodePairsOneBrowserWhichThenSeesTheStatus) {
               std::string::npos);
     EXPECT_EQ(Browser(port_).pair(given).status, 410) << "used twice";
     EXPECT_EQ(browser.get("/api/me").json()["role"], "change");
-    const auto daemons = browser.get("/api/daemons").json()["daemons"];
-    ASSERT_EQ(daemons.size(), 1U);
-    EXPECT_EQ(daemons[0]["name"], name());
-    EXPECT_EQ(daemons[0]["state"], "running");
+    EXPECT_EQ(listed_state(browser), "running");
     EXPECT_EQ(browser.get(api("status")).json()["inputs"][0]["name"], "receiver");
     EXPECT_EQ(browser.post("/leave", json::object()).status, 200);
     EXPECT_EQ(browser.get(api("status")).status, 401);
@@ -198,7 +195,7 @@ TEST_F(Web, AConfigurationThatDoesNotStartIsMendedFromThePage) {
     write_config("[input.receiver]\nprotocol = \"x\"\n", name() + ".toml");
     serve();
     const Browser browser = paired();
-    EXPECT_EQ(browser.get("/api/daemons").json()["daemons"][0]["state"], "absent");
+    EXPECT_EQ(listed_state(browser), "absent");
     EXPECT_EQ(browser.get(api("status")).status, 502);
     const BrowserAnswer present = browser.get(api("configuration"));
     const std::string good = main_job(kPatientInput);
