@@ -19,7 +19,7 @@ using Parsed = std::variant<MoreBytes, HttpRequest, HttpRefusal>;
 
 bool same_request(const HttpRequest& one, const HttpRequest& other) {
     const auto texts = [](const HttpRequest& of) {
-        return std::tie(of.method, of.path, of.query, of.host, of.origin, of.cookie,
+        return std::tie(of.method, of.path, of.query, of.host, of.origin, of.fetch_site, of.cookie,
                         of.content_type, of.if_match, of.body);
     };
     return texts(one) == texts(other) && one.marked == other.marked &&

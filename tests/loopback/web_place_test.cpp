@@ -1,10 +1,14 @@
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <csignal>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -57,6 +61,36 @@ TEST_F(WebPlace, AnAddressThatTheNetworkCanReachNeedsToBeAllowed) {
          {"127.0.0.1:", "127.0.0.1:99999", "127.0.0.1:a", "::1:80", "x"}) {
         EXPECT_NE(errors_at(wrong).find("allowed: \"127.0.0.1:8480\""), std::string::npos) << wrong;
     }
+}
+
+TEST_F(WebPlace, ThePageMayWriteConfigurationsWhileABrowserMayChangeThem) {
+    if (::geteuid() != 0) {
+        GTEST_SKIP() << "only root gives a folder a group";
+    }
+    constexpr uid_t kPage = 65534;
+    const std::filesystem::path configurations = folder() / "configurations";
+    std::filesystem::create_directory(configurations);
+    ASSERT_EQ(::chmod(configurations.c_str(), 0755), 0);
+    serve();
+    ASSERT_EQ(::chown((folder() / "state").c_str(), kPage, kPage), 0);
+    const auto place = [&] {
+        struct stat found {};
+        EXPECT_EQ(::stat(configurations.c_str(), &found), 0);
+        return std::pair(found.st_gid, found.st_mode & 0777U);
+    };
+    const auto pair = [&](std::vector<std::string> more) {
+        more.insert(more.end(), {"--configurations", configurations});
+        Browser browser(port_);
+        EXPECT_EQ(browser.pair(code(more)).status, 200);
+    };
+    pair({"--look"});
+    EXPECT_EQ(place(), std::pair(gid_t{0}, 0755U));
+    pair({});
+    EXPECT_EQ(place(), std::pair(gid_t{kPage}, 0775U));
+    Program& revoke = start({"pair", "--state", folder() / "state", "--revoke", "browser",
+                             "--configurations", configurations});
+    EXPECT_EQ(revoke.end(), 0) << revoke.errors();
+    EXPECT_EQ(place(), std::pair(gid_t{kPage}, 0755U));
 }
 
 TEST_F(WebPlace, MetricsOfAllDaemonsNeedNoPairingButToBeSwitchedOn) {

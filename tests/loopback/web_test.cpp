@@ -257,6 +257,12 @@ TEST_F(Web, APageOfAnotherOriginDoesNothing) {
     EXPECT_EQ(status("Content-Type", "application/x-www-form-urlencoded"), 415);
     EXPECT_EQ(status("Host", "evil.example"), 421);
     EXPECT_EQ(browser.ask("GET", api("status"), {}, {{"Host", "evil.example"}}).status, 421);
+    for (const std::string what : {"status", "stream"}) {
+        EXPECT_EQ(browser.ask("GET", api(what), {}, {{"Sec-Fetch-Site", "same-site"}}).status, 403)
+            << what << " for a page on another port, which has the cookie";
+    }
+    EXPECT_EQ(browser.ask("GET", api("status"), {}, {{"Sec-Fetch-Site", "same-origin"}}).status,
+              200);
     EXPECT_EQ(browser.ask("GET", api("back"), {}).status, 404) << "no GET changes anything";
     EXPECT_EQ(browser.ask("OPTIONS", api("back"), {}, own).header("Access-Control-Allow-Origin"),
               "");

@@ -48,7 +48,30 @@ int list(const PairingFolder& folder) {
     return kExitFine;
 }
 
-int revoke(PairingFolder& folder, const std::string& name) {
+/// A browser that may change configurations needs a page that may write them: the folder gets the
+/// group of the page's folder, and the group may write there until no such browser is left. Only
+/// root can do that, and only where the package is installed.
+bool set_page_writes(const PairOptions& options, bool writes) {
+    struct stat page {};
+    if (::geteuid() != 0 || ::stat(options.state.c_str(), &page) != 0 || page.st_uid == 0) {
+        return true;
+    }
+    const UniqueFd folder(
+        ::open(options.configurations.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    struct stat before {};
+    if (!folder.valid() || ::fstat(folder.get(), &before) != 0) {
+        return false;
+    }
+    const mode_t mode = before.st_mode & kPermissions;
+    if (!writes) {
+        return before.st_gid != page.st_gid || ::fchmod(folder.get(), mode & ~mode_t{S_IWGRP}) == 0;
+    }
+    return ::fchown(folder.get(), static_cast<uid_t>(-1), page.st_gid) == 0 &&
+           ::fchmod(folder.get(), mode | S_IWGRP) == 0;
+}
+
+int revoke(PairingFolder& folder, const PairOptions& options, WallTime now) {
+    const std::string& name = *options.revoke;
     const auto gone = folder.revoke(name);
     if (!gone) {
         return fail(gone.error(), kExitFailed);
@@ -59,37 +82,29 @@ int revoke(PairingFolder& folder, const std::string& name) {
             kExitFailed);
     }
     fmt::print("{} may use the page no longer\n", name);
+    if (!folder.lets_change(now) && !set_page_writes(options, false)) {
+        return fail(fmt::format("{}: the page still may write there: {}", options.configurations,
+                                std::strerror(errno)),
+                    kExitFailed);
+    }
     return kExitFine;
-}
-
-/// A browser that may change configurations needs a page that may write them: the folder gets the
-/// group of the page's folder. Only root can do that, and only where the package is installed.
-bool let_page_write(const PairOptions& options) {
-    struct stat page {};
-    const UniqueFd folder(
-        ::open(options.configurations.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-    struct stat before {};
-    return ::geteuid() != 0 || ::stat(options.state.c_str(), &page) != 0 || page.st_uid == 0 ||
-           (folder.valid() && ::fstat(folder.get(), &before) == 0 &&
-            ::fchown(folder.get(), static_cast<uid_t>(-1), page.st_gid) == 0 &&
-            ::fchmod(folder.get(), (before.st_mode & kPermissions) | S_IWGRP) == 0);
 }
 
 int run(const PairOptions& options) {
     PairingFolder folder(options.state);
+    const auto now = std::chrono::duration_cast<WallTime>(wall_time_now());
     if (options.list) {
         return list(folder);
     }
     if (options.revoke) {
-        return revoke(folder, *options.revoke);
+        return revoke(folder, options, now);
     }
-    const auto code = folder.make_code(options.look ? Role::look : Role::change,
-                                       std::chrono::duration_cast<WallTime>(wall_time_now()));
+    const auto code = folder.make_code(options.look ? Role::look : Role::change, now);
     if (!code) {
         return fail(code.error() + "; use sudo, and install the package that has tribus-web",
                     kExitFailed);
     }
-    if (!options.look && !let_page_write(options)) {
+    if (!options.look && !set_page_writes(options, true)) {
         return fail(fmt::format("{}: the page cannot be allowed to write there: {}",
                                 options.configurations, std::strerror(errno)),
                     kExitFailed);

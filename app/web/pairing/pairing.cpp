@@ -115,6 +115,13 @@ std::string text_of(const std::vector<Session>& sessions) {
     return json.dump(1) + "\n";
 }
 
+/// Also if the clock was set back: no code lasts longer than from now.
+bool is_valid(const PairingJson& code, WallTime now) {
+    const WallTime until(number_in(code, "until"));
+    return role_of(word_in(code, "role")) && now < until &&
+           until - now <= PairingFolder::kCodeLasts;
+}
+
 }  // namespace
 
 std::string_view word_of(Role role) {
@@ -178,9 +185,7 @@ tl::expected<CodeTried, std::string> PairingFolder::try_code(std::string_view ty
     if (!json) {
         return Refused(json.error());
     }
-    const WallTime until(number_in(*json, "until"));
-    const bool valid = role_of(word_in(*json, "role")) && now < until && until - now <= kCodeLasts;
-    const std::int64_t left = valid ? number_in(*json, "tries") - 1 : -1;
+    const std::int64_t left = is_valid(*json, now) ? number_in(*json, "tries") - 1 : -1;
     const bool right = left >= 0 && plain(typed) == word_in(*json, "code");
     if (right || left <= 0) {
         std::error_code ignored;
@@ -227,6 +232,16 @@ tl::expected<std::size_t, std::string> PairingFolder::revoke(std::string_view na
         }
     }
     return gone;
+}
+
+bool PairingFolder::lets_change(WallTime now) const {
+    const auto all = sessions();
+    const auto code = stored_in(folder_ / kCodeFile);
+    const auto may = [now](const Session& one) {
+        return one.role == Role::change && now - one.made < kSessionLasts;
+    };
+    return !all || !code || std::ranges::any_of(*all, may) ||
+           (role_of(word_in(*code, "role")) == Role::change && is_valid(*code, now));
 }
 
 tl::expected<void, std::string> PairingFolder::leave(std::string_view hash) {

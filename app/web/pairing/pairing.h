@@ -61,6 +61,9 @@ class PairingFolder {
     /// Removes the browser whose cookie has that hash.
     tl::expected<void, std::string> leave(std::string_view hash);
 
+    /// Whether a browser may change something, or may soon by a code. True if that cannot be read.
+    bool lets_change(WallTime now) const;
+
     std::filesystem::path sessions_file() const { return folder_ / "sessions.json"; }
 
   private:

@@ -63,6 +63,11 @@ std::vector<std::string> own_names(std::string_view host_name,
     return names;
 }
 
+bool is_asked_by_another_page(const HttpRequest& request) {
+    const std::string& from = request.fetch_site;
+    return !from.empty() && from != "same-origin" && from != "none";
+}
+
 std::optional<HttpRefusal> why_not_from_own_page(const HttpRequest& request) {
     if (request.method != "POST") {
         return HttpRefusal{405, "only POST changes something"};

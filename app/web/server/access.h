@@ -18,6 +18,10 @@ bool is_own_host(std::string_view host, const std::vector<std::string>& names);
 std::vector<std::string> own_names(std::string_view host_name,
                                    const std::vector<std::string>& more);
 
+/// Whether the browser says that a page of another origin asks. Cookies do not tell: a page on
+/// another port of the same host has them, too, and could push out the streams of its owner.
+bool is_asked_by_another_page(const HttpRequest& request);
+
 /// Why a request that changes something is refused; nothing if it may pass. It must be a POST with
 /// JSON and the header X-Tribus, from a page of the same host and port. The scheme may differ: a
 /// proxy may add TLS.

@@ -83,6 +83,7 @@ HttpRequest request_of(Message&& message, std::size_t bytes) {
     if (count_of(message, http::field::origin) == 1) {
         request.origin = text_of(message[http::field::origin]);
     }
+    request.fetch_site = text_of(message["Sec-Fetch-Site"]);
     request.cookie = text_of(message[http::field::cookie]);
     request.content_type = text_of(message[http::field::content_type]);
     request.if_match = text_of(message[http::field::if_match]);

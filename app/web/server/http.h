@@ -19,6 +19,7 @@ struct HttpRequest {
     std::string query;  ///< behind '?', without it
     std::string host;
     std::optional<std::string> origin;
+    std::string fetch_site;  ///< Sec-Fetch-Site (W3C Fetch Metadata); browsers may leave it out
     std::string cookie;
     std::string content_type;
     std::string if_match;

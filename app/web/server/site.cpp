@@ -98,6 +98,12 @@ bool Site::answer_one(SocketClient& client, Instant now) {
             now);
     }
     std::string_view path = request.path;
+    if (path.starts_with(kApi) && is_asked_by_another_page(request)) {
+        return send_reply(
+            client, request,
+            refused(403, "the request comes from a page of another address", request.keeps_open),
+            now);
+    }
     if (request.method == "GET" && path.starts_with(kApi) && path.ends_with("/stream")) {
         path.remove_prefix(kApi.size());
         return begin_stream(client, request, std::string(take_part(path)), now);

@@ -71,5 +71,20 @@ TEST(Access, AChangeFromElsewhereIsRefused) {
     }
 }
 
+/// The values are those of W3C Fetch Metadata; a page on another port of the host is `same-site`.
+TEST(Access, OnlyTheOwnPageAndTheAddressBarMayAsk) {
+    const auto another_page = [](const std::string& site) {
+        HttpRequest request;
+        request.fetch_site = site;
+        return is_asked_by_another_page(request);
+    };
+    EXPECT_FALSE(another_page("")) << "an older browser, or plain HTTP";
+    EXPECT_FALSE(another_page("same-origin"));
+    EXPECT_FALSE(another_page("none")) << "typed by the person";
+    EXPECT_TRUE(another_page("same-site"));
+    EXPECT_TRUE(another_page("cross-site"));
+    EXPECT_TRUE(another_page("Same-Origin")) << "no browser writes it so";
+}
+
 }  // namespace
 }  // namespace tribus::test::access_test

@@ -26,10 +26,11 @@ int status_of(const std::string& received) {
 }
 
 TEST(Http, ReadsWhatThePageNeeds) {
-    const std::string text = kLine + kHost +
-                             "Origin: http://board.local:8480\r\nCookie: a=1; tribus_8480=xyz\r\n"
-                             "Content-Type: application/json\r\nIf-Match: \"7\"\r\nX-Tribus: 1\r\n"
-                             "Accept-Encoding: br, gzip\r\nContent-Length: 2\r\n\r\n{}";
+    const std::string text =
+        kLine + kHost +
+        "Origin: http://board.local:8480\r\nCookie: a=1; tribus_8480=xyz\r\n"
+        "Content-Type: application/json\r\nIf-Match: \"7\"\r\nX-Tribus: 1\r\n"
+        "Sec-Fetch-Site: same-site\r\nAccept-Encoding: br, gzip\r\nContent-Length: 2\r\n\r\n{}";
     const auto parsed = parse_http(text + "GET / HTTP/1.1\r\n");
     const auto* request = std::get_if<HttpRequest>(&parsed);
     ASSERT_NE(request, nullptr);
@@ -38,6 +39,7 @@ TEST(Http, ReadsWhatThePageNeeds) {
     EXPECT_EQ(request->query, "a=1");
     EXPECT_EQ(request->host, "board.local:8480");
     EXPECT_EQ(request->origin, "http://board.local:8480");
+    EXPECT_EQ(request->fetch_site, "same-site");
     EXPECT_EQ(cookie_value(request->cookie, "tribus_8480"), "xyz");
     EXPECT_EQ(request->content_type, "application/json");
     EXPECT_EQ(request->if_match, "\"7\"");

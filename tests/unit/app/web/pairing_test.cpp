@@ -45,6 +45,25 @@ TEST_F(Pairing, ACodeMayBeTypedInSmallLettersWithBlanksAndDashes) {
     EXPECT_TRUE(tried(" " + typed.substr(0, 4) + "-" + typed.substr(4) + " ").role);
 }
 
+TEST_F(Pairing, LetsChangeWhileABrowserOrACodeMay) {
+    EXPECT_FALSE(folder_.lets_change(kNow));
+    code(Role::look);
+    EXPECT_FALSE(folder_.lets_change(kNow));
+    tried(code());
+    EXPECT_FALSE(folder_.lets_change(kNow)) << "the code is used up";
+    code();
+    EXPECT_TRUE(folder_.lets_change(kNow));
+    const WallTime later = kNow + PairingFolder::kCodeLasts;
+    EXPECT_FALSE(folder_.lets_change(later));
+    ASSERT_TRUE(folder_.add_session("phone", Role::look, "1", later));
+    EXPECT_FALSE(folder_.lets_change(later));
+    ASSERT_TRUE(folder_.add_session("laptop", Role::change, "2", later));
+    EXPECT_TRUE(folder_.lets_change(later));
+    EXPECT_FALSE(folder_.lets_change(later + PairingFolder::kSessionLasts));
+    ASSERT_EQ(folder_.revoke("laptop").value(), 1U);
+    EXPECT_FALSE(folder_.lets_change(later));
+}
+
 TEST_F(Pairing, FiveWrongTriesEndACode) {
     const std::string given = code();
     for (const int left : {4, 3, 2, 1, 0}) {
