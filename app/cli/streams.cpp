@@ -90,7 +90,8 @@ tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::open_path(
     return of(std::move(*file));
 }
 
-tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::of(InputFile file) {
+tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::of(InputFile file,
+                                                                      std::string beginning) {
     std::unique_ptr<FilePieces> pieces(new FilePieces(std::move(file)));
     if (pieces->file_.is_whole()) {
         pieces->file_.rewind();
@@ -99,7 +100,7 @@ tl::expected<std::unique_ptr<FilePieces>, std::string> FilePieces::of(InputFile 
         if (!content) {
             return tl::unexpected(std::move(content.error()));
         }
-        pieces->piece_ = std::move(*content);
+        pieces->piece_ = std::move(beginning) + *content;
         pieces->whole_.emplace(pieces->piece_);
     }
     return pieces;

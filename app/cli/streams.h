@@ -51,8 +51,9 @@ class InputFile {
 class FilePieces final : public Pieces {
   public:
     static tl::expected<std::unique_ptr<FilePieces>, std::string> open_path(std::string_view path);
-    /// Takes a file. Of a pipe, only what was not read yet.
-    static tl::expected<std::unique_ptr<FilePieces>, std::string> of(InputFile file);
+    /// Takes a file. `beginning`: what was already read of a pipe.
+    static tl::expected<std::unique_ptr<FilePieces>, std::string> of(InputFile file,
+                                                                     std::string beginning = {});
 
     std::string_view next() override;
     void rewind() override;

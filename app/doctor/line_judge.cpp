@@ -181,7 +181,7 @@ std::optional<LineStory> with_sensor_bus(const Heard& heard, std::optional<LineS
         }
     });
     for (const Burst& burst : heard.bursts) {
-        finder.feed(burst);
+        finder.feed_burst(0, burst);
     }
     const SensorTally tally = finder.tally();
     const bool alone = requests >= kFewestFramesToJudge && 2 * in_frames >= tally.frames.bytes;

@@ -16,6 +16,7 @@
 #include "transports/recordings/burst_reader.h"
 #include "transports/recordings/candump.h"
 #include "transports/recordings/recording.h"
+#include "transports/recordings/recording_source.h"
 #include "transports/recordings/text.h"
 
 namespace tribus {
@@ -135,17 +136,11 @@ tl::expected<void, std::string> Arrivals::Recorded::ended_with(std::optional<std
 }
 
 tl::expected<void, std::string> Arrivals::Recorded::choose_interface() {
-    std::vector<std::string> names;
-    CandumpFrames reader(*pieces_, path_);
-    auto frame = reader.next();
-    for (; frame && *frame; frame = reader.next()) {
-        if (std::ranges::find(names, (*frame)->interface) == names.end()) {
-            names.push_back((*frame)->interface);
-        }
+    RecordingInPieces log(*pieces_, path_, kind_);
+    if (const auto judged = log.judge(); !judged) {
+        return ended_with(judged.error());
     }
-    if (!frame) {
-        return ended_with(frame.error());
-    }
+    const std::vector<std::string>& names = log.interfaces();
     const std::string& own = source_.port->device;
     const bool has_own = std::ranges::find(names, own) != names.end();
     if (!has_own && names.size() > 1) {

@@ -22,10 +22,12 @@
 #include "app/wire/decode_frames.h"
 #include "app/wire/decode_sensor.h"
 #include "app/wire/decode_values.h"
+#include "app/wire/frames/can_log.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/codecs/ibus_sensor/types.h"
+#include "transports/recordings/recording_source.h"
 #include "transports/registry/registry.h"
 
 namespace tribus {
@@ -178,29 +180,30 @@ std::string mistake_in_kind(std::string_view mistake, RecordingKind kind) {
                        kRecordingKindNames.at(std::size_t(kind)), kKindHint);
 }
 
-int decode_parsed(Recording recording, const std::string& name, std::vector<ProtocolUse> uses,
-                  const DecodeArguments& arguments) {
-    if (recording.kind == RecordingKind::candump) {
-        auto taken = take_interface(std::move(recording), name, arguments.interface);
-        if (!taken) {
-            return fail(taken.error(), kExitFailed);
+int decode_judged(RecordingInPieces& recording, const std::string& name,
+                  std::vector<ProtocolUse> uses, const DecodeArguments& arguments) {
+    const bool can = recording.kind() == RecordingKind::candump;
+    if (can) {
+        auto chosen = check_interface(recording.interfaces(), name, arguments.interface);
+        if (!chosen) {
+            return fail(chosen.error(), kExitFailed);
         }
-        recording = std::move(*taken);
+        recording.select_interface(arguments.interface);
     } else if (arguments.any_protocol() && is_sensor_bus(recording)) {
         uses = {{.protocol = &kSensorBusProtocol, .settings = {}, .line = kSensorBusProtocol.line}};
     }
-    const bool can = recording.kind == RecordingKind::candump;
     if (uses.size() == 1 || (can && arguments.any_protocol() && only_dronecan(recording, uses))) {
         const auto decoding = uses.size() == 1
-                                  ? make_decoding(uses.front(), recording.kind, arguments)
+                                  ? make_decoding(uses.front(), recording.kind(), arguments)
                                   : transfer_decoding(arguments);
         return decode_recording(recording, *decoding, std::cerr);
     }
-    return decode_frames(recording, uses, output_of(recording.kind, arguments));
+    return decode_frames(recording, uses, output_of(recording.kind(), arguments));
 }
 
-/// `uses` are all CAN or all serial, unless the kind is not known yet.
-int decode_whole(std::string_view content, const std::string& name, std::vector<ProtocolUse> uses,
+/// Decodes a file of any length. It is judged as a whole before anything is printed. `uses` are all
+/// CAN or all serial, unless the kind is not known yet.
+int decode_whole(FilePieces& content, const std::string& name, std::vector<ProtocolUse> uses,
                  std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
     if (!kind) {
         const auto told = detect_recording_kind(content, name);
@@ -215,49 +218,15 @@ int decode_whole(std::string_view content, const std::string& name, std::vector<
         }
         uses = std::move(*suited);
     }
-    auto recording = parse_recording(content, name, *kind);
-    if (!recording && *kind == RecordingKind::candump) {
-        return fail(recording.error(), kExitFailed);
+    RecordingInPieces recording(content, name, *kind);
+    if (const auto judged = recording.judge(); !judged) {
+        return fail(*kind == RecordingKind::candump ? judged.error()
+                                                    : mistake_in_kind(judged.error(), *kind),
+                    kExitFailed);
     }
-    if (!recording) {
-        return fail(mistake_in_kind(recording.error(), *kind), kExitFailed);
-    }
-    return decode_parsed(std::move(*recording), name, std::move(uses), arguments);
-}
-
-/// Decodes the bytes of a file, which is read twice: it is judged as a whole before anything is
-/// printed.
-int decode_in_pieces(Pieces& content, const std::string& name, const ProtocolUse& use,
-                     RecordingKind kind, const DecodeArguments& arguments) {
-    BurstReader judge(content, name, kind);
-    auto burst = judge.next();
-    while (burst && *burst) {
-        burst = judge.next();
-    }
-    if (!burst) {
-        return fail(mistake_in_kind(burst.error(), kind), kExitFailed);
-    }
-    content.rewind();
-    BurstReader reader(content, name, kind);
-    const auto decoding = make_decoding(use, kind, arguments);
-    return decode_bursts(reader, *decoding, std::cerr);
-}
-
-/// Decodes a file of a protocol on bytes, whatever its length.
-int decode_named(FilePieces& content, const std::string& name, const ProtocolUse& use,
-                 std::optional<RecordingKind> kind, const DecodeArguments& arguments) {
-    if (!kind) {
-        const auto told = detect_recording_kind(content, name);
-        if (!told) {
-            return fail(fmt::format("{} ({})", told.error(), kKindHint), kExitFailed);
-        }
-        if (const auto suited = suited_to({&use, 1}, *told, name, arguments.interface); !suited) {
-            return fail(suited.error(), kExitWrongUse);
-        }
-        kind = *told;
-    }
-    const int status = decode_in_pieces(content, name, use, *kind, arguments);
-    return content.failed() ? fail(*content.failed(), kExitFailed) : status;
+    const int status = decode_judged(recording, name, std::move(uses), arguments);
+    const auto& failed = content.failed() ? content.failed() : recording.failed();
+    return failed ? fail(*failed, kExitFailed) : status;
 }
 
 /// Reads as much of the file as is needed to recognise its format.
@@ -325,19 +294,10 @@ int run_decode(const DecodeArguments& arguments) {
     if (flows && uses->size() == 1) {
         return decode_as_it_comes(*file, std::move(*beginning), uses->front(), *kind, arguments);
     }
-    const bool named_bytes =
-        uses->size() == 1 && uses->front().protocol->shape == WireShape::bytes && !log;
-    if (named_bytes && file->is_whole()) {
-        const std::string name = file->name();
-        const auto pieces = FilePieces::of(std::move(*file));
-        return pieces ? decode_named(**pieces, name, uses->front(), kind, arguments)
-                      : fail(pieces.error(), kExitFailed);
-    }
-    const auto rest = file->read_all();
-    if (!rest) {
-        return fail(rest.error(), kExitFailed);
-    }
-    return decode_whole(*beginning + *rest, file->name(), std::move(*uses), kind, arguments);
+    const std::string name = file->name();
+    const auto pieces = FilePieces::of(std::move(*file), std::move(*beginning));
+    return pieces ? decode_whole(**pieces, name, std::move(*uses), kind, arguments)
+                  : fail(pieces.error(), kExitFailed);
 }
 
 }  // namespace

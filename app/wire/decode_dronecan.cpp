@@ -11,21 +11,22 @@
 namespace tribus {
 namespace {
 
-void explain_recording(const Recording& recording, DroneCanExplainer& explainer) {
-    for (const RecordedCanFrame& frame : recording.can_frames) {
-        explainer.feed(frame);
-    }
-    explainer.finish();
-}
+class TransferCounter final : public RecordingTaker {
+  public:
+    void feed_frame(const RecordedCanFrame& frame) override { explainer.feed(frame); }
+
+    DroneCanExplainer explainer{[](const ExplainedTransfer&) {}};
+};
 
 }  // namespace
 
-bool is_dronecan(const Recording& recording) {
-    DroneCanExplainer explainer([](const ExplainedTransfer&) {});
-    explain_recording(recording, explainer);
-    const TransferCounts& counts = explainer.tally().counts;
-    const auto all = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-    return explainer.tally().of_known_type > all / 2;
+bool is_dronecan(RecordingSource& recording) {
+    TransferCounter counter;
+    recording.read(counter);
+    counter.explainer.finish();
+    const TransferTally& tally = counter.explainer.tally();
+    const auto all = std::accumulate(tally.counts.begin(), tally.counts.end(), std::uint64_t{0});
+    return tally.of_known_type > all / 2;
 }
 
 TransferDecoding::TransferDecoding(std::optional<std::size_t> columns, const DecodeOutput& output)
@@ -58,7 +59,7 @@ std::vector<ProtocolUse> without_dronecan(std::span<const ProtocolUse> uses) {
     return others;
 }
 
-bool only_dronecan(const Recording& recording, std::span<const ProtocolUse> uses) {
+bool only_dronecan(RecordingSource& recording, std::span<const ProtocolUse> uses) {
     return is_dronecan(recording) && most_frames(without_dronecan(uses), recording) == 0;
 }
 

@@ -8,14 +8,14 @@
 #include "app/cli/protocol_use.h"
 #include "app/wire/decoding.h"
 #include "app/wire/dronecan/dronecan_explainer.h"
-#include "transports/recordings/recording.h"
+#include "transports/recordings/recording_source.h"
 
 namespace tribus {
 
 inline constexpr const char* kDroneCanName = "dronecan";
 
 /// True if most transfers of the log are complete and of known types.
-bool is_dronecan(const Recording& recording);
+bool is_dronecan(RecordingSource& recording);
 
 /// All transfers of a DroneCAN bus, not only those with channels, one a line, then a summary.
 class TransferDecoding final : public Decoding {
@@ -40,6 +40,6 @@ class TransferDecoding final : public Decoding {
 std::vector<ProtocolUse> without_dronecan(std::span<const ProtocolUse> uses);
 
 /// True if the log is DroneCAN and none of `uses` finds anything else in it.
-bool only_dronecan(const Recording& recording, std::span<const ProtocolUse> uses);
+bool only_dronecan(RecordingSource& recording, std::span<const ProtocolUse> uses);
 
 }  // namespace tribus

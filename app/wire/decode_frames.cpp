@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <ostream>
 #include <string>
@@ -34,36 +35,55 @@ void print_summary(const DecodeOutput& output, const Tally& tally) {
         [&](std::string& text) { append_summary_json(text, tally, output.input_name()); });
 }
 
-/// Which protocol decodes which burst of a recording.
-struct Allotment {
-    std::size_t best = 0;
-    std::uint64_t frames_of_best = 0;
-    /// For each burst that is a frame of another protocol and not touched by a frame of the best:
-    /// the index of that protocol.
-    std::vector<std::optional<std::size_t>> alone;
-};
+/// The frames that one protocol finds, and the bursts that they touch.
+class Coverage {
+  public:
+    explicit Coverage(const ProtocolUse& use)
+        : finder_(make_frame_finder(use, [this](const FoundFrame& found) { take(found); })) {}
 
-struct Coverage {
-    std::uint64_t frames = 0;
-    std::vector<bool> touched;  ///< for each burst: a frame contains a byte of it
-};
+    FrameFinder& finder() { return *finder_; }
+    std::uint64_t frames() const { return frames_; }
+    /// Whether a frame contains a byte of the burst.
+    bool touches(std::size_t burst) const { return burst < touched_.size() && touched_[burst]; }
 
-Coverage coverage_of(const Recording& recording, const ProtocolUse& use) {
-    Coverage coverage{.frames = 0, .touched = std::vector<bool>(recording.bursts.size())};
-    find_frames(use, recording, [&](const FoundFrame& found) {
-        ++coverage.frames;
-        std::size_t end = found.place.byte + found.frame.length;
-        for (std::size_t burst = found.place.burst; burst < recording.bursts.size(); ++burst) {
-            const std::size_t size = recording.bursts[burst].bytes.size();
-            coverage.touched[burst] = true;
-            if (end <= size) {
-                break;
-            }
-            end -= size;
+  private:
+    void take(const FoundFrame& found) {
+        ++frames_;
+        touched_.resize(std::max(touched_.size(), found.last_burst + 1));
+        for (std::size_t burst = found.place.burst; burst <= found.last_burst; ++burst) {
+            touched_[burst] = true;
         }
-    });
-    return coverage;
-}
+    }
+
+    std::unique_ptr<FrameFinder> finder_;
+    std::uint64_t frames_ = 0;
+    std::vector<bool> touched_;
+};
+
+/// Of several protocols, in one pass.
+class Coverages {
+  public:
+    Coverages(RecordingSource& recording, std::span<const ProtocolUse> uses) {
+        SeveralTakers finders;
+        for (const ProtocolUse& use : uses) {
+            finders.add(all_.emplace_back(std::make_unique<Coverage>(use))->finder());
+        }
+        recording.read(finders);
+        for (const auto& one : all_) {
+            one->finder().finish();
+        }
+    }
+    /// The index of the first of those that find the most frames.
+    std::size_t best() const {
+        const auto found =
+            std::ranges::max_element(all_, {}, [](const auto& one) { return one->frames(); });
+        return static_cast<std::size_t>(found - all_.begin());
+    }
+    const Coverage& of_best() const { return *all_[best()]; }
+
+  private:
+    std::vector<std::unique_ptr<Coverage>> all_;
+};
 
 bool is_one_frame_of(const Burst& burst, const ProtocolUse& use) {
     bool whole = false;
@@ -74,80 +94,87 @@ bool is_one_frame_of(const Burst& burst, const ProtocolUse& use) {
     return whole;
 }
 
-Allotment allot(const Recording& recording, std::span<const ProtocolUse> uses) {
-    Allotment allotment;
-    std::vector<bool> touched(recording.bursts.size());
-    for (std::size_t index = 0; index < uses.size(); ++index) {
-        Coverage coverage = coverage_of(recording, uses[index]);
-        if (coverage.frames > allotment.frames_of_best) {
-            allotment.best = index;
-            allotment.frames_of_best = coverage.frames;
-            touched = std::move(coverage.touched);
-        }
-    }
-    allotment.alone.resize(recording.bursts.size());
-    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
-        for (std::size_t index = 0; !touched[burst] && index < uses.size(); ++index) {
-            if (is_one_frame_of(recording.bursts[burst], uses[index])) {
-                allotment.alone[burst] = index;
-                break;
-            }
-        }
-    }
-    return allotment;
-}
-
 void add(Tally& total, const Tally& part) {
     total.bytes += part.bytes;
     total.frames += part.frames;
     total.skipped_bytes += part.skipped_bytes;
 }
 
-struct PrintedFrame {
-    FramePlace place;
-    std::string line;
+/// Prints the frames of the best protocol, and the bursts that none of them touches and that are
+/// exactly one frame of another protocol.
+class AllottedDecoding final : public RecordingTaker {
+  public:
+    AllottedDecoding(std::span<const ProtocolUse> uses, std::size_t best, const Coverage& coverage,
+                     const DecodeOutput& output)
+        : uses_(uses),
+          coverage_(coverage),
+          output_(output),
+          best_(make_frame_finder(uses[best], collector())) {}
+
+    void feed_burst(std::size_t index, const Burst& burst) override {
+        const auto other = coverage_.touches(index)
+                               ? uses_.end()
+                               : std::ranges::find_if(uses_, [&](const ProtocolUse& use) {
+                                     return is_one_frame_of(burst, use);
+                                 });
+        if (other == uses_.end()) {
+            best_->feed_burst(index, burst);
+        } else {
+            decode_alone(*other, index, burst);
+        }
+        print_before(best_->waits_since());
+    }
+    /// Returns the counters of all.
+    Tally finish() {
+        best_->finish();
+        print_before(std::nullopt);
+        Tally tally = best_->tally();
+        add(tally, others_);
+        return tally;
+    }
+
+  private:
+    struct Line {
+        FramePlace place;
+        std::string text;
+    };
+    FrameHandler collector() {
+        return [this](const FoundFrame& found) {
+            lines_.push_back({found.place, line_of(found, output_.format)});
+        };
+    }
+    void decode_alone(const ProtocolUse& use, std::size_t index, const Burst& burst) {
+        const auto finder = make_frame_finder(use, collector());
+        finder->feed_burst(index, burst);
+        finder->finish();
+        add(others_, finder->tally());
+    }
+    /// Prints the lines of frames before `place`, or all, in the order of the recording.
+    void print_before(std::optional<FramePlace> place) {
+        std::ranges::stable_sort(lines_, {}, &Line::place);
+        const auto end =
+            place ? std::ranges::lower_bound(lines_, *place, {}, &Line::place) : lines_.end();
+        std::for_each(lines_.begin(), end,
+                      [this](const Line& line) { output_.results << line.text; });
+        lines_.erase(lines_.begin(), end);
+    }
+
+    std::span<const ProtocolUse> uses_;
+    const Coverage& coverage_;
+    const DecodeOutput& output_;
+    std::unique_ptr<FrameFinder> best_;
+    std::vector<Line> lines_;
+    Tally others_;
 };
 
-void decode_allotted(const Recording& recording, std::span<const ProtocolUse> uses,
-                     const Allotment& allotment, const DecodeOutput& output) {
-    std::vector<PrintedFrame> frames;
-    const auto collect = [&](const FoundFrame& found) {
-        frames.push_back({found.place, line_of(found, output.format)});
-    };
-    const auto best = make_frame_finder(uses[allotment.best], collect);
-    Tally others;
-    for (std::size_t burst = 0; burst < recording.bursts.size(); ++burst) {
-        const auto owner = allotment.alone[burst];
-        if (!owner) {
-            best->feed_burst(burst, recording.bursts[burst]);
-            continue;
-        }
-        const auto other = make_frame_finder(uses[*owner], collect);
-        other->feed_burst(burst, recording.bursts[burst]);
-        other->finish();
-        add(others, other->tally());
-    }
-    best->finish();
-    std::stable_sort(frames.begin(), frames.end(),
-                     [](const auto& a, const auto& b) { return a.place < b.place; });
-    print_heading(output);
-    for (const PrintedFrame& frame : frames) {
-        output.results << frame.line;
-    }
-    Tally tally = best->tally();
-    add(tally, others);
-    print_summary(output, tally);
-}
-
 /// The counters of one protocol's rejected frames would mean nothing here.
-int decode_unknown(const Recording& recording, std::span<const ProtocolUse> uses,
+int decode_unknown(RecordingSource& recording, std::span<const ProtocolUse> uses,
                    const DecodeOutput& output) {
     Tally tally = find_frames(uses.front(), recording, [](const FoundFrame&) {});
     tally.rejected.clear();
     tally.skipped_bytes = tally.bytes;
     if (tally.can) {
         tally.can->others = tally.can->frames;
-        tally.can->log = recording.log;
     }
     print_heading(output);
     print_summary(output, tally);
@@ -190,21 +217,28 @@ DecodedAmount FrameDecoding::amount() const {
     return amount_of(finder_->tally());
 }
 
-std::uint64_t most_frames(std::span<const ProtocolUse> uses, const Recording& recording) {
-    return allot(recording, uses).frames_of_best;
+std::uint64_t most_frames(std::span<const ProtocolUse> uses, RecordingSource& recording) {
+    return uses.empty() ? 0 : Coverages(recording, uses).of_best().frames();
 }
 
-int decode_frames(const Recording& recording, std::span<const ProtocolUse> uses,
+int decode_frames(RecordingSource& recording, std::span<const ProtocolUse> uses,
                   const DecodeOutput& output) {
-    const Allotment allotment = allot(recording, uses);
-    if (uses.size() > 1 && allotment.frames_of_best == 0) {
-        return decode_unknown(recording, uses, output);
-    }
-    if (uses.size() == 1 || recording.bursts.empty()) {
-        FrameDecoding decoding(uses[allotment.best], output);
+    if (uses.size() == 1) {
+        FrameDecoding decoding(uses.front(), output);
         return decode_recording(recording, decoding, output.messages);
     }
-    decode_allotted(recording, uses, allotment, output);
+    const Coverages coverages(recording, uses);
+    if (coverages.of_best().frames() == 0) {
+        return decode_unknown(recording, uses, output);
+    }
+    if (recording.kind() == RecordingKind::candump) {
+        FrameDecoding decoding(uses[coverages.best()], output);
+        return decode_recording(recording, decoding, output.messages);
+    }
+    AllottedDecoding decoding(uses, coverages.best(), coverages.of_best(), output);
+    print_heading(output);
+    recording.read(decoding);
+    print_summary(output, decoding.finish());
     return kExitFine;
 }
 

@@ -9,7 +9,7 @@
 #include "app/cli/protocol_use.h"
 #include "app/wire/decoding.h"
 #include "app/wire/frames/frame_finder.h"
-#include "transports/recordings/recording.h"
+#include "transports/recordings/recording_source.h"
 
 /// `decode` for protocols of channels, on serial lines and on CAN.
 namespace tribus {
@@ -35,7 +35,7 @@ class FrameDecoding final : public Decoding {
 };
 
 /// The largest number of frames that one of the protocols finds.
-std::uint64_t most_frames(std::span<const ProtocolUse> uses, const Recording& recording);
+std::uint64_t most_frames(std::span<const ProtocolUse> uses, RecordingSource& recording);
 
 /// Decodes a whole recording by the one of the protocols that finds the most frames. All must have
 /// the recording's shape. Returns the exit status.
@@ -43,7 +43,7 @@ std::uint64_t most_frames(std::span<const ProtocolUse> uses, const Recording& re
 /// With several protocols, a burst that none of its frames touches and that is exactly one frame
 /// of another protocol is decoded as that frame; so a file that lists frames of several protocols,
 /// one a line, is decoded completely.
-int decode_frames(const Recording& recording, std::span<const ProtocolUse> uses,
+int decode_frames(RecordingSource& recording, std::span<const ProtocolUse> uses,
                   const DecodeOutput& output);
 
 }  // namespace tribus

@@ -21,8 +21,8 @@ void SensorDecoding::heading() {
     output_.heading(append_sensor_text_heading, append_sensor_csv_heading);
 }
 
-void SensorDecoding::feed_burst(std::size_t /*index*/, const Burst& burst) {
-    finder_.feed(burst);
+void SensorDecoding::feed_burst(std::size_t index, const Burst& burst) {
+    finder_.feed_burst(index, burst);
 }
 
 void SensorDecoding::finish(const LogFacts& /*log*/) {

@@ -9,12 +9,12 @@ namespace {
 /// Upper limit of the bytes kept while no frame was found; enough to find a protocol that fits.
 constexpr std::size_t kMostKept = std::size_t{64} * 1024;
 
-int status_of(const Decoding& decoding, const Recording& recording, std::ostream& messages) {
+int status_of(const Decoding& decoding, RecordingSource& recording, std::ostream& messages) {
     const DecodedAmount amount = decoding.amount();
     if (amount.frames > 0 || amount.given == 0) {
         return kExitFine;
     }
-    messages << no_frame_text(recording, decoding.protocol());
+    messages << no_frame_text(recording, decoding.protocol(), amount.given);
     return decoding.status_of_nothing();
 }
 
@@ -28,37 +28,10 @@ int Decoding::status_of_nothing() const {
     return kExitFine;
 }
 
-int decode_recording(const Recording& recording, Decoding& decoding, std::ostream& messages) {
+int decode_recording(RecordingSource& recording, Decoding& decoding, std::ostream& messages) {
     decoding.heading();
-    for (std::size_t index = 0; index < recording.bursts.size(); ++index) {
-        decoding.feed_burst(index, recording.bursts[index]);
-    }
-    for (const RecordedCanFrame& frame : recording.can_frames) {
-        decoding.feed_frame(frame);
-    }
-    decoding.finish(recording.log);
+    decoding.finish(recording.read(decoding));
     return status_of(decoding, recording, messages);
-}
-
-int decode_bursts(BurstReader& reader, Decoding& decoding, std::ostream& messages) {
-    Recording kept;
-    std::size_t kept_bytes = 0;
-    decoding.heading();
-    auto burst = reader.next();
-    for (std::size_t index = 0; burst && *burst; ++index, burst = reader.next()) {
-        decoding.feed_burst(reader.kind() == RecordingKind::raw ? 0 : index, **burst);
-        if (decoding.amount().frames == 0 && kept_bytes < kMostKept) {
-            kept_bytes += (*burst)->bytes.size();
-            kept.timed = (*burst)->start.has_value();
-            kept.bursts.push_back(std::move(**burst));
-        }
-    }
-    decoding.finish({});
-    if (!burst) {
-        messages << "tribus: " << burst.error() << '\n';
-        return kExitFailed;
-    }
-    return status_of(decoding, kept, messages);
 }
 
 int decode_stream(const std::function<std::string()>& read, Decoding& decoding,
@@ -79,7 +52,8 @@ int decode_stream(const std::function<std::string()>& read, Decoding& decoding,
         }
     }
     decoding.finish({});
-    return status_of(decoding, kept, messages);
+    RecordingInMemory recording(kept);
+    return status_of(decoding, recording, messages);
 }
 
 int decode_log(const CanLogSource& source, Decoding& decoding, std::ostream& results,

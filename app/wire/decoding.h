@@ -10,8 +10,7 @@
 
 #include "app/wire/frames/can_log.h"
 #include "app/wire/frames/frame_finder.h"
-#include "transports/recordings/burst_reader.h"
-#include "transports/recordings/recording.h"
+#include "transports/recordings/recording_source.h"
 
 /// The steps of `decode`. They are the same for every protocol, and for a whole recording and one
 /// that arrives piece by piece.
@@ -71,17 +70,9 @@ struct DecodedAmount {
 DecodedAmount amount_of(const Tally& tally);
 
 /// Prints a recording for `decode`: heading, a line for each frame, exchange or transfer, summary.
-class Decoding {
+class Decoding : public RecordingTaker {
   public:
-    Decoding() = default;
-    Decoding(const Decoding&) = delete;
-    Decoding& operator=(const Decoding&) = delete;
-    virtual ~Decoding() = default;
-
     virtual void heading() = 0;
-    /// In the order of the recording. `index`: number of the burst.
-    virtual void feed_burst(std::size_t /*index*/, const Burst& /*burst*/) {}
-    virtual void feed_frame(const RecordedCanFrame& /*frame*/) {}
     /// The recording ends here.
     virtual void finish(const LogFacts& log) = 0;
 
@@ -93,10 +84,7 @@ class Decoding {
 
 /// Decodes a whole recording. If it finds nothing, `messages` names protocols that do. Returns the
 /// exit status.
-int decode_recording(const Recording& recording, Decoding& decoding, std::ostream& messages);
-
-/// The same for a recording of which the bursts are read one by one; of which kind, `reader` knows.
-int decode_bursts(BurstReader& reader, Decoding& decoding, std::ostream& messages);
+int decode_recording(RecordingSource& recording, Decoding& decoding, std::ostream& messages);
 
 /// Decodes raw bytes as they arrive. `read` returns the next bytes, none at the end. Otherwise as
 /// above.

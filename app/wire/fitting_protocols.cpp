@@ -1,53 +1,44 @@
 #include "app/wire/fitting_protocols.h"
 
-#include <cstdint>
+#include <memory>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/cli/protocol_use.h"
-#include "app/wire/decode_sensor.h"
 #include "app/wire/frames/frame_finder.h"
 #include "app/wire/sensors/sensor_frame_finder.h"
 #include "core/counted.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 
 namespace tribus {
-namespace {
 
-std::uint64_t sensor_frames(const Recording& recording) {
-    SensorFrameFinder finder([](const ReceivedSensorFrame&) {});
-    for (const Burst& burst : recording.bursts) {
-        finder.feed(burst);
+std::string no_frame_text(RecordingSource& recording, std::string_view asked, std::uint64_t given) {
+    const bool can = recording.kind() == RecordingKind::candump;
+    const auto uses = of_shape(choose_protocols("auto", SettingScope::input, {}).value(),
+                               can ? WireShape::can_frames : WireShape::bytes);
+    SeveralTakers all;
+    SensorFrameFinder sensors([](const ReceivedSensorFrame&) {});
+    all.add(sensors);
+    std::vector<std::unique_ptr<FrameFinder>> finders;
+    for (const ProtocolUse& use : uses) {
+        all.add(*finders.emplace_back(make_frame_finder(use, [](const FoundFrame&) {})));
     }
-    return finder.tally().frames.frames;
-}
-
-}  // namespace
-
-std::string no_frame_text(const Recording& recording, std::string_view asked) {
-    const bool can = recording.kind == RecordingKind::candump;
-    const auto uses = choose_protocols("auto", SettingScope::input, {});
+    recording.read(all);
     std::string fitting;
-    const auto add = [&](std::string_view protocol, std::uint64_t frames) {
-        if (frames > 0 && protocol != asked) {
+    const auto add = [&](std::string_view protocol, const Tally& tally) {
+        if (tally.frames > 0 && protocol != asked) {
             fitting += fmt::format("{}{} ({})", fitting.empty() ? "" : ", ", protocol,
-                                   counted(frames, "frame"));
+                                   counted(tally.frames, "frame"));
         }
     };
-    for (const ProtocolUse& use :
-         of_shape(uses.value(), can ? WireShape::can_frames : WireShape::bytes)) {
-        add(use.protocol->name, find_frames(use, recording, [](const FoundFrame&) {}).frames);
+    for (std::size_t i = 0; i < uses.size(); ++i) {
+        finders[i]->finish();
+        add(uses[i].protocol->name, finders[i]->tally());
     }
-    std::uint64_t bytes = 0;
-    for (const Burst& burst : recording.bursts) {
-        bytes += burst.bytes.size();
-    }
-    if (!can) {
-        add(kSensorBusName, sensor_frames(recording));
-    }
+    add(kSensorBusName, sensors.tally().frames);
     return fmt::format(
-        "tribus: no frame of {} in {}; {}\n", asked,
-        can ? counted(recording.can_frames.size(), "CAN frame") : counted(bytes, "byte"),
+        "tribus: no frame of {} in {}; {}\n", asked, counted(given, can ? "CAN frame" : "byte"),
         fitting.empty() ? "no other protocol finds any" : "protocols that find frames: " + fitting);
 }
 

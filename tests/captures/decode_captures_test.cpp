@@ -47,7 +47,8 @@ std::string decoded(std::string_view name, std::string_view protocol, DecodeForm
     std::ostringstream results;
     std::ostringstream messages;
     const DecodeOutput output{format, recording->kind, results, messages};
-    EXPECT_EQ(decode_frames(*recording, of_shape(*uses, WireShape::bytes), output), kExitFine);
+    RecordingInMemory source(*recording);
+    EXPECT_EQ(decode_frames(source, of_shape(*uses, WireShape::bytes), output), kExitFine);
     return results.str();
 }
 
@@ -177,7 +178,8 @@ TEST_F(Captures, ArduPilotScaleReadsItsOwnVector) {
     ASSERT_TRUE(recording && uses);
     std::ostringstream results;
     const DecodeOutput output{DecodeFormat::text, recording->kind, results, results};
-    decode_frames(*recording, of_shape(*uses, WireShape::bytes), output);
+    RecordingInMemory source(*recording);
+    decode_frames(source, of_shape(*uses, WireShape::bytes), output);
     EXPECT_NE(results.str().find(" 1562 1496 1000 1531 1806 2006 1495 1495  875"),
               std::string::npos);
 }

@@ -59,7 +59,8 @@ Outcome decoded(const std::string& log, DecodeFormat format) {
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
         TransferDecoding decoding(std::nullopt,
                                   {format, RecordingKind::candump, results, messages});
-        return decode_recording(recording.value_or(Recording{}), decoding, messages);
+        RecordingInMemory source(*recording);
+        return decode_recording(source, decoding, messages);
     });
 }
 

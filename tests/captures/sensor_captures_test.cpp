@@ -53,7 +53,8 @@ Decoded decoded(std::string_view name) {
     std::ostringstream results;
     std::ostringstream messages;
     SensorDecoding decoding(types, {DecodeFormat::json, recording.kind, results, messages});
-    EXPECT_EQ(decode_recording(recording, decoding, messages), kExitFine) << messages.str();
+    RecordingInMemory source(recording);
+    EXPECT_EQ(decode_recording(source, decoding, messages), kExitFine) << messages.str();
     Decoded result;
     std::istringstream lines(results.str());
     for (std::string line; std::getline(lines, line);) {
@@ -170,19 +171,24 @@ TEST_F(SensorCaptures, ProbesComeEvery66Slots) {
 }
 
 TEST_F(SensorCaptures, TheSensorWireIsToldFromTheServoWire) {
-    EXPECT_TRUE(is_sensor_bus(recording_of("ibus_sensor_ia6b_2sensors.timed.txt")));
-    EXPECT_TRUE(is_sensor_bus(recording_of("ibus_sensor_ia6b_rpmsensor.timed.txt")));
-    EXPECT_TRUE(is_sensor_bus(recording_of("ibus_sensor_ia6b_tap_between.timed.txt")));
-    EXPECT_FALSE(is_sensor_bus(recording_of("ibus_servo14_ia6b_2sensors.timed.txt")));
-    EXPECT_FALSE(is_sensor_bus(recording_of("ibus_servo18_afhds3.timed.txt")));
-    EXPECT_FALSE(is_sensor_bus(recording_of("sbus2_r7008SB.timed.txt")));
-    EXPECT_FALSE(is_sensor_bus(recording_of("single_frames.txt")));
+    const auto is_of_sensors = [this](const char* file) {
+        const Recording recording = recording_of(file);
+        RecordingInMemory source(recording);
+        return is_sensor_bus(source);
+    };
+    EXPECT_TRUE(is_of_sensors("ibus_sensor_ia6b_2sensors.timed.txt"));
+    EXPECT_TRUE(is_of_sensors("ibus_sensor_ia6b_rpmsensor.timed.txt"));
+    EXPECT_TRUE(is_of_sensors("ibus_sensor_ia6b_tap_between.timed.txt"));
+    EXPECT_FALSE(is_of_sensors("ibus_servo14_ia6b_2sensors.timed.txt"));
+    EXPECT_FALSE(is_of_sensors("ibus_servo18_afhds3.timed.txt"));
+    EXPECT_FALSE(is_of_sensors("sbus2_r7008SB.timed.txt"));
+    EXPECT_FALSE(is_of_sensors("single_frames.txt"));
 }
 
 TEST_F(SensorCaptures, ServoFramesOnTheSameWireHoldNoSensorFrame) {
     SensorFrameFinder finder([](const ReceivedSensorFrame&) { ADD_FAILURE(); });
     for (const Burst& burst : recording_of("ibus_servo14_ia6b_2sensors.timed.txt").bursts) {
-        finder.feed(burst);
+        finder.feed_burst(0, burst);
     }
     EXPECT_EQ(finder.tally().servo_frames, 651U);
     EXPECT_EQ(finder.tally().frames.skipped_bytes, 11U);

@@ -65,7 +65,8 @@ std::vector<std::string> lines_of(const Recording& recording, DecodeFormat forma
     std::ostringstream results;
     std::ostringstream messages;
     TransferDecoding decoding(60, {format, RecordingKind::candump, results, messages});
-    decode_recording(recording, decoding, messages);
+    RecordingInMemory source(recording);
+    decode_recording(source, decoding, messages);
     std::vector<std::string> lines;
     std::istringstream text(results.str());
     for (std::string line; std::getline(text, line);) {

@@ -288,14 +288,4 @@ tl::expected<Recording, std::string> parse_candump(std::string_view content,
     return recording;
 }
 
-std::vector<std::string> interfaces_in(const Recording& recording) {
-    std::vector<std::string> names;
-    for (const RecordedCanFrame& frame : recording.can_frames) {
-        if (std::find(names.begin(), names.end(), frame.interface) == names.end()) {
-            names.push_back(frame.interface);
-        }
-    }
-    return names;
-}
-
 }  // namespace tribus

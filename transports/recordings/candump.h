@@ -63,7 +63,4 @@ class CandumpFrames {
     CandumpReader reader_;
 };
 
-/// The interfaces in a log, in the order in which they first appear.
-std::vector<std::string> interfaces_in(const Recording& recording);
-
 }  // namespace tribus

@@ -117,21 +117,17 @@ class LogReader {
 
 }  // namespace
 
-tl::expected<Recording, std::string> take_interface(Recording recording, std::string_view file_name,
-                                                    std::string_view interface) {
-    const std::vector<std::string> names = interfaces_in(recording);
+tl::expected<void, std::string> check_interface(std::span<const std::string> names,
+                                                std::string_view file_name,
+                                                std::string_view interface) {
     if (interface.empty() && names.size() > 1) {
         return tl::unexpected(several_interfaces(file_name, names));
     }
-    if (interface.empty() || names.empty()) {
-        return recording;
-    }
-    if (std::find(names.begin(), names.end(), interface) == names.end()) {
+    if (!interface.empty() && !names.empty() &&
+        std::ranges::find(names, interface) == names.end()) {
         return tl::unexpected(no_such_interface(file_name, interface, names));
     }
-    std::erase_if(recording.can_frames,
-                  [&](const RecordedCanFrame& frame) { return frame.interface != interface; });
-    return recording;
+    return {};
 }
 
 CanLogEnd read_can_log(const CanLogSource& source,

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <iosfwd>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -14,17 +15,18 @@
 /// Candump logs for `decode`: one interface at a time, as a whole or while lines arrive.
 namespace tribus {
 
-/// The frames of one interface of a log. If `interface` is empty, the log must have only one. The
-/// error, `file: text`, lists the interfaces of the log.
-tl::expected<Recording, std::string> take_interface(Recording recording, std::string_view file_name,
-                                                    std::string_view interface);
+/// Whether the frames of `interface` can be read from a log that has frames of `names`. If it is
+/// empty, there must be only one. The error, `file: text`, lists the interfaces of the log.
+tl::expected<void, std::string> check_interface(std::span<const std::string> names,
+                                                std::string_view file_name,
+                                                std::string_view interface);
 
 /// Source of the lines of a log. `read` returns the next text, none at the end; `name` is its name
 /// in messages.
 struct CanLogSource {
     std::function<std::string()> read;
     std::string name;
-    std::string interface;  ///< as in take_interface
+    std::string interface;  ///< as in check_interface
 };
 
 /// Result of reading a log.

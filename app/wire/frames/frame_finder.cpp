@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <iterator>
 #include <utility>
 
 #include "transports/codecs/can_codec.h"
@@ -26,6 +27,7 @@ class SerialFrameFinder final : public FrameFinder {
             report(*frame);
         }
     }
+    std::optional<FramePlace> waits_since() const override;
     Tally tally() const override {
         const auto rejected = decoder_->rejected();
         return {.bytes = bytes_,
@@ -43,6 +45,9 @@ class SerialFrameFinder final : public FrameFinder {
     void look_for_pause(const Burst& burst);
     void feed_run(std::span<const std::uint8_t> bytes, Instant received);
     void report(const DecodedFrame& frame);
+    /// No later frame begins before this byte.
+    void forget_starts_before(std::uint64_t position);
+    std::size_t burst_of(std::uint64_t position) const;
 
     const Protocol* protocol_;
     LineSettings line_;
@@ -56,15 +61,35 @@ class SerialFrameFinder final : public FrameFinder {
     std::uint64_t frames_ = 0;
 };
 
-void SerialFrameFinder::report(const DecodedFrame& frame) {
-    while (starts_.size() > 1 && starts_[1].position <= frame.first_byte) {
+void SerialFrameFinder::forget_starts_before(std::uint64_t position) {
+    while (starts_.size() > 1 && starts_[1].position <= position) {
         starts_.pop_front();
     }
+}
+
+std::size_t SerialFrameFinder::burst_of(std::uint64_t position) const {
+    const auto behind = std::ranges::find_if(
+        starts_, [position](const BurstStart& start) { return start.position > position; });
+    return std::prev(behind)->burst;
+}
+
+std::optional<FramePlace> SerialFrameFinder::waits_since() const {
+    if (decoder_->waiting() == 0) {
+        return std::nullopt;
+    }
+    const BurstStart& burst = starts_.front();
+    return FramePlace{burst.burst,
+                      static_cast<std::size_t>(bytes_ - decoder_->waiting() - burst.position)};
+}
+
+void SerialFrameFinder::report(const DecodedFrame& frame) {
+    forget_starts_before(frame.first_byte);
     const BurstStart& burst = starts_.front();
     const std::uint64_t byte = frame.first_byte - burst.position;
     FoundFrame found{.protocol = protocol_,
                      .frame = frame,
                      .place = {burst.burst, static_cast<std::size_t>(byte)},
+                     .last_burst = burst_of(frame.first_byte + frame.length - 1),
                      .start = burst.start,
                      .details = decoder_->details()};
     if (found.start) {
@@ -119,6 +144,7 @@ void SerialFrameFinder::feed_burst(std::size_t index, const Burst& burst) {
         }
     }
     feed_run(bytes.subspan(run), received);
+    forget_starts_before(bytes_ - decoder_->waiting());
 }
 
 class CanFrameFinder final : public FrameFinder {
@@ -167,6 +193,7 @@ void CanFrameFinder::feed_frame(const RecordedCanFrame& recorded) {
     handler_({.protocol = protocol_,
               .frame = {.channels = *snapshot, .first_byte = 0, .length = 0},
               .place = {},
+              .last_burst = 0,
               .start = recorded.at,
               .details = decoder_->details(),
               .judged = judge_.judge(*snapshot, recorded.at)});
@@ -181,16 +208,15 @@ std::unique_ptr<FrameFinder> make_frame_finder(const ProtocolUse& use, FrameHand
     return std::make_unique<SerialFrameFinder>(use, std::move(handler));
 }
 
-Tally find_frames(const ProtocolUse& use, const Recording& recording, FrameHandler handler) {
+Tally find_frames(const ProtocolUse& use, RecordingSource& recording, FrameHandler handler) {
     const auto finder = make_frame_finder(use, std::move(handler));
-    for (std::size_t index = 0; index < recording.bursts.size(); ++index) {
-        finder->feed_burst(index, recording.bursts[index]);
-    }
-    for (const RecordedCanFrame& frame : recording.can_frames) {
-        finder->feed_frame(frame);
-    }
+    const LogFacts log = recording.read(*finder);
     finder->finish();
-    return finder->tally();
+    Tally tally = finder->tally();
+    if (tally.can) {
+        tally.can->log = log;
+    }
+    return tally;
 }
 
 }  // namespace tribus

@@ -12,7 +12,7 @@
 #include "app/wire/frames/frame_judge.h"
 #include "core/time.h"
 #include "transports/codecs/codec.h"
-#include "transports/recordings/recording.h"
+#include "transports/recordings/recording_source.h"
 
 namespace tribus {
 
@@ -27,6 +27,7 @@ struct FoundFrame {
     const Protocol* protocol = nullptr;
     DecodedFrame frame;
     FramePlace place;
+    std::size_t last_burst = 0;  ///< in which it ends
     /// Start of its first byte, empty if the recording has no times; on CAN the arrival of the CAN
     /// frame that completed the snapshot.
     std::optional<Duration> start;
@@ -55,19 +56,14 @@ struct Tally {
 
 /// Runs the decoder of one protocol over a recording and reports each frame with its place and
 /// start. Thread-bound.
-class FrameFinder {
+///
+/// `index` of a burst may skip some. A frame may start in one burst and end in a later one. If the
+/// bursts have times, pauses between them separate frames as on a live line. CAN protocols ignore
+/// bursts, serial protocols CAN frames.
+class FrameFinder : public RecordingTaker {
   public:
-    FrameFinder() = default;
-    FrameFinder(const FrameFinder&) = delete;
-    FrameFinder& operator=(const FrameFinder&) = delete;
-    virtual ~FrameFinder() = default;
-
-    /// Feeds a burst, in the order of the recording; `index` may skip some. A frame may start in
-    /// one burst and end in a later one. If the bursts have times, pauses between them separate
-    /// frames as on a live line. CAN protocols ignore bursts.
-    virtual void feed_burst(std::size_t /*index*/, const Burst& /*burst*/) {}
-    /// Feeds a CAN frame, in the order of the log. Serial protocols ignore it.
-    virtual void feed_frame(const RecordedCanFrame& /*frame*/) {}
+    /// The first byte of which a frame may still come; nothing if none waits.
+    virtual std::optional<FramePlace> waits_since() const { return std::nullopt; }
     /// Call it at the end of the recording.
     virtual void finish() {}
     /// Without the facts of the log.
@@ -76,7 +72,7 @@ class FrameFinder {
 
 std::unique_ptr<FrameFinder> make_frame_finder(const ProtocolUse& use, FrameHandler handler);
 
-/// Runs a finder over a whole recording. Returns its counters.
-Tally find_frames(const ProtocolUse& use, const Recording& recording, FrameHandler handler);
+/// Runs a finder over a whole recording. Returns its counters, on CAN with the facts of the log.
+Tally find_frames(const ProtocolUse& use, RecordingSource& recording, FrameHandler handler);
 
 }  // namespace tribus

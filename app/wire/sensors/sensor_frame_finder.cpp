@@ -15,7 +15,7 @@ constexpr unsigned kSpacingBits = kLine.bits_per_byte() + 1;
 
 SensorFrameFinder::SensorFrameFinder(Handler handler) : handler_(std::move(handler)) {}
 
-void SensorFrameFinder::feed(const Burst& burst) {
+void SensorFrameFinder::feed_burst(std::size_t /*index*/, const Burst& burst) {
     for (std::size_t at = 0; at < burst.bytes.size(); ++at) {
         auto start = burst.start;
         if (start) {
@@ -55,14 +55,12 @@ SensorTally SensorFrameFinder::tally() const {
             .servo_frames = parser_.servo_frames()};
 }
 
-bool is_sensor_bus(const Recording& recording) {
+bool is_sensor_bus(RecordingSource& recording) {
     std::uint64_t in_frames = 0;
     SensorFrameFinder finder([&](const ReceivedSensorFrame& received) {
         in_frames += kSensorRequestBytes + received.frame.data_size;
     });
-    for (const Burst& burst : recording.bursts) {
-        finder.feed(burst);
-    }
+    recording.read(finder);
     return in_frames > 0 && 2 * in_frames >= finder.tally().frames.bytes;
 }
 

@@ -11,7 +11,7 @@
 #include "app/wire/sensors/sensor_conversation.h"
 #include "core/time.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
-#include "transports/recordings/recording.h"
+#include "transports/recordings/recording_source.h"
 
 namespace tribus {
 
@@ -24,13 +24,12 @@ struct SensorTally {
 /// Runs the sensor bus parser over bursts and reports when each frame starts and ends. Within a
 /// burst, bytes have the distance that genuine receivers and sensors use, one bit of silence
 /// between two (docs/protocols/ibus.md, "Line"): a request ends 43 bits after its start.
-class SensorFrameFinder {
+class SensorFrameFinder final : public RecordingTaker {
   public:
     using Handler = std::function<void(const ReceivedSensorFrame&)>;
     explicit SensorFrameFinder(Handler handler);
 
-    /// Feeds a burst, in the order of the recording.
-    void feed(const Burst& burst);
+    void feed_burst(std::size_t index, const Burst& burst) override;
     SensorTally tally() const;
 
   private:
@@ -50,6 +49,6 @@ class SensorFrameFinder {
 };
 
 /// True if at least half of the bytes belong to frames of the sensor bus.
-bool is_sensor_bus(const Recording& recording);
+bool is_sensor_bus(RecordingSource& recording);
 
 }  // namespace tribus

@@ -51,7 +51,8 @@ Outcome decoded(std::string_view log, DecodeFormat format,
     EXPECT_TRUE(recording) << recording.error();
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
         TransferDecoding decoding(columns, {format, RecordingKind::candump, results, messages});
-        return decode_recording(recording.value_or(Recording{}), decoding, messages);
+        RecordingInMemory source(*recording);
+        return decode_recording(source, decoding, messages);
     });
 }
 
@@ -269,7 +270,8 @@ TEST(DecodeDroneCan, AStreamIsExplainedLineByLineAndLinesThatAreNoneAreReported)
 TEST(DecodeDroneCan, ALogIsOneOfDroneCanIfMostOfItsTransfersAreWholeAndKnown) {
     const auto is = [](std::string_view log) {
         const auto recording = parse_recording(log, "can.log", RecordingKind::candump);
-        return recording && is_dronecan(*recording);
+        RecordingInMemory source(*recording);
+        return is_dronecan(source);
     };
     EXPECT_TRUE(is(kExamples));
     EXPECT_FALSE(is(""));

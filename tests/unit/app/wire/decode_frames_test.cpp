@@ -37,7 +37,8 @@ Outcome decoded(const std::string& content, std::string_view protocol, DecodeFor
     EXPECT_TRUE(recording && uses);
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
         const DecodeOutput output{format, recording->kind, results, messages};
-        return decode_frames(*recording, of_shape(*uses, WireShape::bytes), output);
+        RecordingInMemory source(*recording);
+        return decode_frames(source, of_shape(*uses, WireShape::bytes), output);
     });
 }
 
@@ -105,7 +106,8 @@ TEST(Decode, DamagedByteCostsItsFrameOnly) {
     const auto uses = choose_protocols("ibus", SettingScope::input, {});
     std::ostringstream results;
     const DecodeOutput output{DecodeFormat::json, recording->kind, results, results};
-    decode_frames(*recording, of_shape(*uses, WireShape::bytes), output);
+    RecordingInMemory source(*recording);
+    decode_frames(source, of_shape(*uses, WireShape::bytes), output);
     EXPECT_NE(results.str().find("\"bytes\":64,\"frames\":1,\"rejected\":{\"checksum\":0,"
                                  "\"damaged\":1,\"ibus2\":0,\"length\":0},\"skipped_bytes\":32"),
               std::string::npos)

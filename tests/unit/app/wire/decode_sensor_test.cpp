@@ -43,7 +43,8 @@ Outcome decoded(std::string_view content, DecodeFormat format,
     const SensorTypes types(dialect);
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
         SensorDecoding decoding(types, {format, recording->kind, results, messages});
-        return decode_recording(*recording, decoding, messages);
+        RecordingInMemory source(*recording);
+        return decode_recording(source, decoding, messages);
     });
 }
 
@@ -163,14 +164,16 @@ TEST(DecodeSensor, ADamagedByteCostsItsFrame) {
     recording.bursts.front().damaged[6] = true;
     unsigned frames = 0;
     SensorFrameFinder finder([&](const ReceivedSensorFrame&) { ++frames; });
-    finder.feed(recording.bursts.front());
+    finder.feed_burst(0, recording.bursts.front());
     EXPECT_EQ(frames, 1U);
     EXPECT_EQ(finder.tally().frames.skipped_bytes, 6U);
 }
 
 TEST(DecodeSensor, IsTheSensorBusWhereHalfOfTheBytesAreItsFrames) {
     const auto is = [](std::string_view content) {
-        return is_sensor_bus(*parse_recording(content, "wire.txt"));
+        const auto recording = parse_recording(content, "wire.txt");
+        RecordingInMemory source(*recording);
+        return is_sensor_bus(source);
     };
     EXPECT_TRUE(is(kStart));
     EXPECT_TRUE(is("04 a1 5a ff 00 01 02 03\n"));

@@ -31,7 +31,8 @@ Outcome decoded(std::string_view content, DecodeFormat format) {
     return outcome_of([&](std::ostream& results, std::ostream& messages) {
         ValueDecoding decoding({.protocol = &protocol, .settings = {}, .line = {.baud = 1'000'000}},
                                {format, recording->kind, results, messages});
-        return decode_recording(*recording, decoding, messages);
+        RecordingInMemory source(*recording);
+        return decode_recording(source, decoding, messages);
     });
 }
 

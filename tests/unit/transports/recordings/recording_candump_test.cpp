@@ -16,7 +16,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using Bytes = std::vector<std::uint8_t>;
-using Names = std::vector<std::string>;
 
 Recording parsed(std::string_view content) {
     auto recording = parse_recording(content, "can.log");
@@ -158,11 +157,6 @@ TEST(CandumpRecording, ErrorFramesAreCountedAndLeftOut) {
     EXPECT_EQ(recording.log.error_frames, 1U);
     ASSERT_EQ(recording.can_frames.size(), 1U);
     EXPECT_EQ(recording.can_frames[0].at, 1s);
-}
-
-TEST(CandumpRecording, ListsItsInterfacesInTheOrderOfTheLog) {
-    const Recording recording = parsed("(1.0) vcan1 1F0#\n(1.0) can0 1F0#\n(1.0) vcan1 1F0#\n");
-    EXPECT_EQ(interfaces_in(recording), (Names{"vcan1", "can0"}));
 }
 
 /// Two senders on one vcan, logged live: differences of up to 17.6 ms were seen.
