@@ -68,5 +68,5 @@ build_page() {
     [ -e app/web/page/dist/index.html ] &&
         [ -z "$(find app/web/build.sh app/web/page -path '*/dist' -prune -o -path '*/node_modules' \
             -prune -o -type f -newer app/web/page/dist/index.html -print)" ] ||
-        app/web/build.sh
+        app/web/build.sh >&2
 }

@@ -1,10 +1,12 @@
 #!/bin/sh
-# Tries the program of a package: every example is a valid configuration, and the demo shows frames.
+# Tries the programs of a package: they start, every example is a valid configuration, and the demo
+# shows frames.
 #   deploy/try.sh FOLDER      with the package unpacked in it
 set -eu
 tribus=$1/usr/bin/tribus
 
 "$tribus" --version
+"$1/usr/bin/tribus-web" --version
 for example in "$1"/usr/share/doc/tribus/examples/*.toml; do
     "$tribus" check "$example" >/dev/null || {
         echo "deploy/try.sh: the program refuses $example" >&2
