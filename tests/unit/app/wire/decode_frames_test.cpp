@@ -99,6 +99,34 @@ TEST(Decode, FrameThatIsSplitOverBurstsHasTheTimeOfTheFirst) {
     EXPECT_EQ(outcome.lines()[1].substr(0, 4), "274,");
 }
 
+/// The protocols of the frames, in the order of the lines.
+std::vector<std::string> protocols_of(const Outcome& outcome) {
+    std::vector<std::string> names;
+    for (const std::string& line : outcome.lines()) {
+        const std::size_t at = line.find("\"protocol\":\"");
+        if (at != std::string::npos) {
+            names.push_back(line.substr(at + 12, line.find('"', at + 12) - at - 12));
+        }
+    }
+    return names;
+}
+
+TEST(Decode, BytesOfAFrameOfTheBestProtocolAreNoFrameOfAnother) {
+    // An i.Bus frame whose third to eleventh channels are the bytes of an SBUS frame.
+    const Outcome outcome = decoded(lines_of({kIbus14, "20 40 dc 05 dc", kSbus, "64 f9", kIbus14}),
+                                    "auto", DecodeFormat::json);
+    EXPECT_EQ(protocols_of(outcome), (std::vector<std::string>{"ibus", "ibus", "ibus"}));
+}
+
+TEST(Decode, FramesOfSeveralProtocolsComeInTheOrderOfTheirFirstBytes) {
+    const std::string frame(kIbus14);
+    const Outcome outcome =
+        decoded(lines_of({frame.substr(0, 30), kSbus, frame.substr(30), kIbus14, kSbus, kIbus14}),
+                "auto", DecodeFormat::json);
+    EXPECT_EQ(protocols_of(outcome),
+              (std::vector<std::string>{"ibus", "sbus", "ibus", "sbus", "ibus"}));
+}
+
 TEST(Decode, DamagedByteCostsItsFrameOnly) {
     auto recording = parse_recording(lines_of({kIbus14, kIbus14}), "bytes.txt");
     ASSERT_TRUE(recording);
