@@ -1,0 +1,158 @@
+#include "transports/codecs/msp/msp.h"
+
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "app/doctor/line_judge.h"
+#include "tests/support/streams.h"
+#include "transports/registry/registry.h"
+
+namespace tribus::test::msp_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+// From the layout in Betaflight's msp_protocol.h and serial code (captures/further/msp.json).
+constexpr std::string_view kEightChannels = "244d3c10c8dc05dc05e803dc05e803e803d007dc05e4";
+const std::vector<double> kEightPulses{1500, 1500, 1000, 1500, 1000, 1000, 2000, 1500};
+// MSP_SET_MOTOR as somebody's program logged it (christianrauch/msp, issue 62).
+constexpr std::string_view kSetMotor = "244d3c10d6dc05dc054c04dc05000000000000000057";
+
+std::vector<double> microseconds(const ChannelFrame& frame) {
+    std::vector<double> values;
+    for (std::size_t channel = 0; channel < kChannelCount && frame.has(channel); ++channel) {
+        values.push_back(frame.channel(channel)->microseconds());
+    }
+    return values;
+}
+
+/// A message towards a flight controller, with a right check.
+Bytes message(std::uint8_t command, const Bytes& content) {
+    Bytes bytes{'$', 'M', '<', static_cast<std::uint8_t>(content.size()), command};
+    bytes.insert(bytes.end(), content.begin(), content.end());
+    unsigned check = 0;
+    for (std::size_t at = 3; at < bytes.size(); ++at) {
+        check ^= bytes[at];
+    }
+    bytes.push_back(static_cast<std::uint8_t>(check));
+    return bytes;
+}
+
+Bytes words(std::size_t count, unsigned word) {
+    Bytes content;
+    for (std::size_t i = 0; i < count; ++i) {
+        content.push_back(static_cast<std::uint8_t>(word));
+        content.push_back(static_cast<std::uint8_t>(word >> 8U));
+    }
+    return content;
+}
+
+Bytes encoded(const ChannelFrame& frame, std::size_t channels) {
+    MspEncoder encoder(channels);
+    std::array<std::uint8_t, kLongestSerialFrame> wire{};
+    const std::size_t length = encoder.write(frame, wire, {});
+    return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
+}
+
+TEST(Msp, ReadsAndWritesTheVector) {
+    MspDecoder decoder;
+    const auto frames = feed(decoder, from_hex(kEightChannels));
+    ASSERT_EQ(frames.size(), 1U);
+    EXPECT_EQ(microseconds(frames[0].channels), kEightPulses);
+    EXPECT_TRUE(frames[0].channels.good());
+    EXPECT_EQ(encoded(frames[0].channels, 8), from_hex(kEightChannels));
+}
+
+TEST(Msp, ReadsAndWritesEveryWordAndReadsZeroAsNoChannel) {
+    for (unsigned word = 0; word <= 4095; ++word) {
+        MspDecoder decoder;
+        const Bytes bytes = message(200, words(1, word));
+        const auto frames = feed(decoder, bytes);
+        ASSERT_EQ(frames.size(), 1U) << word;
+        const ChannelFrame& frame = frames[0].channels;
+        ASSERT_EQ(frame.has(0), word != 0);
+        if (word != 0) {
+            ASSERT_EQ(frame.channel(0)->microseconds(), word);
+            ASSERT_EQ(encoded(frame, 1), bytes);
+        }
+    }
+}
+
+TEST(Msp, ReadsEveryNumberOfChannelsAndKeepsTheFirstEighteen) {
+    for (std::size_t count = 1; count <= 32; ++count) {
+        MspDecoder decoder;
+        const auto frames = feed(decoder, message(200, words(count, 1500)));
+        ASSERT_EQ(frames.size(), 1U) << count;
+        EXPECT_EQ(microseconds(frames[0].channels),
+                  std::vector<double>(std::min<std::size_t>(count, 18), 1500));
+    }
+}
+
+TEST(Msp, PassesOverOtherCommandsAndHalfWordsWithoutARejectedFrame) {
+    MspDecoder decoder;
+    Bytes line = from_hex(kSetMotor);
+    for (const Bytes& other : {message(101, {}), message(200, {}), message(200, {0xDC, 0x05, 0x01}),
+                               from_hex(kEightChannels)}) {
+        line.insert(line.end(), other.begin(), other.end());
+    }
+    EXPECT_EQ(feed(decoder, line).size(), 1U);
+    EXPECT_EQ(decoder.rejected()[0].count, 0U);
+}
+
+TEST(Msp, RefusesEachFlippedBit) {
+    const Bytes good = from_hex(kEightChannels);
+    for (std::size_t bit = 0; bit < 8 * good.size(); ++bit) {
+        Bytes bytes = good;
+        bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << bit % 8));
+        MspDecoder decoder;
+        auto frames = feed(decoder, bytes);
+        DecodedFrame late;
+        while (decoder.silence(late)) {
+            frames.push_back(late);
+        }
+        EXPECT_TRUE(frames.empty()) << bit;
+    }
+}
+
+TEST(Msp, FindsAFrameBehindGarbageThatBeginsAsAMessageOfAnyLength) {
+    for (unsigned length = 0; length <= 0xFF; ++length) {
+        MspDecoder decoder;
+        Bytes line{'$', 'M', '<', static_cast<std::uint8_t>(length)};
+        for (int i = 0; i < 4; ++i) {
+            const Bytes frame = from_hex(kEightChannels);
+            line.insert(line.end(), frame.begin(), frame.end());
+        }
+        EXPECT_GE(feed(decoder, line).size(), 1U) << length;
+    }
+}
+
+TEST(Msp, WritesWholeMicrosecondsOfEveryChannelAndNeedsThemAll) {
+    ChannelFrame frame;
+    frame.set(0, Pulse::from_eighths(8 * 1500 + 3));
+    frame.set(1, Pulse::from_eighths(8 * 1500 + 4));
+    frame.set(2, Pulse::from_eighths(-20000));
+    EXPECT_EQ(encoded(frame, 4), message(200, {0xDC, 0x05, 0xDD, 0x05, 0x01, 0x00, 0xDC, 0x05}));
+    EXPECT_EQ(MspEncoder(4).needed_channels(frame), 0b1111U);
+}
+
+TEST(Msp, IsInTheRegistryAndHeardByDoctor) {
+    EXPECT_EQ(find_protocol("msp"), &kMspProtocol);
+    doctor::Heard heard{.line = kMspProtocol.line, .listened = 1s, .bursts = {}};
+    for (int i = 0; i < 50; ++i) {
+        const Bytes bytes = from_hex(kEightChannels);
+        heard.bursts.push_back(
+            {.start = i * 20ms, .bytes = bytes, .damaged = std::vector<bool>(bytes.size())});
+    }
+    const doctor::LineStory story = doctor::judge_line(std::span(&heard, 1));
+    EXPECT_EQ(story.protocol, "msp");
+    EXPECT_EQ(story.channels, 8U);
+}
+
+}  // namespace
+}  // namespace tribus::test::msp_test

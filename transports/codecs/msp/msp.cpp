@@ -1,0 +1,138 @@
+#include "transports/codecs/msp/msp.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <memory>
+
+namespace tribus {
+namespace {
+
+constexpr std::uint8_t kDollar = 0x24;
+constexpr std::uint8_t kLetterM = 0x4D;
+/// Towards the flight controller; answers have '>'.
+constexpr std::uint8_t kRequest = 0x3C;
+constexpr std::array<std::uint8_t, 3> kBeginning{kDollar, kLetterM, kRequest};
+constexpr std::size_t kSizeAt = kBeginning.size();
+constexpr std::size_t kCommandAt = kSizeAt + 1;
+constexpr std::size_t kContentAt = kCommandAt + 1;
+constexpr std::uint8_t kSetRawRc = 200;
+/// Longer messages set other things; their bytes are skipped.
+constexpr std::size_t kLongestContent = 64;
+
+constexpr std::size_t message_bytes(std::size_t content) {
+    return kContentAt + content + 1;
+}
+static_assert(message_bytes(kLongestContent) <= kLongestSerialFrame);
+static_assert(2 * kChannelCount <= kLongestContent);
+
+/// XOR of all behind the beginning.
+std::uint8_t check_of(std::span<const std::uint8_t> message) {
+    std::uint8_t check = 0;
+    for (const std::uint8_t byte : message.subspan(kSizeAt)) {
+        check ^= byte;
+    }
+    return check;
+}
+
+}  // namespace
+
+std::size_t MspDecoder::needed_bytes(std::span<const std::uint8_t> bytes) const {
+    const std::size_t known = std::min(bytes.size(), kBeginning.size());
+    if (!std::equal(kBeginning.begin(), kBeginning.begin() + static_cast<std::ptrdiff_t>(known),
+                    bytes.begin())) {
+        return 0;
+    }
+    if (bytes.size() <= kSizeAt) {
+        return bytes.size() + 1;
+    }
+    return bytes[kSizeAt] <= kLongestContent ? message_bytes(bytes[kSizeAt]) : 0;
+}
+
+/// With the check itself the XOR is 0.
+bool MspDecoder::check_holds(std::span<const std::uint8_t> frame) const {
+    return check_of(frame) == 0;
+}
+
+bool MspDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {
+    const std::size_t words = frame[kSizeAt] / 2;
+    if (frame[kCommandAt] != kSetRawRc || frame[kSizeAt] % 2 != 0 || words == 0) {
+        return false;
+    }
+    for (std::size_t channel = 0; channel < std::min(words, kChannelCount); ++channel) {
+        const std::size_t at = kContentAt + 2 * channel;
+        const unsigned microseconds = frame[at] | static_cast<unsigned>(frame[at + 1]) << 8U;
+        if (microseconds != 0) {
+            channels.set(channel, Pulse::from_microseconds(microseconds));
+        }
+    }
+    return true;
+}
+
+std::uint32_t MspEncoder::needed_channels(const ChannelFrame& /*frame*/) const {
+    return first_channels(channels_);
+}
+
+std::size_t MspEncoder::write(const ChannelFrame& frame,
+                              std::span<std::uint8_t, kLongestSerialFrame> wire, Instant /*now*/) {
+    std::ranges::copy(kBeginning, wire.begin());
+    wire[kSizeAt] = static_cast<std::uint8_t>(2 * channels_);
+    wire[kCommandAt] = kSetRawRc;
+    for (std::size_t channel = 0; channel < channels_; ++channel) {
+        const Pulse pulse = frame.channel(channel).value_or(kCentrePulse);
+        const auto microseconds = static_cast<unsigned>(std::max(pulse.whole_microseconds(), 1));
+        const std::size_t at = kContentAt + 2 * channel;
+        wire[at] = static_cast<std::uint8_t>(microseconds);
+        wire[at + 1] = static_cast<std::uint8_t>(microseconds >> 8U);
+    }
+    const std::size_t length = message_bytes(2 * channels_);
+    wire[length - 1] = check_of(wire.first(length - 1));
+    return length;
+}
+
+namespace {
+
+constexpr std::array kMspSettings{
+    baud_setting("115200", "115200"),
+    Setting{.key = "channels",
+            .type = SettingType::integer,
+            .fallback = "16",
+            .least = 1,
+            .most = kChannelCount,
+            .scope = SettingScope::output,
+            .help = "How many channels are sent",
+            .example = "8"},
+};
+
+constexpr std::array kMspBeginnings{FrameBeginning{kDollar, kLetterM}};
+
+AnyDecoder make_msp_decoder(const SettingValues& /*settings*/) {
+    return std::make_unique<MspDecoder>();
+}
+
+AnyEncoder make_msp_encoder(const SettingValues& settings) {
+    return std::make_unique<MspEncoder>(
+        static_cast<std::size_t>(settings.get_or<std::int64_t>("channels", 16)));
+}
+
+}  // namespace
+
+// 25 to 50 messages a second work well with Betaflight; from 2026.6 on it waits 300 ms for the
+// next.
+const Protocol kMspProtocol{
+    .name = "msp",
+    .title = "MSP",
+    .description = "MSP_SET_RAW_RC of MSP, to flight controllers with Betaflight or INAV",
+    .line = {.baud = 115200, .parity = Parity::none, .stop_bits = 1},
+    .beginnings = kMspBeginnings,
+    .settings = kMspSettings,
+    .longest_frame = message_bytes(2 * kChannelCount),
+    .default_period = std::chrono::milliseconds(20),
+    .least_period = std::chrono::milliseconds(5),
+    .default_timeout = std::chrono::milliseconds(300),
+    .signals_failsafe = never_signals_failsafe,
+    .make_decoder = make_msp_decoder,
+    .make_encoder = make_msp_encoder,
+};
+
+}  // namespace tribus

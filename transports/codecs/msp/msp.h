@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "transports/codecs/codec.h"
+#include "transports/codecs/framed_decoder.h"
+#include "transports/codecs/protocol.h"
+
+/// MSP version 1, the protocol of flight controllers with Betaflight or INAV on USB and on UARTs:
+/// its command MSP_SET_RAW_RC, both directions (docs/protocols/msp.md). A message: "$M<", number of
+/// bytes of content, command, content, XOR of all behind "<". The content of MSP_SET_RAW_RC is
+/// one word a channel, whole microseconds, the low byte first.
+namespace tribus {
+
+extern const Protocol kMspProtocol;
+
+/// Passes over other commands and over answers. Nothing in MSP says failsafe: a sender that has
+/// lost its source is silent.
+class MspDecoder final : public FramedDecoder {
+    std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override;
+    bool check_holds(std::span<const std::uint8_t> frame) const override;
+    bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
+};
+
+/// Every channel has a pulse, to the next whole microsecond: MSP has no word for an absent channel.
+/// On loss nothing is sent.
+class MspEncoder final : public ByteEncoder {
+  public:
+    /// `channels`: 1 to kChannelCount.
+    explicit MspEncoder(std::size_t channels) : channels_(channels) {}
+    bool marks_frame_lost() const override { return false; }
+    std::uint32_t needed_channels(const ChannelFrame& frame) const override;
+    std::size_t write(const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire,
+                      Instant now) override;
+
+  private:
+    std::size_t channels_;
+};
+
+}  // namespace tribus
