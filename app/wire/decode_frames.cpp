@@ -60,7 +60,7 @@ class Coverage {
     std::vector<bool> touched_;
 };
 
-/// Of several protocols, in one pass.
+/// The coverages of several protocols, found in one pass.
 class Coverages {
   public:
     Coverages(RecordingSource& recording, std::span<const ProtocolUse> uses) {

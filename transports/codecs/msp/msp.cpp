@@ -20,6 +20,9 @@ constexpr std::uint8_t kSetRawRc = 200;
 /// Longer messages set other things; their bytes are skipped.
 constexpr std::size_t kLongestContent = 64;
 
+/// The longest pulse that can be passed on as it is.
+constexpr unsigned kMostMicroseconds = 4095;
+
 constexpr std::size_t message_bytes(std::size_t content) {
     return kContentAt + content + 1;
 }
@@ -62,7 +65,7 @@ bool MspDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channel
     for (std::size_t channel = 0; channel < std::min(words, kChannelCount); ++channel) {
         const std::size_t at = kContentAt + 2 * channel;
         const unsigned microseconds = frame[at] | static_cast<unsigned>(frame[at + 1]) << 8U;
-        if (microseconds != 0) {
+        if (microseconds >= 1 && microseconds <= kMostMicroseconds) {
             channels.set(channel, Pulse::from_microseconds(microseconds));
         }
     }

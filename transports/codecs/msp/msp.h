@@ -16,8 +16,8 @@ namespace tribus {
 
 extern const Protocol kMspProtocol;
 
-/// Passes over other commands and over answers. Nothing in MSP says failsafe: a sender that has
-/// lost its source is silent.
+/// Passes over other commands and over answers. A word of 0, or above 4095, is a channel that is
+/// not present. Nothing in MSP says failsafe: a sender that has lost its source is silent.
 class MspDecoder final : public FramedDecoder {
     std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override;
     bool check_holds(std::span<const std::uint8_t> frame) const override;

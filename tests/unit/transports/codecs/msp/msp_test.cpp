@@ -69,15 +69,16 @@ TEST(Msp, ReadsAndWritesTheVector) {
     EXPECT_EQ(encoded(frames[0].channels, 8), from_hex(kEightChannels));
 }
 
-TEST(Msp, ReadsAndWritesEveryWordAndReadsZeroAsNoChannel) {
-    for (unsigned word = 0; word <= 4095; ++word) {
+TEST(Msp, ReadsAndWritesEveryWordOfAPulseAndOthersAreNoChannel) {
+    for (unsigned word = 0; word <= 0xFFFF; ++word) {
+        const bool pulse = word >= 1 && word <= 4095;
         MspDecoder decoder;
         const Bytes bytes = message(200, words(1, word));
         const auto frames = feed(decoder, bytes);
         ASSERT_EQ(frames.size(), 1U) << word;
         const ChannelFrame& frame = frames[0].channels;
-        ASSERT_EQ(frame.has(0), word != 0);
-        if (word != 0) {
+        ASSERT_EQ(frame.has(0), pulse) << word;
+        if (pulse) {
             ASSERT_EQ(frame.channel(0)->microseconds(), word);
             ASSERT_EQ(encoded(frame, 1), bytes);
         }
