@@ -9,10 +9,12 @@ elseif(TRIBUS_DEBIAN_ARCHITECTURE STREQUAL "armhf")
     set(CMAKE_SYSTEM_PROCESSOR armv7l)
     set(CMAKE_LIBRARY_ARCHITECTURE arm-linux-gnueabihf)
     # Hides notes on an ABI change in GCC 7: nothing that is linked is older.
-    set(CMAKE_CXX_FLAGS_INIT -Wno-psabi)
+    set(own_flags -Wno-psabi)
 else()
     message(FATAL_ERROR "TRIBUS_DEBIAN_ARCHITECTURE is neither arm64 nor armhf")
 endif()
+# Headers of Boost put their own path into the program, which must not depend on this folder.
+set(CMAKE_CXX_FLAGS_INIT "${own_flags} -fmacro-prefix-map=${TRIBUS_SYSROOT}=")
 set(CMAKE_CXX_COMPILER "${CMAKE_LIBRARY_ARCHITECTURE}-g++")
 set(CMAKE_SYSROOT "${TRIBUS_SYSROOT}")
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
