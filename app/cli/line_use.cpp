@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include "core/quotes.h"
+#include "transports/links/serial/serial_medium.h"
+#include "transports/registry/registry.h"
 
 namespace tribus {
 bool is_device_path(std::string_view name) {
@@ -13,7 +15,7 @@ bool is_device_path(std::string_view name) {
 
 tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
                                                   const std::string& baud) {
-    const std::string allowed = "allowed: " + protocol_list(WireShape::bytes);
+    const std::string allowed = "allowed: " + protocol_list(kSerialMedium);
     if (protocol.empty()) {
         return tl::unexpected(fmt::format(
             "a serial device needs --protocol, which sets rate, parity and stop bits; {}",
@@ -27,7 +29,7 @@ tl::expected<ProtocolUse, std::string> serial_use(const std::string& protocol,
     if (!uses) {
         return tl::unexpected(std::move(uses.error()));
     }
-    if (protocol == "auto" || uses->front().protocol->shape != WireShape::bytes) {
+    if (protocol == "auto" || !carries(kSerialMedium, *uses->front().protocol)) {
         return tl::unexpected(fmt::format("--protocol {} does not run on a serial line; {}",
                                           in_quotes(protocol), allowed));
     }

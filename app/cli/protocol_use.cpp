@@ -156,10 +156,10 @@ Duration usual_period(const ProtocolUse& use) {
     return own.value_or(protocol.default_period);
 }
 
-std::string protocol_list(WireShape shape) {
+std::string protocol_list(const Medium& medium) {
     std::vector<std::string_view> names;
     for (const Protocol* protocol : protocols()) {
-        if (protocol->shape == shape) {
+        if (carries(medium, *protocol)) {
             names.push_back(protocol->name);
         }
     }
@@ -220,6 +220,9 @@ tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
     }
     ProtocolUse use{.protocol = &protocol, .settings = {}, .line = protocol.line};
     for (const Setting& setting : protocol.settings) {
+        if (setting.scope != SettingScope::both && setting.scope != direction) {
+            continue;
+        }
         const auto text = given.find(setting.key);
         if (text != given.end()) {
             auto value = setting_from_text(setting, text->second);

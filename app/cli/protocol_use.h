@@ -16,6 +16,7 @@
 #include "core/time.h"
 #include "pipelines/rules/settings.h"
 #include "transports/codecs/protocol.h"
+#include "transports/links/medium.h"
 
 /// Protocols on the command line: the settings of the protocol tables become options.
 namespace tribus {
@@ -45,8 +46,8 @@ tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting
 
 /// Names of all protocols that can be decoded (input) or encoded: `ibus, sbus`.
 std::string protocol_list(SettingScope direction);
-/// Names of the protocols of that shape.
-std::string protocol_list(WireShape shape);
+/// Names of the protocols that the medium carries.
+std::string protocol_list(const Medium& medium);
 
 /// An option for a setting key of one or more protocols that applies to recorded bytes.
 struct SettingOption {

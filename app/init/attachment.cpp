@@ -14,6 +14,8 @@
 #include "core/quotes.h"
 #include "transports/codecs/native_can/channels.h"
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/serial/serial_medium.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::init {
@@ -65,15 +67,24 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
 
 /// Why the protocol does not run on this kind of link; empty if it does.
 std::string link_refusal(const ExaminedPlace& examined, const Protocol& protocol) {
-    if (examined.medium->shape == protocol.shape) {
+    if (carries(*examined.medium, protocol)) {
         return {};
     }
-    return examined.medium == &kSerialMedium
-               ? fmt::format("{} runs on a CAN interface, such as can0; this is a serial device",
-                             protocol.name)
-               : fmt::format(
-                     "{} runs on a serial device, such as /dev/ttyUSB0; this is a CAN interface",
-                     protocol.name);
+    const std::string_view is =
+        examined.medium == &kSerialMedium ? "serial device" : "CAN interface";
+    const Medium& own = *media_for(protocol).front();
+    if (&own == &kSerialMedium) {
+        return fmt::format("{} runs on a serial device, such as /dev/ttyUSB0; this is a {}",
+                           protocol.name, is);
+    }
+    if (&own == &kCanMedium) {
+        return fmt::format("{} runs on a CAN interface, such as can0; this is a {}", protocol.name,
+                           is);
+    }
+    return fmt::format(
+        "{} runs on {} only, and `init` writes lines for serial devices and CAN "
+        "interfaces; tribus.toml(5) describes its keys",
+        protocol.name, own.name);
 }
 
 /// Why this place can never run the protocol; empty if no reason is known.
@@ -184,9 +195,9 @@ std::vector<const Protocol*> offered_protocols(SettingScope way) {
     return offered;
 }
 
-std::vector<const Protocol*> offered_protocols(SettingScope way, WireShape shape) {
+std::vector<const Protocol*> offered_protocols(SettingScope way, const Medium& medium) {
     std::vector<const Protocol*> offered = offered_protocols(way);
-    std::erase_if(offered, [shape](const Protocol* one) { return one->shape != shape; });
+    std::erase_if(offered, [&medium](const Protocol* one) { return !carries(medium, *one); });
     return offered;
 }
 

@@ -28,7 +28,7 @@ struct PlaceOption {
 /// The protocols for which `init` can write an input or output: those without required keys, which
 /// only the user knows. In the order of the registry.
 std::vector<const Protocol*> offered_protocols(SettingScope way);
-std::vector<const Protocol*> offered_protocols(SettingScope way, WireShape shape);
+std::vector<const Protocol*> offered_protocols(SettingScope way, const Medium& medium);
 
 /// Reads `PLACE` or `PLACE=PROTOCOL`. If the protocol is named, the place may contain "=" too. The
 /// error does not name the option.

@@ -14,6 +14,7 @@
 #include "core/quantity.h"
 #include "core/quotes.h"
 #include "transports/codecs/native_can/channels.h"
+#include "transports/links/can/can_medium.h"
 
 namespace tribus::init {
 namespace {
@@ -173,7 +174,7 @@ const Protocol* Dialogue::choose_protocol(std::string_view question,
 
 Dialogue::Step Dialogue::ask_what_now(const ExaminedPlace& examined, Attachment& input) {
     std::vector<Choice> choices{{"again", "listen once more"}, {"other", "choose another port"}};
-    const auto offered = offered_protocols(SettingScope::input, examined.medium->shape);
+    const auto offered = offered_protocols(SettingScope::input, *examined.medium);
     std::ranges::copy(choices_of(offered), std::back_inserter(choices));
     while (true) {
         const auto chosen = choose("What now?", choices, 0);
@@ -197,8 +198,7 @@ Dialogue::Step Dialogue::try_input(const std::string& place, Attachment& input) 
     const Protocol* named = nullptr;
     if (examined.medium->shape == WireShape::can_frames) {
         named = choose_protocol("Which protocol does it carry?",
-                                offered_protocols(SettingScope::input, WireShape::can_frames),
-                                kCanProtocol);
+                                offered_protocols(SettingScope::input, kCanMedium), kCanProtocol);
         if (named == nullptr) {
             return Step::ended;
         }
@@ -243,7 +243,7 @@ std::optional<Attachment> Dialogue::ask_output(const std::vector<Attachment>& in
             return std::nullopt;
         }
         ExaminedPlace examined = ports_.look(*place);
-        auto offered = offered_protocols(SettingScope::output, examined.medium->shape);
+        auto offered = offered_protocols(SettingScope::output, *examined.medium);
         std::erase_if(offered, [&](const Protocol* protocol) {
             const std::string refusal = examined.refusal(*protocol);
             if (!refusal.empty()) {

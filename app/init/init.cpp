@@ -42,7 +42,7 @@ constexpr std::string_view kStandardOutput = "-";
 /// protocols would be accepted.
 std::string protocols_to_name(const PlaceOption& option, SettingScope way,
                               const ExaminedPlace& examined, const Protocol& refused) {
-    std::vector<const Protocol*> offered = offered_protocols(way, examined.medium->shape);
+    std::vector<const Protocol*> offered = offered_protocols(way, *examined.medium);
     std::erase_if(offered, [&](const Protocol* protocol) {
         return way == SettingScope::input
                    ? !decide_input(examined, protocol).attachment

@@ -11,6 +11,7 @@
 #include "config/schema/notation.h"
 #include "core/quantity.h"
 #include "core/quotes.h"
+#include "transports/links/serial/serial_medium.h"
 
 namespace tribus::init {
 namespace {
@@ -68,10 +69,10 @@ OrFailure<Request> read_options(const Options& options) {
         const bool serial = input.place.find('/') != std::string::npos;
         if (none && serial && input.protocol == nullptr) {
             return failed(
-                fmt::format("--in {}: with --listen 0 the protocol must be named: {}", input.place,
-                            options_with_protocols(
-                                input.place, SettingScope::input,
-                                offered_protocols(SettingScope::input, WireShape::bytes))),
+                fmt::format(
+                    "--in {}: with --listen 0 the protocol must be named: {}", input.place,
+                    options_with_protocols(input.place, SettingScope::input,
+                                           offered_protocols(SettingScope::input, kSerialMedium))),
                 kExitWrongUse);
         }
     }

@@ -19,6 +19,7 @@
 #include "app/replay/record_port.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
+#include "transports/links/serial/serial_medium.h"
 
 namespace tribus {
 namespace {
@@ -119,7 +120,7 @@ Command record_command() {
                     {.name = "--protocol",
                      .value = &options->protocol,
                      .help = "Protocol of a serial line; sets rate, parity and stop bits",
-                     .type_name = choices_type(protocol_list(WireShape::bytes))},
+                     .type_name = choices_type(protocol_list(kSerialMedium))},
                     {.name = "--baud",
                      .value = &options->baud,
                      .help = "Rate, if it is not the protocol's own"},

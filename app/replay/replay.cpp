@@ -23,6 +23,7 @@
 #include "app/replay/replay_target.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
+#include "transports/links/serial/serial_medium.h"
 #include "transports/recordings/recording.h"
 
 namespace tribus {
@@ -268,7 +269,7 @@ Command replay_command() {
                     {.name = "--protocol",
                      .value = &options->place.protocol,
                      .help = "Protocol of a serial line; sets rate, parity and stop bits",
-                     .type_name = choices_type(protocol_list(WireShape::bytes))},
+                     .type_name = choices_type(protocol_list(kSerialMedium))},
                     {.name = "--baud",
                      .value = &options->place.baud,
                      .help = "Rate, if it is not the protocol's own"},

@@ -27,6 +27,7 @@
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"
 #include "transports/codecs/ibus_sensor/types.h"
+#include "transports/links/can/can_medium.h"
 #include "transports/recordings/recording_source.h"
 #include "transports/registry/registry.h"
 
@@ -115,7 +116,7 @@ tl::expected<std::vector<ProtocolUse>, std::string> suited_to(std::span<const Pr
         return suited;
     }
     const std::string_view asked = uses.front().protocol->name;
-    const std::string allowed = protocol_list(shape);
+    const std::string allowed = protocol_list(kCanMedium);
     return tl::unexpected(
         shape == WireShape::can_frames
             ? fmt::format("{}: a log of CAN frames, and {} is not a CAN protocol; allowed: {}",

@@ -25,7 +25,7 @@ std::string home_in_protocols(std::string_view name, const Key& tables, std::str
         if (!only.empty() && protocol->name != only) {
             continue;
         }
-        const auto media = media_for(protocol->shape);
+        const auto media = media_for(*protocol);
         const auto knows = [&](const Medium* medium) {
             return std::ranges::count(protocol_keys(*protocol, *medium, *tables.protocol_scope),
                                       name, &Key::name) > 0;

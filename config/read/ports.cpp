@@ -36,7 +36,7 @@ const Protocol* meant_protocol(const Table& table, std::span<const Key> keys) {
 
 /// The medium whose place the table names, or the usual one of the protocol.
 const Medium* meant_medium(const Table& table, const Protocol& protocol) {
-    const std::vector<const Medium*> media = media_for(protocol.shape);
+    const std::vector<const Medium*> media = media_for(protocol);
     const auto named = std::ranges::find_if(
         media, [&table](const Medium* medium) { return table.find(medium->place.key) != nullptr; });
     return named == media.end() ? media.front() : *named;

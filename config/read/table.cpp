@@ -40,7 +40,7 @@ const Key* place_instead(std::string_view name, const TableRef& ref, std::span<c
 /// others.
 std::string places_of(const Protocol& protocol, std::string_view between) {
     std::string places;
-    for (const Medium* medium : media_for(protocol.shape)) {
+    for (const Medium* medium : media_for(protocol)) {
         places +=
             fmt::format("{}{}{}{}", places.empty() ? "" : "; or ", in_quotes(medium->place.key),
                         places.empty() ? between : ": ", medium->place.help);
@@ -51,9 +51,9 @@ std::string places_of(const Protocol& protocol, std::string_view between) {
 void report_other_place(const TableRef& ref, const Entry& entry, const Key& place, bool taken,
                         Mistakes& mistakes) {
     const Protocol& protocol = *find_protocol(ref.protocol);
-    const bool would_do = std::ranges::any_of(
-        media_for(protocol.shape),
-        [&entry](const Medium* medium) { return medium->place.key == entry.key; });
+    const bool would_do = std::ranges::any_of(media_for(protocol), [&entry](const Medium* medium) {
+        return medium->place.key == entry.key;
+    });
     if (taken && would_do) {
         mistakes.add(entry.where,
                      fmt::format("{} in {}, which has {} already; leave one of them out",

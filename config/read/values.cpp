@@ -40,7 +40,7 @@ constexpr std::array<std::string_view, 2> kDroneCanNeeds{"interface", "dronecan"
 constexpr std::array<std::string_view, 5> kDroneCanTakes{"node", "instance", "fd", "signals",
                                                          "timeout"};
 constexpr std::array<std::string_view, 1> kBytesNeed{"protocol"};
-constexpr std::array<std::string_view, 6> kBytesTake{"device", "address", "public",
+constexpr std::array<std::string_view, 7> kBytesTake{"device", "address", "public", "sender",
                                                      "baud",   "signals", "timeout"};
 constexpr ValuesKind kConstant{"constant", kConstantNeeds, kConstantTakes};
 constexpr ValuesKind kDbc{"dbc", kDbcNeeds, kDbcTakes};
@@ -103,9 +103,10 @@ std::optional<DroneCanValueSource> read_dronecan_source(const TableContent& cont
 }
 
 /// The medium whose place the table names. Exactly one place is needed.
-const Medium* byte_medium(const TableContent& content, Mistakes& mistakes) {
+const Medium* byte_medium(const TableContent& content, const Protocol& protocol,
+                          Mistakes& mistakes) {
     const Medium* medium = nullptr;
-    for (const Medium* candidate : media_for(WireShape::bytes)) {
+    for (const Medium* candidate : media_for(protocol)) {
         const std::string_view key = candidate->place.key;
         if (!content.given(key)) {
             continue;
@@ -130,7 +131,7 @@ const Medium* byte_medium(const TableContent& content, Mistakes& mistakes) {
 std::optional<PortConfig> read_byte_port(const TableContent& content, const Protocol& protocol,
                                          Mistakes& mistakes) {
     PortConfig port;
-    port.medium = byte_medium(content, mistakes);
+    port.medium = byte_medium(content, protocol, mistakes);
     if (port.medium == nullptr) {
         return std::nullopt;
     }
@@ -140,7 +141,7 @@ std::optional<PortConfig> read_byte_port(const TableContent& content, const Prot
     port.line = protocol.line;
     port.line.baud =
         static_cast<std::uint32_t>(content.values().get_or("baud", std::int64_t{port.line.baud}));
-    for (const std::string_view key : {"public", "baud"}) {
+    for (const std::string_view key : {"public", "sender", "baud"}) {
         const bool fits = (key == "baud") == port.medium->has_line;
         if (content.given(key) && !fits) {
             mistakes.add(content.find(key)->where,
@@ -153,7 +154,8 @@ std::optional<PortConfig> read_byte_port(const TableContent& content, const Prot
             port.settings.set(setting.key, *value);
         }
     }
-    if (!content.sound(place) || !content.sound("baud") || !content.sound("public")) {
+    if (!content.sound(place) || !content.sound("baud") || !content.sound("public") ||
+        !content.sound("sender")) {
         return std::nullopt;
     }
     const auto found = port.medium->check == nullptr

@@ -1,5 +1,6 @@
 #include "config/show/manual_sections.h"
 
+#include <algorithm>
 #include <string_view>
 #include <utility>
 
@@ -60,27 +61,42 @@ std::vector<Key> copy(std::span<const Key> keys) {
     return {keys.begin(), keys.end()};
 }
 
-std::string quoted_list(WireShape shape, SettingScope way) {
+std::string quoted_list(const Medium& medium, SettingScope way) {
     std::vector<std::string> names;
     for (const Protocol* protocol : protocols()) {
-        if (protocol->shape == shape && protocol->goes(way)) {
+        if (carries(medium, *protocol) && protocol->goes(way)) {
             names.push_back(fmt::format("`{}`", protocol->name));
         }
     }
     return fmt::format("{}", fmt::join(names, ", "));
 }
 
-/// Returns the keys of all inputs, or outputs, and those of each medium.
+/// Whether an input, or output, can have the medium.
+bool is_used(const Medium& medium, SettingScope way) {
+    return std::ranges::any_of(protocols(), [&](const Protocol* protocol) {
+        return carries(medium, *protocol) && protocol->goes(way);
+    });
+}
+
+/// Returns the keys of all inputs, or outputs, and those of each medium. A key of several media
+/// stands there once.
 std::vector<Key> port_keys(SettingScope way) {
     std::vector<Key> keys = copy(way == SettingScope::input ? input_keys() : output_keys());
     std::size_t place = 1;
     for (const Medium* medium : media()) {
+        if (!is_used(*medium, way)) {
+            continue;
+        }
         Key key = place_key(*medium);
         key.setting.required = false;
         key.setting.absent = medium->place_absent;
-        keys.insert(keys.begin() + std::ptrdiff_t(place++), key);
+        if (std::ranges::count(keys, key.name(), &Key::name) == 0) {
+            keys.insert(keys.begin() + std::ptrdiff_t(place++), key);
+        }
         for (const Setting& setting : medium->settings) {
-            keys.push_back({setting});
+            if (setting.scope == SettingScope::both || setting.scope == way) {
+                keys.push_back({setting});
+            }
         }
     }
     if (way == SettingScope::output) {
@@ -92,8 +108,11 @@ std::vector<Key> port_keys(SettingScope way) {
 std::string place_text(SettingScope way) {
     std::vector<std::string> places;
     for (const Medium* medium : media()) {
+        if (!is_used(*medium, way)) {
+            continue;
+        }
         places.push_back(fmt::format("`{}` on {} ({})", medium->place.key, medium->name,
-                                     quoted_list(medium->shape, way)));
+                                     quoted_list(*medium, way)));
     }
     return fmt::format(
         "One key names the place: {}. Each protocol has [keys of its own](#keys-of-protocols) "
@@ -133,6 +152,9 @@ void add_ports(std::vector<ManualSection>& sections) {
 std::string line_text(const Protocol& protocol) {
     if (protocol.shape == WireShape::can_frames) {
         return "on CAN";
+    }
+    if (!protocol.only_on.empty()) {
+        return fmt::format("on {} only", protocol.only_on);
     }
     return fmt::format("on a serial line, {} baud 8{}{} unless `baud` says otherwise",
                        protocol.line.baud, protocol.line.parity == Parity::even ? 'E' : 'N',

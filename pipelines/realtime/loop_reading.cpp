@@ -35,7 +35,9 @@ bool Loop::hand_on_bytes(const PortWiring& wiring, Instant at) {
     for (const Station& station : wiring.stations) {
         bool came = clean ? stations_.receive(station, reception_.view(), at)
                           : stations_.receive(station, reception_.view(), reception_.damaged, at);
-        came = (wiring.has_datagrams && stations_.datagram_ended(station, at)) || came;
+        came = (wiring.has_datagrams && !reception_.goes_on &&
+                stations_.datagram_ended(station, at)) ||
+               came;
         if (came) {
             note_frame(station.index, at);
             frame_came = true;
@@ -51,7 +53,8 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
     bool frame_came = false;
     ReadStatus status = ReadStatus::received;
     reception_.full = true;
-    for (int reads = 0; reads < kMostReads && reception_.full; ++reads) {
+    reception_.goes_on = false;
+    for (int reads = 0; (reads < kMostReads && reception_.full) || reception_.goes_on; ++reads) {
         status = link.read(reception_);
         if (status != ReadStatus::received) {
             break;
@@ -131,7 +134,8 @@ ReadStatus Loop::catch_up_on_bytes(const PortWiring& wiring, ByteLink& link, Ins
     ReadStatus status = ReadStatus::received;
     std::size_t bytes = 0;
     bool discards = now - since >= stations_.useful_for(wiring.stations);
-    for (int reads = 0; !discards && reads < kMostReads; ++reads) {
+    reception_.goes_on = false;
+    for (int reads = 0; !discards && (reads < kMostReads || reception_.goes_on); ++reads) {
         status = link.read(reception_);
         if (status != ReadStatus::received) {
             break;

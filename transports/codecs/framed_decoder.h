@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 #include "core/channel_frame.h"
 #include "transports/codecs/codec.h"
@@ -15,7 +16,8 @@ namespace tribus {
 /// check. The derived class says how a frame is laid out; this class finds frames in the stream.
 /// It looks at a frame once all of its bytes are there. If the check fails, it searches on from the
 /// second byte, so that a frame behind a false beginning is found. A pause on the line ends an
-/// incomplete frame. Thread-bound; no heap.
+/// incomplete frame. A frame that is longer than LineBuffer::kCapacity is passed over unread, so
+/// that nothing inside of it counts as a frame. Thread-bound; no heap.
 class FramedDecoder : public ByteDecoder {
   public:
     void damaged_byte() final;
@@ -23,10 +25,17 @@ class FramedDecoder : public ByteDecoder {
     /// A derived class that keeps what later frames need forgets it, too.
     void reset() override;
     std::optional<DecodedFrame> finish() final;
-    std::span<const NamedCount> rejected() const final { return rejected_; }
+    std::span<const NamedCount> rejected() const final {
+        return std::span(rejected_).first(rejected_.back().name.empty() ? 2 : 3);
+    }
     std::uint64_t skipped_bytes() const final { return skipped_bytes_; }
 
   protected:
+    FramedDecoder() = default;
+    /// With a count for frames that the derived class refuses itself (`refuse`).
+    explicit FramedDecoder(std::string_view own_cause) { rejected_.back().name = own_cause; }
+    void refuse() { ++rejected_.back().count; }
+
     /// A derived class may handle its usual frame, whole in one read, on a shorter way.
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
@@ -34,7 +43,7 @@ class FramedDecoder : public ByteDecoder {
   private:
     /// How many bytes of a frame that begins with `bytes`, at least one, must be there to judge it:
     /// 0 if none begins so; `bytes.size()` if it is whole; more if it is not whole or its length is
-    /// not known yet, at most LineBuffer::kCapacity.
+    /// not known yet. Above LineBuffer::kCapacity: the length of a frame that is passed over.
     virtual std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const = 0;
     /// Whether the check of a whole frame is right.
     virtual bool check_holds(std::span<const std::uint8_t> frame) const = 0;
@@ -43,11 +52,14 @@ class FramedDecoder : public ByteDecoder {
     virtual bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) = 0;
 
     enum RejectCause : std::size_t { kChecksum, kDamaged };
-    enum class Candidate : std::uint8_t { none, incomplete, whole };
+    enum class Candidate : std::uint8_t { none, incomplete, whole, too_long };
     Candidate look(std::size_t& length);
+    void pass_over(std::size_t length);
     bool search(bool more_may_come, Instant received, DecodedFrame& frame);
 
-    std::array<NamedCount, 2> rejected_{{{"checksum"}, {"damaged"}}};
+    std::array<NamedCount, 3> rejected_{{{"checksum"}, {"damaged"}, {}}};
+    /// Bytes of a frame that is too long, which are still to come.
+    std::size_t passed_over_ = 0;
     std::uint64_t skipped_bytes_ = 0;
     /// When the latest bytes came that were looked at together with others. A frame that a pause
     /// shows came then.

@@ -48,8 +48,11 @@ struct Protocol {
     std::string_view title;
     std::string_view description;
     WireShape shape = WireShape::bytes;
+    /// The name of the one medium that carries it. Empty: every medium of its shape does, but those
+    /// for protocols of their own only.
+    std::string_view only_on = {};
     /// Settings of a serial line for it. Only for protocols of bytes.
-    LineSettings line;
+    LineSettings line = {};
     /// How frames may begin; `doctor` recognises an inverted line by them.
     std::span<const FrameBeginning> beginnings = {};
     /// Keys of this protocol, in addition to those of every input or output.

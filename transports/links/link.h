@@ -20,6 +20,8 @@ struct Reception {
     std::size_t count = 0;
     std::bitset<kBytesPerRead> damaged{};
     bool full = false;  ///< the read was full: more bytes may be waiting
+    /// The next read goes on with the same datagram. Always false on media without datagrams.
+    bool goes_on = false;
 
     std::span<const std::uint8_t> view() const { return {bytes.data(), count}; }
 };

@@ -43,8 +43,10 @@ enum class Users : std::uint8_t {
 struct Medium {
     /// A noun for the manual: "`device` on NAME".
     std::string_view name;
-    /// It carries all protocols of this shape.
+    /// It carries protocols of this shape.
     WireShape shape = WireShape::bytes;
+    /// Of these only the protocols that name it (Protocol::only_on).
+    bool only_own_protocols = false;
     /// The key of an input or output that names the place: a device, an interface.
     Setting place;
     /// The default of that key in the manual: "required on CAN".
@@ -59,7 +61,7 @@ struct Medium {
     /// Whether each read is a datagram: no frame goes on beyond it.
     bool has_datagrams = false;
     Users users = Users::one;
-    /// Whether nothing has that name now: it may be plugged in later.
+    /// Whether nothing has that name now: it may be plugged in later. Never null.
     bool (*is_missing)(const std::string& place) = nullptr;
     /// Whether two different names stand for one place. Null: never.
     bool (*is_same)(const std::string& a, const std::string& b) = nullptr;

@@ -34,10 +34,16 @@ std::span<const Medium* const> media() {
     return kMedia;
 }
 
-std::vector<const Medium*> media_for(WireShape shape) {
+bool carries(const Medium& medium, const Protocol& protocol) {
+    return medium.shape == protocol.shape &&
+           (protocol.only_on.empty() ? !medium.only_own_protocols
+                                     : protocol.only_on == medium.name);
+}
+
+std::vector<const Medium*> media_for(const Protocol& protocol) {
     std::vector<const Medium*> found;
     std::ranges::copy_if(media(), std::back_inserter(found),
-                         [shape](const Medium* medium) { return medium->shape == shape; });
+                         [&protocol](const Medium* medium) { return carries(*medium, protocol); });
     return found;
 }
 

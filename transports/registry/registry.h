@@ -5,7 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "core/wire_shape.h"
 #include "transports/codecs/protocol.h"
 #include "transports/links/medium.h"
 
@@ -19,12 +18,15 @@ const Protocol* find_protocol(std::string_view name);
 
 /// Names of the protocols whose messages [values.NAME] can read. Words of a choice are constant, so
 /// they stand here once more; a test compares.
-inline constexpr std::array<std::string_view, 1> kValueProtocols{"crsf-telemetry"};
+inline constexpr std::array<std::string_view, 2> kValueProtocols{"crsf-telemetry",
+                                                                 "mavlink-telemetry"};
 
 /// All media of the program, one line each in the source. Reentrant.
 std::span<const Medium* const> media();
 
-/// The media that carry protocols of that shape, at least one. Reentrant.
-std::vector<const Medium*> media_for(WireShape shape);
+/// Whether inputs or outputs of the protocol can use the medium. Reentrant.
+bool carries(const Medium& medium, const Protocol& protocol);
+/// The media that carry the protocol, at least one; the usual one first. Reentrant.
+std::vector<const Medium*> media_for(const Protocol& protocol);
 
 }  // namespace tribus

@@ -86,7 +86,9 @@ TEST(ByteValues, OutsideOfTheMachineMustBePublic) {
 TEST(ByteValues, RefuseAProtocolThatHasNone) {
     const Lines found = mistakes(with_values("protocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"));
     ASSERT_EQ(found.size(), 1U);
-    EXPECT_EQ(found.front(), "2:12: \"protocol\" is \"sbus\"; allowed: \"crsf-telemetry\"");
+    EXPECT_EQ(found.front(),
+              "2:12: \"protocol\" is \"sbus\"; allowed: \"crsf-telemetry\", "
+              "\"mavlink-telemetry\"");
 }
 
 TEST(ByteValues, NameWhatWasMeant) {

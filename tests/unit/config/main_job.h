@@ -46,10 +46,10 @@ inline std::vector<std::string> mistakes_in(std::string_view text,
     return lines;
 }
 
-/// `; or "KEY": HELP` for each medium that carries bytes, but the usual one.
+/// `; or "KEY": HELP` for each medium that carries the protocol of most tests, but the usual one.
 inline std::string other_places() {
     std::string places;
-    for (const Medium* medium : media_for(WireShape::bytes)) {
+    for (const Medium* medium : media_for(*find_protocol("sbus"))) {
         const std::string key(medium->place.key);
         places += key == "device" ? "" : "; or \"" + key + "\": " + std::string(medium->place.help);
     }

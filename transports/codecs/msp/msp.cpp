@@ -5,7 +5,15 @@
 #include <chrono>
 #include <memory>
 
+#include "transports/codecs/microsecond_words.h"
+
 namespace tribus {
+
+using microsecond_words::microseconds_at;
+using microsecond_words::microseconds_of;
+using microsecond_words::pulse_of;
+using microsecond_words::put_microseconds;
+
 namespace {
 
 constexpr std::uint8_t kDollar = 0x24;
@@ -19,9 +27,6 @@ constexpr std::size_t kContentAt = kCommandAt + 1;
 constexpr std::uint8_t kSetRawRc = 200;
 /// Longer messages set other things; their bytes are skipped.
 constexpr std::size_t kLongestContent = 64;
-
-/// The longest pulse that can be passed on as it is.
-constexpr unsigned kMostMicroseconds = 4095;
 
 constexpr std::size_t message_bytes(std::size_t content) {
     return kContentAt + content + 1;
@@ -64,9 +69,8 @@ bool MspDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channel
     }
     for (std::size_t channel = 0; channel < std::min(words, kChannelCount); ++channel) {
         const std::size_t at = kContentAt + 2 * channel;
-        const unsigned microseconds = frame[at] | static_cast<unsigned>(frame[at + 1]) << 8U;
-        if (microseconds >= 1 && microseconds <= kMostMicroseconds) {
-            channels.set(channel, Pulse::from_microseconds(microseconds));
+        if (const auto pulse = pulse_of(microseconds_at(frame, at))) {
+            channels.set(channel, *pulse);
         }
     }
     return true;
@@ -82,11 +86,7 @@ std::size_t MspEncoder::write(const ChannelFrame& frame,
     wire[kSizeAt] = static_cast<std::uint8_t>(2 * channels_);
     wire[kCommandAt] = kSetRawRc;
     for (std::size_t channel = 0; channel < channels_; ++channel) {
-        const Pulse pulse = frame.channel(channel).value_or(kCentrePulse);
-        const auto microseconds = static_cast<unsigned>(std::max(pulse.whole_microseconds(), 1));
-        const std::size_t at = kContentAt + 2 * channel;
-        wire[at] = static_cast<std::uint8_t>(microseconds);
-        wire[at + 1] = static_cast<std::uint8_t>(microseconds >> 8U);
+        put_microseconds(wire, kContentAt + 2 * channel, microseconds_of(frame, channel));
     }
     const std::size_t length = message_bytes(2 * channels_);
     wire[length - 1] = check_of(wire.first(length - 1));

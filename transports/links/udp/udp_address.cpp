@@ -65,4 +65,17 @@ std::optional<UdpAddress> parse_udp_address(const std::string& text) {
     return version_4(host, *port);
 }
 
+bool is_same_host(const UdpAddress& one, const UdpAddress& other) {
+    if (one.storage.ss_family != other.storage.ss_family) {
+        return false;
+    }
+    if (one.storage.ss_family == AF_INET) {
+        return reinterpret_cast<const sockaddr_in*>(&one.storage)->sin_addr.s_addr ==
+               reinterpret_cast<const sockaddr_in*>(&other.storage)->sin_addr.s_addr;
+    }
+    return std::memcmp(&reinterpret_cast<const sockaddr_in6*>(&one.storage)->sin6_addr,
+                       &reinterpret_cast<const sockaddr_in6*>(&other.storage)->sin6_addr,
+                       sizeof(in6_addr)) == 0;
+}
+
 }  // namespace tribus

@@ -21,4 +21,7 @@ struct UdpAddress {
 /// are not looked up, because that may block. Nothing if it is neither. Pure.
 std::optional<UdpAddress> parse_udp_address(const std::string& text);
 
+/// Whether the IP addresses are the same, whatever the ports. Pure.
+bool is_same_host(const UdpAddress& one, const UdpAddress& other);
+
 }  // namespace tribus

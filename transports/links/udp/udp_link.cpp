@@ -3,6 +3,7 @@
 #include <netinet/in.h>
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <utility>
@@ -45,7 +46,8 @@ UniqueFd socket_for(const UdpAddress& address) {
 }  // namespace
 
 tl::expected<std::unique_ptr<UdpLink>, std::string> UdpLink::open(const std::string& address,
-                                                                  SettingScope way) {
+                                                                  SettingScope way,
+                                                                  const std::string& sender) {
     const auto failed = [&address](const std::string& why) {
         return tl::unexpected(address + ": " + why);
     };
@@ -68,7 +70,12 @@ tl::expected<std::unique_ptr<UdpLink>, std::string> UdpLink::open(const std::str
             return failed(bind_problem(errno));
         }
     }
-    return std::unique_ptr<UdpLink>(new UdpLink(std::move(fd), *parsed));
+    const auto from = parse_udp_address(sender + ":1");
+    if (!sender.empty() && !from) {
+        return failed("\"" + sender + "\" is not an IP address");
+    }
+    return std::unique_ptr<UdpLink>(
+        new UdpLink(std::move(fd), *parsed, sender.empty() ? std::nullopt : from));
 }
 
 bool UdpLink::is_missing(const std::string& address) {
@@ -86,18 +93,33 @@ bool UdpLink::is_missing(const std::string& address) {
            errno == EADDRNOTAVAIL;
 }
 
+/// Receives one datagram. Returns false if none waits.
+bool UdpLink::receive() {
+    UdpAddress from{.size = sizeof from.storage};
+    const ssize_t length = ::recvfrom(fd_.get(), datagram_.data(), datagram_.size(), MSG_TRUNC,
+                                      reinterpret_cast<sockaddr*>(&from.storage), &from.size);
+    if (length < 0) {
+        return false;
+    }
+    const auto bytes = static_cast<std::size_t>(length);
+    const bool wanted = !sender_ || is_same_host(from, *sender_);
+    unread_ = std::span(datagram_).first(wanted && bytes <= datagram_.size() ? bytes : 0);
+    return true;
+}
+
 ReadStatus UdpLink::read(Reception& reception) {
     reception.damaged.reset();
     reception.count = 0;
     reception.full = false;
-    const ssize_t length =
-        ::recv(fd_.get(), reception.bytes.data(), reception.bytes.size(), MSG_TRUNC);
-    if (length < 0) {
+    reception.goes_on = false;
+    if (unread_.empty() && !receive()) {
         return ReadStatus::nothing;
     }
-    const auto bytes = static_cast<std::size_t>(length);
-    reception.count = bytes <= reception.bytes.size() ? bytes : 0;
+    reception.count = std::min(unread_.size(), reception.bytes.size());
+    std::copy_n(unread_.begin(), reception.count, reception.bytes.begin());
+    unread_ = unread_.subspan(reception.count);
     reception.full = true;
+    reception.goes_on = !unread_.empty();
     return ReadStatus::received;
 }
 
@@ -112,6 +134,7 @@ WriteStatus UdpLink::write(std::span<const std::uint8_t> frame) {
 }
 
 void UdpLink::discard_unread() {
+    unread_ = {};
     std::uint8_t byte = 0;
     for (int i = 0; i < kMostDiscarded; ++i) {
         if (::recv(fd_.get(), &byte, sizeof byte, MSG_TRUNC) < 0) {

@@ -1,6 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 
 #include <tl/expected.hpp>
@@ -12,19 +17,25 @@
 
 namespace tribus {
 
-/// A UDP socket as a link of bytes: one datagram is one read, or one written frame. An input
-/// receives from everybody who reaches its address; an output sends to its address, whether or not
-/// somebody listens there. Thread-bound. No heap after `open`.
+/// A UDP socket as a link of bytes: one datagram is one written frame, and one read, or more if it
+/// is long. An input receives from everybody who reaches its address, or from one sender only; an
+/// output sends to its address, whether or not somebody listens there. Thread-bound. No heap after
+/// `open`.
 class UdpLink final : public ByteLink {
   public:
-    /// `way` is input or output. `address` as in parse_udp_address. The error begins with the
+    /// Longer datagrams are read as no bytes.
+    static constexpr std::size_t kLongestDatagram = 2048;
+
+    /// `way` is input or output. `address` as in parse_udp_address. `sender`: the IP address whose
+    /// datagrams an input reads, without a port; empty: everybody's. The error begins with the
     /// address and says what to do.
     static tl::expected<std::unique_ptr<UdpLink>, std::string> open(const std::string& address,
-                                                                    SettingScope way);
+                                                                    SettingScope way,
+                                                                    const std::string& sender = {});
     /// Whether no interface of this machine has the address: it may come later.
     static bool is_missing(const std::string& address);
 
-    /// Reads one datagram. One that is longer than kBytesPerRead is read as no bytes. Never `lost`.
+    /// Reads one datagram, or the next part of one. Never `lost`.
     ReadStatus read(Reception& reception) override;
     /// `busy` if the kernel has no room, `unavailable` if the network refuses the datagram.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
@@ -32,10 +43,16 @@ class UdpLink final : public ByteLink {
     int descriptor() const override { return fd_.get(); }
 
   private:
-    UdpLink(UniqueFd fd, const UdpAddress& address) : fd_(std::move(fd)), address_(address) {}
+    UdpLink(UniqueFd fd, const UdpAddress& address, const std::optional<UdpAddress>& sender)
+        : fd_(std::move(fd)), address_(address), sender_(sender) {}
+    bool receive();
 
     UniqueFd fd_;
     UdpAddress address_;
+    std::optional<UdpAddress> sender_;
+    /// The latest datagram, and the part of it that is not read yet.
+    std::array<std::uint8_t, kLongestDatagram> datagram_{};
+    std::span<const std::uint8_t> unread_;
 };
 
 }  // namespace tribus

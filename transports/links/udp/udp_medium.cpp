@@ -14,6 +14,13 @@ constexpr std::array kUdpSettings{
             .help = "`true`: allows an `address` outside of this machine. UDP has no password: who "
                     "reaches the address of an input moves the servos",
             .example = "true"},
+    Setting{.key = "sender",
+            .type = SettingType::text,
+            .absent = "everybody",
+            .scope = SettingScope::input,
+            .help = "IP address whose datagrams are read; those of others are dropped. Who can "
+                    "forge an address on your network still gets in",
+            .example = "\"127.0.0.1\""},
 };
 
 std::vector<SettingMistake> check(const std::string& place, const SettingValues& settings,
@@ -31,6 +38,14 @@ std::vector<SettingMistake> check(const std::string& place, const SettingValues&
                      "\", outside of this machine; allowed: a loopback address, such as "
                      "\"127.0.0.1:5501\", or add public = true (UDP has no password: who reaches "
                      "an input moves the servos)"}};
+    }
+    const auto* sender = settings.find_as<std::string>("sender");
+    const auto from = parse_udp_address(sender == nullptr ? place : *sender + ":1");
+    if (!from || from->storage.ss_family != address->storage.ss_family) {
+        return {{{"sender"},
+                 "\"sender\" is \"" + *sender +
+                     "\"; allowed: an IP address in digits without a port, of the same version as "
+                     "\"address\", such as \"127.0.0.1\" or \"[::1]\""}};
     }
     return {};
 }
@@ -51,8 +66,11 @@ const Medium kUdpMedium{
     .has_datagrams = true,
     .users = Users::one,
     .is_missing = UdpLink::is_missing,
-    .open = [](const std::string& address,
-               const LinkUse& use) { return as_link(UdpLink::open(address, use.way)); },
+    .open =
+        [](const std::string& address, const LinkUse& use) {
+            return as_link(
+                UdpLink::open(address, use.way, use.settings.get_or("sender", std::string())));
+        },
 };
 
 }  // namespace tribus

@@ -9,6 +9,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/shell.h"
+#include "transports/links/can/can_medium.h"
+#include "transports/links/serial/serial_medium.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::protocol_use_test {
@@ -125,8 +127,8 @@ TEST(ProtocolUse, AProtocolThatOnlyReceivesCannotBeWritten) {
 }
 
 TEST(ProtocolUse, ListsTheProtocolsOfOneKindOfLink) {
-    EXPECT_TRUE(protocol_list(WireShape::bytes).starts_with("ibus, sbus"));
-    EXPECT_TRUE(protocol_list(WireShape::can_frames).starts_with("can, dbc, sensors, dronecan"));
+    EXPECT_TRUE(protocol_list(kSerialMedium).starts_with("ibus, sbus"));
+    EXPECT_TRUE(protocol_list(kCanMedium).starts_with("can, dbc, sensors, dronecan"));
 }
 
 TEST(ProtocolUse, NumbersMayBeHexadecimal) {

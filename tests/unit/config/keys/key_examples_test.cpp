@@ -183,8 +183,7 @@ std::map<std::string, std::string> contexts() {
 }
 
 std::string default_context(const Protocol& protocol, bool of_output) {
-    const std::string lines =
-        protocol_line(protocol) + place_line(*media_for(protocol.shape).front());
+    const std::string lines = protocol_line(protocol) + place_line(*media_for(protocol).front());
     return of_output ? output(lines) : input(lines);
 }
 
@@ -196,6 +195,8 @@ std::map<std::string, std::string> special_contexts() {
         "dronecan = \"uavcan.equipment.power.BatteryInfo\"\n");
     const std::string telemetry_of_a_controller = "protocol = \"crsf-telemetry\"\n";
     const std::string module_line = "protocol = \"crsf\"\ndevice = \"/dev/ttyB\"\nbaud = 400000\n";
+    const std::string to_autopilot =
+        "protocol = \"mavlink\"\ndevice = \"/dev/ttyB\"\nmessage = \"rc_channels_override\"\n";
     const std::string on_can = output("protocol = \"can\"\ninterface = \"can0\"\n");
     std::map<std::string, std::string> contexts{
         {"failsafe_when-all_zero",
@@ -250,8 +251,14 @@ std::map<std::string, std::string> special_contexts() {
         {"values-address", battery_in_values(telemetry_of_a_controller)},
         {"values-public",
          battery_in_values(telemetry_of_a_controller + "address = \"127.0.0.1:5502\"\n")},
+        {"values-sender",
+         battery_in_values(telemetry_of_a_controller + "address = \"127.0.0.1:5502\"\n")},
         {"values-baud", battery_in_values(telemetry_of_a_controller + "device = \"/dev/ttyD\"\n")},
         {"crsf-role", output(module_line)},
+        {"mavlink-buttons", input("protocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n"
+                                  "message = \"manual_control\"\n")},
+        {"mavlink-on_loss", output(to_autopilot)},
+        {"mavlink-version", output(to_autopilot)},
         {"crsf-model_id", output(module_line + "role = \"handset\"\n")},
         {"dbc-signals-channel", signal("Speed", "")},
         {"dbc-signals-value", signal("Speed", "channel = 1\n")},
@@ -266,7 +273,8 @@ std::map<std::string, std::string> special_contexts() {
         {"dbc-signals-from", signal("Speed", "")},
     };
     for (const Medium* medium : media()) {
-        const auto carried = std::ranges::find(protocols(), medium->shape, &Protocol::shape);
+        const auto carried = std::ranges::find_if(
+            protocols(), [medium](const Protocol* one) { return carries(*medium, *one); });
         const std::string protocol = protocol_line(**carried);
         contexts.emplace("input-" + std::string(medium->place.key), input(protocol));
         contexts.emplace("output-" + std::string(medium->place.key), output(protocol));

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "app/doctor/line_judge.h"
+#include "tests/support/channel_bytes.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -23,14 +24,6 @@ constexpr std::string_view kEightChannels = "244d3c10c8dc05dc05e803dc05e803e803d
 const std::vector<double> kEightPulses{1500, 1500, 1000, 1500, 1000, 1000, 2000, 1500};
 // MSP_SET_MOTOR as somebody's program logged it (christianrauch/msp, issue 62).
 constexpr std::string_view kSetMotor = "244d3c10d6dc05dc054c04dc05000000000000000057";
-
-std::vector<double> microseconds(const ChannelFrame& frame) {
-    std::vector<double> values;
-    for (std::size_t channel = 0; channel < kChannelCount && frame.has(channel); ++channel) {
-        values.push_back(frame.channel(channel)->microseconds());
-    }
-    return values;
-}
 
 /// A message towards a flight controller, with a right check.
 Bytes message(std::uint8_t command, const Bytes& content) {
@@ -55,16 +48,14 @@ Bytes words(std::size_t count, unsigned word) {
 
 Bytes encoded(const ChannelFrame& frame, std::size_t channels) {
     MspEncoder encoder(channels);
-    std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder.write(frame, wire, {});
-    return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
+    return test::encoded(encoder, frame);
 }
 
 TEST(Msp, ReadsAndWritesTheVector) {
     MspDecoder decoder;
     const auto frames = feed(decoder, from_hex(kEightChannels));
     ASSERT_EQ(frames.size(), 1U);
-    EXPECT_EQ(microseconds(frames[0].channels), kEightPulses);
+    EXPECT_EQ(pulses_of(frames[0].channels), kEightPulses);
     EXPECT_TRUE(frames[0].channels.good());
     EXPECT_EQ(encoded(frames[0].channels, 8), from_hex(kEightChannels));
 }
@@ -90,7 +81,7 @@ TEST(Msp, ReadsEveryNumberOfChannelsAndKeepsTheFirstEighteen) {
         MspDecoder decoder;
         const auto frames = feed(decoder, message(200, words(count, 1500)));
         ASSERT_EQ(frames.size(), 1U) << count;
-        EXPECT_EQ(microseconds(frames[0].channels),
+        EXPECT_EQ(pulses_of(frames[0].channels),
                   std::vector<double>(std::min<std::size_t>(count, 18), 1500));
     }
 }

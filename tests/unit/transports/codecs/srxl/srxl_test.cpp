@@ -15,6 +15,7 @@
 
 #include "app/doctor/line_judge.h"
 #include "tests/reference/plain_srxl.h"
+#include "tests/support/channel_bytes.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -32,14 +33,6 @@ constexpr std::string_view kVersion2 =
 constexpr std::string_view kVersion5 = "A5030C042F6C10B42616340104761C40F53B";
 constexpr Instant kStart = Instant(1h);
 constexpr std::uint8_t kConnected = 0x02;
-
-std::vector<double> microseconds(const ChannelFrame& frame) {
-    std::vector<double> values;
-    for (std::size_t channel = 0; channel < kChannelCount && frame.has(channel); ++channel) {
-        values.push_back(frame.channel(channel)->microseconds());
-    }
-    return values;
-}
 
 std::vector<std::size_t> present(const ChannelFrame& frame) {
     std::vector<std::size_t> channels;
@@ -79,13 +72,13 @@ TEST(SrxlDecoder, ReadsTheFramesOfTheSources) {
     expected[0] = 800;
     expected[2] = 2199.625;
     Line line;
-    EXPECT_EQ(microseconds(*line.hear(from_hex(kVersion1), 0ms)), expected);
+    EXPECT_EQ(pulses_of(*line.hear(from_hex(kVersion1), 0ms)), expected);
     expected.resize(16, 1500);
-    EXPECT_EQ(microseconds(*line.hear(from_hex(kVersion2), 14ms)), expected);
+    EXPECT_EQ(pulses_of(*line.hear(from_hex(kVersion2), 14ms)), expected);
     const auto captured = line.hear(from_hex(kVersion5), 28ms);
     ASSERT_TRUE(captured);
     EXPECT_TRUE(captured->good());
-    EXPECT_EQ(microseconds(*captured),
+    EXPECT_EQ(pulses_of(*captured),
               (std::vector<double>{1567.375, 1502.25, 1018.25, 1536.5, 1804.75, 2000, 1500.625}));
 }
 
@@ -99,7 +92,7 @@ TEST(SrxlDecoder, ReadsEveryRawValueOfEveryChannelToTheNearestEighth) {
             }
             const auto frames = feed(decoder, plain_srxl(version, words));
             ASSERT_EQ(frames.size(), 1U);
-            const auto values = microseconds(frames[0].channels);
+            const auto values = pulses_of(frames[0].channels);
             ASSERT_EQ(values.size(), words.size());
             for (std::size_t i = 0; i < words.size(); ++i) {
                 ASSERT_EQ(values[i], reference::plain_srxl_us(words[i])) << words[i];
@@ -113,7 +106,7 @@ TEST(SrxlDecoder, TheUpperFourBitsOfAWordAreNotUsed) {
     for (const unsigned version : {1U, 2U}) {
         const auto frame = line.hear(
             plain_srxl(version, std::vector<unsigned>(version == 1 ? 12 : 16, 0xF800)), 0ms);
-        EXPECT_EQ(microseconds(*frame), std::vector<double>(version == 1 ? 12 : 16, 1500));
+        EXPECT_EQ(pulses_of(*frame), std::vector<double>(version == 1 ? 12 : 16, 1500));
     }
 }
 

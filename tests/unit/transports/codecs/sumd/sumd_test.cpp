@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "app/doctor/line_judge.h"
+#include "tests/support/channel_bytes.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
 
@@ -26,14 +27,6 @@ constexpr std::string_view kRecorded = "A8010C22742ED82EE02ED8226022603B60226022
 // Betaflight, rx_sumd_unittest.cc, failsafe: 8 x 1500 us.
 constexpr std::string_view kFailsafe = "A881082EE02EE02EE02EE02EE02EE02EE02EE0F90F";
 
-std::vector<double> microseconds(const ChannelFrame& frame) {
-    std::vector<double> values;
-    for (std::size_t channel = 0; channel < kChannelCount && frame.has(channel); ++channel) {
-        values.push_back(frame.channel(channel)->microseconds());
-    }
-    return values;
-}
-
 ChannelFrame decoded(std::string_view hex) {
     SumdDecoder decoder;
     const auto frames = feed(decoder, from_hex(hex));
@@ -43,9 +36,7 @@ ChannelFrame decoded(std::string_view hex) {
 
 Bytes encoded(const ChannelFrame& frame, std::size_t channels) {
     SumdEncoder encoder(channels);
-    std::array<std::uint8_t, kLongestSerialFrame> wire{};
-    const std::size_t length = encoder.write(frame, wire, {});
-    return {wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)};
+    return test::encoded(encoder, frame);
 }
 
 /// A frame of `count` words with a right check.
@@ -68,13 +59,13 @@ Bytes frame_of(std::uint8_t status, const std::vector<std::uint16_t>& words) {
 }
 
 TEST(Sumd, ReadsChannelsInTheOrderOfTheWire) {
-    EXPECT_EQ(microseconds(decoded(kEightChannels)),
+    EXPECT_EQ(pulses_of(decoded(kEightChannels)),
               (std::vector<double>{1514, 1597, 1076, 1514, 1100, 1100, 1500, 1500}));
     EXPECT_TRUE(decoded(kEightChannels).good());
 }
 
 TEST(Sumd, ReadsARecordedFrameToAnEighthOfAMicrosecond) {
-    EXPECT_EQ(microseconds(decoded(kRecorded)),
+    EXPECT_EQ(pulses_of(decoded(kRecorded)),
               (std::vector<double>{1102.5, 1499, 1500, 1499, 1100, 1100, 1900, 1100, 1100, 1900,
                                    1500, 1500}));
 }
@@ -83,7 +74,7 @@ TEST(Sumd, ReadsFailsafe) {
     const ChannelFrame frame = decoded(kFailsafe);
     EXPECT_TRUE(frame.failsafe);
     EXPECT_FALSE(frame.frame_lost);
-    EXPECT_EQ(microseconds(frame), std::vector<double>(8, 1500));
+    EXPECT_EQ(pulses_of(frame), std::vector<double>(8, 1500));
 }
 
 TEST(Sumd, ReadsEveryNumberOfChannelsAndKeepsTheFirstEighteen) {
@@ -92,7 +83,7 @@ TEST(Sumd, ReadsEveryNumberOfChannelsAndKeepsTheFirstEighteen) {
         const auto frames = feed(decoder, frame_of(0x03, std::vector<std::uint16_t>(count, 12000)));
         ASSERT_EQ(frames.size(), 1U) << count;
         EXPECT_EQ(frames[0].length, 5 + 2 * count);
-        EXPECT_EQ(microseconds(frames[0].channels),
+        EXPECT_EQ(pulses_of(frames[0].channels),
                   std::vector<double>(std::min<std::size_t>(count, 18), 1500));
     }
 }

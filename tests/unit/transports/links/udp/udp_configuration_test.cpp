@@ -46,6 +46,23 @@ TEST(UdpConfiguration, IsPrintedAsItIsRead) {
     EXPECT_EQ(effective_toml(loaded(printed)), printed);
 }
 
+TEST(UdpConfiguration, ASenderIsAnAddressOfTheSameVersionWithoutAPort) {
+    const auto with = [](const std::string& sender) {
+        return mistakes_in(job(kHere + "\nsender = \"" + sender + "\"", kThere));
+    };
+    EXPECT_EQ(with("127.0.0.1"), Lines{});
+    for (const std::string wrong : {"127.0.0.1:5501", "[::1]", "localhost"}) {
+        EXPECT_EQ(
+            with(wrong),
+            Lines{"t.toml:4:10: \"sender\" is \"" + wrong +
+                  R"("; allowed: an IP address in digits without a port, of the same version )"
+                  R"(as "address", such as "127.0.0.1" or "[::1]")"})
+            << wrong;
+    }
+    EXPECT_EQ(mistakes_in(job(kHere, kThere + "\nsender = \"127.0.0.1\"")).size(), 1U)
+        << "an output receives nothing";
+}
+
 TEST(UdpConfiguration, AnAddressBesideADeviceIsAMistake) {
     EXPECT_EQ(mistakes_in(job("device = \"/dev/ttyA\"\n" + kHere, kThere)),
               Lines{R"(t.toml:4:1: "address" in [input.receiver], which has "device" already; )"

@@ -73,13 +73,57 @@ TEST(UdpLink, RunsOverVersion6Too) {
     EXPECT_EQ(pair.read(), (Bytes{5, 6}));
 }
 
-TEST(UdpLink, ReadsALongestDatagramAndNothingOfALongerOne) {
+TEST(UdpLink, ReadsALongestDatagramInPartsAndNothingOfALongerOne) {
     Pair pair;
-    const Bytes longest(kBytesPerRead, 7);
-    EXPECT_EQ(pair.sender->write(Bytes(kBytesPerRead + 1, 8)), WriteStatus::written);
+    Bytes longest;
+    for (std::size_t i = 0; i < UdpLink::kLongestDatagram; ++i) {
+        longest.push_back(static_cast<std::uint8_t>(i * 7 / 3));
+    }
+    EXPECT_EQ(pair.sender->write(Bytes(UdpLink::kLongestDatagram + 1, 8)), WriteStatus::written);
     EXPECT_EQ(pair.sender->write(longest), WriteStatus::written);
+    EXPECT_EQ(pair.sender->write(Bytes{1}), WriteStatus::written);
     EXPECT_EQ(pair.read(), Bytes{});
-    EXPECT_EQ(pair.read(), longest);
+    Bytes parts;
+    while (parts.size() < longest.size()) {
+        Reception reception;
+        ASSERT_EQ(pair.receiver->read(reception), ReadStatus::received);
+        ASSERT_EQ(reception.count, kBytesPerRead);
+        parts.insert(parts.end(), reception.view().begin(), reception.view().end());
+        EXPECT_EQ(reception.goes_on, parts.size() < longest.size());
+    }
+    EXPECT_EQ(parts, longest);
+    EXPECT_EQ(pair.read(), Bytes{1});
+    EXPECT_TRUE(pair.is_empty());
+}
+
+TEST(UdpLink, DiscardsTheRestOfADatagramToo) {
+    Pair pair;
+    EXPECT_EQ(pair.sender->write(Bytes(kBytesPerRead + 1, 8)), WriteStatus::written);
+    EXPECT_EQ(pair.read().size(), kBytesPerRead);
+    pair.receiver->discard_unread();
+    EXPECT_TRUE(pair.is_empty());
+}
+
+TEST(UdpLink, ReadsTheConfiguredSenderOnly) {
+    for (const std::string host : {"127.0.0.1", "[::1]"}) {
+        const std::string address = free_address(host);
+        const auto wanted = UdpLink::open(address, SettingScope::input, host);
+        ASSERT_TRUE(wanted) << wanted.error();
+        const auto sender = UdpLink::open(address, SettingScope::output);
+        EXPECT_EQ((*sender)->write(Bytes{1, 2}), WriteStatus::written);
+        Reception reception;
+        EXPECT_EQ((*wanted)->read(reception), ReadStatus::received);
+        EXPECT_EQ(reception.count, 2U) << host;
+    }
+    // 127.0.0.1 sends, and another loopback address is expected.
+    const std::string address = free_address();
+    const auto strict = UdpLink::open(address, SettingScope::input, "127.0.0.2");
+    const auto stranger = UdpLink::open(address, SettingScope::output);
+    EXPECT_EQ((*stranger)->write(Bytes{1, 2}), WriteStatus::written);
+    Reception reception;
+    EXPECT_EQ((*strict)->read(reception), ReadStatus::received);
+    EXPECT_EQ(reception.count, 0U);
+    EXPECT_EQ((*strict)->read(reception), ReadStatus::nothing);
 }
 
 TEST(UdpLink, SendsAlthoughNobodyReceives) {

@@ -1,0 +1,82 @@
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/config/main_job.h"
+#include "transports/codecs/mavlink/mavlink.h"
+#include "transports/registry/registry.h"
+
+/// [input.NAME] and [output.NAME] of MAVLink as a user writes them.
+namespace tribus::test::mavlink_protocol_test {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+Lines to_autopilot(const std::string& lines) {
+    return mistakes_in(
+        "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
+        "[output.drone]\nprotocol = \"mavlink\"\ndevice = \"/dev/ttyB\"\n" +
+        lines + "[pipeline.main]\nfrom = \"receiver\"\nto = \"drone\"\n");
+}
+
+Lines from_autopilot(const std::string& lines) {
+    return mistakes_in("[input.drone]\nprotocol = \"mavlink\"\naddress = \"127.0.0.1:14550\"\n" +
+                       lines +
+                       "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n"
+                       "[pipeline.main]\nfrom = \"drone\"\nto = \"servos\"\n");
+}
+
+TEST(MavlinkProtocol, NeedsAPlaceOnly) {
+    EXPECT_EQ(to_autopilot(""), Lines{});
+    EXPECT_EQ(from_autopilot(""), Lines{});
+}
+
+TEST(MavlinkProtocol, TakesEveryMessageWithItsKeys) {
+    EXPECT_EQ(to_autopilot("message = \"rc_channels_override\"\nversion = 1\nchannels = 8\n"
+                           "on_loss = \"release\"\nsystem = 254\ncomponent = 68\ntarget = 2\n"),
+              Lines{});
+    EXPECT_EQ(to_autopilot("message = \"manual_control\"\nbuttons = 14\n"), Lines{});
+    EXPECT_EQ(from_autopilot("message = \"rc_channels\"\nsystem = 1\n"), Lines{});
+    EXPECT_EQ(from_autopilot("message = \"manual_control\"\nbuttons = 3\ntarget = 7\n"), Lines{});
+}
+
+TEST(MavlinkProtocol, SaysWhatAMessageCannotDo) {
+    EXPECT_EQ(to_autopilot("version = 1\n"),
+              Lines{"t.toml:7:11: \"version\" is 1, which has no radio_rc_channels; allowed: 2, "
+                    "or message = \"rc_channels_override\""});
+    EXPECT_EQ(to_autopilot("message = \"rc_channels_override\"\nversion = 1\nchannels = 9\n"),
+              Lines{"t.toml:9:12: \"channels\" is 9, and MAVLink 1 carries 8; allowed: 1 to 8, or "
+                    "version = 2"});
+    EXPECT_EQ(to_autopilot("on_loss = \"release\"\n"),
+              Lines{"t.toml:7:11: \"on_loss\" is \"release\", and only rc_channels_override can "
+                    "give channels back; allowed: \"silence\""});
+    EXPECT_EQ(to_autopilot("message = \"manual_control\"\nchannels = 4\n"),
+              Lines{"t.toml:8:12: \"channels\" has no effect with manual_control, which carries "
+                    "channels 1 to 4 and \"buttons\"; leave it out"});
+    EXPECT_EQ(from_autopilot("buttons = 4\n"),
+              Lines{"t.toml:4:11: \"buttons\" has no effect without message = "
+                    "\"manual_control\"; leave it out"});
+}
+
+TEST(MavlinkProtocol, SendsNoRcChannelsWhichOnlyAutopilotsSend) {
+    EXPECT_EQ(to_autopilot("message = \"rc_channels\"\n"),
+              Lines{"t.toml:7:11: \"message\" is \"rc_channels\", which only autopilots send; "
+                    "allowed: \"radio_rc_channels\", \"rc_channels_override\", "
+                    "\"manual_control\""});
+}
+
+TEST(MavlinkProtocol, SignalsFailsafeByItsFlagOrByTheStateOfTheAutopilot) {
+    EXPECT_TRUE(kMavlinkProtocol.signals_failsafe({}));
+    for (const auto& [message, signals] :
+         {std::pair("radio_rc_channels", true), std::pair("rc_channels", true),
+          std::pair("rc_channels_override", false), std::pair("manual_control", false)}) {
+        SettingValues settings;
+        settings.set("message", std::string(message));
+        EXPECT_EQ(kMavlinkProtocol.signals_failsafe(settings), signals) << message;
+    }
+}
+
+}  // namespace
+}  // namespace tribus::test::mavlink_protocol_test

@@ -1,0 +1,242 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/gamepad_report.h"
+#include "transports/codecs/gamepad/gamepad.h"
+
+namespace tribus {
+namespace {
+
+struct InputCode {
+    std::string_view name;
+    std::uint16_t code = 0;
+};
+
+// The names and numbers of linux/input-event-codes.h, those that gamepads and joysticks have.
+constexpr std::array kAxisNames{
+    InputCode{"ABS_X", 0x00},        InputCode{"ABS_Y", 0x01},      InputCode{"ABS_Z", 0x02},
+    InputCode{"ABS_RX", 0x03},       InputCode{"ABS_RY", 0x04},     InputCode{"ABS_RZ", 0x05},
+    InputCode{"ABS_THROTTLE", 0x06}, InputCode{"ABS_RUDDER", 0x07}, InputCode{"ABS_WHEEL", 0x08},
+    InputCode{"ABS_GAS", 0x09},      InputCode{"ABS_BRAKE", 0x0A},  InputCode{"ABS_HAT0X", 0x10},
+    InputCode{"ABS_HAT0Y", 0x11},    InputCode{"ABS_HAT1X", 0x12},  InputCode{"ABS_HAT1Y", 0x13},
+};
+constexpr std::array kButtonNames{
+    InputCode{"BTN_TRIGGER", 0x120},    InputCode{"BTN_THUMB", 0x121},
+    InputCode{"BTN_THUMB2", 0x122},     InputCode{"BTN_TOP", 0x123},
+    InputCode{"BTN_TOP2", 0x124},       InputCode{"BTN_PINKIE", 0x125},
+    InputCode{"BTN_BASE", 0x126},       InputCode{"BTN_BASE2", 0x127},
+    InputCode{"BTN_BASE3", 0x128},      InputCode{"BTN_BASE4", 0x129},
+    InputCode{"BTN_BASE5", 0x12A},      InputCode{"BTN_BASE6", 0x12B},
+    InputCode{"BTN_SOUTH", 0x130},      InputCode{"BTN_EAST", 0x131},
+    InputCode{"BTN_C", 0x132},          InputCode{"BTN_NORTH", 0x133},
+    InputCode{"BTN_WEST", 0x134},       InputCode{"BTN_Z", 0x135},
+    InputCode{"BTN_TL", 0x136},         InputCode{"BTN_TR", 0x137},
+    InputCode{"BTN_TL2", 0x138},        InputCode{"BTN_TR2", 0x139},
+    InputCode{"BTN_SELECT", 0x13A},     InputCode{"BTN_START", 0x13B},
+    InputCode{"BTN_MODE", 0x13C},       InputCode{"BTN_THUMBL", 0x13D},
+    InputCode{"BTN_THUMBR", 0x13E},     InputCode{"BTN_DPAD_UP", 0x220},
+    InputCode{"BTN_DPAD_DOWN", 0x221},  InputCode{"BTN_DPAD_LEFT", 0x222},
+    InputCode{"BTN_DPAD_RIGHT", 0x223},
+};
+
+constexpr std::array kGamepadKeys{
+    Setting{.key = "axes",
+            .type = SettingType::tree,
+            .absent = "`{ ABS_RX = 1, ABS_RY = 2, ABS_Y = { channel = 3, reverse = true }, ABS_X = "
+                      "4 }`",
+            .scope = SettingScope::input,
+            .help = "The channel of each axis, by the kernel's names, as `tribus learn` and "
+                    "`evtest` show them; or a table with `channel` and `reverse = true`",
+            .example = "{ ABS_X = 1, ABS_Y = { channel = 2, reverse = true } }"},
+    Setting{.key = "buttons",
+            .type = SettingType::tree,
+            .absent = "`{ BTN_SOUTH = 5, BTN_EAST = 6, BTN_WEST = 7, BTN_NORTH = 8 }`",
+            .scope = SettingScope::input,
+            .help = "The channel of each button: 1000 us, pressed 2000 us; or a table with "
+                    "`channel` and `toggle = true`: each press changes it",
+            .example = "{ BTN_SOUTH = 5, BTN_START = { channel = 6, toggle = true } }"},
+    Setting{.key = "dead_man",
+            .type = SettingType::text,
+            .absent = "none",
+            .scope = SettingScope::input,
+            .help = "A button that must be held: the link is lost while it is not pressed",
+            .example = "\"BTN_TL\""},
+    Setting{.key = "activity_timeout",
+            .type = SettingType::duration,
+            .absent = "never",
+            .least = 0.1,
+            .most = 3600,
+            .scope = SettingScope::input,
+            .help = "The link is lost if nothing moved for so long. Only for pads whose sticks "
+                    "never rest quite still; others are silent in a still hand",
+            .example = "\"2s\""},
+};
+
+using GamepadPath = std::vector<std::string>;
+
+/// The channel of an axis or a button, and its one flag.
+struct Mapped {
+    std::size_t channel = 0;
+    bool flag = false;
+};
+
+template <std::size_t count>
+std::optional<std::uint16_t> code_of(std::string_view name,
+                                     const std::array<InputCode, count>& codes) {
+    const auto found = std::ranges::find(codes, name, &InputCode::name);
+    return found == codes.end() ? std::nullopt : std::optional(found->code);
+}
+
+/// Reads the tables of axes and buttons, and collects mistakes.
+class GamepadReader {
+  public:
+    GamepadReader(const SettingValues& settings, std::vector<SettingMistake>& mistakes)
+        : settings_(settings), mistakes_(mistakes) {}
+
+    GamepadSettings read() {
+        GamepadSettings gamepad;
+        read_axes(gamepad);
+        read_buttons(gamepad);
+        if (const auto* name = settings_.find_as<std::string>("dead_man")) {
+            gamepad.dead_man = code_of(*name, kButtonNames);
+            if (!gamepad.dead_man) {
+                wrong({"dead_man"}, "\"dead_man\" is \"" + *name +
+                                        "\", no button of a gamepad; allowed: a name such as "
+                                        "\"BTN_TL\", as `evtest` shows it");
+            }
+        }
+        if (const auto* timeout = settings_.find_as<Duration>("activity_timeout")) {
+            gamepad.activity_timeout = *timeout;
+        }
+        if (gamepad.axes.empty() && gamepad.buttons.empty() && mistakes_.empty()) {
+            wrong({}, "it has no channel; allowed: at least one of axes and buttons");
+        }
+        return gamepad;
+    }
+
+  private:
+    void wrong(GamepadPath path, std::string text) {
+        mistakes_.push_back({std::move(path), std::move(text)});
+    }
+
+    /// The entries of a table, or null without the key.
+    const SettingTree::Table* table(std::string_view key) const {
+        const auto* tree = settings_.find_as<SettingTree>(key);
+        return tree == nullptr ? nullptr : tree->as<SettingTree::Table>();
+    }
+
+    void read_axes(GamepadSettings& gamepad) {
+        const auto* entries = table("axes");
+        if (entries == nullptr) {
+            gamepad.axes = {{0x03, 0}, {0x04, 1}, {0x01, 2, true}, {0x00, 3}};
+            return;
+        }
+        for (const SettingEntry& entry : *entries) {
+            const auto code = code_of(entry.key, kAxisNames);
+            const auto mapped = read_mapped(entry, "axes", "reverse");
+            if (!code) {
+                wrong({"axes", entry.key},
+                      "no axis; allowed: a name such as ABS_X, as `evtest` "
+                      "shows it");
+            } else if (mapped) {
+                gamepad.axes.push_back({*code, mapped->channel, mapped->flag});
+            }
+        }
+    }
+
+    void read_buttons(GamepadSettings& gamepad) {
+        const auto* entries = table("buttons");
+        if (entries == nullptr) {
+            gamepad.buttons = {{0x130, 4}, {0x131, 5}, {0x134, 6}, {0x133, 7}};
+            return;
+        }
+        for (const SettingEntry& entry : *entries) {
+            const auto code = code_of(entry.key, kButtonNames);
+            const auto mapped = read_mapped(entry, "buttons", "toggle");
+            if (!code) {
+                wrong({"buttons", entry.key},
+                      "no button of a gamepad; allowed: a name such as "
+                      "BTN_SOUTH, as `evtest` shows it");
+            } else if (mapped) {
+                gamepad.buttons.push_back({*code, mapped->channel, mapped->flag});
+            }
+        }
+    }
+
+    /// A channel, or a table with a channel and a flag.
+    std::optional<Mapped> read_mapped(const SettingEntry& entry, const std::string& key,
+                                      std::string_view flag) {
+        const auto* parts = entry.value.as<SettingTree::Table>();
+        std::optional<std::size_t> channel;
+        bool on = false;
+        if (parts == nullptr) {
+            channel = channel_in(entry.value);
+        }
+        for (const SettingEntry& part : parts == nullptr ? SettingTree::Table{} : *parts) {
+            const auto* value = part.value.as<bool>();
+            if (part.key == "channel") {
+                channel = channel_in(part.value);
+            } else if (part.key == flag && value != nullptr) {
+                on = *value;
+            } else {
+                wrong({key, entry.key, part.key},
+                      "allowed: channel, and " + std::string(flag) + " = true or false");
+                return std::nullopt;
+            }
+        }
+        if (!channel) {
+            wrong({key, entry.key},
+                  "allowed: a channel, 1 to 18, or a table with channel and " + std::string(flag));
+            return std::nullopt;
+        }
+        return Mapped{*channel, on};
+    }
+
+    static std::optional<std::size_t> channel_in(const SettingTree& tree) {
+        const auto* number = tree.as<std::int64_t>();
+        constexpr auto kMost = static_cast<std::int64_t>(kChannelCount);
+        const bool fits = number != nullptr && *number >= 1 && *number <= kMost;
+        return fits ? std::optional(static_cast<std::size_t>(*number) - 1) : std::nullopt;
+    }
+
+    const SettingValues& settings_;
+    std::vector<SettingMistake>& mistakes_;
+};
+
+std::vector<SettingMistake> check_gamepad(const SettingValues& settings, SettingScope /*scope*/) {
+    std::vector<SettingMistake> mistakes;
+    GamepadReader(settings, mistakes).read();
+    return mistakes;
+}
+
+AnyDecoder make_gamepad_decoder(const SettingValues& settings) {
+    std::vector<SettingMistake> ignored;
+    return std::make_unique<GamepadDecoder>(GamepadReader(settings, ignored).read());
+}
+
+}  // namespace
+
+// The link makes a report every 20 ms.
+const Protocol kGamepadProtocol{
+    .name = "gamepad",
+    .title = "Gamepad",
+    .description = "A gamepad or joystick at this machine",
+    .only_on = "an input device",
+    .settings = kGamepadKeys,
+    .longest_frame = gamepad_report::kMostBytes,
+    .default_period = std::chrono::milliseconds(20),
+    .least_period = std::chrono::milliseconds(20),
+    .signals_failsafe = always_signals_failsafe,
+    .check = check_gamepad,
+    .make_decoder = make_gamepad_decoder,
+};
+
+}  // namespace tribus

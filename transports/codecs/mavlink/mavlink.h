@@ -1,0 +1,103 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/time.h"
+#include "transports/codecs/codec.h"
+#include "transports/codecs/mavlink/messages.h"
+#include "transports/codecs/protocol.h"
+
+/// Channels over MAVLink, to and from autopilots, ground stations and radio links
+/// (docs/protocols/mavlink.md).
+namespace tribus {
+
+extern const Protocol kMavlinkProtocol;
+
+/// A message that carries channels.
+enum class MavlinkChannels : std::uint8_t {
+    radio_rc_channels,
+    rc_channels_override,
+    rc_channels,
+    manual_control,
+};
+
+/// Reads channels from one sender. A word that is no pulse is a channel that is not present.
+class MavlinkDecoder final : public MavlinkMessages {
+  public:
+    struct Settings {
+        std::optional<MavlinkChannels> message{};  ///< absent: the first kind heard
+        std::optional<std::uint8_t> system{};      ///< of the sender; absent: the first one heard
+        std::uint8_t target = 1;                   ///< messages to another system are passed over
+        std::size_t buttons = 0;                   ///< of MANUAL_CONTROL, as channels from 5 on
+    };
+    explicit MavlinkDecoder(const Settings& settings)
+        : settings_(settings), sender_(settings.system) {}
+    void reset() override;
+    std::span<const FrameDetail> details() const override { return details_; }
+
+  private:
+    bool take(const MavlinkMessage& message, ChannelFrame& channels) override;
+    void take_status(const MavlinkMessage& message);
+    bool is_wanted(const MavlinkMessage& message, Instant received);
+    bool is_for_target(const MavlinkMessage& message) const;
+
+    Settings settings_;
+    MavlinkSender sender_;
+    /// The systems that say in SYS_STATUS that their own receiver has no signal. RC_CHANNELS has no
+    /// word for that and repeats the last values.
+    std::bitset<256> without_signal_;
+    std::uint16_t system_ = 0;
+    std::array<FrameDetail, 1> details_{{{"system", {&system_, 1}}}};
+};
+
+/// Sends one message with channels a frame, and every second a HEARTBEAT behind it. On loss it
+/// sends nothing, no HEARTBEAT either, so that every failsafe of the autopilot can act.
+class MavlinkEncoder final : public ByteEncoder {
+  public:
+    struct Settings {
+        MavlinkChannels message = MavlinkChannels::radio_rc_channels;
+        bool version_1 = false;
+        std::uint8_t system = 255;
+        std::uint8_t component = 190;
+        std::uint8_t target = 1;
+        std::size_t channels = 16;
+        std::size_t buttons = 0;  ///< channels from 5 on as buttons of MANUAL_CONTROL
+        bool releases = false;    ///< on loss: gives the channels back, with RC_CHANNELS_OVERRIDE
+    };
+    explicit MavlinkEncoder(const Settings& settings) : settings_(settings) {}
+    bool marks_frame_lost() const override {
+        return settings_.message == MavlinkChannels::radio_rc_channels;
+    }
+    std::uint32_t needed_channels(const ChannelFrame& frame) const override;
+    std::size_t write(const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire,
+                      Instant now) override;
+    std::size_t write_silence(std::span<std::uint8_t, kLongestSerialFrame> wire,
+                              Instant now) override;
+    void continue_from(const Encoder& before) override;
+
+    /// Longest frame with a HEARTBEAT.
+    static constexpr std::size_t kLongest =
+        2 * (mavlink_wire::kHeader2Bytes + mavlink_wire::kCrcBytes) +
+        mavlink_wire::kRadioChannelsAt + 2 * kChannelCount + mavlink_wire::kHeartbeat.length;
+
+  private:
+    using Payload = std::array<std::uint8_t, mavlink_wire::kMostPayload>;
+    const mavlink_wire::MessageKind& fill(const ChannelFrame& frame, Payload& payload) const;
+    void fill_radio(const ChannelFrame& frame, Payload& payload) const;
+    void fill_override(const ChannelFrame& frame, Payload& payload) const;
+    void fill_manual(const ChannelFrame& frame, Payload& payload) const;
+    std::size_t write_message(const mavlink_wire::MessageKind& kind, const Payload& payload,
+                              std::span<std::uint8_t> wire);
+
+    Settings settings_;
+    std::uint8_t sequence_ = 0;
+    std::optional<Instant> heartbeat_at_;  ///< when the next one is due
+    int releases_left_ = 0;
+};
+
+}  // namespace tribus

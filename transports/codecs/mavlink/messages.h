@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/time.h"
+#include "transports/codecs/framed_decoder.h"
+#include "transports/codecs/mavlink/wire.h"
+
+namespace tribus {
+
+/// A message of a known kind whose check was right.
+struct MavlinkMessage {
+    std::uint32_t id = 0;
+    std::uint8_t system = 0;
+    std::uint8_t component = 0;
+    /// All fields; those that were not sent are 0.
+    std::array<std::uint8_t, mavlink_wire::kMostPayload> payload{};
+};
+
+/// Finds the messages of MAVLink 1 and 2 that tribus knows. Messages of other kinds are passed over
+/// by their length, because their check cannot be verified.
+class MavlinkMessages : public FramedDecoder {
+  protected:
+    MavlinkMessages() : FramedDecoder("other_sender") {}
+    /// Returns whether the message has channels, then `channels` has them.
+    virtual bool take(const MavlinkMessage& message, ChannelFrame& channels) = 0;
+
+  private:
+    std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const final;
+    bool check_holds(std::span<const std::uint8_t> frame) const final;
+    bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) final;
+};
+
+/// Keeps to one sender on a line that many share: the first one heard, until it was silent for a
+/// second. So two senders never alternate.
+class MavlinkSender {
+  public:
+    static constexpr Duration kGone = std::chrono::seconds(1);
+
+    /// `system`: only this one counts; absent: any.
+    explicit MavlinkSender(std::optional<std::uint8_t> system = std::nullopt) : system_(system) {}
+    /// Whether a message of that system and kind, received at `at`, is from the sender.
+    bool sent(std::uint8_t system, std::uint32_t id, Instant at) {
+        const bool free = !heard_ || at - heard_->at >= kGone;
+        const bool allowed = !system_ || *system_ == system;
+        if (!allowed || (!free && (heard_->system != system || heard_->id != id))) {
+            return false;
+        }
+        heard_ = {system, id, at};
+        return true;
+    }
+    void forget() { heard_.reset(); }
+
+  private:
+    struct Heard {
+        std::uint8_t system = 0;
+        std::uint32_t id = 0;
+        Instant at{};
+    };
+    std::optional<std::uint8_t> system_;
+    std::optional<Heard> heard_;
+};
+
+}  // namespace tribus

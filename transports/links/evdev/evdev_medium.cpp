@@ -1,0 +1,46 @@
+#include "transports/links/evdev/evdev_medium.h"
+
+#include <array>
+#include <filesystem>
+
+#include "transports/links/evdev/evdev_link.h"
+#include "transports/links/serial/serial_medium.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::array kEvdevSettings{
+    Setting{.key = "grab",
+            .type = SettingType::boolean,
+            .fallback = "true",
+            .scope = SettingScope::input,
+            .help = "Whether no other program, such as a desktop, gets the device's events "
+                    "meanwhile. With `false` nothing tells that another program has taken it for "
+                    "itself",
+            .example = "false"},
+};
+
+bool is_absent(const std::string& device) {
+    std::error_code error;
+    return !std::filesystem::exists(device, error);
+}
+
+}  // namespace
+
+const Medium kEvdevMedium{
+    .name = "an input device",
+    .shape = WireShape::bytes,
+    .only_own_protocols = true,
+    .place = kDeviceSetting,
+    .place_absent = "required on an input device",
+    .settings = kEvdevSettings,
+    .has_datagrams = true,
+    .users = Users::one,
+    .is_missing = is_absent,
+    .open =
+        [](const std::string& device, const LinkUse& use) {
+            return as_link(EvdevLink::open(device, use.settings.get_or("grab", true)));
+        },
+};
+
+}  // namespace tribus
