@@ -16,6 +16,7 @@
 #include "app/inspect/reload.h"
 #include "app/learn/learn.h"
 #include "app/monitor/monitor.h"
+#include "app/pwm/pwm.h"
 #include "app/replay/record.h"
 #include "app/replay/replay.h"
 #include "app/replay/simulate.h"
@@ -33,7 +34,7 @@ std::vector<tribus::Command> commands() {
             check_command(),  diff_command(),   graph_command(),    demo_command(),
             decode_command(), encode_command(), simulate_command(), record_command(),
             replay_command(), learn_command(),  doctor_command(),   dbc_command(),
-            bench_command(),  schema_command(), web::pair_command()};
+            bench_command(),  pwm_command(),    schema_command(),   web::pair_command()};
 }
 
 }  // namespace

@@ -37,6 +37,11 @@ std::vector<std::string_view> required_keys(const Protocol& protocol, SettingSco
     return keys;
 }
 
+/// Whether it runs on a kind of place that `init` looks at.
+bool has_place(const Protocol& protocol) {
+    return carries(kSerialMedium, protocol) || carries(kCanMedium, protocol);
+}
+
 std::vector<std::string_view> offered_names(SettingScope way) {
     std::vector<std::string_view> names;
     std::ranges::transform(offered_protocols(way), std::back_inserter(names), &Protocol::name);
@@ -56,6 +61,12 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
                            way == SettingScope::input ? "an input" : "an output",
                            fmt::join(allowed, ", "));
     }
+    if (!has_place(*protocol)) {
+        return fmt::format(
+            "{} runs on {} only, and `init` writes lines for serial devices and CAN "
+            "interfaces; tribus.toml(5) describes its keys; allowed here: {}",
+            word, media_for(*protocol).front()->name, fmt::join(allowed, ", "));
+    }
     const auto keys = required_keys(*protocol, way);
     const std::string needs = keys.empty() ? std::string("keys that say what it sends")
                                            : fmt::format("the keys {}", fmt::join(keys, " and "));
@@ -70,21 +81,12 @@ std::string link_refusal(const ExaminedPlace& examined, const Protocol& protocol
     if (carries(*examined.medium, protocol)) {
         return {};
     }
-    const std::string_view is =
-        examined.medium == &kSerialMedium ? "serial device" : "CAN interface";
-    const Medium& own = *media_for(protocol).front();
-    if (&own == &kSerialMedium) {
-        return fmt::format("{} runs on a serial device, such as /dev/ttyUSB0; this is a {}",
-                           protocol.name, is);
-    }
-    if (&own == &kCanMedium) {
-        return fmt::format("{} runs on a CAN interface, such as can0; this is a {}", protocol.name,
-                           is);
-    }
-    return fmt::format(
-        "{} runs on {} only, and `init` writes lines for serial devices and CAN "
-        "interfaces; tribus.toml(5) describes its keys",
-        protocol.name, own.name);
+    return examined.medium == &kSerialMedium
+               ? fmt::format("{} runs on a CAN interface, such as can0; this is a serial device",
+                             protocol.name)
+               : fmt::format(
+                     "{} runs on a serial device, such as /dev/ttyUSB0; this is a CAN interface",
+                     protocol.name);
 }
 
 /// Why this place can never run the protocol; empty if no reason is known.
@@ -190,7 +192,8 @@ std::vector<const Protocol*> offered_protocols(SettingScope way) {
     std::ranges::copy_if(protocols(), std::back_inserter(offered), [way](const Protocol* one) {
         // An output without channels needs to be told what it sends.
         const bool carries_channels = way == SettingScope::input || one->needs_pipeline == nullptr;
-        return one->goes(way) && carries_channels && required_keys(*one, way).empty();
+        return one->goes(way) && has_place(*one) && carries_channels &&
+               required_keys(*one, way).empty();
     });
     return offered;
 }

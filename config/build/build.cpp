@@ -25,7 +25,7 @@ PortPlan& plan_for(std::vector<PortPlan>& plans, const PortConfig& port) {
     if (shared != plans.end()) {
         return *shared;
     }
-    PortPlan& plan = plans.emplace_back(PortPlan{port, {}});
+    PortPlan& plan = plans.emplace_back(PortPlan{port, {}, {}});
     plan.wiring.byte_time = byte_time_of(port);
     plan.wiring.has_datagrams = port.medium->has_datagrams;
     return plan;
@@ -127,7 +127,8 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
         const OutputConfig& output = configuration.outputs[i];
-        add(StationKind::output, i, output.port);
+        PortPlan& plan = add(StationKind::output, i, output.port);
+        plan.period = output.port.medium->has_period ? output.schedule.period : Duration{};
         if (is_timed_by_receiver(output)) {
             add(StationKind::replies, i, output.port);
         }
@@ -159,7 +160,8 @@ LinkUse link_use(const Stations& stations, const PortPlan& plan) {
                 .settings = plan.config.settings,
                 .way = plan.config.medium->users != Users::one               ? SettingScope::both
                        : first_of(plan.wiring.stations, StationKind::output) ? SettingScope::output
-                                                                             : SettingScope::input};
+                                                                             : SettingScope::input,
+                .period = plan.period};
     for (const Station& station : plan.wiring.stations) {
         append(use.wanted, stations.wanted_ids(station));
         append(use.sent, stations.sent_ids(station));

@@ -24,6 +24,8 @@ namespace tribus {
 struct PortPlan {
     PortConfig config;
     PortWiring wiring;
+    /// Of the output, on a medium with a period.
+    Duration period{};
 };
 
 /// Builds the engine of a configuration. Opens nothing.

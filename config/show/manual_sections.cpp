@@ -1,6 +1,9 @@
 #include "config/show/manual_sections.h"
 
 #include <algorithm>
+#include <functional>
+#include <map>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -78,6 +81,17 @@ bool is_used(const Medium& medium, SettingScope way) {
     });
 }
 
+/// What a key means that is the place of two media.
+std::string_view joined_help(std::string_view one, const Medium& other) {
+    static std::map<std::string, std::string, std::less<>> texts;
+    const auto found = texts.find(one);
+    if (found != texts.end()) {
+        return found->second;
+    }
+    return texts.emplace(one, fmt::format("{}; on {}: {}", one, other.name, other.place.help))
+        .first->second;
+}
+
 /// Returns the keys of all inputs, or outputs, and those of each medium. A key of several media
 /// stands there once.
 std::vector<Key> port_keys(SettingScope way) {
@@ -90,8 +104,11 @@ std::vector<Key> port_keys(SettingScope way) {
         Key key = place_key(*medium);
         key.setting.required = false;
         key.setting.absent = medium->place_absent;
-        if (std::ranges::count(keys, key.name(), &Key::name) == 0) {
+        const auto same = std::ranges::find(keys, key.name(), &Key::name);
+        if (same == keys.end()) {
             keys.insert(keys.begin() + std::ptrdiff_t(place++), key);
+        } else {
+            same->setting.help = joined_help(same->setting.help, *medium);
         }
         for (const Setting& setting : medium->settings) {
             if (setting.scope == SettingScope::both || setting.scope == way) {

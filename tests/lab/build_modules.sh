@@ -1,8 +1,9 @@
 #!/bin/sh
-# Builds two drivers that Debian's kernel lacks, from Debian's source of that kernel, into the
+# Builds three drivers that Debian's kernel lacks, from Debian's source of that kernel, into the
 # modules of a guest:
 #   gpio-sim   simulated GPIO banks, with irq_sim, which gpio-sim needs and Debian's kernel lacks too
 #   ctucanfd   the CTU CAN FD controller, the only one of the emulator for CAN FD
+#   pwm-pca9685   the PWM chip PCA9685, which Debian has for the processors of boards only
 #
 #   tests/lab/build_modules.sh KERNEL_FOLDER
 #
@@ -13,14 +14,14 @@ PATH=$PATH:/usr/sbin:/sbin # depmod
 kernel=$(cd "$1" && pwd)
 version=$(cat "$kernel/ready")
 series=$(echo "$version" | cut -d . -f 1-2)
-[ ! -e "$kernel/modules-built" ] || exit 0
+[ ! "$kernel/modules-built" -nt "$0" ] || exit 0
 
 work="$kernel/build"
 rm -rf "$work"
-mkdir -p "$work/gpio" "$work/can"
+mkdir -p "$work/gpio" "$work/can" "$work/pwm"
 cd "$work"
 common=linux-headers-${version%-amd64}-common
-echo "Laboratory: downloading headers and source of $version, and building gpio-sim, ctucanfd" >&2
+echo "Laboratory: downloading headers and source of $version, and building gpio-sim, ctucanfd, pwm-pca9685" >&2
 apt-get -q download "linux-headers-$version" "$common" "linux-kbuild-$series" \
     "linux-source-$series" >apt.log 2>&1 || {
     cat apt.log >&2
@@ -35,18 +36,21 @@ echo "include $work/usr/src/$common/Makefile" >"usr/src/linux-headers-$version/M
 dpkg-deb --fsys-tarfile linux-source-*.deb |
     tar -xO --wildcards './usr/src/linux-source-*.tar.xz' |
     tar -xJ --strip-components=1 --wildcards '*/drivers/gpio/gpio-sim.c' \
-        '*/drivers/gpio/gpiolib.h' '*/kernel/irq/irq_sim.c' '*/drivers/net/can/ctucanfd/*'
+        '*/drivers/gpio/gpiolib.h' '*/kernel/irq/irq_sim.c' '*/drivers/net/can/ctucanfd/*' \
+        '*/drivers/pwm/pwm-pca9685.c'
 mv drivers/gpio/gpio-sim.c gpio/sim.c
 mv drivers/gpio/gpiolib.h kernel/irq/irq_sim.c gpio/
 # The kernel does not export irq_to_desc. For a module this does the same.
 sed -i 's/irq_to_desc(irqnum)/irq_data_to_desc(irq_get_irq_data(irqnum))/' gpio/irq_sim.c
 mv drivers/net/can/ctucanfd/*.[ch] can/
+mv drivers/pwm/pwm-pca9685.c pwm/
 printf '%s\n' 'obj-m := gpio-sim.o' 'gpio-sim-y := sim.o irq_sim.o' >gpio/Kbuild
 printf '%s\n' 'obj-m := ctucanfd.o ctucanfd_pci.o' 'ctucanfd-y := ctucanfd_base.o' >can/Kbuild
+echo 'obj-m := pwm-pca9685.o' >pwm/Kbuild
 
 modules="$kernel/lib/modules/$version/updates"
 mkdir -p "$modules"
-for folder in gpio can; do
+for folder in gpio can pwm; do
     make -C "usr/src/linux-headers-$version" M="$work/$folder" CC=gcc-12 modules >make.log 2>&1 || {
         cat make.log >&2
         exit 1

@@ -11,6 +11,7 @@
 #include "core/can_frame.h"
 #include "core/line_settings.h"
 #include "core/setting.h"
+#include "core/time.h"
 #include "core/wire_shape.h"
 #include "transports/links/link.h"
 
@@ -27,6 +28,8 @@ struct LinkUse {
     SettingValues settings = {};  ///< values of the medium's own keys
     /// On a medium with one user a place: input or output. Else both.
     SettingScope way = SettingScope::both;
+    /// On a medium with a period: that of the output.
+    Duration period{};
 
     bool operator==(const LinkUse&) const = default;
 };
@@ -60,6 +63,8 @@ struct Medium {
     bool has_line = false;
     /// Whether each read is a datagram: no frame goes on beyond it.
     bool has_datagrams = false;
+    /// Whether the hardware itself repeats what it was given each period (LinkUse::period).
+    bool has_period = false;
     Users users = Users::one;
     /// Whether nothing has that name now: it may be plugged in later. Never null.
     bool (*is_missing)(const std::string& place) = nullptr;

@@ -7,9 +7,7 @@ namespace tribus {
 inline constexpr Setting kDeviceSetting{
     .key = "device",
     .required = true,
-    .help =
-        "Serial device, such as \"/dev/ttyAMA2\" or a stable name under /dev/serial/by-id; of a "
-        "gamepad the input device, best by its name under /dev/input/by-id",
+    .help = "Serial device, such as \"/dev/ttyAMA2\" or a stable name under /dev/serial/by-id",
     .example = "\"/dev/ttyAMA2\""};
 
 /// Serial ports: UARTs, USB adapters and ptys.

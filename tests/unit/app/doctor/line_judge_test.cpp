@@ -15,6 +15,7 @@
 #include "config/schema/notation.h"
 #include "tests/support/recorded_lines.h"
 #include "transports/codecs/sbus/sbus.h"
+#include "transports/links/serial/serial_medium.h"
 #include "transports/registry/registry.h"
 
 namespace tribus::doctor::line_judge_test {
@@ -186,7 +187,7 @@ TEST(LineJudge, knows_ibus_with_parity_where_the_port_gets_into_step_again) {
 
 TEST(LineJudge, takes_another_rate_for_nothing_known) {
     for (const HeardBy& port : kPorts) {
-        for (const std::uint32_t baud : {57'600U, 300'000U}) {
+        for (const std::uint32_t baud : {38'400U, 300'000U}) {
             const SentAs as{.sender = {.line = {.baud = baud}}, .pause_bits = 1};
             const LineStory story = story_of(kIbus14[0], as, port);
             EXPECT_EQ(story.sound, LineSound::unknown)
@@ -354,7 +355,7 @@ Recording encoded(const Protocol& protocol, Duration period) {
 std::vector<const Protocol*> written_protocols() {
     std::vector<const Protocol*> written;
     for (const Protocol* protocol : protocols()) {
-        if (protocol->shape == WireShape::bytes && protocol->make_decoder != nullptr &&
+        if (carries(kSerialMedium, *protocol) && protocol->make_decoder != nullptr &&
             protocol->make_encoder != nullptr) {
             written.push_back(protocol);
         }
@@ -382,8 +383,13 @@ TEST(LineJudge, knows_every_protocol_that_can_be_written) {
     }
 }
 
-TEST(LineJudge, knows_every_protocol_that_can_be_written_inverted) {
+/// Frames of MAVLink differ in their second byte already.
+TEST(LineJudge, knows_every_protocol_that_can_be_written_inverted_by_how_its_frames_begin) {
     for (const Protocol* protocol : written_protocols()) {
+        if (protocol->beginnings.empty()) {
+            EXPECT_EQ(protocol->name, "mavlink");
+            continue;
+        }
         for (const HeardBy& port : kPorts) {
             const Wire wire = on_a_wire(encoded(*protocol, milliseconds(10)),
                                         {.sender = {level(protocol->line), true}});

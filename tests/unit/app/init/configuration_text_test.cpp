@@ -144,7 +144,7 @@ void expect_configurations_for_all_inputs(std::size_t most_outputs) {
     std::size_t tried = 0;
     for (const Attachment& input : all_inputs()) {
         for (const std::vector<Attachment>& outputs : sets_of_outputs(most_outputs)) {
-            const Plan plan{.inputs = {input, input_of(kIbusProtocol, "9")},
+            const Plan plan{.inputs = {input, input_of(kIbusProtocol, "99")},
                             .outputs = outputs,
                             .throttle_us = throttles[tried++ % throttles.size()]};
             const Configuration made = loaded(configuration_text(plan, "rc.toml"));

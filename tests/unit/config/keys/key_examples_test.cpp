@@ -144,6 +144,7 @@ std::map<std::string, std::string> contexts() {
          "sensor_bus = \"probes\"\nHERE\n[sensor_bus.probes]\ndevice = \"/dev/ttyD\"\n"
          "role = \"receiver\"\n"},
         {"dronecan", on_dronecan("output.servos", "node_id = 42\n")},
+        {"pwm", output("protocol = \"pwm\"\nchip = \"pwmchip0\"\noutputs = { 1 = 0 }\n")},
         {"crsf-telemetry", telemetry("vario = \"probes.1\"\n")},
         {"crsf-telemetry-battery", telemetry("[output.handset.battery]\n")},
         {"crsf-telemetry-gps", telemetry("[output.handset.gps]\nlatitude = \"probes.1\"\n"
@@ -255,6 +256,7 @@ std::map<std::string, std::string> special_contexts() {
          battery_in_values(telemetry_of_a_controller + "address = \"127.0.0.1:5502\"\n")},
         {"values-baud", battery_in_values(telemetry_of_a_controller + "device = \"/dev/ttyD\"\n")},
         {"crsf-role", output(module_line)},
+        {"output-chip", output("protocol = \"pwm\"\noutputs = { 1 = 0 }\n")},
         {"mavlink-buttons", input("protocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n"
                                   "message = \"manual_control\"\n")},
         {"mavlink-on_loss", output(to_autopilot)},

@@ -18,7 +18,8 @@ namespace {
 
 bool shows(const ManualSection& section, const Key& key) {
     return std::ranges::any_of(section.keys, [&](const Key& row) {
-        return row.name() == key.name() && row.setting.help == key.setting.help;
+        return row.name() == key.name() &&
+               row.setting.help.find(key.setting.help) != std::string_view::npos;
     });
 }
 

@@ -134,6 +134,6 @@ export function ageText(ms: number): string {
 export const PROTOCOLS: Record<string, string> = {
     ibus: 'i.Bus', ibus2: 'i-BUS2', sbus: 'SBUS', crsf: 'CRSF', sumd: 'SUMD', ghst: 'GHST',
     srxl: 'SRXL', fport: 'F.Port', fport2: 'F.Port 2', fbus: 'FBUS', exbus: 'EX Bus', dsm: 'DSM',
-    msp: 'MSP', mavlink: 'MAVLink', sitl: 'SITL', joystick: 'Joystick', gamepad: 'Gamepad', can: 'CAN', dbc: 'DBC', dronecan: 'DroneCAN',
+    msp: 'MSP', mavlink: 'MAVLink', sitl: 'SITL', joystick: 'Joystick', gamepad: 'Gamepad', pwm: 'PWM', can: 'CAN', dbc: 'DBC', dronecan: 'DroneCAN',
 };
 export const protocolName = (protocol: string): string => PROTOCOLS[protocol] ?? protocol;

@@ -1,0 +1,211 @@
+#include <fcntl.h>
+#include <linux/i2c-dev.h>
+#include <linux/i2c.h>
+#include <sys/ioctl.h>
+
+#include <array>
+#include <csignal>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/lab/guest.h"
+#include "tests/loopback/loopback.h"
+#include "transports/links/unique_fd.h"
+
+/// The built program on the kernel's driver for the PCA9685, whose chip is a bank of registers in
+/// memory (i2c-stub): what the driver wrote there is what would come out of the chip.
+namespace tribus::test::pwm_pca9685_test {
+namespace {
+
+constexpr int kAddress = 0x40;
+
+/// The registers of the chip, read past the driver.
+class Registers {
+  public:
+    explicit Registers(const std::string& adapter)
+        : fd_(::open(("/dev/" + adapter).c_str(), O_RDWR | O_CLOEXEC)) {
+        EXPECT_TRUE(fd_.valid()) << adapter;
+        EXPECT_EQ(::ioctl(fd_.get(), I2C_SLAVE_FORCE, kAddress), 0);
+    }
+    int at(int number) const {
+        i2c_smbus_data data{};
+        i2c_smbus_ioctl_data request{.read_write = I2C_SMBUS_READ,
+                                     .command = static_cast<std::uint8_t>(number),
+                                     .size = I2C_SMBUS_BYTE_DATA,
+                                     .data = &data};
+        EXPECT_GE(::ioctl(fd_.get(), I2C_SMBUS, &request), 0) << number;
+        return data.byte;
+    }
+    // Data sheet of the PCA9685, 7.3.3 and 7.3.5: four registers an output, on and off, each a
+    // count from 0 to 4095; bit 4 of the high byte of "off" switches the output off.
+    bool is_off(int output) const { return (at(9 + 4 * output) & 0x10) != 0; }
+    int count(int output) const {
+        const int on = at(6 + 4 * output) | (at(7 + 4 * output) & 0x0F) << 8;
+        const int off = at(8 + 4 * output) | (at(9 + 4 * output) & 0x0F) << 8;
+        return (off - on + 4096) % 4096;
+    }
+    int prescale() const { return at(0xFE); }
+
+  private:
+    UniqueFd fd_;
+};
+
+class LabPwm : public Loopback {
+  protected:
+    LabPwm() {
+        require_guest();
+        shell("modprobe i2c-dev; modprobe i2c-stub chip_addr=0x40; modprobe pwm-pca9685");
+        for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/i2c/devices")) {
+            if (read_file(entry.path() / "name").starts_with("SMBus stub driver")) {
+                adapter_ = entry.path().filename();
+            }
+        }
+        write_kernel_file("/sys/bus/i2c/devices/" + adapter_ + "/new_device", "pca9685 0x40");
+    }
+    ~LabPwm() override {
+        write_kernel_file("/sys/bus/i2c/devices/" + adapter_ + "/delete_device", "0x40");
+        shell("rmmod pwm-pca9685; rmmod i2c-stub");
+    }
+    std::string config(const std::string& input = "", const std::string& output = "") {
+        return write_config("[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n" +
+                            input + "[output.legs]\nprotocol = \"pwm\"\nchip = \"pca9685-pwm\"\n" +
+                            "outputs = { 1 = 0, 2 = 1, 3 = 4, 4 = 15 }\n" + output +
+                            "[pipeline.main]\nfrom = \"receiver\"\nto = \"legs\"\n"
+                            "[pipeline.main.failsafe]\nhold = \"0s\"\nrecover = \"0s\"\n");
+    }
+    const std::string& adapter() const { return adapter_; }
+
+  private:
+    std::string adapter_;
+};
+
+constexpr std::array kOutputs{0, 1, 4, 15};
+
+/// The count for a pulse of a period of 20 ms; the driver rounds up.
+int count_of_pulse(int microseconds) {
+    return (4096 * microseconds + 19999) / 20000;
+}
+
+bool shows(const Registers& chip, const Sticks& sticks) {
+    for (std::size_t i = 0; i < kOutputs.size(); ++i) {
+        if (chip.is_off(kOutputs[i]) || chip.count(kOutputs[i]) != count_of_pulse(sticks[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool all_off(const Registers& chip) {
+    return std::ranges::all_of(kOutputs, [&](int output) { return chip.is_off(output); });
+}
+
+std::vector<Sticks> recorded_sticks() {
+    std::ifstream file(std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" /
+                       "ibus_servo14_ia6b_2sensors.timed.txt");
+    std::vector<Sticks> all;
+    for (std::string line; std::getline(file, line);) {
+        const auto hex = line.find("20 40");
+        if (hex == std::string::npos || line.size() < hex + 30 * 3) {
+            continue;
+        }
+        Sticks sticks;
+        for (std::size_t at = hex + 6; sticks.size() < 14; at += 6) {
+            sticks.push_back((std::stoi(line.substr(at, 2), nullptr, 16) |
+                              std::stoi(line.substr(at + 3, 2), nullptr, 16) << 8) &
+                             0xFFF);
+        }
+        all.push_back(sticks);
+    }
+    return all;
+}
+
+TEST_F(LabPwm, ARecordingMovesTheRegistersFrameByFrame) {
+    FarEnd& receiver = device("receiver");
+    Program& program = run(config("timeout = \"5s\"\n"));
+    const Registers chip(adapter());
+    const std::vector<Sticks> frames = recorded_sticks();
+    ASSERT_GE(frames.size(), 60U);
+    for (std::size_t i = 0; i < 60; ++i) {
+        receiver.send(ibus_bytes(frames[i]));
+        ASSERT_TRUE(eventually([&] { return shows(chip, frames[i]); }))
+            << "frame " << i << ": " << chip.count(0) << "\n"
+            << program.errors();
+    }
+    // 25 MHz / 4096 / 50 Hz, less one.
+    EXPECT_EQ(chip.prescale(), 121);
+    EXPECT_NE(run_shell(TRIBUS_PROGRAM " pwm").output.find("output 15  on"), std::string::npos);
+    expect_clean_end(program);
+    EXPECT_TRUE(all_off(chip)) << "at the end the outputs are off";
+}
+
+TEST_F(LabPwm, SwitchesOffWhenTheLinkIsLostAndOnWhenItIsBack) {
+    FarEnd& receiver = device("receiver");
+    Program& program = run(config());
+    const Registers chip(adapter());
+    const Sticks sticks(14, 1700);
+    Repeater repeater(receiver, ibus_bytes(sticks));
+    const auto moves = [&] {
+        repeater.send_if_due();
+        return shows(chip, sticks);
+    };
+    ASSERT_TRUE(eventually(moves)) << program.errors();
+    EXPECT_TRUE(eventually([&] { return all_off(chip); })) << program.errors();
+    EXPECT_TRUE(eventually(moves)) << program.errors();
+    expect_clean_end(program);
+}
+
+TEST_F(LabPwm, AfterAKillTheChipRepeatsItsLastPulseUntilItIsSwitchedOff) {
+    FarEnd& receiver = device("receiver");
+    const std::string file = config();
+    Program& program = run(file);
+    const Registers chip(adapter());
+    const Sticks sticks(14, 1700);
+    Repeater repeater(receiver, ibus_bytes(sticks));
+    ASSERT_TRUE(eventually([&] {
+        repeater.send_if_due();
+        return shows(chip, sticks);
+    }));
+    program.signal(SIGKILL);
+    program.end();
+    EXPECT_TRUE(shows(chip, sticks)) << "nothing but ExecStopPost ends it";
+    shell(TRIBUS_PROGRAM " pwm --off " + file);
+    EXPECT_TRUE(all_off(chip));
+    // The next start takes the outputs as they are.
+    Program& next = run(file);
+    EXPECT_TRUE(all_off(chip));
+    EXPECT_TRUE(eventually([&] {
+        repeater.send_if_due();
+        return shows(chip, sticks);
+    })) << next.errors();
+    expect_clean_end(next);
+}
+
+TEST_F(LabPwm, CorrectsTheOscillator) {
+    FarEnd& receiver = device("receiver");
+    Program& program = run(config("timeout = \"5s\"\n", "calibration = 1.05\n"));
+    const Registers chip(adapter());
+    Repeater repeater(receiver, ibus_bytes(Sticks(14, 1500)));
+    EXPECT_TRUE(eventually([&] {
+        repeater.send_if_due();
+        return !chip.is_off(0) && chip.count(0) == count_of_pulse(1575);
+    })) << chip.count(0);
+    expect_clean_end(program);
+}
+
+TEST_F(LabPwm, WaitsForAChipThatIsNotThereYet) {
+    device("receiver");
+    write_kernel_file("/sys/bus/i2c/devices/" + adapter() + "/delete_device", "0x40");
+    Program& program = run(config());
+    EXPECT_TRUE(program.says("there is no such PWM chip")) << program.errors();
+    write_kernel_file("/sys/bus/i2c/devices/" + adapter() + "/new_device", "pca9685 0x40");
+    EXPECT_TRUE(program.says("back") || program.says("legs")) << program.errors();
+    expect_clean_end(program);
+}
+
+}  // namespace
+}  // namespace tribus::test::pwm_pca9685_test

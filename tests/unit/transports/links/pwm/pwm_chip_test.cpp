@@ -1,0 +1,174 @@
+#include "transports/links/pwm/pwm_chip.h"
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "app/pwm/pwm.h"
+#include "tests/support/temporary_folder.h"
+#include "transports/links/pwm/pwm_link.h"
+
+/// PWM chips on a folder with the files of /sys/class/pwm. What the kernel does with them is shown
+/// in the laboratory.
+namespace tribus::test::pwm_chip_test {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+class PwmFolder {
+  public:
+    /// A chip whose outputs are there already.
+    void add(const std::string& name, const std::string& driver, std::size_t outputs) {
+        const fs::path chip = root() / name;
+        fs::create_directories(chip / "device");
+        fs::create_symlink("../../../bus/drivers/" + driver, chip / "device" / "driver");
+        write(chip / "npwm", std::to_string(outputs));
+        write(chip / "export", "");
+        write(chip / "unexport", "");
+        for (std::size_t output = 0; output < outputs; ++output) {
+            const fs::path folder = chip / ("pwm" + std::to_string(output));
+            fs::create_directories(folder);
+            for (const char* file : {"period", "duty_cycle", "enable"}) {
+                write(folder / file, "");
+            }
+        }
+    }
+    fs::path root() const { return folder_ / "pwm"; }
+    /// What was written last, and takes it away.
+    std::string take(const std::string& chip, std::size_t output, const std::string& file) const {
+        const fs::path path = root() / chip / ("pwm" + std::to_string(output)) / file;
+        std::ifstream stream(path);
+        std::string text;
+        std::getline(stream, text);
+        write(path, "");
+        return text;
+    }
+    static void write(const fs::path& path, const std::string& text) {
+        std::ofstream(path) << text;
+    }
+
+  private:
+    TemporaryFolder folder_;
+};
+
+TEST(PwmChip, IsFoundByItsNameOrByTheNameOfItsDriver) {
+    PwmFolder folder;
+    folder.add("pwmchip10", "pca9685-pwm", 16);
+    folder.add("pwmchip2", "pwm-bcm2835", 2);
+    const auto chips = find_pwm_chips(folder.root());
+    ASSERT_EQ(chips.size(), 2U);
+    EXPECT_EQ(chips[0].name, "pwmchip2");
+    EXPECT_EQ(chips[1].driver, "pca9685-pwm");
+    EXPECT_EQ(chips[1].outputs, 16U);
+    EXPECT_EQ(find_pwm_chip("pca9685-pwm", folder.root())->name, "pwmchip10");
+    EXPECT_EQ(find_pwm_chip("pwmchip2", folder.root())->outputs, 2U);
+    EXPECT_EQ(find_pwm_chip("pwmchip0", folder.root()).error(),
+              "pwmchip0: there is no such PWM chip; this machine has pwmchip2 (pwm-bcm2835), "
+              "pwmchip10 (pca9685-pwm)");
+    folder.add("pwmchip3", "pwm-bcm2835", 2);
+    EXPECT_EQ(find_pwm_chip("pwm-bcm2835", folder.root()).error(),
+              "pwm-bcm2835: several PWM chips have this driver, name one: this machine has "
+              "pwmchip2 (pwm-bcm2835), pwmchip3 (pwm-bcm2835)");
+    EXPECT_NE(find_pwm_chip("x", folder.root() / "none").error().find("none now"),
+              std::string::npos);
+}
+
+TEST(PwmChip, SetsThePeriodBeforeItSwitchesOnAndWritesOnlyWhatChanged) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    PwmOutputs outputs(*find_pwm_chip("pwmchip0", folder.root()), 20ms);
+    EXPECT_EQ(outputs.set(1, 1500000), "");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "period"), "20000000");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "duty_cycle"), "1500000");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "1");
+    EXPECT_EQ(outputs.set(1, 1500000), "");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "duty_cycle"), "");
+    EXPECT_EQ(outputs.set(1, 1600000), "");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "duty_cycle"), "1600000");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "");
+    EXPECT_EQ(outputs.set(1, 0), "");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "0");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "duty_cycle"), "");
+    EXPECT_EQ(outputs.set(1, 1600000), "");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "duty_cycle"), "1600000");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "1");
+    EXPECT_EQ(folder.take("pwmchip0", 0, "enable"), "") << "nobody asked for output 0";
+    EXPECT_EQ(outputs.set(2, 1500000), "pwmchip0 has outputs 0 to 1, no 2");
+}
+
+TEST(PwmChip, IsSwitchedOffAtTheEnd) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    {
+        PwmOutputs outputs(*find_pwm_chip("pwmchip0", folder.root()), 20ms);
+        outputs.set(0, 1500000);
+        folder.take("pwmchip0", 0, "enable");
+    }
+    EXPECT_EQ(folder.take("pwmchip0", 0, "enable"), "0");
+    EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "");
+}
+
+TEST(PwmChip, SaysWhichFileTheKernelRefused) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 1);
+    PwmOutputs outputs(*find_pwm_chip("pwmchip0", folder.root()), 20ms);
+    EXPECT_EQ(outputs.set(0, 1500000), "");
+    fs::remove(folder.root() / "pwmchip0/pwm0/duty_cycle");
+    EXPECT_EQ(outputs.set(0, 1600000), (folder.root() / "pwmchip0/pwm0/duty_cycle").string() +
+                                           ": No such file or directory");
+    PwmFolder::write(folder.root() / "pwmchip0/pwm0/duty_cycle", "");
+    EXPECT_EQ(outputs.set(0, 1600000), "") << "it is tried again";
+    EXPECT_EQ(folder.take("pwmchip0", 0, "duty_cycle"), "1600000");
+}
+
+/// Waits, at most ten seconds, for the link's own thread.
+bool comes(const PwmFolder& folder, std::size_t output, const std::string& file,
+           const std::string& wanted) {
+    for (int i = 0; i < 1000; ++i) {
+        if (folder.take("pwmchip0", output, file) == wanted) {
+            return true;
+        }
+        std::this_thread::sleep_for(10ms);
+    }
+    return false;
+}
+
+TEST(PwmLink, HandsTheNewestPulsesOnAndSwitchesOffAtItsEnd) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 4);
+    auto link = PwmLink::open("pwmchip0", 10ms, folder.root());
+    ASSERT_TRUE(link) << link.error();
+    // Output 1: 1,500,000 ns; output 3: 1,000,000 ns.
+    const std::array<std::uint8_t, 10> frame{1, 0x60, 0xE3, 0x16, 0x00, 3, 0x40, 0x42, 0x0F, 0x00};
+    EXPECT_EQ((*link)->write(frame), WriteStatus::written);
+    EXPECT_TRUE(comes(folder, 1, "duty_cycle", "1500000"));
+    EXPECT_TRUE(comes(folder, 3, "duty_cycle", "1000000"));
+    EXPECT_TRUE(comes(folder, 3, "enable", "1"));
+    const std::array<std::uint8_t, 5> beyond{4, 0x60, 0xE3, 0x16, 0x00};
+    EXPECT_EQ((*link)->write(beyond), WriteStatus::unavailable);
+    link->reset();
+    EXPECT_EQ(folder.take("pwmchip0", 1, "enable"), "0");
+    EXPECT_EQ(folder.take("pwmchip0", 3, "enable"), "0");
+    EXPECT_EQ(folder.take("pwmchip0", 0, "enable"), "");
+}
+
+TEST(PwmReport, ListsChipsAndTheOutputsInUse) {
+    PwmFolder folder;
+    EXPECT_NE(pwm_report(folder.root()).find("no PWM chip"), std::string::npos);
+    folder.add("pwmchip0", "pca9685-pwm", 2);
+    fs::remove_all(folder.root() / "pwmchip0/pwm1");
+    PwmFolder::write(folder.root() / "pwmchip0/pwm0/period", "20000000\n");
+    PwmFolder::write(folder.root() / "pwmchip0/pwm0/duty_cycle", "1500000\n");
+    PwmFolder::write(folder.root() / "pwmchip0/pwm0/enable", "1\n");
+    EXPECT_EQ(pwm_report(folder.root()),
+              "pwmchip0  pca9685-pwm, outputs 0 to 1\n"
+              "  output  0  on     1500.0 us each 20.000 ms\n");
+}
+
+}  // namespace
+}  // namespace tribus::test::pwm_chip_test

@@ -1,0 +1,164 @@
+#include "transports/links/pwm/pwm_chip.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include "transports/links/unique_fd.h"
+
+namespace tribus {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kChipPrefix = "pwmchip";
+
+std::string first_line(const fs::path& path) {
+    std::ifstream file(path);
+    std::string line;
+    std::getline(file, line);
+    return line;
+}
+
+/// Empty, or why not.
+std::string write_file(const fs::path& path, const std::string& text) {
+    const UniqueFd fd(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (fd.valid() &&
+        ::write(fd.get(), text.data(), text.size()) == static_cast<ssize_t>(text.size())) {
+        return {};
+    }
+    return path.string() + ": " + std::strerror(errno);
+}
+
+std::size_t number_of_chip(const PwmChipFacts& chip) {
+    return std::strtoul(chip.name.c_str() + kChipPrefix.size(), nullptr, 10);
+}
+
+fs::path folder_of(const PwmChipFacts& chip, std::size_t output) {
+    return chip.folder / ("pwm" + std::to_string(output));
+}
+
+std::string names_of(const std::vector<PwmChipFacts>& chips) {
+    std::string names;
+    for (const PwmChipFacts& chip : chips) {
+        names += (names.empty() ? "" : ", ") + chip.name +
+                 (chip.driver.empty() ? "" : " (" + chip.driver + ")");
+    }
+    return names.empty() ? "this machine has none now; a device-tree overlay, such as "
+                           "dtoverlay=i2c-pwm-pca9685a on a Raspberry Pi, makes one"
+                         : "this machine has " + names;
+}
+
+}  // namespace
+
+std::vector<PwmChipFacts> find_pwm_chips(const fs::path& root) {
+    std::vector<PwmChipFacts> chips;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(root, error)) {
+        PwmChipFacts chip;
+        chip.folder = entry.path();
+        chip.name = entry.path().filename();
+        if (!chip.name.starts_with(kChipPrefix)) {
+            continue;
+        }
+        chip.outputs = std::strtoul(first_line(chip.folder / "npwm").c_str(), nullptr, 10);
+        const fs::path driver = fs::read_symlink(chip.folder / "device" / "driver", error);
+        chip.driver = driver.filename();
+        chips.push_back(std::move(chip));
+    }
+    std::ranges::sort(chips, {}, number_of_chip);
+    return chips;
+}
+
+tl::expected<PwmChipFacts, std::string> find_pwm_chip(const std::string& name,
+                                                      const fs::path& root) {
+    const auto chips = find_pwm_chips(root);
+    std::vector<PwmChipFacts> meant;
+    std::ranges::copy_if(chips, std::back_inserter(meant), [&name](const PwmChipFacts& chip) {
+        return chip.name == name || chip.driver == name;
+    });
+    if (meant.empty()) {
+        return tl::unexpected(name + ": there is no such PWM chip; " + names_of(chips));
+    }
+    if (meant.size() > 1) {
+        return tl::unexpected(name +
+                              ": several PWM chips have this driver, name one: " + names_of(meant));
+    }
+    return meant.front();
+}
+
+PwmOutputs::PwmOutputs(PwmChipFacts chip, Duration period)
+    : chip_(std::move(chip)), period_(period) {}
+
+PwmOutputs::~PwmOutputs() {
+    for (std::size_t output = 0; output < states_.size(); ++output) {
+        if (states_[output] != State::unused) {
+            set(output, 0);
+            write_file(chip_.folder / "unexport", std::to_string(output));
+        }
+    }
+}
+
+std::string PwmOutputs::write(std::size_t output, const char* file, const std::string& text) const {
+    return write_file(folder_of(chip_, output) / file, text);
+}
+
+/// Another program may have taken it before, or this one, which then died: it is used as it is.
+std::string PwmOutputs::take(std::size_t output) {
+    std::error_code error;
+    if (!fs::exists(folder_of(chip_, output), error)) {
+        if (auto problem = write_file(chip_.folder / "export", std::to_string(output));
+            !problem.empty()) {
+            return problem;
+        }
+    }
+    states_[output] = State::taken;
+    write(output, "enable", "0");
+    // A period may not be shorter than the pulse.
+    write(output, "duty_cycle", "0");
+    return write(output, "period", std::to_string(period_ / std::chrono::nanoseconds(1)));
+}
+
+std::string PwmOutputs::set(std::size_t output, std::uint32_t nanoseconds) {
+    if (output >= std::min(chip_.outputs, kMost)) {
+        return chip_.name + " has outputs 0 to " + std::to_string(chip_.outputs - 1) + ", no " +
+               std::to_string(output);
+    }
+    if (states_[output] == State::unused) {
+        if (auto problem = take(output); !problem.empty()) {
+            return problem;
+        }
+    }
+    if (pulses_[output] == nanoseconds) {
+        return {};
+    }
+    std::string problem;
+    if (nanoseconds == 0) {
+        problem = write(output, "enable", "0");
+        states_[output] = State::taken;
+    } else {
+        problem = write(output, "duty_cycle", std::to_string(nanoseconds));
+        if (problem.empty() && states_[output] != State::on) {
+            problem = write(output, "enable", "1");
+            states_[output] = State::on;
+        }
+    }
+    pulses_[output] = problem.empty() ? std::optional(nanoseconds) : std::nullopt;
+    return problem;
+}
+
+std::string switch_off(const PwmChipFacts& chip, std::size_t output) {
+    std::error_code error;
+    const fs::path folder = folder_of(chip, output);
+    return fs::exists(folder, error) ? write_file(folder / "enable", "0") : std::string();
+}
+
+}  // namespace tribus

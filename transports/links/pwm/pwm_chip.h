@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "core/time.h"
+
+namespace tribus {
+
+/// Where the kernel shows its PWM chips.
+inline constexpr const char* kPwmFolder = "/sys/class/pwm";
+
+/// A PWM chip as the kernel shows it: "pwmchip0", with the name of its driver.
+struct PwmChipFacts {
+    std::filesystem::path folder;
+    std::string name;
+    std::string driver;  ///< "pca9685-pwm"; empty if unknown
+    std::size_t outputs = 0;
+};
+
+/// The PWM chips of this machine, by their numbers. May block.
+std::vector<PwmChipFacts> find_pwm_chips(const std::filesystem::path& root = kPwmFolder);
+
+/// The chip with that name, or the only one with that driver. The error says what is allowed. May
+/// block.
+tl::expected<PwmChipFacts, std::string> find_pwm_chip(
+    const std::string& name, const std::filesystem::path& root = kPwmFolder);
+
+/// The outputs of a chip. Each call is some writes to files of the kernel, of which each may take
+/// the time of a transfer on the chip's bus. Thread-bound.
+class PwmOutputs {
+  public:
+    static constexpr std::size_t kMost = 64;
+
+    PwmOutputs(PwmChipFacts chip, Duration period);
+    PwmOutputs(const PwmOutputs&) = delete;
+    PwmOutputs& operator=(const PwmOutputs&) = delete;
+    /// Switches off and gives back what this object took.
+    ~PwmOutputs();
+
+    /// Sends pulses of that length each period; 0: switches the output off. Writes only what
+    /// changed. Returns an empty text, or which file the kernel refused and why.
+    std::string set(std::size_t output, std::uint32_t nanoseconds);
+
+  private:
+    enum class State : std::uint8_t { unused, taken, on };
+    std::string take(std::size_t output);
+    std::string write(std::size_t output, const char* file, const std::string& text) const;
+
+    PwmChipFacts chip_;
+    Duration period_;
+    std::array<State, kMost> states_{};
+    std::array<std::optional<std::uint32_t>, kMost> pulses_{};
+};
+
+/// Switches off the outputs of a chip that are in use, whoever took them. Returns an empty text or
+/// what the kernel refused.
+std::string switch_off(const PwmChipFacts& chip, std::size_t output);
+
+}  // namespace tribus

@@ -1,0 +1,24 @@
+#include "transports/links/pwm/pwm_medium.h"
+
+#include "transports/links/pwm/pwm_link.h"
+
+namespace tribus {
+
+const Medium kPwmMedium{
+    .name = "a PWM chip",
+    .shape = WireShape::bytes,
+    .only_own_protocols = true,
+    .place = {.key = "chip",
+              .required = true,
+              .help = "PWM chip: \"pwmchip0\", or the name of its driver if only one has it, such "
+                      "as \"pca9685-pwm\"; `tribus pwm` lists them",
+              .example = "\"pca9685-pwm\""},
+    .place_absent = "required on a PWM chip",
+    .has_period = true,
+    .users = Users::one,
+    .is_missing = [](const std::string& chip) { return !find_pwm_chip(chip).has_value(); },
+    .open = [](const std::string& chip,
+               const LinkUse& use) { return as_link(PwmLink::open(chip, use.period)); },
+};
+
+}  // namespace tribus
