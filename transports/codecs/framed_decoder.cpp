@@ -34,22 +34,8 @@ FramedDecoder::Candidate FramedDecoder::look(std::size_t& length) {
             return holds ? Candidate::whole : Candidate::none;
         }
         length = needed;
-        if (length > LineBuffer::kCapacity) {
-            return Candidate::too_long;
-        }
     }
     return any_damaged(buffer_, buffer_.size()) ? Candidate::none : Candidate::incomplete;
-}
-
-/// Removes the first `length` bytes, as far as they are there.
-void FramedDecoder::pass_over(std::size_t length) {
-    passed_over_ = length;
-    while (passed_over_ > 0 && buffer_.see(1)) {
-        buffer_.see(std::min(passed_over_, LineBuffer::kCapacity));
-        const std::size_t here = std::min(passed_over_, buffer_.size());
-        buffer_.drop(here);
-        passed_over_ -= here;
-    }
 }
 
 bool FramedDecoder::search(bool more_may_come, Instant received, DecodedFrame& frame) {
@@ -71,10 +57,6 @@ bool FramedDecoder::search(bool more_may_come, Instant received, DecodedFrame& f
         if (candidate == Candidate::incomplete && more_may_come) {
             return false;
         }
-        if (candidate == Candidate::too_long) {
-            pass_over(length);
-            continue;
-        }
         buffer_.drop(1);
         ++skipped_bytes_;
     }
@@ -85,9 +67,6 @@ ByteDecoder::Taken FramedDecoder::decode(std::span<const std::uint8_t> bytes, In
                                          DecodedFrame& frame) {
     read_at_ = received;
     buffer_.open(bytes);
-    if (passed_over_ > 0) {
-        pass_over(passed_over_);
-    }
     const bool found = search(true, received, frame);
     return {.bytes = bytes.size() - buffer_.close().size(), .frame = found};
 }
@@ -96,7 +75,6 @@ bool FramedDecoder::silence(DecodedFrame& frame) {
     buffer_.open({});
     const bool found = search(false, read_at_, frame);
     buffer_.close();
-    passed_over_ = 0;
     return found;
 }
 
@@ -107,7 +85,6 @@ std::optional<DecodedFrame> FramedDecoder::finish() {
 
 void FramedDecoder::damaged_byte() {
     buffer_.append_damaged();
-    passed_over_ = 0;
     ++rejected_[kDamaged].count;
 }
 
@@ -116,7 +93,6 @@ void FramedDecoder::reset() {
     buffer_.open({});
     buffer_.drop(buffer_.size());
     buffer_.close();
-    passed_over_ = 0;
 }
 
 }  // namespace tribus

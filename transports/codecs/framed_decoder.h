@@ -16,12 +16,11 @@ namespace tribus {
 /// check. The derived class says how a frame is laid out; this class finds frames in the stream.
 /// It looks at a frame once all of its bytes are there. If the check fails, it searches on from the
 /// second byte, so that a frame behind a false beginning is found. A pause on the line ends an
-/// incomplete frame. A frame that is longer than LineBuffer::kCapacity is passed over unread, so
-/// that nothing inside of it counts as a frame. Thread-bound; no heap.
+/// incomplete frame. Thread-bound; no heap.
 class FramedDecoder : public ByteDecoder {
   public:
-    void damaged_byte() final;
-    bool silence(DecodedFrame& frame) final;
+    void damaged_byte() override;
+    bool silence(DecodedFrame& frame) override;
     /// A derived class that keeps what later frames need forgets it, too.
     void reset() override;
     std::optional<DecodedFrame> finish() final;
@@ -43,7 +42,7 @@ class FramedDecoder : public ByteDecoder {
   private:
     /// How many bytes of a frame that begins with `bytes`, at least one, must be there to judge it:
     /// 0 if none begins so; `bytes.size()` if it is whole; more if it is not whole or its length is
-    /// not known yet. Above LineBuffer::kCapacity: the length of a frame that is passed over.
+    /// not known yet, at most LineBuffer::kCapacity.
     virtual std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const = 0;
     /// Whether the check of a whole frame is right.
     virtual bool check_holds(std::span<const std::uint8_t> frame) const = 0;
@@ -52,14 +51,11 @@ class FramedDecoder : public ByteDecoder {
     virtual bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) = 0;
 
     enum RejectCause : std::size_t { kChecksum, kDamaged };
-    enum class Candidate : std::uint8_t { none, incomplete, whole, too_long };
+    enum class Candidate : std::uint8_t { none, incomplete, whole };
     Candidate look(std::size_t& length);
-    void pass_over(std::size_t length);
     bool search(bool more_may_come, Instant received, DecodedFrame& frame);
 
     std::array<NamedCount, 3> rejected_{{{"checksum"}, {"damaged"}, {}}};
-    /// Bytes of a frame that is too long, which are still to come.
-    std::size_t passed_over_ = 0;
     std::uint64_t skipped_bytes_ = 0;
     /// When the latest bytes came that were looked at together with others. A frame that a pause
     /// shows came then.

@@ -85,7 +85,7 @@ void read_manual(MavlinkPayload payload, std::size_t buttons, ChannelFrame& chan
 }  // namespace
 
 void MavlinkDecoder::reset() {
-    FramedDecoder::reset();
+    MavlinkMessages::reset();
     sender_.forget();
     without_signal_.reset();
 }

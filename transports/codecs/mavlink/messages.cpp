@@ -26,17 +26,10 @@ MavlinkHeader header_of(std::span<const std::uint8_t> frame) {
     return {.bytes = kHeader2Bytes, .id = id, .system = frame[5], .component = frame[6]};
 }
 
-}  // namespace
-
-std::size_t MavlinkMessages::needed_bytes(std::span<const std::uint8_t> bytes) const {
+/// Of a frame of which at least three bytes are there; 0 if none may be read.
+std::size_t whole_bytes(std::span<const std::uint8_t> bytes) {
     if (bytes[0] == kVersion1) {
-        return bytes.size() < 2 ? 2 : kHeader1Bytes + bytes[1] + kCrcBytes;
-    }
-    if (bytes[0] != kVersion2) {
-        return 0;
-    }
-    if (bytes.size() < 3) {
-        return 3;
+        return kHeader1Bytes + bytes[1] + kCrcBytes;
     }
     const std::uint8_t flags = bytes[2];
     if ((flags & ~kSignedFlag) != 0) {
@@ -45,7 +38,68 @@ std::size_t MavlinkMessages::needed_bytes(std::span<const std::uint8_t> bytes) c
     return kHeader2Bytes + bytes[1] + kCrcBytes + (flags == kSignedFlag ? kSignatureBytes : 0);
 }
 
+/// So many bytes of a long message are looked at.
+constexpr std::size_t kLongHead = 16;
+
+bool is_long(std::span<const std::uint8_t> bytes) {
+    return whole_bytes(bytes) > LineBuffer::kCapacity;
+}
+
+}  // namespace
+
+void MavlinkMessages::damaged_byte() {
+    passed_over_ = 0;
+    FramedDecoder::damaged_byte();
+}
+
+bool MavlinkMessages::silence(DecodedFrame& frame) {
+    passed_over_ = 0;
+    return FramedDecoder::silence(frame);
+}
+
+void MavlinkMessages::reset() {
+    passed_over_ = 0;
+    FramedDecoder::reset();
+}
+
+ByteDecoder::Taken MavlinkMessages::decode(std::span<const std::uint8_t> bytes, Instant received,
+                                           DecodedFrame& frame) {
+    const std::size_t passed = std::min(passed_over_, bytes.size());
+    buffer_.pass(passed);
+    passed_over_ -= passed;
+    if (passed > 0 && passed == bytes.size()) {
+        return {.bytes = passed, .frame = false};
+    }
+    Taken taken = FramedDecoder::decode(bytes.subspan(passed), received, frame);
+    taken.bytes += passed;
+    return taken;
+}
+
+/// Removes bytes behind the head of a long message, which the caller removes.
+void MavlinkMessages::pass_over(std::size_t count) {
+    while (count > 0 && buffer_.see(kLongHead + 1)) {
+        buffer_.see(std::min(kLongHead + count, LineBuffer::kCapacity));
+        const std::size_t here = std::min(count, buffer_.size() - kLongHead);
+        buffer_.drop(here);
+        count -= here;
+    }
+    passed_over_ = count;
+}
+
+std::size_t MavlinkMessages::needed_bytes(std::span<const std::uint8_t> bytes) const {
+    if (bytes[0] != kVersion1 && bytes[0] != kVersion2) {
+        return 0;
+    }
+    if (bytes.size() < 3) {
+        return 3;
+    }
+    return is_long(bytes) ? kLongHead : whole_bytes(bytes);
+}
+
 bool MavlinkMessages::check_holds(std::span<const std::uint8_t> frame) const {
+    if (is_long(frame)) {
+        return true;
+    }
     const MavlinkHeader header = header_of(frame);
     const MessageKind* const kind = find_kind(header.id);
     if (kind == nullptr) {
@@ -57,6 +111,10 @@ bool MavlinkMessages::check_holds(std::span<const std::uint8_t> frame) const {
 }
 
 bool MavlinkMessages::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {
+    if (is_long(frame)) {
+        pass_over(whole_bytes(frame) - kLongHead);
+        return false;
+    }
     const MavlinkHeader header = header_of(frame);
     const MessageKind* const kind = find_kind(header.id);
     const std::size_t length = frame[1];

@@ -23,17 +23,28 @@ struct MavlinkMessage {
 };
 
 /// Finds the messages of MAVLink 1 and 2 that tribus knows. Messages of other kinds are passed over
-/// by their length, because their check cannot be verified.
+/// by their length, because their check cannot be verified; so nothing inside of them counts. They
+/// may be longer than LineBuffer::kCapacity.
 class MavlinkMessages : public FramedDecoder {
+  public:
+    void damaged_byte() override;
+    bool silence(DecodedFrame& frame) override;
+    void reset() override;
+
   protected:
     MavlinkMessages() : FramedDecoder("other_sender") {}
     /// Returns whether the message has channels, then `channels` has them.
     virtual bool take(const MavlinkMessage& message, ChannelFrame& channels) = 0;
 
   private:
+    Taken decode(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame) final;
     std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const final;
     bool check_holds(std::span<const std::uint8_t> frame) const final;
     bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) final;
+    void pass_over(std::size_t count);
+
+    /// Bytes of a long message that are still to come.
+    std::size_t passed_over_ = 0;
 };
 
 /// Keeps to one sender on a line that many share: the first one heard, until it was silent for a

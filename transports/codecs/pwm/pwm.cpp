@@ -55,10 +55,10 @@ std::optional<std::uint8_t> pwm_output(const SettingTree& tree) {
 }
 
 const SettingTree::Table& pwm_table(const SettingValues& settings) {
-    static const SettingTree::Table kNone;
+    static const SettingTree::Table none;
     const auto* tree = settings.find_as<SettingTree>("outputs");
     const auto* table = tree == nullptr ? nullptr : tree->as<SettingTree::Table>();
-    return table == nullptr ? kNone : *table;
+    return table == nullptr ? none : *table;
 }
 
 std::vector<SettingMistake> check_pwm(const SettingValues& settings, SettingScope /*scope*/) {
