@@ -162,7 +162,8 @@ TEST_F(GuidedLearn, LeadsAProgramThatLeadsThePerson) {
     const std::string printed = guided(
         {"--format", "json"},
         {R"({"step":"waiting",)", R"({"step":"off",)", R"({"step":"on",)", R"({"step":"done",)"});
-    EXPECT_NE(printed.find(R"("lines":["failsafe_when = [{ channel = 3, below = 942 }]"]})"),
+    // A machine that stood still for a while is a receiver with gaps, and has a timeout besides.
+    EXPECT_NE(printed.find(R"("failsafe_when = [{ channel = 3, below = 942 }]")"),
               std::string::npos)
         << printed;
 }
