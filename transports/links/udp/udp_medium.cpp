@@ -40,7 +40,10 @@ std::vector<SettingMistake> check(const std::string& place, const SettingValues&
                      "an input moves the servos)"}};
     }
     const auto* sender = settings.find_as<std::string>("sender");
-    const auto from = parse_udp_address(sender == nullptr ? place : *sender + ":1");
+    if (sender == nullptr) {
+        return {};
+    }
+    const auto from = parse_udp_address(*sender + ":1");
     if (!from || from->storage.ss_family != address->storage.ss_family) {
         return {{{"sender"},
                  "\"sender\" is \"" + *sender +
