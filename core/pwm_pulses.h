@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-/// What an output of servo pulses hands to a PWM chip: a record for each output of the chip, its
+/// Records that an output of servo pulses hands to a PWM chip: one for each output of the chip, its
 /// number and the length of its pulse in nanoseconds, the low byte first; 0 switches the output off
 /// (docs/protocols/pwm.md). Pure and reentrant.
 namespace tribus::pwm_pulses {

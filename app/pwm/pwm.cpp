@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
-#include <fstream>
+#include <chrono>
 #include <memory>
-#include <optional>
-#include <system_error>
+#include <ratio>
+#include <vector>
 
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
@@ -19,31 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNanosecondsAMicrosecond = 1000;
-constexpr double kNanosecondsAMillisecond = 1e6;
-
 struct PwmOptions {
     std::string off;
 };
 
-double number_in(const fs::path& path) {
-    std::ifstream file(path);
-    std::string text;
-    std::getline(file, text);
-    return std::strtod(text.c_str(), nullptr);
-}
-
-/// What an output in use does; nothing for others.
-std::optional<std::string> output_line(const PwmChipFacts& chip, std::size_t output) {
-    const fs::path folder = chip.folder / fmt::format("pwm{}", output);
-    std::error_code error;
-    if (!fs::exists(folder, error)) {
-        return std::nullopt;
-    }
-    const bool on = number_in(folder / "enable") != 0;
-    return fmt::format("  output {:2}  {}  {:8.1f} us each {:.3f} ms\n", output, on ? "on " : "off",
-                       number_in(folder / "duty_cycle") / kNanosecondsAMicrosecond,
-                       number_in(folder / "period") / kNanosecondsAMillisecond);
+std::string output_line(std::size_t output, const PwmOutputFacts& facts) {
+    using Microseconds = std::chrono::duration<double, std::micro>;
+    using Milliseconds = std::chrono::duration<double, std::milli>;
+    return fmt::format("  output {:2}  {}  {:8.1f} us each {:.3f} ms\n", output,
+                       facts.on ? "on " : "off", Microseconds(facts.pulse).count(),
+                       Milliseconds(facts.period).count());
 }
 
 /// Switches off every output that the configuration names. Chips that are not there are no mistake.
@@ -85,7 +69,9 @@ std::string pwm_report(const fs::path& root) {
                               chip.driver.empty() ? "driver unknown" : chip.driver,
                               chip.outputs == 0 ? 0 : chip.outputs - 1);
         for (std::size_t output = 0; output < chip.outputs; ++output) {
-            report += output_line(chip, output).value_or("");
+            if (const auto facts = look_at(chip, output)) {
+                report += output_line(output, *facts);
+            }
         }
     }
     return report.empty() ? "no PWM chip; a device-tree overlay, such as "

@@ -24,7 +24,7 @@ namespace tribus {
 struct PortPlan {
     PortConfig config;
     PortWiring wiring;
-    /// Of the output, on a medium with a period.
+    /// The output's period, on a medium with a period.
     Duration period{};
 };
 

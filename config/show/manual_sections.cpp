@@ -81,7 +81,7 @@ bool is_used(const Medium& medium, SettingScope way) {
     });
 }
 
-/// What a key means that is the place of two media.
+/// The help of a key that is the place of two media.
 std::string_view joined_help(std::string_view one, const Medium& other) {
     static std::map<std::string, std::string, std::less<>> texts;
     const auto found = texts.find(one);

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
@@ -11,6 +9,7 @@
 
 #include "tests/lab/guest.h"
 #include "tests/lab/input_devices.h"
+#include "tests/lab/recorded_receiver.h"
 #include "tests/lab/sdl_joystick.h"
 #include "tests/loopback/loopback.h"
 
@@ -21,6 +20,7 @@ namespace {
 constexpr std::array kAxisCodes{ABS_X,  ABS_Y,  ABS_Z,        ABS_RX,
                                 ABS_RY, ABS_RZ, ABS_THROTTLE, ABS_RUDDER};
 constexpr const char* kName = "tribus in the laboratory";
+constexpr std::size_t kFrames = 400;
 
 class LabJoystick : public Loopback {
   protected:
@@ -57,32 +57,6 @@ bool shows(const InputReader& joystick, const Sticks& sticks) {
     return true;
 }
 
-/// The frames of a recording of a FlySky receiver with 14 channels.
-std::vector<Sticks> recorded_sticks() {
-    std::ifstream file(std::filesystem::path(TRIBUS_SHARED_DIR) / "captures" /
-                       "ibus_servo14_ia6b_2sensors.timed.txt");
-    std::vector<Sticks> all;
-    for (std::string line; std::getline(file, line);) {
-        const auto hex = line.find("20 40");
-        if (hex == std::string::npos) {
-            continue;
-        }
-        Sticks sticks;
-        std::vector<int> words;
-        for (std::size_t at = hex; at + 4 < line.size() && words.size() < 15; at += 6) {
-            words.push_back(std::stoi(line.substr(at, 2), nullptr, 16) |
-                            std::stoi(line.substr(at + 3, 2), nullptr, 16) << 8);
-        }
-        if (words.size() == 15) {
-            for (std::size_t i = 1; i < words.size(); ++i) {
-                sticks.push_back(words[i] & 0xFFF);
-            }
-            all.push_back(sticks);
-        }
-    }
-    return all;
-}
-
 TEST_F(LabJoystick, LooksLikeTheJoystickOfARadio) {
     device("receiver");
     Program& program = run(config());
@@ -109,12 +83,15 @@ TEST_F(LabJoystick, FollowsARecordingFrameByFrame) {
     Program& program = run(config("timeout = \"5s\"\n"));
     const InputReader joystick(event_device(kName));
     const std::vector<Sticks> frames = recorded_sticks();
-    ASSERT_GE(frames.size(), 100U);
-    for (std::size_t i = 0; i < 100; ++i) {
+    ASSERT_GE(frames.size(), kFrames);
+    std::size_t changes = 0;
+    for (std::size_t i = 0; i < kFrames; ++i) {
+        changes += i > 0 && frames[i] != frames[i - 1] ? 1U : 0U;
         receiver.send(ibus_bytes(frames[i]));
         ASSERT_TRUE(eventually([&] { return shows(joystick, frames[i]); })) << "frame " << i << "\n"
                                                                             << program.errors();
     }
+    EXPECT_GT(changes, kFrames / 5) << "sticks that rest show nothing";
     expect_clean_end(program);
 }
 
@@ -188,7 +165,6 @@ TEST_F(LabJoystick, SaysThatTheKernelHasNoUinput) {
     device("receiver");
     shell("rmmod uinput; rm -f /dev/uinput");
     Program& program = run(config());
-    EXPECT_TRUE(program.says("simulator")) << program.errors();
     EXPECT_TRUE(program.says("`sudo modprobe uinput` loads it")) << program.errors();
     shell("modprobe uinput");
     EXPECT_TRUE(eventually([&] { return !event_device(kName).empty(); })) << program.errors();

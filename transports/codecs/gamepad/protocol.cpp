@@ -11,6 +11,7 @@
 
 #include "core/gamepad_report.h"
 #include "transports/codecs/gamepad/gamepad.h"
+#include "transports/codecs/setting_tables.h"
 
 namespace tribus {
 namespace {
@@ -127,14 +128,8 @@ class GamepadReader {
         mistakes_.push_back({std::move(path), std::move(text)});
     }
 
-    /// The entries of a table, or null without the key.
-    const SettingTree::Table* table(std::string_view key) const {
-        const auto* tree = settings_.find_as<SettingTree>(key);
-        return tree == nullptr ? nullptr : tree->as<SettingTree::Table>();
-    }
-
     void read_axes(GamepadSettings& gamepad) {
-        const auto* entries = table("axes");
+        const auto* entries = table_of(settings_, "axes");
         if (entries == nullptr) {
             gamepad.axes = {{0x03, 0}, {0x04, 1}, {0x01, 2, true}, {0x00, 3}};
             return;
@@ -153,7 +148,7 @@ class GamepadReader {
     }
 
     void read_buttons(GamepadSettings& gamepad) {
-        const auto* entries = table("buttons");
+        const auto* entries = table_of(settings_, "buttons");
         if (entries == nullptr) {
             gamepad.buttons = {{0x130, 4}, {0x131, 5}, {0x134, 6}, {0x133, 7}};
             return;
@@ -178,12 +173,12 @@ class GamepadReader {
         std::optional<std::size_t> channel;
         bool on = false;
         if (parts == nullptr) {
-            channel = channel_in(entry.value);
+            channel = channel_of(entry.value);
         }
         for (const SettingEntry& part : parts == nullptr ? SettingTree::Table{} : *parts) {
             const auto* value = part.value.as<bool>();
             if (part.key == "channel") {
-                channel = channel_in(part.value);
+                channel = channel_of(part.value);
             } else if (part.key == flag && value != nullptr) {
                 on = *value;
             } else {
@@ -198,13 +193,6 @@ class GamepadReader {
             return std::nullopt;
         }
         return Mapped{*channel, on};
-    }
-
-    static std::optional<std::size_t> channel_in(const SettingTree& tree) {
-        const auto* number = tree.as<std::int64_t>();
-        constexpr auto kMost = static_cast<std::int64_t>(kChannelCount);
-        const bool fits = number != nullptr && *number >= 1 && *number <= kMost;
-        return fits ? std::optional(static_cast<std::size_t>(*number) - 1) : std::nullopt;
     }
 
     const SettingValues& settings_;

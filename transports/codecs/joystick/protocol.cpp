@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "transports/codecs/joystick/joystick.h"
+#include "transports/codecs/setting_tables.h"
 
 namespace tribus {
 namespace {
@@ -66,24 +67,16 @@ class JoystickReader {
         mistakes_.push_back({std::move(path), std::move(text)});
     }
 
-    /// The entries of a table, or null without the key.
-    const SettingTree::Table* table(std::string_view key) const {
-        const auto* tree = settings_.find_as<SettingTree>(key);
-        return tree == nullptr ? nullptr : tree->as<SettingTree::Table>();
-    }
-
     std::optional<std::size_t> channel_in(const SettingTree& tree, const JoystickPath& path) {
-        const auto* number = tree.as<std::int64_t>();
-        constexpr auto kMost = static_cast<std::int64_t>(kChannelCount);
-        if (number == nullptr || *number < 1 || *number > kMost) {
+        const auto channel = channel_of(tree);
+        if (!channel) {
             wrong(path, "allowed: a channel, 1 to 18");
-            return std::nullopt;
         }
-        return static_cast<std::size_t>(*number) - 1;
+        return channel;
     }
 
     void read_axes(JoystickSettings& joystick) {
-        const auto* entries = table("axes");
+        const auto* entries = table_of(settings_, "axes");
         for (std::size_t axis = 0; entries == nullptr && axis < joystick.axes.size(); ++axis) {
             joystick.axes[axis] = axis;
         }
@@ -103,7 +96,7 @@ class JoystickReader {
 
     void read_buttons(JoystickSettings& joystick) {
         constexpr std::size_t kFirstButtonChannel = 8;
-        const auto* entries = table("buttons");
+        const auto* entries = table_of(settings_, "buttons");
         for (std::size_t channel = kFirstButtonChannel;
              entries == nullptr && channel < kChannelCount; ++channel) {
             joystick.buttons.push_back({.button = channel - kFirstButtonChannel,

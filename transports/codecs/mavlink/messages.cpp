@@ -16,7 +16,7 @@ struct MavlinkHeader {
     std::uint8_t component = 0;
 };
 
-/// Of a frame that is whole.
+/// The frame must be whole.
 MavlinkHeader header_of(std::span<const std::uint8_t> frame) {
     if (frame[0] == kVersion1) {
         return {.bytes = kHeader1Bytes, .id = frame[5], .system = frame[3], .component = frame[4]};
@@ -26,7 +26,7 @@ MavlinkHeader header_of(std::span<const std::uint8_t> frame) {
     return {.bytes = kHeader2Bytes, .id = id, .system = frame[5], .component = frame[6]};
 }
 
-/// Of a frame of which at least three bytes are there; 0 if none may be read.
+/// The length of a frame, by its first three bytes; 0 if it must not be read.
 std::size_t whole_bytes(std::span<const std::uint8_t> bytes) {
     if (bytes[0] == kVersion1) {
         return kHeader1Bytes + bytes[1] + kCrcBytes;

@@ -10,6 +10,7 @@
 
 #include "core/pwm_pulses.h"
 #include "core/rounding.h"
+#include "transports/codecs/setting_tables.h"
 
 namespace tribus {
 namespace {
@@ -54,11 +55,10 @@ std::optional<std::uint8_t> pwm_output(const SettingTree& tree) {
     return fits ? std::optional(static_cast<std::uint8_t>(*number)) : std::nullopt;
 }
 
-const SettingTree::Table& pwm_table(const SettingValues& settings) {
-    static const SettingTree::Table none;
-    const auto* tree = settings.find_as<SettingTree>("outputs");
-    const auto* table = tree == nullptr ? nullptr : tree->as<SettingTree::Table>();
-    return table == nullptr ? none : *table;
+/// Empty without the key, which is a mistake then.
+SettingTree::Table pwm_table(const SettingValues& settings) {
+    const auto* table = table_of(settings, "outputs");
+    return table == nullptr ? SettingTree::Table{} : *table;
 }
 
 std::vector<SettingMistake> check_pwm(const SettingValues& settings, SettingScope /*scope*/) {

@@ -105,14 +105,17 @@ void EvdevLink::read_whole_state() {
     }
 }
 
-/// Takes all events that wait. Returns false if the device is gone.
-bool EvdevLink::take_events() {
+/// Takes all events that wait.
+EvdevLink::Taken EvdevLink::take_events() {
+    Taken taken;
     std::array<input_event, 64> events{};
     for (int reads = 0; reads < kMostEventReads; ++reads) {
         const ssize_t bytes = ::read(fd_.get(), events.data(), sizeof events);
         if (bytes < 0) {
-            return errno == EAGAIN || errno == EINTR;
+            taken.gone = errno != EAGAIN && errno != EINTR;
+            return taken;
         }
+        taken.any = true;
         const std::size_t count = static_cast<std::size_t>(bytes) / sizeof events[0];
         for (const input_event& event : std::span(events).first(count)) {
             if (state_.take(event) == EvdevState::Outcome::dropped) {
@@ -120,10 +123,10 @@ bool EvdevLink::take_events() {
             }
         }
         if (count < events.size()) {
-            return true;
+            break;
         }
     }
-    return true;
+    return taken;
 }
 
 ReadStatus EvdevLink::read(Reception& reception) {
@@ -135,8 +138,12 @@ ReadStatus EvdevLink::read(Reception& reception) {
         return ReadStatus::lost;
     }
     std::uint64_t ticks = 0;
-    [[maybe_unused]] const ssize_t ticked = ::read(timer_.get(), &ticks, sizeof ticks);
-    gone_ = !take_events();
+    const bool ticked = ::read(timer_.get(), &ticks, sizeof ticks) == sizeof ticks;
+    const Taken taken = take_events();
+    gone_ = taken.gone;
+    if (!ticked && !taken.any && !gone_) {
+        return ReadStatus::nothing;
+    }
     reception.full = gone_;
     reception.count =
         state_.write(std::span(reception.bytes).first<gamepad_report::kMostBytes>(), gone_);

@@ -34,7 +34,11 @@ class EvdevLink final : public ByteLink {
     EvdevLink(UniqueFd fd, UniqueFd timer) : fd_(std::move(fd)), timer_(std::move(timer)) {}
     void find_axes();
     void read_whole_state();
-    bool take_events();
+    struct Taken {
+        bool any = false;   ///< an event
+        bool gone = false;  ///< the device
+    };
+    Taken take_events();
 
     UniqueFd fd_;
     UniqueFd timer_;

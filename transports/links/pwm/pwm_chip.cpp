@@ -28,6 +28,10 @@ std::string first_line(const fs::path& path) {
     return line;
 }
 
+long number_in(const fs::path& path) {
+    return std::strtol(first_line(path).c_str(), nullptr, 10);
+}
+
 /// Empty, or why not.
 std::string write_file(const fs::path& path, const std::string& text) {
     const UniqueFd fd(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
@@ -69,7 +73,7 @@ std::vector<PwmChipFacts> find_pwm_chips(const fs::path& root) {
         if (!chip.name.starts_with(kChipPrefix)) {
             continue;
         }
-        chip.outputs = std::strtoul(first_line(chip.folder / "npwm").c_str(), nullptr, 10);
+        chip.outputs = static_cast<std::size_t>(number_in(chip.folder / "npwm"));
         const fs::path driver = fs::read_symlink(chip.folder / "device" / "driver", error);
         chip.driver = driver.filename();
         chips.push_back(std::move(chip));
@@ -120,11 +124,13 @@ std::string PwmOutputs::take(std::size_t output) {
             return problem;
         }
     }
-    states_[output] = State::taken;
     write(output, "enable", "0");
     // A period may not be shorter than the pulse.
     write(output, "duty_cycle", "0");
-    return write(output, "period", std::to_string(period_ / std::chrono::nanoseconds(1)));
+    std::string problem =
+        write(output, "period", std::to_string(period_ / std::chrono::nanoseconds(1)));
+    states_[output] = problem.empty() ? State::taken : State::unused;
+    return problem;
 }
 
 std::string PwmOutputs::set(std::size_t output, std::uint32_t nanoseconds) {
@@ -153,6 +159,17 @@ std::string PwmOutputs::set(std::size_t output, std::uint32_t nanoseconds) {
     }
     pulses_[output] = problem.empty() ? std::optional(nanoseconds) : std::nullopt;
     return problem;
+}
+
+std::optional<PwmOutputFacts> look_at(const PwmChipFacts& chip, std::size_t output) {
+    const fs::path folder = folder_of(chip, output);
+    std::error_code error;
+    if (!fs::exists(folder, error)) {
+        return std::nullopt;
+    }
+    return PwmOutputFacts{.on = number_in(folder / "enable") != 0,
+                          .pulse = std::chrono::nanoseconds(number_in(folder / "duty_cycle")),
+                          .period = std::chrono::nanoseconds(number_in(folder / "period"))};
 }
 
 std::string switch_off(const PwmChipFacts& chip, std::size_t output) {

@@ -60,8 +60,18 @@ class PwmOutputs {
     std::array<std::optional<std::uint32_t>, kMost> pulses_{};
 };
 
-/// Switches off the outputs of a chip that are in use, whoever took them. Returns an empty text or
-/// what the kernel refused.
+/// An output that a program has taken.
+struct PwmOutputFacts {
+    bool on = false;
+    Duration pulse{};
+    Duration period{};
+};
+
+/// The state of an output; nothing if no program has taken it. May block.
+std::optional<PwmOutputFacts> look_at(const PwmChipFacts& chip, std::size_t output);
+
+/// Switches an output off if it is taken, whoever took it. Returns an empty text, or what the
+/// kernel refused.
 std::string switch_off(const PwmChipFacts& chip, std::size_t output);
 
 }  // namespace tribus

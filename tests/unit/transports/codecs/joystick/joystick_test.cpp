@@ -17,10 +17,10 @@ namespace {
 
 using Lines = std::vector<std::string>;
 
-std::string job(const std::string& lines) {
+std::string job(const std::string& lines, const std::string& name = "tribus") {
     return "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
-           "[output.simulator]\nprotocol = \"joystick\"\nname = \"tribus\"\n" +
-           lines + "[pipeline.main]\nfrom = \"receiver\"\nto = \"simulator\"\n";
+           "[output.simulator]\nprotocol = \"joystick\"\nname = \"" +
+           name + "\"\n" + lines + "[pipeline.main]\nfrom = \"receiver\"\nto = \"simulator\"\n";
 }
 
 /// The report of an output with these lines in the configuration.
@@ -115,7 +115,10 @@ TEST(Joystick, SaysWhatIsWrongInItsTables) {
     EXPECT_EQ(
         mistakes_in(job("buttons = { 1 = { channel = 1, above = 3000 } }\n")).front(),
         "t.toml:7:17: allowed: a channel, or a table with channel and above, below or between");
-    EXPECT_EQ(mistakes_in(job("name = \"\"\n")).size(), 1U);
+    EXPECT_EQ(mistakes_in(job("", std::string(79, 'x'))), Lines{});
+    EXPECT_EQ(mistakes_in(job("", std::string(80, 'x'))),
+              Lines{"t.toml:6:8: \"name\" is \"" + std::string(80, 'x') +
+                    "\"; allowed: a name of 1 to 79 bytes"});
 }
 
 TEST(Joystick, GoesToAVirtualJoystickOnly) {

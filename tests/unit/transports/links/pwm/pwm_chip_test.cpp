@@ -39,7 +39,7 @@ class PwmFolder {
         }
     }
     fs::path root() const { return folder_ / "pwm"; }
-    /// What was written last, and takes it away.
+    /// Takes away and returns the text that was written last.
     std::string take(const std::string& chip, std::size_t output, const std::string& file) const {
         const fs::path path = root() / chip / ("pwm" + std::to_string(output)) / file;
         std::ifstream stream(path);
