@@ -71,6 +71,8 @@ struct Setting {
     std::string_view help = {};
     /// A value as one would write it in the file, for the manual.
     std::string_view example = {};
+    /// Instead, for an output; empty: the same.
+    std::string_view output_example = {};
     /// Keys inside a tree, for the manual: the protocol reads and judges them itself.
     std::span<const Setting> inside = {};
 };

@@ -114,7 +114,7 @@ case ${1:-} in
         shift
         case " $* " in
             *lab_systemd*) tier=service ;;
-            *gpio* | *input* | *modules* | *pwm* | *realtime* | *package*) tier=full ;;
+            *gpio* | *input* | *modules* | *ppm* | *pwm* | *realtime* | *package*) tier=full ;;
             *) tier=fast ;;
         esac
         laboratory $tier "$(programs_of "$@")" -R "$(groups "$@")"

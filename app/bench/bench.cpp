@@ -39,6 +39,7 @@ constexpr int kInterruptedStatus = 130;
 struct BenchOptions {
     double seconds = 20;
     std::vector<std::string> ports;
+    std::string line;
     std::vector<std::string> only;
     std::vector<std::string> require;
     std::string plot;
@@ -56,10 +57,15 @@ std::vector<std::string> missing_realtime() {
     return missing;
 }
 
-tl::expected<std::vector<BenchPart>, std::string> chosen_parts(
-    const std::vector<std::string>& only) {
+/// Those that --only names; all if it is left out, PPM with --line.
+tl::expected<std::vector<BenchPart>, std::string> chosen_parts(const BenchOptions& options) {
+    const std::vector<std::string>& only = options.only;
     if (only.empty()) {
-        return bench::bench_parts();
+        std::vector<BenchPart> all = bench::bench_parts();
+        std::erase_if(all, [&options](const BenchPart& part) {
+            return part.name == bench::kPpmPart && options.line.empty();
+        });
+        return all;
     }
     std::vector<std::string_view> names;
     for (const BenchPart& part : bench::bench_parts()) {
@@ -97,6 +103,15 @@ tl::expected<BenchSettings, std::string> settings_of(const BenchOptions& options
     }
     if (!options.ports.empty()) {
         settings.ports = {.in = options.ports[0], .out = options.ports[1]};
+    }
+    settings.line = options.line;
+    const bool ppm = std::ranges::count(parts, bench::kPpmPart, &BenchPart::name) > 0;
+    if (ppm != !options.line.empty()) {
+        return tl::unexpected(
+            std::string(ppm ? "--only ppm needs --line, the GPIO line that a receiver is "
+                              "connected to, such as --line GPIO17"
+                            : "--line is for the measurement ppm, which --only leaves out; add "
+                              "ppm"));
     }
     return settings;
 }
@@ -157,7 +172,7 @@ tl::expected<Report, std::string> measure(const BenchSettings& settings,
 }
 
 int run_bench(const BenchOptions& options) {
-    const auto parts = chosen_parts(options.only);
+    const auto parts = chosen_parts(options);
     if (!parts) {
         return complain(parts.error(), kExitWrongUse);
     }
@@ -198,6 +213,9 @@ constexpr const char* kFooter =
     "            grid locked, beside a writer that runs free\n"
     "  codecs    processor time for one frame of all channels\n"
     "  capacity  processor time a frame with 1 and 64 pipelines, beside the bare relay\n"
+    "  ppm       with --line: how far the pulses of a receiver whose sticks rest are from the\n"
+    "            middle of their channel, by the kernel's time stamps, beside the clock that a\n"
+    "            reader reads when it wakes\n"
     "--require p99=200us: the latency of tribus, whole, as in the table; p50, p90 or p99.\n"
     "With added- in front (added-p50=20us) it is what tribus adds: its percentile minus that\nof "
     "the bare relay or reader.\n"
@@ -222,9 +240,13 @@ Command bench_command() {
                      .help = "IN OUT: two real serial ports, TX of OUT connected to RX of IN",
                      .type_name = "IN OUT",
                      .count = 2},
+                    {.name = "--line",
+                     .value = &options->line,
+                     .help = "GPIO line with the PPM of a receiver at rest, for ppm",
+                     .type_name = "LINE"},
                     {.name = "--only",
                      .value = &options->only,
-                     .help = "latency,lateness,age,codecs,capacity: some of them",
+                     .help = "latency,lateness,age,codecs,capacity,ppm: some of them",
                      .type_name = "LIST",
                      .delimiter = ','},
                     {.name = "--require",

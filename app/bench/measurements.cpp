@@ -11,6 +11,7 @@
 #include "app/bench/latency.h"
 #include "app/bench/lateness.h"
 #include "app/bench/ports.h"
+#include "app/bench/ppm.h"
 #include "app/bench/subject.h"
 #include "app/bench/table.h"
 #include "app/bench/tester.h"
@@ -217,12 +218,29 @@ Measured add_capacity(Report& report, const BenchSettings& settings, Duration le
     return {};
 }
 
+Measured add_ppm(Report& report, const BenchSettings& settings, Duration length) {
+    auto result = measure_ppm(settings.line, length);
+    if (!result) {
+        return tl::unexpected(result.error());
+    }
+    add_percentiles(report, "ppm", result->stamped, result->bare, result->bare,
+                    "a reader's own clock");
+    report.measurements.push_back(
+        {.group = "ppm",
+         .what = "frames refused",
+         .figure = static_cast<double>(result->refused),
+         .unit = "frames",
+         .reading = fmt::format("of {}, {} channels", result->frames + result->refused,
+                                result->channels)});
+    report.curves.push_back({"ppm", "tribus, time stamps", std::move(result->stamped)});
+    report.curves.push_back({"ppm", "a reader's own clock", std::move(result->bare)});
+    return {};
+}
+
 const std::vector<BenchPart>& bench_parts() {
-    static const std::vector<BenchPart> parts{{"latency", 0.4, add_latency},
-                                              {"lateness", 0.15, add_lateness},
-                                              {"age", 0.2, add_age},
-                                              {"codecs", 0.05, add_codecs},
-                                              {"capacity", 0.2, add_capacity}};
+    static const std::vector<BenchPart> parts{
+        {"latency", 0.4, add_latency}, {"lateness", 0.15, add_lateness}, {"age", 0.2, add_age},
+        {"codecs", 0.05, add_codecs},  {"capacity", 0.2, add_capacity},  {kPpmPart, 0.2, add_ppm}};
     return parts;
 }
 

@@ -12,7 +12,7 @@
 #include "app/bench/requirement.h"
 #include "core/time.h"
 
-/// The five measurements of `tribus bench`. Each adds its rows and curves to the report; the error
+/// The six measurements of `tribus bench`. Each adds its rows and curves to the report; the error
 /// is a sentence.
 namespace tribus::bench {
 
@@ -27,6 +27,7 @@ struct BenchSettings {
         std::string out;
     };
     std::optional<Ports> ports;
+    std::string line;  ///< the GPIO line for PPM
 };
 
 using Measured = tl::expected<void, std::string>;
@@ -36,6 +37,7 @@ Measured add_lateness(Report& report, const BenchSettings& settings, Duration le
 Measured add_age(Report& report, const BenchSettings& settings, Duration length);
 Measured add_codecs(Report& report, const BenchSettings& settings, Duration length);
 Measured add_capacity(Report& report, const BenchSettings& settings, Duration length);
+Measured add_ppm(Report& report, const BenchSettings& settings, Duration length);
 
 /// One measurement, with its share of the total time.
 struct BenchPart {
@@ -43,7 +45,8 @@ struct BenchPart {
     double share = 0;
     Measured (*add)(Report&, const BenchSettings&, Duration) = nullptr;
 };
-/// All measurements, in the order in which they run.
+inline constexpr std::string_view kPpmPart = "ppm";
+/// All measurements, in the order in which they run. The last one needs `BenchSettings::line`.
 const std::vector<BenchPart>& bench_parts();
 
 }  // namespace tribus::bench

@@ -12,12 +12,13 @@
 namespace tribus::bench {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kHeadings{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kHeadings{{
     {"latency", "Latency, from the write of a frame to the read of its last byte"},
     {"lateness", "Lateness of an output with schedule \"grid\" against its deadline"},
     {"age", "Age of the values when they are sent, with an i.Bus receiver of 7.715 ms"},
     {"codecs", "Processor time of a codec, for one frame of all channels"},
     {"capacity", "Processor time, at a frame each 7 ms for each pipeline"},
+    {"ppm", "PPM at rest: how far each pulse is from the middle of its channel"},
 }};
 
 std::string figure_text(double figure, const std::string& unit) {

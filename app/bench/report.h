@@ -12,7 +12,7 @@ namespace tribus::bench {
 
 /// One figure and the one that it is compared with.
 struct Measurement {
-    std::string group;  ///< "latency", "lateness", "age", "codecs" or "capacity"
+    std::string group;  ///< "latency", "lateness", "age", "codecs", "capacity" or "ppm"
     std::string what;
     double figure = 0;
     std::optional<double> anchor{};

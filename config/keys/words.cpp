@@ -149,6 +149,11 @@ std::string fallback_of(const Key& key) {
     return setting.absent.empty() ? "none" : std::string(setting.absent);
 }
 
+std::string_view example_of(const Setting& setting, SettingScope way) {
+    const bool other = way == SettingScope::output && !setting.output_example.empty();
+    return other ? setting.output_example : setting.example;
+}
+
 }  // namespace
 
 KeyWords words_of(const Key& key, SettingScope way) {
@@ -157,7 +162,7 @@ KeyWords words_of(const Key& key, SettingScope way) {
             .range = range_of(key, way),
             .fallback = fallback_of(key),
             .meaning = fmt::format("{}.", setting.help),
-            .example = fmt::format("{} = {}", setting.key, setting.example)};
+            .example = fmt::format("{} = {}", setting.key, example_of(setting, way))};
 }
 
 std::string help_with_default(const Setting& setting) {

@@ -72,7 +72,7 @@ std::string GpioBank::level(unsigned line) const {
 }
 
 void GpioBank::pull(unsigned line, bool up) const {
-    write_kernel_file(line_folder(line) / "pull", up ? "pull-up" : "pull-down");
+    write_kernel_file(pull_file(line), up ? "pull-up" : "pull-down");
 }
 
 fs::path GpioBank::line_folder(unsigned line) const {

@@ -29,6 +29,8 @@ class GpioBank {
     std::string level(unsigned line) const;
     /// Drives a line that is an input.
     void pull(unsigned line, bool up) const;
+    /// The file that drives it: "pull-up" or "pull-down".
+    std::filesystem::path pull_file(unsigned line) const { return line_folder(line) / "pull"; }
     /// Removes the chip. `put_back` puts it back, perhaps as another one.
     void remove();
     void put_back();

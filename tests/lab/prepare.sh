@@ -4,9 +4,8 @@
 #
 #   tests/lab/prepare.sh [fast|full|service [FOLDER]]
 #
-# fast: the stock kernel. full: the PREEMPT_RT kernel too, and two drivers that Debian's kernel
-# comes without, built from Debian's kernel source: gpio-sim and CTU CAN FD; and version 2 of
-# libgpiod, which Debian 12 has in its backports only. service: the stock kernel, and a fresh Debian
+# fast: the stock kernel. full: the PREEMPT_RT kernel too, and the drivers that Debian's kernel comes
+# without, built from Debian's kernel source (build_modules.sh); and version 2 of libgpiod, which Debian 12 has in its backports only. service: the stock kernel, and a fresh Debian
 # 12 with systemd as a disk.
 #
 # FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/, FOLDER/libgpiod-2/ has usr/,

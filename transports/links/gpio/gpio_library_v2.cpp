@@ -1,5 +1,8 @@
 #include <gpiod.h>
+#include <linux/gpio.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstddef>
 #include <utility>
@@ -41,10 +44,40 @@ class HeldLine : public GpioHeldLine {
     }
     int descriptor() const override { return gpiod_line_request_get_fd(request_.get()); }
 
+    std::optional<std::size_t> read_edges(std::span<GpioEdge> edges) override {
+        std::array<gpio_v2_line_event, kEdgesPerRead> events{};
+        const ssize_t bytes = ::read(descriptor(), events.data(), sizeof events);
+        if (bytes < 0) {
+            return errno == EAGAIN || errno == EINTR ? std::optional<std::size_t>(0) : std::nullopt;
+        }
+        const std::size_t count = static_cast<std::size_t>(bytes) / sizeof events[0];
+        for (std::size_t edge = 0; edge < count; ++edge) {
+            edges[edge] = {events[edge].timestamp_ns, events[edge].line_seqno != next_number_};
+            next_number_ = events[edge].line_seqno + 1;
+        }
+        return count;
+    }
+
   private:
     LineRequest request_;
     unsigned offset_;
+    std::uint32_t next_number_ = 1;  ///< of the line's next edge
 };
+
+gpiod_line_edge library_edges(GpioEdges edges) {
+    switch (edges) {
+        case GpioEdges::rising:
+            return GPIOD_LINE_EDGE_RISING;
+        case GpioEdges::falling:
+            return GPIOD_LINE_EDGE_FALLING;
+        case GpioEdges::both:
+            break;
+    }
+    return GPIOD_LINE_EDGE_BOTH;
+}
+
+/// The kernel's queue of edges: more than two frames of PPM.
+constexpr std::size_t kQueuedEdges = 64;
 
 gpiod_line_bias library_bias(GpioBias bias) {
     switch (bias) {
@@ -74,7 +107,7 @@ void apply(const GpioRequest& request, gpiod_line_settings* settings) {
                                                            : GPIOD_LINE_VALUE_INACTIVE);
     } else {
         gpiod_line_settings_set_direction(settings, GPIOD_LINE_DIRECTION_INPUT);
-        gpiod_line_settings_set_edge_detection(settings, GPIOD_LINE_EDGE_BOTH);
+        gpiod_line_settings_set_edge_detection(settings, library_edges(request.edges));
         gpiod_line_settings_set_bias(settings, library_bias(request.bias));
     }
 }
@@ -118,6 +151,7 @@ tl::expected<std::unique_ptr<GpioHeldLine>, int> request_gpio_line(const std::st
     }
     apply(request, settings.get());
     gpiod_request_config_set_consumer(config.get(), kGpioConsumer);
+    gpiod_request_config_set_event_buffer_size(config.get(), kQueuedEdges);
     if (gpiod_line_config_add_line_settings(lines.get(), &request.offset, 1, settings.get()) != 0) {
         return tl::unexpected(errno);
     }

@@ -90,7 +90,36 @@ tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold(const GpioPlace& p
     return std::move(*line);
 }
 
+/// The library leaves it blocking: a read without an edge would wait for one.
+void make_nonblocking(int descriptor) {
+    ::fcntl(descriptor, F_SETFL, O_NONBLOCK);
+}
+
 }  // namespace
+
+bool is_gpio_line_absent(const GpioPlace& place) {
+    const std::vector<GpioChip> chips = gpio_chips();
+    const std::string path = followed_chip_path(place);
+    if (!path.empty()) {
+        return std::ranges::count(chips, path, &GpioChip::path) == 0;
+    }
+    return std::ranges::all_of(chips, [](const GpioChip& chip) { return chip.error == 0; }) &&
+           !find_gpio_line(place, path, chips);
+}
+
+tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold_for_edges(const GpioPlace& place,
+                                                                        GpioEdges edges,
+                                                                        GpioBias bias) {
+    GpioRequest request;
+    request.use = GpioUse::input;
+    request.bias = bias;
+    request.edges = edges;
+    auto line = hold(place, request);
+    if (line) {
+        make_nonblocking((*line)->descriptor());
+    }
+    return line;
+}
 
 GpioOutput::GpioOutput(std::unique_ptr<GpioHeldLine> line) : line_(std::move(line)) {}
 GpioOutput::~GpioOutput() = default;
@@ -128,8 +157,7 @@ tl::expected<std::unique_ptr<GpioInput>, std::string> GpioInput::open(const Gpio
         return tl::unexpected(line.error());
     }
     std::unique_ptr<GpioInput> input(new GpioInput(std::move(*line)));
-    // The library leaves it blocking: a read without an edge would wait for one.
-    ::fcntl(input->descriptor(), F_SETFL, O_NONBLOCK);
+    make_nonblocking(input->descriptor());
     return input;
 }
 

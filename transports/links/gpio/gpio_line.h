@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,17 @@
 namespace tribus {
 
 class GpioHeldLine;
+enum class GpioEdges : std::uint8_t;
+
+/// Whether no chip has that name now, or no line of any chip; false if this user may not look. May
+/// block.
+bool is_gpio_line_absent(const GpioPlace& place);
+
+/// Holds an input that gives each edge with its time, by a descriptor that does not block. The
+/// error is that of `GpioInput::open`.
+tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold_for_edges(const GpioPlace& place,
+                                                                        GpioEdges edges,
+                                                                        GpioBias bias);
 
 /// An output line.
 class GpioOutput {

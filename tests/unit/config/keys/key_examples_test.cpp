@@ -122,8 +122,10 @@ std::string exbus_telemetry(std::string_view lines) {
 std::string protocol_line(const Protocol& protocol) {
     return "protocol = \"" + std::string(protocol.name) + "\"\n";
 }
-std::string place_line(const Medium& medium) {
-    return std::string(medium.place.key) + " = " + std::string(medium.place.example) + "\n";
+std::string place_line(const Medium& medium, SettingScope way) {
+    const bool other = way == SettingScope::output && !medium.place.output_example.empty();
+    return std::string(medium.place.key) + " = " +
+           std::string(other ? medium.place.output_example : medium.place.example) + "\n";
 }
 
 /// For all keys of a section, by its anchor.
@@ -184,8 +186,10 @@ std::map<std::string, std::string> contexts() {
 }
 
 std::string default_context(const Protocol& protocol, bool of_output) {
-    const std::string lines = protocol_line(protocol) + place_line(*media_for(protocol).front());
-    return of_output ? output(lines) : input(lines);
+    const auto lines = [&protocol](SettingScope way) {
+        return protocol_line(protocol) + place_line(*media_for(protocol).front(), way);
+    };
+    return of_output ? output(lines(SettingScope::output)) : input(lines(SettingScope::input));
 }
 
 /// For keys that go with others than the rest of their section.
@@ -281,9 +285,10 @@ std::map<std::string, std::string> special_contexts() {
         contexts.emplace("input-" + std::string(medium->place.key), input(protocol));
         contexts.emplace("output-" + std::string(medium->place.key), output(protocol));
         for (const Setting& setting : medium->settings) {
-            const std::string lines = protocol + place_line(*medium);
-            contexts.emplace("input-" + std::string(setting.key), input(lines));
-            contexts.emplace("output-" + std::string(setting.key), output(lines));
+            contexts.emplace("input-" + std::string(setting.key),
+                             input(protocol + place_line(*medium, SettingScope::input)));
+            contexts.emplace("output-" + std::string(setting.key),
+                             output(protocol + place_line(*medium, SettingScope::output)));
         }
     }
     return contexts;

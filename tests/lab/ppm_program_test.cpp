@@ -1,0 +1,327 @@
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/lab/gpio_bank.h"
+#include "tests/lab/ppm_player.h"
+#include "tests/lab/recorded_receiver.h"
+#include "tests/lab/shell.h"
+#include "tests/loopback/loopback.h"
+
+/// The built program with PPM: in by a line of a simulated chip (gpio-sim), out by an SPI port that
+/// the driver spi-butterfly makes of the emulator's parallel port, whose every write is traced. The
+/// guest's clock counts its instructions, so times may be judged.
+namespace tribus::test::ppm_program_test {
+namespace {
+
+using namespace std::chrono_literals;
+using Channels = std::vector<double>;
+
+constexpr std::size_t kChannels = 8;
+/// A pulse is at most so far off in this guest: interrupt, and the steps of SBUS.
+constexpr double kSlackMicroseconds = 15;
+
+Channels us_of(const SbusSight& sight) {
+    Channels channels;
+    for (std::size_t channel = 0; channel < kChannels; ++channel) {
+        channels.push_back(sight.raw.at(channel) * 0.625 + 880);
+    }
+    return channels;
+}
+
+bool near(const Channels& a, const Channels& b) {
+    for (std::size_t channel = 0; channel < kChannels; ++channel) {
+        if (std::abs(a.at(channel) - b.at(channel)) > kSlackMicroseconds) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// The first channels of a recording of real sticks, each frame once.
+std::vector<Channels> recorded_channels(std::size_t count) {
+    std::vector<Channels> frames;
+    for (const Sticks& sticks : recorded_sticks()) {
+        if (frames.size() < count) {
+            frames.emplace_back(sticks.begin(), sticks.begin() + kChannels);
+        }
+    }
+    EXPECT_EQ(frames.size(), count);
+    return frames;
+}
+
+class LabPpmProgram : public Loopback {
+  protected:
+    LabPpmProgram() { require_guest(); }
+
+    std::string from_line(const std::string& input = "") {
+        return write_config("[input.trainer]\nprotocol = \"ppm\"\nline = \"PPM\"\n" + input +
+                            "[output.servos]\nprotocol = \"sbus\"\ndevice = \"@servos\"\n"
+                            "period = \"20ms\"\n"
+                            "[pipeline.main]\nfrom = \"trainer\"\nto = \"servos\"\n"
+                            "[pipeline.main.failsafe]\nhold = \"0s\"\nrecover = \"0s\"\n");
+    }
+    /// Plays the frame until the servos show it, at most ten times. Every frame that says it is
+    /// good must be this one or the one before.
+    bool arrives(PpmPlayer& player, const Channels& channels, const Channels& before) {
+        for (int played = 0; played < 10; ++played) {
+            player.play(channels, 8000);
+            for (const SbusSight& sight : servos_.listen()) {
+                const Channels seen = us_of(sight);
+                if (sight.good() && near(seen, channels)) {
+                    return true;
+                }
+                EXPECT_TRUE(!sight.good() || near(seen, before)) << testing::PrintToString(seen);
+            }
+        }
+        return false;
+    }
+
+    GpioBank bank_{{.names = {{3, "PPM"}}}};
+    FarEnd& receiver_ = device("receiver");
+    FarEnd& servo_wire_ = device("servos");
+    ServoBank servos_{servo_wire_};
+};
+
+TEST_F(LabPpmProgram, ARecordingArrivesFrameByFrame) {
+    Program& program = run(from_line());
+    PpmPlayer player(bank_, 3);
+    Channels before(kChannels, 1500);
+    for (const Channels& channels : recorded_channels(100)) {
+        ASSERT_TRUE(arrives(player, channels, before)) << testing::PrintToString(channels);
+        before = channels;
+    }
+    expect_clean_end(program);
+}
+
+TEST_F(LabPpmProgram, IsInFailsafeWhenThePulsesEndAndComesBack) {
+    Program& program = run(from_line());
+    PpmPlayer player(bank_, 3);
+    const Channels rest(kChannels, 1500);
+    const Channels moved(kChannels, 1700);
+    EXPECT_TRUE(arrives(player, rest, rest));
+    EXPECT_TRUE(arrives(player, moved, rest));
+    const auto ended = Clock::now();
+    EXPECT_TRUE(eventually([&] {
+        const auto heard = servos_.listen();
+        return !heard.empty() && heard.back().failsafe;
+    }));
+    // The timeout of 150 ms, one period and the test's own rhythm.
+    EXPECT_LT(Clock::now() - ended, 250ms);
+    EXPECT_TRUE(arrives(player, rest, moved));
+    expect_clean_end(program);
+}
+
+TEST_F(LabPpmProgram, NoiseOnTheLineIsNoControl) {
+    Program& program = run(from_line());
+    PpmPlayer player(bank_, 3);
+    for (const double distance_us : {400.0, 1500.0, 3000.0}) {
+        player.play_noise(40, distance_us);
+    }
+    for (const SbusSight& sight : servos_.listen()) {
+        EXPECT_FALSE(sight.good());
+    }
+    expect_clean_end(program);
+}
+
+TEST_F(LabPpmProgram, OpensItsLineAgainWhenTheChipIsBack) {
+    Program& program = run(from_line());
+    const Channels rest(kChannels, 1500);
+    {
+        PpmPlayer player(bank_, 3);
+        EXPECT_TRUE(arrives(player, rest, rest));
+    }
+    bank_.remove();
+    EXPECT_TRUE(eventually([&] {
+        const auto heard = servos_.listen();
+        return !heard.empty() && heard.back().failsafe;
+    }));
+    bank_.put_back();
+    EXPECT_TRUE(program.says("line PPM: is back")) << program.errors();
+    PpmPlayer player(bank_, 3);
+    EXPECT_TRUE(arrives(player, rest, rest)) << program.errors();
+    expect_clean_end(program);
+}
+
+TEST_F(LabPpmProgram, BenchMeasuresTheJitterOfALine) {
+    Program& bench = start({"bench", "--only", "ppm", "--line", "PPM", "--seconds", "3"});
+    PpmPlayer player(bank_, 3);
+    const Channels rest{1500, 1500, 1000, 1500, 1200, 1800, 1500, 1500};
+    for (int frame = 0; frame < 40 && bench.runs(); ++frame) {
+        player.play(rest, 8000);
+    }
+    EXPECT_EQ(bench.end(), 0) << bench.errors();
+    EXPECT_NE(bench.output().find("PPM at rest"), std::string::npos);
+    EXPECT_NE(bench.output().find("8 channels"), std::string::npos);
+    std::cout << bench.output();
+}
+
+TEST_F(LabPpmProgram, BenchSaysThatNoPulsesCame) {
+    Program& bench = start({"bench", "--only", "ppm", "--line", "PPM", "--seconds", "1"});
+    EXPECT_EQ(bench.end(), 1);
+    EXPECT_NE(bench.errors().find("PPM: no PPM came"), std::string::npos) << bench.errors();
+}
+
+TEST_F(LabPpmProgram, SaysWhoMayUseALine) {
+    const std::string file = from_line();
+    shell("chmod -R a+rwX " + folder().string());
+    const ShellResult result = run_shell(
+        "setpriv --reuid nobody --regid nogroup --clear-groups timeout 5 " TRIBUS_PROGRAM " run " +
+        file);
+    EXPECT_NE(result.output.find("no permission to open it; GPIO chips"), std::string::npos)
+        << result.output;
+}
+
+/// The bits that an SPI port sent, from the trace of the parallel port: bit 0 of its data register
+/// is the clock, bit 7 the data (drivers/spi/spi-butterfly.c).
+class SpiTrace {
+  public:
+    /// The frames that came whole since the last call: where each pulse begins, by the bits since
+    /// the first pulse of its frame.
+    std::vector<std::vector<std::size_t>> frames() {
+        std::vector<std::vector<std::size_t>> whole;
+        auto end = file_.tellg();
+        for (std::string line; std::getline(file_, line) && !file_.eof(); end = file_.tellg()) {
+            if (line.find("parallel_ioport_write write [SW] addr 0x00 ") != std::string::npos) {
+                take(std::stoul(line.substr(line.rfind(' ') + 1), nullptr, 16), whole);
+            }
+        }
+        // The last line may not be whole yet.
+        file_.clear();
+        file_.seekg(end);
+        return whole;
+    }
+
+  private:
+    void take(unsigned long data, std::vector<std::vector<std::size_t>>& whole) {
+        const bool clock = (data & 1) != 0;
+        const bool up = (data & 0x80) != 0;
+        if (clock && !clock_) {
+            ++bits_;
+            if (up && !up_) {
+                frame_.push_back(bits_);
+            }
+            up_ = up;
+            if (!frame_.empty() && bits_ - frame_.back() == 2700) {
+                const std::size_t first = frame_.front();
+                for (std::size_t& bit : frame_) {
+                    bit -= first;
+                }
+                whole.push_back(std::exchange(frame_, {}));
+            }
+        }
+        clock_ = clock;
+    }
+
+    // The path in run_guest.
+    std::ifstream file_{"/lab/trace"};
+    std::size_t bits_ = 0;
+    bool clock_ = false;
+    bool up_ = false;
+    std::vector<std::size_t> frame_;
+};
+
+Channels distances(const std::vector<std::size_t>& pulses) {
+    Channels channels;
+    for (std::size_t pulse = 1; pulse < pulses.size(); ++pulse) {
+        channels.push_back(static_cast<double>(pulses[pulse] - pulses[pulse - 1]));
+    }
+    return channels;
+}
+
+class LabPpmSpi : public LabPpmProgram {
+  protected:
+    LabPpmSpi() {
+        shell("modprobe parport_pc io=0x378; modprobe spidev; modprobe spi-butterfly");
+        for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/spi/devices")) {
+            write_kernel_file(entry.path() / "driver_override", "spidev");
+            std::ofstream("/sys/bus/spi/drivers/spidev/bind") << entry.path().filename().string();
+            port_ = "/dev/spidev" + entry.path().filename().string().substr(3);
+        }
+        EXPECT_TRUE(std::filesystem::exists(port_)) << port_;
+    }
+    ~LabPpmSpi() override { shell("rmmod spi-butterfly; rmmod spidev; rmmod parport_pc"); }
+
+    std::string to_spi() const {
+        return "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n"
+               "[output.trainer]\nprotocol = \"ppm\"\nline = \"" +
+               port_ +
+               "\"\n[pipeline.out]\nfrom = \"receiver\"\nto = \"trainer\"\n"
+               "[pipeline.out.failsafe]\nhold = \"0s\"\nrecover = \"0s\"\n";
+    }
+    /// Sends the sticks until a frame on the wire has them. The wire is slow: the emulator writes a
+    /// line for each bit.
+    bool leaves(const Sticks& sticks) {
+        Repeater repeater(receiver_, ibus_bytes(sticks));
+        const Channels wanted(sticks.begin(), sticks.begin() + kChannels);
+        return eventually([&] {
+            repeater.send_if_due();
+            for (const auto& pulses : trace_.frames()) {
+                if (distances(pulses) == wanted) {
+                    return true;
+                }
+            }
+            return false;
+        });
+    }
+    const std::string& port() const { return port_; }
+
+  private:
+    std::string port_;
+    SpiTrace trace_;
+};
+
+TEST_F(LabPpmSpi, EachFrameOnTheWireHasTheChannelsToTheMicrosecond) {
+    Program& program = run(write_config(to_spi()));
+    int number = 0;
+    for (const Channels& channels : recorded_channels(400)) {
+        if (++number % 80 != 0) {
+            continue;
+        }
+        Sticks sticks(channels.begin(), channels.end());
+        sticks.resize(18, 1500);
+        EXPECT_TRUE(leaves(sticks)) << number;
+    }
+    expect_clean_end(program);
+}
+
+// i.Bus in, pulses out by the SPI port; what was on its wire goes to the GPIO line, SBUS out.
+TEST_F(LabPpmSpi, PulsesGoRound) {
+    Program& program =
+        run(write_config(to_spi() +
+                         "[input.trainer]\nprotocol = \"ppm\"\nline = "
+                         "\"PPM\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"@servos\"\n"
+                         "[pipeline.in]\nfrom = \"trainer\"\nto = \"servos\"\n"
+                         "[pipeline.in.failsafe]\nhold = \"0s\"\nrecover = \"0s\"\n"));
+    PpmPlayer player(bank_, 3);
+    Channels before(kChannels, 1500);
+    for (const int first : {1100, 1900}) {
+        const Sticks sticks = sticks_with_first(first);
+        ASSERT_TRUE(leaves(sticks)) << first;
+        const Channels on_the_wire(sticks.begin(), sticks.begin() + kChannels);
+        EXPECT_TRUE(arrives(player, on_the_wire, before)) << first;
+        before = on_the_wire;
+    }
+    expect_clean_end(program);
+}
+
+TEST_F(LabPpmSpi, SaysWhoMayUseAPort) {
+    const std::string file = write_config(to_spi());
+    shell("chmod -R a+rwX " + folder().string());
+    const ShellResult result = run_shell(
+        "setpriv --reuid nobody --regid nogroup --clear-groups timeout 5 " TRIBUS_PROGRAM " run " +
+        file);
+    EXPECT_NE(result.output.find(port() + ": this user may not use it"), std::string::npos)
+        << result.output;
+}
+
+}  // namespace
+}  // namespace tribus::test::ppm_program_test
