@@ -28,6 +28,7 @@ enum class SettingType : std::uint8_t {
     slew,      ///< text: "2000us/s"
     scale,     ///< one of `choices`, or { raw = [a, b], us = [c, d] }
     file,      ///< text: path of a text file, relative to the folder of the configuration
+    key_file,  ///< text: path of a file with a secret, relative to that folder
     tree,      ///< a table whose content the protocol checks itself
 };
 
@@ -84,6 +85,16 @@ struct SettingFile {
     bool operator==(const SettingFile&) const = default;
 };
 
+/// A secret that two ends share.
+using SecretKey = std::array<std::uint8_t, 32>;
+
+/// A key file that a key names, with its secret. Only the path may be shown.
+struct KeyFile {
+    std::string path;
+    SecretKey secret{};
+    bool operator==(const KeyFile&) const = default;
+};
+
 struct SettingEntry;
 
 /// A value as the user wrote it, of any depth.
@@ -107,7 +118,7 @@ struct SettingEntry {
 };
 
 using SettingValue = std::variant<bool, std::int64_t, double, std::string, Duration, NumberRange,
-                                  TwoPoints, SettingFile, SettingTree>;
+                                  TwoPoints, SettingFile, KeyFile, SettingTree>;
 
 /// An error in one of a protocol's own keys.
 struct SettingMistake {

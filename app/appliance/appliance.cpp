@@ -4,6 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "pipelines/realtime/clock.h"
+
 namespace tribus {
 namespace {
 
@@ -21,8 +23,9 @@ Appliance::Appliance(Configuration configuration)
     : configuration_(std::move(configuration)),
       plans_(plan_ports(configuration_)),
       missing_(plans_.size(), false),
-      engine_(build_engine(configuration_, machine_id())) {
-    values_ = build_value_engine(configuration_, *engine_);
+      engine_(build_engine(configuration_, machine_id(), &wall_clock())) {
+    follow_system_clock();
+    values_ = build_value_engine(configuration_, *engine_, &wall_clock());
 }
 
 std::unique_ptr<Appliance> Appliance::build(Configuration configuration) {
@@ -48,6 +51,7 @@ std::string_view Appliance::reject_cause(std::size_t input, std::size_t cause) c
 
 void Appliance::look_at_machine(Instant now, bool watches) {
     constexpr Duration kPeriod = std::chrono::seconds(1);
+    follow_system_clock();
     if (!(values_ || watches) || now < next_machine_look_) {
         return;
     }

@@ -106,8 +106,9 @@ class Appliance {
     dronecan::NodeReport node_report(std::size_t node) const { return loop_->node_report(node); }
     /// True if another node asked for a restart and is allowed to.
     bool restart_wanted() const;
-    /// Reads temperature, load and the like of this machine, at most once a second, and only if
-    /// values are configured or `watches` says that somebody reads the result.
+    /// Follows the system clock. Reads temperature, load and the like of this machine, at most once
+    /// a second, and only if values are configured or `watches` says that somebody reads the
+    /// result.
     void look_at_machine(Instant now, bool watches = false);
     /// Result of `look_at_machine`; empty if it never read anything.
     const MachineNumbers& machine() const { return machine_; }

@@ -58,14 +58,32 @@ tl::unexpected<std::string> at_place(const Configuration& configuration, Locatio
         fmt::format("{}:{}:{}: {}", configuration.file, where.line, where.column, error));
 }
 
+AnyDecoder make_decoder(const InputConfig& input, const WallClock* clock) {
+    AnyDecoder decoder = input.protocol->make_decoder(input.settings);
+    auto* const bytes = std::get_if<std::unique_ptr<ByteDecoder>>(&decoder);
+    if (clock != nullptr && bytes != nullptr) {
+        (*bytes)->use_clock(*clock);
+    }
+    return decoder;
+}
+
+AnyEncoder make_encoder(const OutputConfig& output, const WallClock* clock) {
+    AnyEncoder encoder = output.protocol->make_encoder(output.settings);
+    if (clock != nullptr) {
+        std::visit([clock](const auto& any) { any->use_clock(*clock); }, encoder);
+    }
+    return encoder;
+}
+
 }  // namespace
 
-std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine) {
+std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine,
+                                     const WallClock* clock) {
     std::vector<NodePlan> nodes = plan_nodes(configuration, machine);
     std::vector<InputSettings> inputs;
     for (const InputConfig& input : configuration.inputs) {
         inputs.push_back({.name = input.name,
-                          .decoder = input.protocol->make_decoder(input.settings),
+                          .decoder = make_decoder(input, clock),
                           .byte_time = byte_time_of(input.port),
                           .supervision = input.supervision,
                           .channels = input.channels});
@@ -74,7 +92,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
     for (const OutputConfig& output : configuration.outputs) {
         outputs.push_back(
             {.name = output.name,
-             .encoder = output.protocol->make_encoder(output.settings),
+             .encoder = make_encoder(output, clock),
              .node = output.protocol == &kDroneCanProtocol ? node_on(nodes, output.port.device)
                                                            : std::nullopt,
              .yield_to_foreign_sender = output.foreign_sender == ForeignSender::failsafe,

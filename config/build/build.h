@@ -10,6 +10,7 @@
 
 #include "config/build/dronecan.h"
 #include "config/schema/schema.h"
+#include "core/wall_clock.h"
 #include "pipelines/engine/engine.h"
 #include "pipelines/realtime/gpio_thread.h"
 #include "pipelines/realtime/loop.h"
@@ -28,12 +29,16 @@ struct PortPlan {
     Duration period{};
 };
 
-/// Builds the engine of a configuration. Opens nothing.
-std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine = {});
+/// Builds the engine of a configuration. Opens nothing. `clock`, if any, must outlive the codecs of
+/// the engine, which a reload hands on to the next one.
+std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine = {},
+                                     const WallClock* clock = nullptr);
 
 /// Builds the value engine: named values and sensor buses. Null if nothing needs it. Outputs of
 /// `engine` that send values read them from it, so it must outlive `engine`. Opens nothing.
-std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configuration, Engine& engine);
+/// `clock`: as above.
+std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configuration, Engine& engine,
+                                                const WallClock* clock = nullptr);
 
 /// The tasks of the GPIO lines, in the order of the configuration.
 std::vector<LineTask> line_tasks(const Configuration& configuration);

@@ -65,8 +65,8 @@ ReceiverRoleSettings receiver_role(const SensorBusConfig& bus,
 
 }  // namespace
 
-std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configuration,
-                                                Engine& engine) {
+std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configuration, Engine& engine,
+                                                const WallClock* clock) {
     if (!needs_values(configuration)) {
         return nullptr;
     }
@@ -85,8 +85,13 @@ std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configurati
     ValueEngineSettings settings = std::move(catalog.settings);
     settings.buses = std::move(buses);
     for (ValueCatalog::Message& message : catalog.messages) {
+        AnyValueReader reader = *make_reader(*message.config);
+        auto* const bytes = std::get_if<std::unique_ptr<ByteValueReader>>(&reader);
+        if (clock != nullptr && bytes != nullptr) {
+            (*bytes)->use_clock(*clock);
+        }
         settings.messages.push_back(
-            {.reader = *make_reader(*message.config), .values = std::move(message.values)});
+            {.reader = std::move(reader), .values = std::move(message.values)});
     }
     auto values = std::make_unique<ValueEngine>(std::move(settings));
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {

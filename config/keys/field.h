@@ -60,6 +60,8 @@ template <>
 struct Notation<double> : SameNotation<double, SettingType::number> {};
 template <>
 struct Notation<SettingFile> : SameNotation<SettingFile, SettingType::file> {};
+template <>
+struct Notation<KeyFile> : SameNotation<KeyFile, SettingType::key_file> {};
 
 template <>
 struct Notation<std::string> : SameNotation<std::string, SettingType::text> {

@@ -247,6 +247,12 @@ inline constexpr std::array kValuesKeys{
          .unit = "baud",
          .help = "With `device`: bit rate of the line",
          .example = "115200"}},
+    row<&ByteValueSource::key>(
+        {.key = "key",
+         .absent = "no signature is looked at",
+         .help = "With `mavlink-telemetry`: key file of the signatures; only what is signed with "
+                 "this key counts",
+         .example = "\"/etc/tribus/keys/drone.key\""}),
     Key{structure("signals", "Own names for values of the message: `{ name = signal }`",
                   "{ voltage = \"Voltage\" }", "the names of the message"),
         KeyKind::texts},

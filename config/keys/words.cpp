@@ -53,6 +53,7 @@ std::string type_of_value(const Setting& setting) {
         case SettingType::scale:
             return "text or table";
         case SettingType::file:
+        case SettingType::key_file:
             return "path of a file";
         case SettingType::tree:
             return "table";

@@ -4,6 +4,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -40,7 +42,7 @@ tl::expected<std::string, std::string> read_to_end(int file, std::size_t expecte
 tl::expected<std::string, std::string> read_file(const std::filesystem::path& path,
                                                  std::size_t most, FileKinds kinds) {
     // Opening a pipe would wait for a writer.
-    const int nonblocking = kinds == FileKinds::regular ? O_NONBLOCK : 0;
+    const int nonblocking = kinds != FileKinds::any ? O_NONBLOCK : 0;
     const UniqueFd file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY | nonblocking));
     struct stat told {};
     if (!file.valid() || ::fstat(file.get(), &told) != 0) {
@@ -49,8 +51,12 @@ tl::expected<std::string, std::string> read_file(const std::filesystem::path& pa
     if (S_ISDIR(told.st_mode)) {
         return Failed("it is a folder");
     }
-    if (kinds == FileKinds::regular && !S_ISREG(told.st_mode)) {
+    if (kinds != FileKinds::any && !S_ISREG(told.st_mode)) {
         return Failed("it is a device or a pipe, not a file");
+    }
+    if (kinds == FileKinds::secret && (told.st_mode & S_IRWXO) != 0) {
+        return Failed(fmt::format("its mode {:o} lets others use it; run: chmod o= {}",
+                                  told.st_mode & 07777U, path.string()));
     }
     return read_to_end(file.get(), static_cast<std::size_t>(std::max<off_t>(told.st_size, 0)),
                        most);

@@ -11,6 +11,7 @@ namespace tribus {
 /// Which kinds of files `read_file` accepts.
 enum class FileKinds : std::uint8_t {
     regular,  ///< anything but a regular file is refused, without waiting for it
+    secret,   ///< as `regular`, and one that others than its owner and group may use is refused
     any,      ///< a pipe, such as /dev/stdin, is read to its end
 };
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "config/keys/keys.h"
+#include "config/language/key_file.h"
 #include "config/language/read_tree.h"
 #include "config/read/scale.h"
 #include "config/schema/notation.h"
@@ -185,6 +186,8 @@ std::string allowed_values(const Key& key) {
             return fmt::format("microseconds per second{}, text such as \"2000us/s\"", limits);
         case SettingType::file:
             return "the path of a text file";
+        case SettingType::key_file:
+            return "the path of a key file";
         case SettingType::tree:
             return "a table";
         case SettingType::scale:
@@ -205,6 +208,10 @@ std::optional<SettingValue> read_value(const Key& key, const Value& value, Mista
     }
     if (setting.type == SettingType::file) {
         auto file = read_named_file(setting.key, value, mistakes);
+        return file ? std::optional<SettingValue>(std::move(*file)) : std::nullopt;
+    }
+    if (setting.type == SettingType::key_file) {
+        auto file = read_key_file(setting.key, value, mistakes);
         return file ? std::optional<SettingValue>(std::move(*file)) : std::nullopt;
     }
     auto result = read_plain(setting, value);

@@ -40,8 +40,8 @@ constexpr std::array<std::string_view, 2> kDroneCanNeeds{"interface", "dronecan"
 constexpr std::array<std::string_view, 5> kDroneCanTakes{"node", "instance", "fd", "signals",
                                                          "timeout"};
 constexpr std::array<std::string_view, 1> kBytesNeed{"protocol"};
-constexpr std::array<std::string_view, 7> kBytesTake{"device", "address", "public", "sender",
-                                                     "baud",   "signals", "timeout"};
+constexpr std::array<std::string_view, 8> kBytesTake{"device", "address", "public",  "sender",
+                                                     "baud",   "key",     "signals", "timeout"};
 constexpr ValuesKind kConstant{"constant", kConstantNeeds, kConstantTakes};
 constexpr ValuesKind kDbc{"dbc", kDbcNeeds, kDbcTakes};
 constexpr ValuesKind kDroneCan{"dronecan", kDroneCanNeeds, kDroneCanTakes};
@@ -232,7 +232,14 @@ std::optional<ValueMessageConfig> read_bytes(const TableContent& content, Mistak
     if (source.protocol.empty()) {
         return std::nullopt;
     }
-    auto port = read_byte_port(content, *find_protocol(source.protocol), mistakes);
+    const Protocol& protocol = *find_protocol(source.protocol);
+    if (content.given("key") && std::ranges::count(protocol.settings, "key", &Setting::key) == 0) {
+        mistakes.add(content.find("key")->where,
+                     fmt::format("\"key\" has no effect with protocol {}, which has no signatures; "
+                                 "leave it out",
+                                 in_quotes(protocol.name)));
+    }
+    auto port = read_byte_port(content, protocol, mistakes);
     if (!port) {
         return std::nullopt;
     }

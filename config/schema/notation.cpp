@@ -102,6 +102,7 @@ SettingValue default_of(const Setting& setting) {
         case SettingType::choice:
         case SettingType::scale:
         case SettingType::file:
+        case SettingType::key_file:
         case SettingType::tree:
             break;
     }

@@ -94,8 +94,11 @@ struct OutputConfig {
 
 /// The time of the longest frame on the wire and a pause of one byte. Zero without a line.
 inline Duration frame_time(const OutputConfig& output) {
+    const Protocol& protocol = *output.protocol;
+    const std::size_t more =
+        protocol.longer_by != nullptr ? protocol.longer_by(output.settings) : 0;
     return output.port.medium->has_line
-               ? output.port.line.bytes_time(output.protocol->longest_frame + 1)
+               ? output.port.line.bytes_time(protocol.longest_frame + more + 1)
                : Duration::zero();
 }
 
@@ -200,6 +203,7 @@ struct DroneCanValueSource {
 /// Values from the messages of a protocol on bytes, one of kValueProtocols.
 struct ByteValueSource {
     std::string protocol;
+    std::optional<KeyFile> key{};
 
     bool operator==(const ByteValueSource&) const = default;
 };

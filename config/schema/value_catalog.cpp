@@ -152,7 +152,11 @@ std::optional<AnyValueReader> make_reader(const ValueMessageConfig& config) {
         return dronecan::make_value_reader(message->message, message->from, message->fd);
     }
     if (const auto* source = std::get_if<ByteValueSource>(&config.layout)) {
-        return find_protocol(source->protocol)->make_value_reader({});
+        SettingValues settings;
+        if (source->key) {
+            settings.set("key", *source->key);
+        }
+        return find_protocol(source->protocol)->make_value_reader(settings);
     }
     const auto& dbc = std::get<DbcValueSource>(config.layout).described;
     return dbc.messages.empty() ? std::nullopt

@@ -67,7 +67,8 @@ Json value_json(SettingType type, const SettingValue& value) {
                 return Json::array({number_json(content.low), number_json(content.high)});
             } else if constexpr (std::is_same_v<Content, TwoPoints>) {
                 return points_json(content);
-            } else if constexpr (std::is_same_v<Content, SettingFile>) {
+            } else if constexpr (std::is_same_v<Content, SettingFile> ||
+                                 std::is_same_v<Content, KeyFile>) {
                 return content.path;
             } else if constexpr (std::is_same_v<Content, SettingTree>) {
                 return tree_json(content);

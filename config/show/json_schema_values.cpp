@@ -83,6 +83,7 @@ Json type_schema(const Setting& setting) {
             }
             break;
         case SettingType::file:
+        case SettingType::key_file:
             break;
     }
     return {{"type", "string"}, {"minLength", 1}};

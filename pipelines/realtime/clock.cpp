@@ -8,6 +8,8 @@ namespace tribus {
 
 namespace {
 
+constinit WallClock followed_clock;
+
 Duration read_clock(clockid_t clock) {
     timespec now{};
     ::clock_gettime(clock, &now);
@@ -26,6 +28,14 @@ Duration awake_time_now() {
 
 Duration wall_time_now() {
     return read_clock(CLOCK_REALTIME);
+}
+
+const WallClock& wall_clock() {
+    return followed_clock;
+}
+
+void follow_system_clock() {
+    followed_clock.set(wall_time_now(), monotonic_now());
 }
 
 std::timespec as_timespec(Duration duration) {

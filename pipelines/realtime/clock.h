@@ -3,6 +3,7 @@
 #include <ctime>
 
 #include "core/time.h"
+#include "core/wall_clock.h"
 
 namespace tribus {
 
@@ -20,6 +21,12 @@ Duration awake_time_now();
 /// The system clock, since 1970. Only for comparison with kernel time stamps on that clock. It may
 /// jump. Thread-safe.
 Duration wall_time_now();
+
+/// The system clock for parts that know instants only, as right as at the latest call of
+/// `follow_system_clock`. It is there until the program ends. Thread-safe.
+const WallClock& wall_clock();
+/// Brings `wall_clock` up to date. Thread-safe.
+void follow_system_clock();
 
 /// Converts for system calls. A negative duration becomes 0. Pure.
 std::timespec as_timespec(Duration duration);

@@ -1,11 +1,14 @@
 // MAVLink against node-mavlink, which was made from MAVLink's own XML files.
 import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
 import { PassThrough } from 'node:stream';
 import { test } from 'node:test';
 import nodeMavlink from 'node-mavlink';
 import { decode, freeAddress, ibusChannels, ibusFrame, receiver, sendTo, sleep, withAppliance } from './appliance.mjs';
 
-const { MavLinkPacketParser, MavLinkPacketSplitter, MavLinkProtocolV1, MavLinkProtocolV2, common, development,
+const { MavLinkPacketParser, MavLinkPacketSignature, MavLinkPacketSplitter, MavLinkProtocolV1, MavLinkProtocolV2, common, development,
     minimal } = nodeMavlink;
 const REGISTRY = { ...minimal.REGISTRY, ...common.REGISTRY, ...development.REGISTRY };
 
@@ -17,7 +20,7 @@ async function messagesIn(datagrams) {
     parser.on('data', packet => {
         const kind = REGISTRY[packet.header.msgid];
         messages.push({
-            kind: kind.MSG_NAME, system: packet.header.sysid, component: packet.header.compid,
+            kind: kind.MSG_NAME, signature: packet.signature, system: packet.header.sysid, component: packet.header.compid,
             sequence: packet.header.seq, version: packet.protocol instanceof MavLinkProtocolV1 ? 1 : 2,
             fields: packet.protocol.data(packet.payload, kind),
         });
@@ -174,6 +177,93 @@ to   = "servos"
     });
     servos.socket.close();
 });
+
+// Mission Planner makes a key of a passphrase so.
+const KEY = MavLinkPacketSignature.key('a boat on a lake');
+
+// Calls `work` with the path of a file that has the key.
+async function withKeyFile(content, work) {
+    const folder = mkdtempSync(join(tmpdir(), 'tribus-key-'));
+    const file = join(folder, 'boat.key');
+    writeFileSync(file, content, { mode: 0o600 });
+    try {
+        await work(file);
+    } finally {
+        rmSync(folder, { recursive: true });
+    }
+}
+
+for (const [message, kind] of [['radio_rc_channels', 'RADIO_RC_CHANNELS'], ['rc_channels_override', 'RC_CHANNELS_OVERRIDE']]) {
+    test(`what tribus signs as ${kind} and HEARTBEAT is genuine, with a new time each`, () => withKeyFile(KEY, async file => {
+        const before = Date.now();
+        const { datagrams } = await sentWith(
+            `message = "${message}"\nchannels = 18\nkey = "${file}"\nlink_id = 5`, STICKS);
+        const after = Date.now();
+        const messages = await messagesIn(datagrams);
+        assert.ok(messages.filter(one => one.kind === kind).length > 40, `${messages.length} messages`);
+        assert.ok(messages.some(one => one.kind === 'HEARTBEAT'));
+        let latest = 0;
+        for (const { signature } of messages) {
+            assert.ok(signature?.matches(KEY));
+            assert.equal(signature.linkId, 5);
+            assert.ok(signature.timestamp > latest);
+            latest = signature.timestamp;
+            const at = latest / 100 + MavLinkProtocolV2.SIGNATURE_START_TIME;
+            assert.ok(at >= before - 1 && at <= after + 1, `${at}, not from ${before} to ${after}`);
+        }
+    }));
+}
+
+test('with a key only what node-mavlink signs with it counts, and only once', () => withKeyFile(KEY.toString('hex'), async file => {
+    const servos = await receiver();
+    const input = await freeAddress();
+    const protocol = new MavLinkProtocolV2(255, 190, MavLinkProtocolV2.IFLAG_SIGNED);
+    const unsigned = new MavLinkProtocolV2(255, 190);
+    const start = Date.now();
+    const forged = override(STICKS.map(() => 2000));
+    const send = bytes => sendTo(servos.socket, input, bytes);
+    await withAppliance(`
+[input.station]
+protocol = "mavlink"
+address  = "${input}"
+key      = "${file}"
+[output.servos]
+protocol = "ibus"
+address  = "${servos.address}"
+channels = 14
+[pipeline.main]
+from = "station"
+to   = "servos"
+`, async () => {
+        const first = protocol.sign(protocol.serialize(override(STICKS.map(() => 1900)), 0), 3, KEY, start);
+        send(first);
+        await sleep(20);
+        for (let i = 0; i < 150; ++i) {
+            send(protocol.sign(protocol.serialize(override(STICKS), i), 3, KEY, start + 1000 + 10 * i));
+            send(first);
+            send(unsigned.serialize(forged, i));
+            send(protocol.sign(protocol.serialize(forged, i), 3, MavLinkPacketSignature.key('another'), start + 5000 + 10 * i));
+            send(protocol.sign(protocol.serialize(forged, i), 4, KEY, start - 3600000 + i));
+            await sleep(10);
+        }
+        await sleep(50);
+        const late = servos.datagrams.slice(-40);
+        assert.equal(late.length, 40);
+        late.forEach(datagram => assert.deepEqual(ibusChannels(datagram), STICKS));
+        assert.ok(servos.datagrams.every(datagram => ibusChannels(datagram)[1] !== 2000));
+    });
+    servos.socket.close();
+}));
+
+test('signed messages are read by decode with their key, and by no other', () => withKeyFile(KEY, async file => {
+    const protocol = new MavLinkProtocolV2(255, 190, MavLinkProtocolV2.IFLAG_SIGNED);
+    const plain = protocol.serialize(override(STICKS), 0);
+    const wrong = protocol.sign(plain, 0, MavLinkPacketSignature.key('another'));
+    const right = protocol.sign(protocol.serialize(override(STICKS.map(() => 1600)), 0), 0, KEY);
+    const frames = decode(Buffer.concat([wrong, right]), '--protocol', 'mavlink', '--key', file);
+    assert.equal(frames.length, 1);
+    assert.equal(frames[0].channels[0], 1600);
+}));
 
 test('each message with channels is read by decode, of both versions', () => {
     const rc = new common.RcChannels();

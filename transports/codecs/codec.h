@@ -14,13 +14,14 @@
 namespace tribus {
 
 class ValueBoard;
+class WallClock;
 
 namespace dronecan {
 struct NodeIdentity;
 }  // namespace dronecan
 
 /// Upper limit of the length of a frame of any serial protocol, in bytes.
-inline constexpr std::size_t kLongestSerialFrame = 96;
+inline constexpr std::size_t kLongestSerialFrame = 104;
 
 /// One frame found in a stream of bytes.
 struct DecodedFrame {
@@ -111,6 +112,10 @@ class ByteDecoder : public DecoderReport {
     /// The recording ends here. Returns a frame that lacked only the bytes after it.
     virtual std::optional<DecodedFrame> finish() = 0;
 
+    /// Gives the time of day, by which it judges whether signed frames are old. Call at the start,
+    /// before the first `next`. Must outlive the decoder.
+    virtual void use_clock(const WallClock& /*clock*/) {}
+
   protected:
     /// Bytes that were removed from the front of a read, and whether they completed a frame.
     struct Taken {
@@ -150,6 +155,9 @@ class Encoder {
     /// Sets the node that it sends as, for protocols with nodes. Call at the start, before the
     /// first `write`. Must outlive the encoder.
     virtual void send_as(const dronecan::NodeIdentity& /*identity*/) {}
+    /// Gives the time of day, for signatures. Call at the start, before the first `write`. Must
+    /// outlive the encoder.
+    virtual void use_clock(const WallClock& /*clock*/) {}
     /// Continues where `before`, an encoder of the same protocol and settings, ended, so that
     /// receivers see one sender.
     virtual void continue_from(const Encoder& /*before*/) {}

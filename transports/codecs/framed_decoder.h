@@ -25,15 +25,22 @@ class FramedDecoder : public ByteDecoder {
     void reset() override;
     std::optional<DecodedFrame> finish() final;
     std::span<const NamedCount> rejected() const final {
-        return std::span(rejected_).first(rejected_.back().name.empty() ? 2 : 3);
+        return std::span(rejected_).first(causes_);
     }
     std::uint64_t skipped_bytes() const final { return skipped_bytes_; }
 
   protected:
     FramedDecoder() = default;
-    /// With a count for frames that the derived class refuses itself (`refuse`).
-    explicit FramedDecoder(std::string_view own_cause) { rejected_.back().name = own_cause; }
-    void refuse() { ++rejected_.back().count; }
+    /// With counts for frames that the derived class refuses itself: at most kMostOwnCauses.
+    explicit FramedDecoder(std::span<const std::string_view> own_causes)
+        : causes_(kOwn + own_causes.size()) {
+        for (std::size_t i = 0; i < own_causes.size(); ++i) {
+            rejected_[kOwn + i].name = own_causes[i];
+        }
+    }
+    static constexpr std::size_t kMostOwnCauses = 6;
+    /// Counts a frame that the derived class refuses, by the index of the cause.
+    void refuse(std::size_t own_cause) { ++rejected_[kOwn + own_cause].count; }
 
     /// A derived class may handle its usual frame, whole in one read, on a shorter way.
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
@@ -50,12 +57,13 @@ class FramedDecoder : public ByteDecoder {
     /// false if the frame says nothing of channels: it is then passed over.
     virtual bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) = 0;
 
-    enum RejectCause : std::size_t { kChecksum, kDamaged };
+    enum RejectCause : std::size_t { kChecksum, kDamaged, kOwn };
     enum class Candidate : std::uint8_t { none, incomplete, whole };
     Candidate look(std::size_t& length);
     bool search(bool more_may_come, Instant received, DecodedFrame& frame);
 
-    std::array<NamedCount, 3> rejected_{{{"checksum"}, {"damaged"}, {}}};
+    std::array<NamedCount, kOwn + kMostOwnCauses> rejected_{{{"checksum"}, {"damaged"}}};
+    std::size_t causes_ = kOwn;
     std::uint64_t skipped_bytes_ = 0;
     /// When the latest bytes came that were looked at together with others. A frame that a pause
     /// shows came then.

@@ -59,6 +59,8 @@ struct Protocol {
     std::span<const Setting> settings;
     /// Longest frame that an encoder of a serial protocol writes, in bytes.
     std::size_t longest_frame = 0;
+    /// By how many bytes more these settings can make it. Null: by none.
+    std::size_t (*longer_by)(const SettingValues&) = nullptr;
     Duration default_period{};
     /// The period that the settings themselves give, if any. Null: they never give one.
     std::optional<Duration> (*own_period)(const SettingValues&) = nullptr;

@@ -59,6 +59,8 @@ class ByteValueReader : public ValueReader {
     virtual void damaged_byte() = 0;
     /// The line was unplugged and may be another one when it returns: forgets all bytes so far.
     virtual void reset() = 0;
+    /// See ByteDecoder.
+    virtual void use_clock(const WallClock& /*clock*/) {}
 };
 
 }  // namespace tribus

@@ -121,7 +121,7 @@ bool MavlinkDecoder::is_wanted(const MavlinkMessage& message, Instant received) 
         return false;
     }
     if (!sender_.sent(message.system, message.id, received)) {
-        refuse();
+        refuse_sender();
         return false;
     }
     return true;

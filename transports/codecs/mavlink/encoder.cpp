@@ -44,6 +44,18 @@ bool is_pressed(const ChannelFrame& frame, std::size_t channel) {
 
 }  // namespace
 
+MavlinkEncoder::MavlinkEncoder(const Settings& settings) : settings_(settings) {
+    if (settings.key) {
+        signer_.emplace(*settings.key, settings.link_id);
+    }
+}
+
+void MavlinkEncoder::use_clock(const WallClock& clock) {
+    if (signer_) {
+        signer_->use_clock(clock);
+    }
+}
+
 std::uint32_t MavlinkEncoder::needed_channels(const ChannelFrame& /*frame*/) const {
     return first_channels(settings_.message == MavlinkChannels::manual_control
                               ? 4 + settings_.buttons
@@ -110,7 +122,7 @@ const MessageKind& MavlinkEncoder::fill(const ChannelFrame& frame, Payload& payl
 }
 
 std::size_t MavlinkEncoder::write_message(const MessageKind& kind, const Payload& payload,
-                                          std::span<std::uint8_t> wire) {
+                                          std::span<std::uint8_t> wire, Instant now) {
     std::size_t header = kHeader1Bytes;
     std::size_t length = kind.length_1;
     if (settings_.version_1) {
@@ -126,8 +138,9 @@ std::size_t MavlinkEncoder::write_message(const MessageKind& kind, const Payload
             --length;
         }
         std::ranges::copy(
-            std::to_array<std::uint8_t>({kVersion2, static_cast<std::uint8_t>(length), 0, 0,
-                                         sequence_, settings_.system, settings_.component,
+            std::to_array<std::uint8_t>({kVersion2, static_cast<std::uint8_t>(length),
+                                         signer_ ? kSignedFlag : std::uint8_t{0}, 0, sequence_,
+                                         settings_.system, settings_.component,
                                          static_cast<std::uint8_t>(kind.id),
                                          static_cast<std::uint8_t>(kind.id >> 8U),
                                          static_cast<std::uint8_t>(kind.id >> 16U)}),
@@ -136,26 +149,31 @@ std::size_t MavlinkEncoder::write_message(const MessageKind& kind, const Payload
     std::copy_n(payload.begin(), length, wire.begin() + static_cast<std::ptrdiff_t>(header));
     put_field(wire, header + length, crc_of(wire.subspan(1, header + length - 1), kind.crc_extra));
     ++sequence_;
-    return header + length + kCrcBytes;
+    length += header + kCrcBytes;
+    if (signer_) {
+        signer_->sign(wire, length, now);
+        length += kSignatureBytes;
+    }
+    return length;
 }
 
 std::size_t MavlinkEncoder::write(const ChannelFrame& frame,
                                   std::span<std::uint8_t, kLongestSerialFrame> wire, Instant now) {
     Payload payload{};
     const MessageKind& kind = fill(frame, payload);
-    std::size_t length = write_message(kind, payload, wire);
+    std::size_t length = write_message(kind, payload, wire, now);
     releases_left_ = settings_.releases ? kReleases : 0;
     if (!heartbeat_at_ || now >= *heartbeat_at_) {
         heartbeat_at_ = now + kHeartbeatPeriod;
         // A ground station without an autopilot, active (docs/protocols/mavlink.md, "Sending").
         const Payload heartbeat{0, 0, 0, 0, 6, 8, 0, 4, 3};
-        length += write_message(kHeartbeat, heartbeat, wire.subspan(length));
+        length += write_message(kHeartbeat, heartbeat, wire.subspan(length), now);
     }
     return length;
 }
 
 std::size_t MavlinkEncoder::write_silence(std::span<std::uint8_t, kLongestSerialFrame> wire,
-                                          Instant /*now*/) {
+                                          Instant now) {
     if (releases_left_ == 0) {
         return 0;
     }
@@ -166,7 +184,7 @@ std::size_t MavlinkEncoder::write_silence(std::span<std::uint8_t, kLongestSerial
     for (std::size_t i = 0; i < kOverrideMore.count; ++i) {
         put_field(payload, kOverrideMore.at + 2 * i, kReleasedMore);
     }
-    return write_message(kRcChannelsOverride, payload, wire);
+    return write_message(kRcChannelsOverride, payload, wire, now);
 }
 
 void MavlinkEncoder::continue_from(const Encoder& before) {
@@ -174,6 +192,9 @@ void MavlinkEncoder::continue_from(const Encoder& before) {
         sequence_ = same->sequence_;
         heartbeat_at_ = same->heartbeat_at_;
         releases_left_ = same->releases_left_;
+        if (signer_ && same->signer_) {
+            signer_->continue_from(*same->signer_);
+        }
     }
 }
 

@@ -34,14 +34,16 @@ class MavlinkDecoder final : public MavlinkMessages {
         std::optional<std::uint8_t> system{};      ///< of the sender; absent: the first one heard
         std::uint8_t target = 1;                   ///< messages to another system are passed over
         std::size_t buttons = 0;                   ///< of MANUAL_CONTROL, as channels from 5 on
+        std::optional<SecretKey> key{};            ///< only what is signed with it counts
     };
     explicit MavlinkDecoder(const Settings& settings)
-        : settings_(settings), sender_(settings.system) {}
+        : MavlinkMessages(settings.key), settings_(settings), sender_(settings.system) {}
     void reset() override;
     std::span<const FrameDetail> details() const override { return details_; }
 
   private:
     bool take(const MavlinkMessage& message, ChannelFrame& channels) override;
+    bool takes_unsigned(std::uint32_t /*id*/) const override { return false; }
     void take_status(const MavlinkMessage& message);
     bool is_wanted(const MavlinkMessage& message, Instant received);
     bool is_for_target(const MavlinkMessage& message) const;
@@ -68,8 +70,10 @@ class MavlinkEncoder final : public ByteEncoder {
         std::size_t channels = 16;
         std::size_t buttons = 0;  ///< channels from 5 on as buttons of MANUAL_CONTROL
         bool releases = false;    ///< on loss: gives the channels back, with RC_CHANNELS_OVERRIDE
+        std::optional<SecretKey> key{};  ///< signs with it, version 2 only
+        std::uint8_t link_id = 0;        ///< in signatures
     };
-    explicit MavlinkEncoder(const Settings& settings) : settings_(settings) {}
+    explicit MavlinkEncoder(const Settings& settings);
     bool marks_frame_lost() const override {
         return settings_.message == MavlinkChannels::radio_rc_channels;
     }
@@ -78,12 +82,15 @@ class MavlinkEncoder final : public ByteEncoder {
                       Instant now) override;
     std::size_t write_silence(std::span<std::uint8_t, kLongestSerialFrame> wire,
                               Instant now) override;
+    void use_clock(const WallClock& clock) override;
     void continue_from(const Encoder& before) override;
 
-    /// Longest frame with a HEARTBEAT.
+    /// Longest frame with a HEARTBEAT, and both signed.
     static constexpr std::size_t kLongest =
         2 * (mavlink_wire::kHeader2Bytes + mavlink_wire::kCrcBytes) +
         mavlink_wire::kRadioChannelsAt + 2 * kChannelCount + mavlink_wire::kHeartbeat.length;
+    static constexpr std::size_t kLongestSigned = kLongest + 2 * mavlink_wire::kSignatureBytes;
+    static_assert(kLongestSigned <= kLongestSerialFrame);
 
   private:
     using Payload = std::array<std::uint8_t, mavlink_wire::kMostPayload>;
@@ -92,9 +99,10 @@ class MavlinkEncoder final : public ByteEncoder {
     void fill_override(const ChannelFrame& frame, Payload& payload) const;
     void fill_manual(const ChannelFrame& frame, Payload& payload) const;
     std::size_t write_message(const mavlink_wire::MessageKind& kind, const Payload& payload,
-                              std::span<std::uint8_t> wire);
+                              std::span<std::uint8_t> wire, Instant now);
 
     Settings settings_;
+    std::optional<MavlinkSigner> signer_;
     std::uint8_t sequence_ = 0;
     std::optional<Instant> heartbeat_at_;  ///< when the next one is due
     int releases_left_ = 0;

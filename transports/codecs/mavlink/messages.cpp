@@ -1,6 +1,8 @@
 #include "transports/codecs/mavlink/messages.h"
 
 #include <algorithm>
+#include <array>
+#include <string_view>
 
 namespace tribus {
 
@@ -45,7 +47,40 @@ bool is_long(std::span<const std::uint8_t> bytes) {
     return whole_bytes(bytes) > LineBuffer::kCapacity;
 }
 
+/// Behind the first, in the order of SignatureFault. Without a key only the first occurs.
+constexpr std::array<std::string_view, 6> kMavlinkCauses{
+    "other_sender", "unsigned", "wrong_signature", "replayed", "too_old", "too_many_streams"};
+
+std::span<const std::string_view> causes_with(const std::optional<SecretKey>& key) {
+    return std::span(kMavlinkCauses).first(key ? kMavlinkCauses.size() : 1);
+}
+
 }  // namespace
+
+MavlinkMessages::MavlinkMessages(const std::optional<SecretKey>& key)
+    : FramedDecoder(causes_with(key)) {
+    static_assert(kMavlinkCauses.size() <= kMostOwnCauses);
+    if (key) {
+        verifier_.emplace(*key);
+    }
+}
+
+void MavlinkMessages::use_clock(const WallClock& clock) {
+    if (verifier_) {
+        verifier_->use_clock(clock);
+    }
+}
+
+/// Counts the message if it is not.
+[[gnu::noinline]] bool MavlinkMessages::is_genuine(std::span<const std::uint8_t> frame,
+                                                   std::uint32_t id, Instant received) {
+    const auto fault = verifier_->fault_of(frame, received);
+    if (!fault || (fault == SignatureFault::no_signature && takes_unsigned(id))) {
+        return true;
+    }
+    refuse(1 + static_cast<std::size_t>(*fault));
+    return false;
+}
 
 void MavlinkMessages::damaged_byte() {
     passed_over_ = 0;
@@ -119,6 +154,9 @@ bool MavlinkMessages::read(std::span<const std::uint8_t> frame, ChannelFrame& ch
     const MessageKind* const kind = find_kind(header.id);
     const std::size_t length = frame[1];
     if (kind == nullptr || (frame[0] == kVersion1 && length < kind->length_1)) {
+        return false;
+    }
+    if (verifier_ && !is_genuine(frame, header.id, channels.received)) {
         return false;
     }
     MavlinkMessage message{.id = header.id, .system = header.system, .component = header.component};

@@ -9,6 +9,7 @@
 
 #include "core/time.h"
 #include "transports/codecs/framed_decoder.h"
+#include "transports/codecs/mavlink/signature.h"
 #include "transports/codecs/mavlink/wire.h"
 
 namespace tribus {
@@ -24,15 +25,18 @@ struct MavlinkMessage {
 
 /// Finds the messages of MAVLink 1 and 2 that tribus knows. Messages of other kinds are passed over
 /// by their length, because their check cannot be verified; so nothing inside of them counts. They
-/// may be longer than LineBuffer::kCapacity.
+/// may be longer than LineBuffer::kCapacity. With a key, a message without a right signature never
+/// counts.
 class MavlinkMessages : public FramedDecoder {
   public:
     void damaged_byte() override;
     bool silence(DecodedFrame& frame) override;
     void reset() override;
+    void use_clock(const WallClock& clock) final;
 
   protected:
-    MavlinkMessages() : FramedDecoder("other_sender") {}
+    explicit MavlinkMessages(const std::optional<SecretKey>& key);
+    void refuse_sender() { refuse(0); }
     /// Returns whether the message has channels, then `channels` has them.
     virtual bool take(const MavlinkMessage& message, ChannelFrame& channels) = 0;
 
@@ -42,7 +46,11 @@ class MavlinkMessages : public FramedDecoder {
     bool check_holds(std::span<const std::uint8_t> frame) const final;
     bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) final;
     void pass_over(std::size_t count);
+    bool is_genuine(std::span<const std::uint8_t> frame, std::uint32_t id, Instant received);
+    /// Whether messages of this kind count without a signature.
+    virtual bool takes_unsigned(std::uint32_t id) const = 0;
 
+    std::optional<MavlinkVerifier> verifier_;
     /// Bytes of a long message that are still to come.
     std::size_t passed_over_ = 0;
 };

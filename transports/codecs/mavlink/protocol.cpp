@@ -93,6 +93,22 @@ constexpr std::array kMavlinkSettings{
             .help = "When the output falls silent: `silence` sends nothing more; `release` gives "
                     "the channels of `rc_channels_override` back at once",
             .example = "\"release\""},
+    Setting{.key = "key",
+            .type = SettingType::key_file,
+            .absent = "nothing is signed, and no signature is looked at",
+            .help = "Key file of the signatures of MAVLink 2: 32 bytes, or 64 hexadecimal digits; "
+                    "others than its owner and group must not be able to read it. An output signs "
+                    "all messages; an input takes only what is signed with this key and new",
+            .example = "\"/etc/tribus/keys/drone.key\""},
+    Setting{.key = "link_id",
+            .type = SettingType::integer,
+            .absent = "0",
+            .least = 0,
+            .most = 255,
+            .scope = SettingScope::output,
+            .help = "With `key`: the link in the signatures. Two outputs with one `system` and "
+                    "`component` to one autopilot need different ones",
+            .example = "1"},
 };
 
 /// The index of a word, if the key is given.
@@ -119,6 +135,11 @@ std::size_t count_setting(const SettingValues& settings, std::string_view key,
     return static_cast<std::size_t>(settings.get_or(key, static_cast<std::int64_t>(fallback)));
 }
 
+std::optional<SecretKey> key_setting(const SettingValues& settings) {
+    const auto* file = settings.find_as<KeyFile>("key");
+    return file == nullptr ? std::nullopt : std::optional(file->secret);
+}
+
 MavlinkEncoder::Settings encoder_settings(const SettingValues& settings) {
     const bool version_1 = count_setting(settings, "version", 2) == 1;
     return {.message = chosen_message(settings).value_or(MavlinkChannels::radio_rc_channels),
@@ -129,7 +150,23 @@ MavlinkEncoder::Settings encoder_settings(const SettingValues& settings) {
             .channels =
                 count_setting(settings, "channels", version_1 ? kVersion1Channels : kUsualChannels),
             .buttons = count_setting(settings, "buttons", 0),
-            .releases = chosen_word(settings, "on_loss", kOnLoss) == 1U};
+            .releases = chosen_word(settings, "on_loss", kOnLoss) == 1U,
+            .key = key_setting(settings),
+            .link_id = id_setting(settings, "link_id", 0)};
+}
+
+void check_signing(const SettingValues& settings, bool version_1,
+                   std::vector<SettingMistake>& mistakes) {
+    const bool signs = settings.find("key") != nullptr;
+    if (signs && version_1) {
+        mistakes.push_back({{"key"},
+                            "\"key\" has no effect with MAVLink 1, which has no signatures; leave "
+                            "it out, or version = 2"});
+    }
+    if (!signs && settings.find("link_id") != nullptr) {
+        mistakes.push_back(
+            {{"link_id"}, "\"link_id\" has no effect without \"key\"; leave it out"});
+    }
 }
 
 std::vector<SettingMistake> check_sent(const SettingValues& settings) {
@@ -160,6 +197,7 @@ std::vector<SettingMistake> check_sent(const SettingValues& settings) {
                             "\"channels\" has no effect with manual_control, which carries "
                             "channels 1 to 4 and \"buttons\"; leave it out"});
     }
+    check_signing(settings, sent.version_1, mistakes);
     return mistakes;
 }
 
@@ -173,6 +211,10 @@ std::vector<SettingMistake> check_mavlink(const SettingValues& settings, Setting
                             "leave it out"});
     }
     return mistakes;
+}
+
+std::size_t bytes_of_signatures(const SettingValues& settings) {
+    return key_setting(settings) ? MavlinkEncoder::kLongestSigned - MavlinkEncoder::kLongest : 0;
 }
 
 /// RC_CHANNELS does by SYS_STATUS beside it.
@@ -189,18 +231,26 @@ AnyDecoder make_mavlink_decoder(const SettingValues& settings) {
         .system =
             system == nullptr ? std::nullopt : std::optional(static_cast<std::uint8_t>(*system)),
         .target = id_setting(settings, "target", 1),
-        .buttons = count_setting(settings, "buttons", 0)});
+        .buttons = count_setting(settings, "buttons", 0),
+        .key = key_setting(settings)});
 }
 
 AnyEncoder make_mavlink_encoder(const SettingValues& settings) {
     return std::make_unique<MavlinkEncoder>(encoder_settings(settings));
 }
 
-std::unique_ptr<ByteValueReader> make_mavlink_reader(const SettingValues& /*settings*/) {
-    return std::make_unique<MavlinkTelemetryReader>();
+std::unique_ptr<ByteValueReader> make_mavlink_reader(const SettingValues& settings) {
+    return std::make_unique<MavlinkTelemetryReader>(key_setting(settings));
 }
 
-constexpr std::array kMavlinkTelemetrySettings{baud_setting("57600", "460800", 3e6)};
+constexpr std::array kMavlinkTelemetrySettings{
+    baud_setting("57600", "460800", 3e6),
+    Setting{.key = "key",
+            .type = SettingType::key_file,
+            .absent = "no signature is looked at",
+            .help = "Key file of the signatures of MAVLink 2, as on inputs",
+            .example = "\"/etc/tribus/keys/drone.key\""},
+};
 
 }  // namespace
 
@@ -215,6 +265,7 @@ const Protocol kMavlinkProtocol{
     .line = {.baud = 57600, .parity = Parity::none, .stop_bits = 1},
     .settings = kMavlinkSettings,
     .longest_frame = MavlinkEncoder::kLongest,
+    .longer_by = bytes_of_signatures,
     .default_period = std::chrono::milliseconds(20),
     .least_period = std::chrono::milliseconds(4),
     .default_timeout = std::chrono::milliseconds(500),

@@ -139,7 +139,8 @@ ValueReading read_number(const ValueMessage& message, const MavlinkNumber& numbe
 
 }  // namespace
 
-MavlinkTelemetryReader::MavlinkTelemetryReader() {
+MavlinkTelemetryReader::MavlinkTelemetryReader(const std::optional<SecretKey>& key)
+    : messages_(key) {
     for (const ValueMessage& message : kValueMessagesRead) {
         for (const MavlinkNumber& number : message.numbers) {
             values_.push_back({std::string(number.name), std::string(number.unit)});
@@ -169,7 +170,7 @@ bool MavlinkTelemetryReader::Messages::is_from_autopilot(const MavlinkMessage& m
         return false;
     }
     if (!sender_.sent(message.system, 0, received)) {
-        refuse();
+        refuse_sender();
         return false;
     }
     return message.id != kBatteryStatus.id || message.payload[kBatteryIdAt] == 0;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,7 +18,8 @@ extern const Protocol kMavlinkTelemetryProtocol;
 /// first system heard. What the autopilot marks as unknown is not available.
 class MavlinkTelemetryReader final : public ByteValueReader {
   public:
-    MavlinkTelemetryReader();
+    /// With `key`, only what is signed with it counts, and RADIO_STATUS, which radios add unsigned.
+    explicit MavlinkTelemetryReader(const std::optional<SecretKey>& key = std::nullopt);
 
     /// "battery.voltage", "gps.latitude", "attitude.roll" and so on.
     std::span<const Value> values() const override { return values_; }
@@ -27,15 +29,20 @@ class MavlinkTelemetryReader final : public ByteValueReader {
               std::span<ValueReading> readings) override;
     void damaged_byte() override { messages_.damaged_byte(); }
     void reset() override { messages_.reset(); }
+    void use_clock(const WallClock& clock) override { messages_.use_clock(clock); }
 
   private:
     /// Keeps the numbers of the latest message.
     class Messages final : public MavlinkMessages {
       public:
+        explicit Messages(const std::optional<SecretKey>& key) : MavlinkMessages(key) {}
         std::vector<ValueReading> readings;
 
       private:
         bool take(const MavlinkMessage& message, ChannelFrame& channels) override;
+        bool takes_unsigned(std::uint32_t id) const override {
+            return id == mavlink_wire::kRadioStatus.id;
+        }
         bool is_from_autopilot(const MavlinkMessage& message, Instant received);
 
         MavlinkSender sender_;

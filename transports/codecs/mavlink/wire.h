@@ -17,7 +17,10 @@ inline constexpr std::uint8_t kVersion2 = 0xFD;
 inline constexpr std::size_t kHeader1Bytes = 6;
 inline constexpr std::size_t kHeader2Bytes = 10;
 inline constexpr std::size_t kCrcBytes = 2;
-inline constexpr std::size_t kSignatureBytes = 13;
+// A signature: the id of the link, a time stamp, the beginning of a hash.
+inline constexpr std::size_t kStampBytes = 6;
+inline constexpr std::size_t kHashBytes = 6;
+inline constexpr std::size_t kSignatureBytes = 1 + kStampBytes + kHashBytes;
 /// Bits of the incompatibility flags. A frame with another one must not be read.
 inline constexpr std::uint8_t kSignedFlag = 0x01;
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <string>
@@ -258,6 +259,9 @@ std::map<std::string, std::string> special_contexts() {
          battery_in_values(telemetry_of_a_controller + "address = \"127.0.0.1:5502\"\n")},
         {"values-sender",
          battery_in_values(telemetry_of_a_controller + "address = \"127.0.0.1:5502\"\n")},
+        {"values-key", battery_in_values("protocol = \"mavlink-telemetry\"\n"
+                                         "device = \"/dev/ttyD\"\n")},
+        {"mavlink-link_id", output(to_autopilot + "key = \"drone.key\"\n")},
         {"values-baud", battery_in_values(telemetry_of_a_controller + "device = \"/dev/ttyD\"\n")},
         {"crsf-role", output(module_line)},
         {"output-chip", output("protocol = \"pwm\"\noutputs = { 1 = 0 }\n")},
@@ -327,6 +331,8 @@ TEST(KeyExamples, OfEveryKeyAreValid) {
     const test::TemporaryFolder folder;
     folder.write("rover.dbc", std::string(kMessages));
     folder.write("telemetry.dbc", std::string(kMessages));
+    std::filesystem::permissions(folder.write("drone.key", std::string(64, '7')),
+                                 std::filesystem::perms::owner_read);
     const auto general = contexts();
     const auto special = special_contexts();
     std::size_t count = 0;
@@ -344,8 +350,10 @@ TEST(KeyExamples, OfEveryKeyAreValid) {
                 : shared != general.end()
                     ? shared->second
                     : default_context(*protocol, key.setting.scope == SettingScope::output);
-            const std::string text =
-                with_example(context, key.name(), words_of(key, section.way).example);
+            const std::string text = with_example(context, key.name(),
+                                                  key.setting.type == SettingType::key_file
+                                                      ? "key = \"drone.key\""
+                                                      : words_of(key, section.way).example);
             EXPECT_EQ(mistakes_in(text, folder / "t.toml"), Lines{}) << name << "\n" << text;
             ++count;
         }

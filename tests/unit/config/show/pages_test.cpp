@@ -99,8 +99,9 @@ bool is_complete(const std::string& text) {
 
 class Pages : public ::testing::Test {
   protected:
-    /// The DBC files of the examples, and those that pages print below their names.
+    /// The DBC files of the examples, those that pages print below their names, and a key file.
     Pages() {
+        fs::permissions(folder_.write("drone.key", std::string(64, '7')), fs::perms::owner_read);
         const auto examples = fs::path(TRIBUS_SOURCE_DIR) / "config" / "examples";
         for (const auto& entry : fs::directory_iterator(examples)) {
             if (entry.path().extension() == ".dbc") {
@@ -121,7 +122,8 @@ class Pages : public ::testing::Test {
     }
 
     std::vector<std::string> mistakes_of(const std::string& text) const {
-        return mistakes_in(text, folder_ / "t.toml");
+        return mistakes_in(std::regex_replace(text, std::regex("/etc/tribus/keys/"), ""),
+                           folder_ / "t.toml");
     }
 
     TemporaryFolder folder_;

@@ -1,0 +1,91 @@
+#include "config/language/key_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "config/language/read_file.h"
+#include "core/quotes.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::size_t kSecretBytes = std::tuple_size_v<SecretKey>;
+constexpr std::size_t kSecretDigits = 2 * kSecretBytes;
+/// More than a key file has, its end of line included.
+constexpr std::size_t kMostKeyFileBytes = kSecretDigits + 3;
+
+std::optional<SecretKey> secret_of_digits(std::string_view digits) {
+    SecretKey secret{};
+    for (std::size_t i = 0; i < kSecretBytes; ++i) {
+        const char* const from = digits.data() + 2 * i;
+        // A sign is no digit, but would be read.
+        const auto read = std::from_chars(from, from + 2, secret[i], 16);
+        if (*from == '-' || read.ptr != from + 2) {
+            return std::nullopt;
+        }
+    }
+    return secret;
+}
+
+/// Nothing if it is neither 32 bytes nor 64 hexadecimal digits.
+std::optional<SecretKey> secret_of(std::string_view content) {
+    if (content.size() == kSecretBytes) {
+        SecretKey secret{};
+        std::ranges::copy(content, secret.begin());
+        return secret;
+    }
+    for (const std::string_view end_of_line : {"\n", "\r"}) {
+        if (content.ends_with(end_of_line)) {
+            content.remove_suffix(1);
+        }
+    }
+    return content.size() == kSecretDigits ? secret_of_digits(content) : std::nullopt;
+}
+
+std::string wrong_content(const std::string& content) {
+    const std::string bytes = content.size() == kMostKeyFileBytes
+                                  ? fmt::format("more than {} bytes", content.size() - 1)
+                                  : fmt::format("{} bytes", content.size());
+    return fmt::format("it has {} that are no key", bytes);
+}
+
+}  // namespace
+
+std::optional<KeyFile> read_key_file(std::string_view key, const Value& value, Mistakes& mistakes) {
+    const auto sentence = [&](std::string_view reason) {
+        return fmt::format(
+            "{} is {}: {}; allowed: the path of a file with 32 bytes or 64 hexadecimal digits, "
+            "which only its owner and group may read",
+            in_quotes(key), describe(value), reason);
+    };
+    const auto* name = value.as<std::string>();
+    if (name == nullptr || name->empty()) {
+        mistakes.add(value.where, sentence("not the path of a file"));
+        return std::nullopt;
+    }
+    const std::filesystem::path path = std::filesystem::path(mistakes.file()).parent_path() / *name;
+    const auto content = read_file(path, kMostKeyFileBytes, FileKinds::secret);
+    if (!content) {
+        mistakes.add_out_of_reach(value.where, sentence(content.error()));
+        return std::nullopt;
+    }
+    const auto secret = secret_of(*content);
+    if (!secret) {
+        mistakes.add(value.where, sentence(wrong_content(*content)));
+        return std::nullopt;
+    }
+    if (*secret == SecretKey{}) {
+        mistakes.add(value.where,
+                     sentence("a key of zeros switches signing off at other programs"));
+        return std::nullopt;
+    }
+    return KeyFile{*name, *secret};
+}
+
+}  // namespace tribus

@@ -1,0 +1,172 @@
+#include "config/language/key_file.h"
+
+#include <sys/stat.h>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "config/load.h"
+#include "config/show/effective.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/config/main_job.h"
+
+namespace tribus::test::key_file_test {
+namespace {
+
+const std::string kDigits = "000102030405060708090a0b0c0d0e0f101112131415161718191A1B1C1D1E1F";
+const std::string kAllowed =
+    "; allowed: the path of a file with 32 bytes or 64 hexadecimal digits, which only its owner "
+    "and group may read";
+
+SecretKey counted() {
+    SecretKey secret{};
+    for (std::size_t i = 0; i < secret.size(); ++i) {
+        secret[i] = static_cast<std::uint8_t>(i);
+    }
+    return secret;
+}
+
+class KeyFiles : public ::testing::Test {
+  protected:
+    void write(const std::string& content, mode_t mode = 0640) const {
+        ::chmod(folder_.write("drone.key", content).c_str(), mode);
+    }
+    /// Reads `key = NAME` of a file in the folder.
+    std::optional<KeyFile> read(const std::string& name = "drone.key") {
+        mistakes_ = Mistakes(folder_ / "t.toml");
+        return read_key_file("key", {.where = {3, 7}, .content = name}, mistakes_);
+    }
+    /// The only mistake, without its place and without what is allowed.
+    std::string mistake() const {
+        const auto all = mistakes_.sorted();
+        EXPECT_EQ(all.size(), 1U);
+        const std::string text = all.empty() ? "" : all[0].text;
+        EXPECT_TRUE(text.ends_with(kAllowed)) << text;
+        return text.substr(0, text.size() - std::min(text.size(), kAllowed.size()));
+    }
+    bool may_be_temporary() const { return tribus::may_be_temporary(mistakes_.sorted()); }
+
+    const TemporaryFolder folder_;
+    Mistakes mistakes_{""};
+};
+
+TEST_F(KeyFiles, HoldBytesOrDigits) {
+    const SecretKey secret = counted();
+    for (const std::string& content :
+         {std::string(secret.begin(), secret.end()), kDigits, kDigits + "\n", kDigits + "\r\n"}) {
+        for (const mode_t mode : {0400U, 0600U, 0640U}) {
+            write(content, mode);
+            EXPECT_EQ(read(), (KeyFile{"drone.key", secret})) << content;
+        }
+    }
+    EXPECT_EQ(read(folder_ / "drone.key")->secret, secret);
+}
+
+TEST_F(KeyFiles, ThatOthersMayUseAreRefused) {
+    for (const auto& [mode, word] : std::vector<std::pair<mode_t, std::string>>{
+             {0644, "644"}, {0604, "604"}, {0602, "602"}, {0666, "666"}}) {
+        write(kDigits, mode);
+        EXPECT_EQ(read(), std::nullopt);
+        EXPECT_EQ(mistake(), "\"key\" is \"drone.key\": its mode " + word +
+                                 " lets others use it; run: chmod o= " + (folder_ / "drone.key"));
+        EXPECT_TRUE(may_be_temporary());
+    }
+}
+
+TEST_F(KeyFiles, ThatAreNotThereAreRefused) {
+    EXPECT_EQ(read(), std::nullopt);
+    EXPECT_EQ(mistake(), "\"key\" is \"drone.key\": No such file or directory");
+    EXPECT_TRUE(may_be_temporary());
+    EXPECT_EQ(read("/dev/zero"), std::nullopt);
+    EXPECT_EQ(mistake(), "\"key\" is \"/dev/zero\": it is a device or a pipe, not a file");
+    EXPECT_EQ(read(""), std::nullopt);
+    EXPECT_EQ(mistake(), "\"key\" is \"\": not the path of a file");
+    EXPECT_FALSE(may_be_temporary());
+}
+
+TEST_F(KeyFiles, OfAnotherLengthAreRefused) {
+    for (const std::size_t length : {0U, 1U, 31U, 33U, 63U, 65U, 66U}) {
+        write(std::string(length, 'a'));
+        EXPECT_EQ(read(), std::nullopt);
+        EXPECT_EQ(mistake(), "\"key\" is \"drone.key\": it has " + std::to_string(length) +
+                                 " bytes that are no key");
+        EXPECT_FALSE(may_be_temporary());
+    }
+    write(std::string(5000, 'a'));
+    EXPECT_EQ(read(), std::nullopt);
+    EXPECT_EQ(mistake(), "\"key\" is \"drone.key\": it has more than 66 bytes that are no key");
+}
+
+TEST_F(KeyFiles, WithOtherThanHexadecimalDigitsAreRefused) {
+    for (const std::string_view pair : {"g0", "0g", " 1", "1 ", "-1", "+1", "0x"}) {
+        for (const std::size_t at : {0U, 30U, 62U}) {
+            std::string digits = kDigits;
+            write(digits.replace(at, 2, pair));
+            EXPECT_EQ(read(), std::nullopt) << pair;
+        }
+    }
+}
+
+TEST_F(KeyFiles, OfZerosAreRefused) {
+    for (const std::string& content : {std::string(32, '\0'), std::string(64, '0')}) {
+        write(content);
+        EXPECT_EQ(read(), std::nullopt);
+        EXPECT_EQ(mistake(),
+                  "\"key\" is \"drone.key\": a key of zeros switches signing off at other "
+                  "programs");
+    }
+}
+
+/// Nothing that is shown has a part of the secret, in bytes, digits or numbers.
+TEST_F(KeyFiles, ShowTheirPathOnly) {
+    write("5ec7e75ec7e75ec7e75ec7e75ec7e75ec7e75ec7e75ec7e75ec7e75ec7e75ec7");
+    const std::string text =
+        "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
+        "[output.drone]\nprotocol = \"mavlink\"\ndevice = \"/dev/ttyB\"\nkey = \"drone.key\"\n"
+        "[pipeline.main]\nfrom = \"receiver\"\nto = \"drone\"\n"
+        "[values.drone]\nprotocol = \"mavlink-telemetry\"\ndevice = \"/dev/ttyB\"\n"
+        "key = \"drone.key\"\n";
+    const auto configuration = load_configuration(text, folder_ / "t.toml");
+    ASSERT_TRUE(configuration) << configuration.error().front().text;
+    for (const std::string& shown :
+         {effective_toml(*configuration), effective_json(*configuration)}) {
+        EXPECT_NE(shown.find("drone.key"), std::string::npos) << shown;
+        for (const std::string_view part : {"5ec7", "5EC7", "\x5e\xc7", "94", "^"}) {
+            EXPECT_EQ(shown.find(part), std::string::npos) << shown;
+        }
+    }
+}
+
+TEST_F(KeyFiles, WithAnotherSecretMakeAnotherConfiguration) {
+    const std::string text =
+        "[input.drone]\nprotocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\nkey = \"drone.key\"\n"
+        "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+        "[pipeline.main]\nfrom = \"drone\"\nto = \"servos\"\n";
+    write(kDigits);
+    const auto before = load_configuration(text, folder_ / "t.toml");
+    write(std::string(64, 'a'));
+    const auto after = load_configuration(text, folder_ / "t.toml");
+    ASSERT_TRUE(before && after);
+    EXPECT_FALSE(before->inputs[0].settings == after->inputs[0].settings);
+}
+
+TEST_F(KeyFiles, AreOnlyForProtocolsWithSignatures) {
+    write(kDigits);
+    const std::string text =
+        main_job_with(10,
+                      "[values.drone]\nprotocol = \"crsf-telemetry\"\ndevice = \"/dev/ttyC\"\n"
+                      "key = \"drone.key\"");
+    EXPECT_EQ(mistakes_in(text, folder_ / "t.toml"),
+              std::vector<std::string>{(folder_ / "t.toml") +
+                                       ":13:1: \"key\" has no effect with protocol "
+                                       "\"crsf-telemetry\", which has no signatures; leave it "
+                                       "out"});
+}
+
+}  // namespace
+}  // namespace tribus::test::key_file_test

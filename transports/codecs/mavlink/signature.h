@@ -1,0 +1,88 @@
+#pragma once
+
+#include <nettle/sha2.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "core/setting.h"
+#include "core/time.h"
+#include "core/wall_clock.h"
+#include "transports/codecs/mavlink/wire.h"
+
+/// Signatures of MAVLink 2 (docs/protocols/mavlink.md, "Signatures"). No heap. Thread-bound.
+namespace tribus {
+
+/// The hash that a signature begins with, by a secret that two ends share.
+class MavlinkHash {
+  public:
+    explicit MavlinkHash(const SecretKey& secret);
+    /// The six bytes behind `signed_part`: all of a frame up to its time stamp.
+    std::array<std::uint8_t, mavlink_wire::kHashBytes> of(
+        std::span<const std::uint8_t> signed_part) const;
+
+  private:
+    /// Has taken the secret.
+    sha256_ctx begun_{};
+};
+
+/// Signs what one sender sends on one link.
+class MavlinkSigner {
+  public:
+    MavlinkSigner(const SecretKey& secret, std::uint8_t link_id)
+        : hash_(secret), link_id_(link_id) {}
+    /// Without a clock, time stamps count instants, as if their zero were the year 2015.
+    void use_clock(const WallClock& clock) { clock_ = &clock; }
+    /// Writes the signature behind the first `length` bytes of `wire`, which are a frame.
+    void sign(std::span<std::uint8_t> wire, std::size_t length, Instant now);
+    /// No time stamp that `before` has used comes again.
+    void continue_from(const MavlinkSigner& before) { latest_ = before.latest_; }
+
+  private:
+    MavlinkHash hash_;
+    std::uint8_t link_id_;
+    const WallClock* clock_ = nullptr;
+    std::uint64_t latest_ = 0;
+};
+
+/// Why a message does not count.
+enum class SignatureFault : std::uint8_t {
+    no_signature,
+    wrong,     ///< another key, or not what was signed
+    replayed,  ///< not newer than the one before of the same stream
+    too_old,   ///< the first one of its stream, and more than a minute old
+    no_room,   ///< the first one of more streams than are kept
+};
+
+/// Judges what many senders have signed. A stream is what one component of a system sends on one
+/// link. Streams are never forgotten, or an old message would begin one again.
+class MavlinkVerifier {
+  public:
+    static constexpr std::size_t kMostStreams = 16;
+
+    explicit MavlinkVerifier(const SecretKey& secret) : hash_(secret) {}
+    /// Without a clock, a stream may begin at any time that is not a minute before the latest one.
+    void use_clock(const WallClock& clock) { clock_ = &clock; }
+    /// Judges a whole frame whose CRC is right. Only a right signature changes what it keeps.
+    std::optional<SignatureFault> fault_of(std::span<const std::uint8_t> frame, Instant received);
+
+  private:
+    struct Stream {
+        std::uint8_t system = 0;
+        std::uint8_t component = 0;
+        std::uint8_t link_id = 0;
+        std::uint64_t latest = 0;
+    };
+    std::optional<SignatureFault> take(const Stream& message, Instant received);
+
+    MavlinkHash hash_;
+    const WallClock* clock_ = nullptr;
+    std::array<Stream, kMostStreams> streams_{};
+    std::size_t known_ = 0;
+    std::uint64_t newest_ = 0;  ///< of all streams
+};
+
+}  // namespace tribus
