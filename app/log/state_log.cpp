@@ -11,6 +11,8 @@ namespace {
 
 /// A receiver that is on has sent hundreds of frames by then.
 constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
+/// An autopilot answers once a second, and shows what it does within a few seconds.
+constexpr std::uint32_t kAnswersWithoutEffect = 10;
 
 }  // namespace
 
@@ -154,6 +156,34 @@ void StateLog::look_at_state(const std::string& name, const OutputStatus& status
     }
 }
 
+/// A receiver that does not listen says nothing of it, as it says nothing when all is well.
+void StateLog::look_at_answers(const OutputConfig& output, const OutputStatus& status,
+                               const Answers& answers, OutputMemory& memory) const {
+    if (answers.heard == 0 || !hears_effect(output)) {
+        return;
+    }
+    if (answers.effect) {
+        if (std::exchange(memory.no_effect_logged, false)) {
+            const LogFields fields({"TRIBUS_OUTPUT", output.name});
+            log_info("output {}: an answer shows its channels now", output.name);
+        }
+        return;
+    }
+    if (answers.heard < memory.heard_before) {
+        // A reload has changed what is looked for.
+        memory.heard_before = 0;
+        memory.no_effect_logged = false;
+    }
+    if (status.state.stage != OutputStage::control || !status.sends) {
+        memory.heard_before = answers.heard;
+    } else if (answers.heard - memory.heard_before >= kAnswersWithoutEffect &&
+               !std::exchange(memory.no_effect_logged, true)) {
+        const LogFields fields({"TRIBUS_OUTPUT", output.name});
+        log_warning("output {}: {}", output.name,
+                    output.protocol->advice_without_effect(output.settings));
+    }
+}
+
 void StateLog::look_at_drops(const std::string& name, const OutputStatus& status,
                              OutputMemory& memory, Instant now) {
     if (status.counts.foreign_frames == memory.foreign_frames &&
@@ -232,8 +262,10 @@ void StateLog::look(Appliance& appliance, Instant now) {
         log_missing_signal(configuration.inputs[i].name, status, inputs_[i], now);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {
-        look_at_output(configuration.outputs[i].name, appliance.output_status(i),
-                       appliance.inputs_of(i), outputs_[i], now);
+        const OutputStatus status = appliance.output_status(i);
+        look_at_output(configuration.outputs[i].name, status, appliance.inputs_of(i), outputs_[i],
+                       now);
+        look_at_answers(configuration.outputs[i], status, appliance.answers(i), outputs_[i]);
     }
 }
 

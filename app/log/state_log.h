@@ -60,6 +60,10 @@ class StateLog {
         std::uint32_t presets_logged = 0;
         std::uint64_t busy_drops = 0;
         std::uint64_t foreign_frames = 0;
+        /// Answers that were heard before the output was in control, and whether it was logged that
+        /// those since then show no effect.
+        std::uint32_t heard_before = 0;
+        bool no_effect_logged = false;
         RateLimit limit = log_limit();
         /// Continuous events have their own limits and leave the lines for changes of state.
         RateLimit drops_limit = log_limit();
@@ -81,6 +85,8 @@ class StateLog {
     std::string outvoted_names(std::uint32_t outvoted, std::span<const std::size_t> places) const;
     void look_at_state(const std::string& name, const OutputStatus& status,
                        std::span<const std::size_t> places, OutputMemory& memory, Instant now);
+    void look_at_answers(const OutputConfig& output, const OutputStatus& status,
+                         const Answers& answers, OutputMemory& memory) const;
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
     void log_missing_signal(const std::string& name, const InputStatus& status, InputMemory& memory,

@@ -56,11 +56,11 @@ RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan)
         port.read_file = fmt::format("sensor_bus-{}-in.txt", bus);
         port.written_file = fmt::format("sensor_bus-{}-out.txt", bus);
     }
-    if (const auto index = first_of(stations, StationKind::input)) {
-        port.read_file = fmt::format("input-{}.txt", configuration.inputs[*index].name);
-    }
     if (const auto index = first_of(stations, StationKind::replies)) {
         port.read_file = fmt::format("output-{}-heard.txt", configuration.outputs[*index].name);
+    }
+    if (const auto index = first_of(stations, StationKind::input)) {
+        port.read_file = fmt::format("input-{}.txt", configuration.inputs[*index].name);
     }
     if (const auto index = first_of(stations, StationKind::value_message)) {
         port.read_file = fmt::format("values-{}.txt", name_of_message(configuration, *index));

@@ -102,6 +102,12 @@ inline Duration frame_time(const OutputConfig& output) {
                : Duration::zero();
 }
 
+/// Whether answers of the receiver of its frames tell if they have an effect.
+inline bool hears_effect(const OutputConfig& output) {
+    return output.protocol->advice_without_effect != nullptr &&
+           !output.protocol->advice_without_effect(output.settings).empty();
+}
+
 /// Whether the receiver of its frames sets their timing.
 inline bool is_timed_by_receiver(const OutputConfig& output) {
     return output.protocol->is_timed_by_receiver != nullptr &&

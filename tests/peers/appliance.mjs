@@ -50,7 +50,7 @@ export function sendTo(socket, address, bytes) {
     socket.send(bytes, Number(port), host);
 }
 
-// Runs the program with this configuration while `work` runs.
+// Runs the program with this configuration while `work` runs. Returns its log.
 export async function withAppliance(configuration, work) {
     const folder = mkdtempSync(join(tmpdir(), 'tribus-peers-'));
     const file = join(folder, 'peer.toml');
@@ -71,6 +71,7 @@ export async function withAppliance(configuration, work) {
         await ended;
         rmSync(folder, { recursive: true });
     }
+    return log;
 }
 
 // What `tribus decode` makes of these bytes, an object a line.

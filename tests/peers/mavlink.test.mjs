@@ -178,6 +178,71 @@ to   = "servos"
     servos.socket.close();
 });
 
+// An autopilot that takes overrides of its ground station only, and shows them in RC_CHANNELS.
+async function logBesideAutopilot(lines, answers = true) {
+    const autopilot = await receiver();
+    const input = await freeAddress();
+    const own = new MavLinkProtocolV2(1, 1);
+    let sequence = 0;
+    let channels = Array(18).fill(0);
+    let station = null;
+    const send = message => autopilot.socket.send(own.serialize(message, sequence++ % 256), station.port, station.address);
+    autopilot.socket.on('message', async (datagram, from) => {
+        station = from;
+        for (const { kind, system, fields } of await messagesIn([datagram])) {
+            if (kind === 'RC_CHANNELS_OVERRIDE' && system === 255) {
+                channels = channels.map((_, i) => fields[`chan${i + 1}Raw`]);
+            }
+        }
+    });
+    const beats = setInterval(() => {
+        if (station === null || !answers) {
+            return;
+        }
+        const rc = new common.RcChannels();
+        rc.chancount = 18;
+        channels.forEach((pulse, i) => { rc[`chan${i + 1}Raw`] = pulse; });
+        send(rc);
+        const heartbeat = new minimal.Heartbeat();
+        heartbeat.type = minimal.MavType.QUADROTOR;
+        heartbeat.autopilot = minimal.MavAutopilot.ARDUPILOTMEGA;
+        send(heartbeat);
+    }, 100);
+    const log = await withAppliance(`
+[input.receiver]
+protocol = "ibus"
+address  = "${input}"
+[output.drone]
+protocol = "mavlink"
+address  = "${autopilot.address}"
+message  = "rc_channels_override"
+${lines}
+[pipeline.main]
+from = "receiver"
+to   = "drone"
+`, async () => {
+        for (let i = 0; i < 300; ++i) {
+            const moving = [1000 + i, ...STICKS.slice(1)];
+            sendTo(autopilot.socket, input, ibusFrame(moving));
+            await sleep(10);
+        }
+    });
+    clearInterval(beats);
+    autopilot.socket.close();
+    return log.split('\n').filter(line => line.includes('answers'));
+}
+
+test('the log says once that an autopilot answers but takes no overrides of this system', async () => {
+    const lines = await logBesideAutopilot('system = 254\nchannels = 14');
+    assert.equal(lines.length, 1, lines.join('\n'));
+    assert.match(lines[0], /output drone: autopilot 1 answers, but .* must be 254/);
+});
+
+test('the log says nothing of it where the overrides have an effect, or nobody answers', async () => {
+    assert.deepEqual(await logBesideAutopilot('channels = 14'), []);
+    assert.deepEqual(await logBesideAutopilot('system = 254\nchannels = 14', false), []);
+});
+
 // Mission Planner makes a key of a passphrase so.
 const KEY = MavLinkPacketSignature.key('a boat on a lake');
 
@@ -260,9 +325,11 @@ test('signed messages are read by decode with their key, and by no other', () =>
     const plain = protocol.serialize(override(STICKS), 0);
     const wrong = protocol.sign(plain, 0, MavLinkPacketSignature.key('another'));
     const right = protocol.sign(protocol.serialize(override(STICKS.map(() => 1600)), 0), 0, KEY);
-    const frames = decode(Buffer.concat([wrong, right]), '--protocol', 'mavlink', '--key', file);
+    const lines = decode(Buffer.concat([wrong, right]), '--protocol', 'mavlink', '--key', file);
+    const frames = lines.filter(line => line.channels);
     assert.equal(frames.length, 1);
     assert.equal(frames[0].channels[0], 1600);
+    assert.equal(lines.at(-1).summary.rejected.wrong_signature, 1);
 }));
 
 test('each message with channels is read by decode, of both versions', () => {

@@ -131,6 +131,14 @@ class ByteDecoder : public DecoderReport {
                          DecodedFrame& frame) = 0;
 };
 
+/// What the receiver of an output's frames says of itself, in protocols whose receivers answer.
+struct Answers {
+    /// Signs of life since the encoder was made.
+    std::uint32_t heard = 0;
+    /// An answer has shown channels that were sent.
+    bool effect = false;
+};
+
 /// A frame of channels in, what a link carries out. Every frame has an encoding. Pure: no
 /// descriptor, clock or log, and no heap after construction; may keep state. Thread-bound.
 class Encoder {
@@ -161,6 +169,9 @@ class Encoder {
     /// Continues where `before`, an encoder of the same protocol and settings, ended, so that
     /// receivers see one sender.
     virtual void continue_from(const Encoder& /*before*/) {}
+
+    /// What was heard of the receiver. Thread-safe.
+    virtual Answers answers() const { return {}; }
 
     /// CAN: whether some of its frames are FD. Constant.
     virtual bool uses_fd() const { return false; }

@@ -95,6 +95,11 @@ struct Protocol {
     /// output reads what comes back (ByteEncoder::hear), and its schedule is a grid. Null: never.
     bool (*is_timed_by_receiver)(const SettingValues&) = nullptr;
 
+    /// What to check when the receiver of an output's frames answers, but no answer shows an effect
+    /// of them. Such an output reads what comes back (ByteEncoder::hear, Encoder::answers). Null or
+    /// empty: the answers tell nothing.
+    std::string (*advice_without_effect)(const SettingValues&) = nullptr;
+
     /// Null where there is no codec. Settings must be checked.
     AnyDecoder (*make_decoder)(const SettingValues&) = nullptr;
     AnyEncoder (*make_encoder)(const SettingValues&) = nullptr;

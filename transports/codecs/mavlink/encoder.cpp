@@ -48,6 +48,29 @@ MavlinkEncoder::MavlinkEncoder(const Settings& settings) : settings_(settings) {
     if (settings.key) {
         signer_.emplace(*settings.key, settings.link_id);
     }
+    if (settings.message != MavlinkChannels::manual_control) {
+        answers_.emplace(
+            MavlinkSent{.radio = settings.message == MavlinkChannels::radio_rc_channels,
+                        .channels = settings.channels,
+                        .target = settings.target});
+    }
+}
+
+std::optional<AskedTiming> MavlinkEncoder::hear(std::span<const std::uint8_t> bytes, Instant now) {
+    if (answers_) {
+        answers_->hear(bytes, now);
+    }
+    return std::nullopt;
+}
+
+void MavlinkEncoder::forget_heard() {
+    if (answers_) {
+        answers_->reset();
+    }
+}
+
+Answers MavlinkEncoder::answers() const {
+    return answers_ ? answers_->answers() : Answers{};
 }
 
 void MavlinkEncoder::use_clock(const WallClock& clock) {
@@ -161,6 +184,9 @@ std::size_t MavlinkEncoder::write(const ChannelFrame& frame,
                                   std::span<std::uint8_t, kLongestSerialFrame> wire, Instant now) {
     Payload payload{};
     const MessageKind& kind = fill(frame, payload);
+    if (answers_) {
+        answers_->keep(payload);
+    }
     std::size_t length = write_message(kind, payload, wire, now);
     releases_left_ = settings_.releases ? kReleases : 0;
     if (!heartbeat_at_ || now >= *heartbeat_at_) {
@@ -194,6 +220,9 @@ void MavlinkEncoder::continue_from(const Encoder& before) {
         releases_left_ = same->releases_left_;
         if (signer_ && same->signer_) {
             signer_->continue_from(*same->signer_);
+        }
+        if (answers_ && same->answers_ && settings_.system == same->settings_.system) {
+            answers_->continue_from(*same->answers_);
         }
     }
 }

@@ -9,6 +9,7 @@
 
 #include "core/time.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/mavlink/answers.h"
 #include "transports/codecs/mavlink/messages.h"
 #include "transports/codecs/protocol.h"
 
@@ -84,6 +85,9 @@ class MavlinkEncoder final : public ByteEncoder {
                               Instant now) override;
     void use_clock(const WallClock& clock) override;
     void continue_from(const Encoder& before) override;
+    std::optional<AskedTiming> hear(std::span<const std::uint8_t> bytes, Instant now) override;
+    void forget_heard() override;
+    Answers answers() const override;
 
     /// Longest frame with a HEARTBEAT, and both signed.
     static constexpr std::size_t kLongest =
@@ -103,6 +107,8 @@ class MavlinkEncoder final : public ByteEncoder {
 
     Settings settings_;
     std::optional<MavlinkSigner> signer_;
+    /// Absent with MANUAL_CONTROL: what it moves has no fixed scale.
+    std::optional<MavlinkAnswers> answers_;
     std::uint8_t sequence_ = 0;
     std::optional<Instant> heartbeat_at_;  ///< when the next one is due
     int releases_left_ = 0;

@@ -217,6 +217,24 @@ std::size_t bytes_of_signatures(const SettingValues& settings) {
     return key_setting(settings) ? MavlinkEncoder::kLongestSigned - MavlinkEncoder::kLongest : 0;
 }
 
+/// Nobody tells a stranger that he is one.
+std::string mavlink_advice(const SettingValues& settings) {
+    const MavlinkEncoder::Settings sent = encoder_settings(settings);
+    if (sent.message == MavlinkChannels::manual_control) {
+        return {};
+    }
+    const std::string what =
+        sent.message == MavlinkChannels::radio_rc_channels
+            ? "it must read RADIO_RC_CHANNELS (ArduPilot 4.6 and newer)"
+            : "it takes overrides only from its ground station: its MAV_GCS_SYSID (before 4.7 "
+              "SYSID_MYGCS) must be " +
+                  std::to_string(sent.system) + ", the `system` of this output";
+    return "autopilot " + std::to_string(sent.target) +
+           " answers, but none of its RC_CHANNELS has these channels; " + what +
+           (sent.key ? ", and have the same key" : "") +
+           "; and it must send RC_CHANNELS (SRn_RC_CHAN 2 or more)";
+}
+
 /// RC_CHANNELS does by SYS_STATUS beside it.
 bool mavlink_signals_failsafe(const SettingValues& settings) {
     const auto message = chosen_message(settings);
@@ -271,6 +289,7 @@ const Protocol kMavlinkProtocol{
     .default_timeout = std::chrono::milliseconds(500),
     .signals_failsafe = mavlink_signals_failsafe,
     .check = check_mavlink,
+    .advice_without_effect = mavlink_advice,
     .make_decoder = make_mavlink_decoder,
     .make_encoder = make_mavlink_encoder,
 };

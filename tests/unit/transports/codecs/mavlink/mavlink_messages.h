@@ -75,4 +75,22 @@ inline Bytes message_2(std::uint32_t id, std::uint8_t crc_extra, const Bytes& pa
     return frame;
 }
 
+/// HEARTBEAT of a copter with ArduPilot.
+inline Bytes heartbeat_message(const MessageHead& head = {}) {
+    return message_2(0, 50, from_hex("00000000 02 03 51 04 03"), head);
+}
+
+/// RC_CHANNELS of an autopilot with these pulses, in whole microseconds.
+inline Bytes rc_channels_message(const std::vector<double>& pulses, const MessageHead& head = {}) {
+    Bytes payload(42);
+    for (std::size_t i = 0; i < pulses.size(); ++i) {
+        const auto word = static_cast<unsigned>(pulses[i]);
+        payload[4 + 2 * i] = static_cast<std::uint8_t>(word);
+        payload[5 + 2 * i] = static_cast<std::uint8_t>(word >> 8U);
+    }
+    payload[40] = static_cast<std::uint8_t>(pulses.size());
+    payload[41] = 255;
+    return message_2(65, 118, payload, head);
+}
+
 }  // namespace tribus::test

@@ -1,0 +1,143 @@
+#include <chrono>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include "app/log/state_log.h"
+#include "config/load.h"
+#include "pipelines/realtime/clock.h"
+#include "tests/support/far_end.h"
+#include "tests/support/sbus_frames.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/transports/codecs/mavlink/mavlink_messages.h"
+
+/// What the log says of an autopilot at a pty that answers. SBUS frames of 1500 us steer it.
+namespace tribus::test::state_log_answers_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::string_view kAdvice =
+    "output drone: autopilot 1 answers, but none of its RC_CHANNELS has these channels; it takes "
+    "overrides only from its ground station: its MAV_GCS_SYSID (before 4.7 SYSID_MYGCS) must be "
+    "255, the `system` of this output; and it must send RC_CHANNELS (SRn_RC_CHAN 2 or more)\n";
+
+class StateLogOfAnAutopilot : public testing::Test {
+  protected:
+    StateLogOfAnAutopilot() : logger_before_(spdlog::default_logger()) {
+        auto sink = std::make_shared<spdlog::sinks::ostream_sink_mt>(said_);
+        sink->set_pattern("%v");
+        spdlog::set_default_logger(std::make_shared<spdlog::logger>("test", sink));
+        auto started = Appliance::start(configuration());
+        if (!started) {
+            throw std::runtime_error(started.error().front());
+        }
+        appliance_ = std::move(*started);
+        log_ = std::make_unique<StateLog>(*appliance_, Instant(0s));
+    }
+    ~StateLogOfAnAutopilot() override { spdlog::set_default_logger(logger_before_); }
+
+    void steer() {
+        until([&] {
+            receiver_.send(from_hex(kAll992));
+            autopilot_.receive();
+            return appliance_->output_status(0).state.stage == OutputStage::control;
+        });
+    }
+    /// Sends so many heartbeats, while the output is steered or not, and returns what the log says.
+    std::string after_heartbeats(std::uint32_t count) {
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::uint32_t before = appliance_->answers(0).heard;
+            autopilot_.send(heartbeat_message());
+            until([&] { return appliance_->answers(0).heard == before + 1; });
+        }
+        return said();
+    }
+    std::string after_channels(double pulse) {
+        autopilot_.send(rc_channels_message(std::vector<double>(16, pulse)));
+        return after_heartbeats(1);
+    }
+    /// What the log says of the output's answers when it looks.
+    std::string said() {
+        log_->look(*appliance_, Instant(1s));
+        std::istringstream all(std::move(said_).str());
+        said_.str("");
+        std::string lines;
+        for (std::string line; std::getline(all, line);) {
+            lines += line.find("answer") != std::string::npos ? line + "\n" : "";
+        }
+        return lines;
+    }
+
+  private:
+    Configuration configuration() const {
+        return load_configuration(
+                   "[input.receiver]\nprotocol = \"sbus\"\ntimeout = \"10s\"\ndevice = \"" +
+                       receiver_.path() +
+                       "\"\n[output.drone]\nprotocol = \"mavlink\"\n"
+                       "message = \"rc_channels_override\"\nbaud = 115200\ndevice = \"" +
+                       autopilot_.path() +
+                       "\"\n[pipeline.main]\nfrom = \"receiver\"\nto = \"drone\"\n"
+                       "[runtime]\nrealtime = \"off\"\n",
+                   "test.toml")
+            .value();
+    }
+    template <class Condition>
+    void until(Condition condition) {
+        const Instant patience = monotonic_now() + 10s;
+        while (!condition()) {
+            ASSERT_LT(monotonic_now(), patience) << "nothing of it was seen";
+            autopilot_.receive();
+            std::this_thread::sleep_for(3ms);
+        }
+    }
+
+    TemporaryFolder folder_;
+    FarEnd receiver_{folder_ / "receiver"};
+    FarEnd autopilot_{folder_ / "autopilot"};
+    std::ostringstream said_;
+    std::shared_ptr<spdlog::logger> logger_before_;
+    std::unique_ptr<Appliance> appliance_;
+    std::unique_ptr<StateLog> log_;
+};
+
+TEST_F(StateLogOfAnAutopilot, SaysOnceThatTenAnswersShowNoEffect) {
+    steer();
+    EXPECT_EQ(said(), "");
+    EXPECT_EQ(after_heartbeats(9), "");
+    EXPECT_EQ(after_heartbeats(1), kAdvice);
+    EXPECT_EQ(after_heartbeats(20), "");
+}
+
+TEST_F(StateLogOfAnAutopilot, SaysNothingWhereAnAnswerShowsTheChannels) {
+    steer();
+    EXPECT_EQ(after_channels(1500), "");
+    EXPECT_EQ(after_heartbeats(20), "");
+}
+
+TEST_F(StateLogOfAnAutopilot, SaysThatAnEffectCameAfterAll) {
+    steer();
+    EXPECT_EQ(after_channels(1100), "");
+    EXPECT_EQ(after_heartbeats(10), kAdvice);
+    EXPECT_EQ(after_channels(1501), "output drone: an answer shows its channels now\n");
+    EXPECT_EQ(after_heartbeats(20), "");
+}
+
+TEST_F(StateLogOfAnAutopilot, CountsOnlyAnswersToWhatIsSent) {
+    EXPECT_EQ(after_heartbeats(20), "");
+    steer();
+    EXPECT_EQ(after_heartbeats(9), "");
+    EXPECT_EQ(after_heartbeats(1), kAdvice);
+}
+
+}  // namespace
+}  // namespace tribus::test::state_log_answers_test
