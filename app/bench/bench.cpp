@@ -34,7 +34,6 @@ using bench::Report;
 /// Default priority of `tribus run`.
 constexpr int kPriority = 80;
 constexpr std::size_t kMostColumns = 100;
-constexpr int kInterruptedStatus = 130;
 
 struct BenchOptions {
     double seconds = 20;
@@ -189,7 +188,7 @@ int run_bench(const BenchOptions& options) {
         return complain(report.error(), kExitFailed);
     }
     if (bench::interrupted()) {
-        return complain("interrupted", kInterruptedStatus);
+        return complain("interrupted", kExitInterrupted);
     }
     fmt::print("{}", options.format == "json" ? bench::report_json(*report)
                                               : bench::report_text(*report, report_columns()));

@@ -8,5 +8,7 @@ inline constexpr int kExitFine = 0;
 inline constexpr int kExitFailed = 1;
 /// Wrong use, or a wrong configuration.
 inline constexpr int kExitWrongUse = 2;
+/// Interrupted by Ctrl-C before there was a result.
+inline constexpr int kExitInterrupted = 130;
 
 }  // namespace tribus

@@ -1,12 +1,16 @@
 #include "app/learn/learn.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <variant>
 #include <vector>
 
@@ -19,11 +23,13 @@
 #include "app/cli/load_or_explain.h"
 #include "app/learn/frame_collector.h"
 #include "app/learn/learn_live.h"
+#include "app/learn/learn_pad.h"
 #include "app/learn/loss_study.h"
 #include "app/replay/simulate_inputs.h"
 #include "config/language/mistakes.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
+#include "transports/codecs/gamepad/gamepad.h"
 
 namespace tribus {
 namespace {
@@ -151,12 +157,49 @@ int give_up(const LearnOptions& options, const std::string& why, int status) {
     return complain(why, status);
 }
 
+/// An input device stands for itself, because a gamepad needs no configuration to be learned. Names
+/// below /dev/input may have colons.
+bool is_input_device(const std::string& name) {
+    std::error_code error;
+    return name.starts_with("/dev/input/") || std::filesystem::is_character_file(name, error);
+}
+
+LearnGuide guide_of(const LearnOptions& options) {
+    return options.format == "json"      ? LearnGuide::json
+           : ::isatty(STDIN_FILENO) == 1 ? LearnGuide::terminal
+                                         : LearnGuide::alone;
+}
+
+int refuse_recording_of_pad(const LearnOptions& options) {
+    return give_up(options,
+                   "--recording is for the loss of receivers. Of a gamepad learn finds axes and "
+                   "buttons, with the gamepad in your hand; leave --recording out",
+                   kExitWrongUse);
+}
+
+int learn_input_pad(const LearnOptions& options, const std::string& file, const InputConfig& pad) {
+    if (!options.recording.empty()) {
+        return refuse_recording_of_pad(options);
+    }
+    return learn_pad({.device = pad.port.device,
+                      .grab = pad.port.settings.get_or("grab", true),
+                      .place = fmt::format("[input.{}] of {}", pad.name, file)},
+                     guide_of(options));
+}
+
 int learn(const LearnOptions& options) {
+    if (is_input_device(options.file_and_name)) {
+        return options.recording.empty()
+                   ? learn_pad({.device = options.file_and_name}, guide_of(options))
+                   : refuse_recording_of_pad(options);
+    }
     const std::size_t colon = options.file_and_name.rfind(':');
     if (colon == std::string::npos) {
-        return complain(fmt::format("learn {}: must be CONFIG:INPUT, such as servos.toml:receiver",
-                                    options.file_and_name),
-                        kExitWrongUse);
+        return complain(
+            fmt::format("learn {}: must be CONFIG:INPUT, such as servos.toml:receiver, or "
+                        "a gamepad below /dev/input",
+                        options.file_and_name),
+            kExitWrongUse);
     }
     const std::string file = options.file_and_name.substr(0, colon);
     const std::string name = options.file_and_name.substr(colon + 1);
@@ -167,6 +210,9 @@ int learn(const LearnOptions& options) {
     const auto input = input_named(*configuration, name);
     if (!input) {
         return give_up(options, input.error(), kExitWrongUse);
+    }
+    if (configuration->inputs[*input].protocol == &kGamepadProtocol) {
+        return learn_input_pad(options, file, configuration->inputs[*input]);
     }
     const bool json = options.format == "json";
     const auto learned = options.recording.empty()
@@ -188,16 +234,20 @@ Command learn_command() {
     auto options = std::make_shared<LearnOptions>();
     return {
         .name = "learn",
-        .help = "Find out how a receiver loses its link, and which detectors recognise it",
+        .help = "Find out how a receiver loses its link, or which stick of a gamepad is which axis",
         .footer =
-            "Guides you through moving the sticks, letting go, switching the transmitter off and "
-            "on again, and prints the lines that recognise this receiver's loss, or what to set "
-            "on the transmitter. Take the propellers off first. Exit status: 0 recognised, 1 not.",
+            "Of a receiver: guides you through moving the sticks, letting go, switching the "
+            "transmitter off and on again, and prints the lines that recognise this receiver's "
+            "loss, or what to set on the transmitter. Take the propellers off first. Of a gamepad: "
+            "asks for one stick or button after the other, and prints the lines of its input; "
+            "without a terminal, too. Exit status: 0 recognised, or lines printed; 1 not; 130 "
+            "interrupted.",
         // Newer versions of CLI11 do not allow a colon in a name.
         .options = {{.name = "INPUT",
                      .value = &options->file_and_name,
                      .help =
-                         "An input of a configuration: CONFIG:INPUT, such as servos.toml:receiver",
+                         "An input of a configuration: CONFIG:INPUT, such as servos.toml:receiver; "
+                         "or a gamepad: /dev/input/by-id/...-event-joystick",
                      .required = true},
                     {.name = "--recording",
                      .value = &options->recording,

@@ -23,8 +23,10 @@ struct LearnedFrames {
 enum class LearnGuide : std::uint8_t {
     terminal,  ///< lines on standard error; standard input must be a terminal
     json,      ///< `{"step","text"}` in a line of standard output before each answer
+    alone,     ///< lines on standard error; nobody answers. Only of a gamepad
 };
-/// `step`: `waiting` (the sticks are to be moved), `off`, `on`, `done` or `broken`.
+/// `step`: `waiting` (the sticks are to be moved), `off`, `on`, `control` (a control of a gamepad
+/// is to be shown), `done` or `broken`.
 void tell_learn_step(std::string_view step, std::string_view text,
                      const std::vector<std::string>& lines = {});
 

@@ -77,12 +77,12 @@ bool InputReader::grab() const {
     return ::ioctl(fd_.get(), EVIOCGRAB, 1) == 0;
 }
 
-VirtualGamepad::VirtualGamepad(const std::string& name)
+VirtualGamepad::VirtualGamepad(const std::string& name, const std::vector<int>& buttons)
     : fd_(::open("/dev/uinput", O_WRONLY | O_NONBLOCK | O_CLOEXEC)) {
     const int fd = fd_.get();
     EXPECT_EQ(::ioctl(fd, UI_SET_EVBIT, EV_KEY), 0);
     EXPECT_EQ(::ioctl(fd, UI_SET_EVBIT, EV_ABS), 0);
-    for (const int button : {BTN_SOUTH, BTN_EAST, BTN_TL}) {
+    for (const int button : buttons) {
         EXPECT_EQ(::ioctl(fd, UI_SET_KEYBIT, button), 0);
     }
     for (const int axis : {ABS_X, ABS_Y, ABS_RX, ABS_RY}) {

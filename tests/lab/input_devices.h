@@ -33,10 +33,11 @@ class InputReader {
     UniqueFd fd_;
 };
 
-/// A gamepad that the test makes: sticks from -100 to 100, buttons BTN_SOUTH, BTN_EAST, BTN_TL.
+/// A gamepad that the test makes: sticks from -100 to 100, and buttons.
 class VirtualGamepad {
   public:
-    explicit VirtualGamepad(const std::string& name);
+    explicit VirtualGamepad(const std::string& name,
+                            const std::vector<int>& buttons = {BTN_SOUTH, BTN_EAST, BTN_TL});
     /// Moves axes or presses buttons, all in one report.
     struct Change {
         int type = 0;

@@ -97,6 +97,45 @@ TEST_F(Learn, OfAnInputThatIsNotThereNamesThoseThatAre) {
         << program.errors();
 }
 
+/// This machine need not have a gamepad; the laboratory has one.
+class LearnPad : public Loopback {
+  protected:
+    void refuses(const std::vector<std::string>& words, int status, const std::string& why) {
+        Program& program = start(words);
+        EXPECT_EQ(program.end(), status) << program.errors();
+        EXPECT_NE(program.errors().find(why), std::string::npos) << program.errors();
+        EXPECT_EQ(program.output(), "");
+    }
+};
+
+TEST_F(LearnPad, OfADeviceThatIsNotThereOrNoGamepadSaysSo) {
+    refuses({"learn", "/dev/input/by-id/none"}, 1,
+            "/dev/input/by-id/none: there is no such device");
+    refuses({"learn", "/dev/null"}, 1, "/dev/null: this is no input device");
+    refuses({"learn", "/dev/input/js0"}, 1, "ends in -event-joystick");
+    refuses({"learn", "pad"}, 2, "or a gamepad below /dev/input");
+}
+
+TEST_F(LearnPad, OfARecordingIsRefused) {
+    const std::string file = write_config(
+        "[input.pad]\nprotocol = \"gamepad\"\ndevice = \"/dev/input/by-id/none\"\n"
+        "[output.servos]\nprotocol = \"sbus\"\ndevice = \"@servos\"\n"
+        "[pipeline.main]\nfrom = \"pad\"\nto = \"servos\"\n");
+    const std::string why = "--recording is for the loss of receivers";
+    for (const std::string& pad : {file + ":pad", std::string("/dev/input/by-id/none")}) {
+        refuses({"learn", pad, "--recording", file, "--off-at", "1s", "--back-at", "2s"}, 2, why);
+    }
+    refuses({"learn", file + ":pad"}, 1, "/dev/input/by-id/none: there is no such device");
+}
+
+TEST_F(LearnPad, SaysToAProgramWhyNothingWasLearned) {
+    Program& program = start({"learn", "/dev/input/by-id/none", "--format", "json"});
+    EXPECT_EQ(program.end(), 1);
+    EXPECT_EQ(program.output(),
+              R"({"step":"broken","text":"/dev/input/by-id/none: there is no such device",)"
+              "\"lines\":[]}\n");
+}
+
 /// A person who does what the program says, in a terminal.
 class GuidedLearn : public Learn {
   protected:

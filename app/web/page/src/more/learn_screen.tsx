@@ -6,7 +6,7 @@ import { absent, addressOf, daemonName, mayChange, status } from '../model/store
 const LIMIT_MS = 60_000;
 
 interface Step {
-    step: 'waiting' | 'on' | 'off' | 'done' | 'broken';
+    step: 'waiting' | 'on' | 'off' | 'control' | 'done' | 'broken';
     text: string;
     lines: string[];
 }
@@ -14,11 +14,11 @@ interface Step {
 /** What the person has done when the button is pressed. */
 const LABELS: Record<Step['step'], string> = {
     waiting: 'Sticks moved, hands off', off: 'The transmitter is off',
-    on: 'The transmitter is on and connected', done: '', broken: '',
+    on: 'The transmitter is on and connected', control: 'Go on', done: '', broken: '',
 };
 const TITLES: Record<Step['step'], string> = {
-    waiting: 'Transmitter on', off: 'Off now', on: 'On now', done: 'Recognised',
-    broken: 'Broken off',
+    waiting: 'Transmitter on', off: 'Off now', on: 'On now', control: 'Gamepad',
+    done: 'Recognised', broken: 'Broken off',
 };
 
 async function intoDraft(input: string, lines: string[]): Promise<void> {
