@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -21,11 +22,14 @@
 #include "app/cli/terminal.h"
 #include "app/doctor/can_judge.h"
 #include "app/doctor/examine.h"
+#include "app/doctor/input_facts.h"
 #include "app/doctor/kernel_files.h"
 #include "app/doctor/machine_judge.h"
+#include "app/doctor/pwm_facts.h"
 #include "app/doctor/report.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
+#include "transports/links/evdev/evdev_link.h"
 
 namespace tribus {
 namespace {
@@ -68,6 +72,64 @@ void take_port(const KernelFiles& files, const std::string& device, Duration tim
     report.ports.push_back(std::move(port));
 }
 
+/// Opens a gamepad that may be opened, to see whether another program has taken it.
+void take_input(const KernelFiles& files, const std::string& device, Report& report) {
+    InputFacts facts = look_at_input(files, device);
+    if (facts.device.is_gamepad() && facts.access.may_open) {
+        const std::string& node = facts.device.node;
+        const auto link = EvdevLink::open(node, true);
+        facts.refusal = link ? "" : link.error().substr(node.size() + std::strlen(": "));
+    }
+    append(report.findings, judge_input(facts, true));
+    report.inputs.push_back(std::move(facts));
+}
+
+void take_pwm(const KernelFiles& files, const std::string& device, Report& report) {
+    std::vector<PwmFacts> chips = look_at_pwm_chip(files, device);
+    if (chips.empty()) {
+        report.findings.push_back(unknown_pwm_chip(files, device));
+    }
+    for (PwmFacts& facts : chips) {
+        append(report.findings, judge_pwm(facts, true));
+        report.pwm.push_back(std::move(facts));
+    }
+}
+
+void take_uinput(const KernelFiles& files, bool asked_for, Report& report) {
+    report.uinput = look_at_uinput(files);
+    append(report.findings, judge_uinput(*report.uinput, asked_for));
+}
+
+/// Returns whether the device is one at the ends of a pipeline that is no wire.
+bool take_other_end(const KernelFiles& files, const std::string& device, Report& report) {
+    if (names_input(files, device)) {
+        take_input(files, device, report);
+    } else if (names_pwm_chip(files, device)) {
+        take_pwm(files, device, report);
+    } else if (device == "/dev/uinput" || device == "uinput") {
+        take_uinput(files, true, report);
+    } else {
+        return false;
+    }
+    return true;
+}
+
+void take_device(const KernelFiles& files, const std::string& device, Duration time,
+                 const std::vector<std::string>& can, Report& report) {
+    const bool interface = device.find('/') == std::string::npos;
+    if (take_other_end(files, device, report)) {
+        return;
+    }
+    if (interface && std::ranges::find(can, device) == can.end() &&
+        std::filesystem::exists("/dev/" + device)) {
+        take_port(files, "/dev/" + device, time, report);
+    } else if (interface) {
+        take_can(report, device, true);
+    } else {
+        take_port(files, device, time, report);
+    }
+}
+
 void take_everything(const KernelFiles& files, Report& report) {
     report.machine = look_at_machine(files);
     append(report.findings, judge_machine(*report.machine));
@@ -80,6 +142,15 @@ void take_everything(const KernelFiles& files, Report& report) {
     for (const std::string& name : can_interfaces(files)) {
         take_can(report, name, false);
     }
+    for (InputFacts& facts : look_at_gamepads(files)) {
+        append(report.findings, judge_input(facts, false));
+        report.inputs.push_back(std::move(facts));
+    }
+    for (PwmFacts& facts : look_at_pwm_chips(files)) {
+        append(report.findings, judge_pwm(facts, false));
+        report.pwm.push_back(std::move(facts));
+    }
+    take_uinput(files, false, report);
 }
 
 std::string text_for_people(const Report& report) {
@@ -100,15 +171,7 @@ int examine(const DoctorOptions& options) {
     Report report;
     const std::vector<std::string> can = can_interfaces(files);
     for (const std::string& device : options.devices) {
-        const bool interface = device.find('/') == std::string::npos;
-        if (interface && std::ranges::find(can, device) == can.end() &&
-            std::filesystem::exists("/dev/" + device)) {
-            take_port(files, "/dev/" + device, *time, report);
-        } else if (interface) {
-            take_can(report, device, true);
-        } else {
-            take_port(files, device, *time, report);
-        }
+        take_device(files, device, *time, can, report);
     }
     if (options.devices.empty()) {
         take_everything(files, report);
@@ -134,8 +197,9 @@ Command doctor_command() {
             "with `run`.\nExit status: 0 no problems, 1 problems found, 2 wrong use.",
         .options = {{.name = "DEVICE",
                      .value = &options->devices,
-                     .help = "Serial devices to try and listen to, and CAN interfaces; default: "
-                             "check all of them and the machine, without opening any"},
+                     .help = "Serial devices to try and listen to, CAN interfaces, gamepads, PWM "
+                             "chips, /dev/uinput; default: check all of them and the machine, "
+                             "without opening any"},
                     {.name = "--for",
                      .value = &options->listening,
                      .help = "How long to listen to each device",

@@ -57,22 +57,32 @@ std::string unit_of(const std::string& groups) {
 
 }  // namespace
 
-void look_at_users(const KernelFiles& files, SerialFacts& facts) {
+NodeUsers users_of(const KernelFiles& files, const std::string& node,
+                   const std::string& login_name) {
+    NodeUsers found;
     for (const std::string& name : files.names_in("proc")) {
         if (name.find_first_not_of("0123456789") != std::string::npos) {
             continue;
         }
         const std::string process = "proc/" + name;
-        const bool login = waits_for(files.line(process + "/cmdline"), facts.name);
-        const Has open = has_open(files, process, facts.node);
-        facts.users_hidden = facts.users_hidden || open == Has::hidden;
+        const bool login =
+            !login_name.empty() && waits_for(files.line(process + "/cmdline"), login_name);
+        const Has open = has_open(files, process, node);
+        found.hidden = found.hidden || open == Has::hidden;
         if (login || open == Has::yes) {
-            facts.users.push_back({.process = std::atoi(name.c_str()),
+            found.users.push_back({.process = std::atoi(name.c_str()),
                                    .command = files.line(process + "/comm"),
                                    .unit = unit_of(files.text(process + "/cgroup")),
                                    .is_login = login});
         }
     }
+    return found;
+}
+
+void look_at_users(const KernelFiles& files, SerialFacts& facts) {
+    NodeUsers found = users_of(files, facts.node, facts.name);
+    facts.users = std::move(found.users);
+    facts.users_hidden = found.hidden;
 }
 
 }  // namespace tribus::doctor

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "app/doctor/finding.h"
+#include "app/doctor/input_facts.h"
 #include "app/doctor/line_judge.h"
 #include "app/doctor/machine_facts.h"
+#include "app/doctor/pwm_facts.h"
 #include "app/doctor/serial_facts.h"
 #include "app/doctor/serial_judge.h"
 #include "transports/links/can/can_interface.h"
@@ -26,6 +28,10 @@ struct Report {
     std::optional<MachineFacts> machine;
     std::vector<ExaminedPort> ports;
     std::vector<CanInterface> can;
+    std::vector<InputFacts> inputs;
+    std::vector<PwmFacts> pwm;
+    /// Empty if only other devices were asked for.
+    std::optional<UinputFacts> uinput;
     /// Ordered by severity, problems first.
     std::vector<Finding> findings;
 };

@@ -109,18 +109,66 @@ OrderedJson can_json(const CanInterface& interface) {
             {"receive_errors", or_null(interface.receive_errors)}};
 }
 
+OrderedJson input_json(const InputFacts& facts) {
+    OrderedJson users = OrderedJson::array();
+    for (const PortUser& user : facts.users.users) {
+        users.push_back(
+            {{"process", user.process}, {"command", user.command}, {"unit", user.unit}});
+    }
+    return {{"node", facts.device.node},
+            {"device", facts.device.device},
+            {"name", facts.device.name},
+            {"address", facts.device.unique},
+            {"gamepad", facts.device.is_gamepad()},
+            {"axes", facts.device.axes.size()},
+            {"buttons", facts.device.buttons.size()},
+            {"may_open", facts.access.may_open},
+            {"group", facts.access.group},
+            {"users", std::move(users)},
+            {"configuration", configuration_lines(facts)}};
+}
+
+OrderedJson pwm_json(const PwmFacts& facts) {
+    constexpr std::int64_t kMicrosecond = 1000;
+    OrderedJson taken = OrderedJson::array();
+    for (const auto& [output, state] : facts.taken) {
+        taken.push_back({{"output", output},
+                         {"on", state.on},
+                         {"pulse_us", state.pulse.count() / kMicrosecond},
+                         {"period_us", state.period.count() / kMicrosecond}});
+    }
+    return {{"name", facts.chip.name},       {"driver", facts.chip.driver},
+            {"outputs", facts.chip.outputs}, {"may_use", facts.access.may_open},
+            {"group", facts.access.group},   {"taken", std::move(taken)}};
+}
+
+OrderedJson uinput_json(const UinputFacts& facts) {
+    return {{"exists", facts.access.exists},
+            {"may_open", facts.access.may_open},
+            {"group", facts.access.group}};
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
     OrderedJson json = {{"machine", report.machine ? machine_json(*report.machine) : OrderedJson()},
                         {"ports", OrderedJson::array()},
                         {"can", OrderedJson::array()},
+                        {"inputs", OrderedJson::array()},
+                        {"pwm", OrderedJson::array()},
+                        {"uinput", report.uinput ? uinput_json(*report.uinput) : OrderedJson()},
                         {"findings", OrderedJson::array()}};
     for (const ExaminedPort& port : report.ports) {
         json["ports"].push_back(port_json(port));
     }
     for (const CanInterface& interface : report.can) {
         json["can"].push_back(can_json(interface));
+    }
+    for (const InputFacts& facts : report.inputs) {
+        json["inputs"].push_back(input_json(facts));
+    }
+    for (const PwmFacts& facts : report.pwm) {
+        json["pwm"].push_back(pwm_json(facts));
     }
     for (const Finding& finding : report.findings) {
         json["findings"].push_back(finding_json(finding));

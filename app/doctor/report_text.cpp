@@ -1,12 +1,14 @@
 #include <algorithm>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "app/cli/screen_parts.h"
 #include "app/doctor/line_advice.h"
 #include "app/doctor/report.h"
+#include "app/pwm/pwm_text.h"
 #include "config/show/paragraph.h"
 
 namespace tribus::doctor {
@@ -90,6 +92,33 @@ void print_port(const ExaminedPort& port, Page& page) {
     }
 }
 
+void print_input(const InputFacts& facts, Page& page) {
+    const std::string text = describe(facts);
+    if (text.empty()) {
+        return;
+    }
+    page.paragraph("", fmt::format("{}: {}", facts.device.node, text));
+    if (facts.device.has_stable_name()) {
+        page.paragraph("  name     ", facts.device.device);
+    }
+    const std::vector<std::string> lines = configuration_lines(facts);
+    if (facts.refusal && !lines.empty()) {
+        page.paragraph("  ", fmt::format("For the configuration; `tribus learn {}` finds which "
+                                         "stick and button is which channel:",
+                                         facts.device.device));
+        for (const std::string& line : lines) {
+            page.line("    " + line);
+        }
+    }
+}
+
+void print_pwm(const PwmFacts& facts, Page& page) {
+    page.paragraph("", "PWM chip " + pwm_chip_text(facts.chip));
+    for (const auto& [output, state] : facts.taken) {
+        page.line(fmt::format("  output {:2}  {}", output, pwm_output_text(state)));
+    }
+}
+
 std::string_view colour_of(Severity severity) {
     return severity == Severity::problem  ? screen::kRed
            : severity == Severity::advice ? screen::kYellow
@@ -134,6 +163,15 @@ std::string report_text(const Report& report, std::size_t columns, bool colour) 
     }
     if (report.machine && report.can.empty()) {
         page.paragraph("", "No CAN interface.");
+    }
+    for (const InputFacts& facts : report.inputs) {
+        print_input(facts, page);
+    }
+    for (const PwmFacts& facts : report.pwm) {
+        print_pwm(facts, page);
+    }
+    if (report.uinput && report.uinput->access.may_open) {
+        page.paragraph("", "/dev/uinput: virtual joysticks are possible");
     }
     std::string text = page.take();
     if (!text.empty() && !report.findings.empty()) {

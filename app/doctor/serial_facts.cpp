@@ -1,8 +1,5 @@
 #include "app/doctor/serial_facts.h"
 
-#include <fcntl.h>
-#include <grp.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -15,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include "app/doctor/node_access.h"
 #include "app/doctor/port_users.h"
 
 namespace tribus::doctor {
@@ -88,22 +86,12 @@ bool is_kernel_console(const KernelFiles& files, const std::string& name) {
     return false;
 }
 
-std::string group_name(gid_t group) {
-    constexpr std::size_t kMostText = 4096;
-    std::array<char, kMostText> text{};
-    struct group entry {};
-    struct group* found = nullptr;
-    const bool known = ::getgrgid_r(group, &entry, text.data(), text.size(), &found) == 0;
-    return known && found != nullptr ? entry.gr_name : std::to_string(group);
-}
-
 void look_at_node(const KernelFiles& files, SerialFacts& facts) {
-    const std::string path = files.at(facts.node.substr(1));
-    struct stat node {};
-    facts.exists = ::stat(path.c_str(), &node) == 0;
-    if (facts.exists) {
-        facts.may_open = ::faccessat(AT_FDCWD, path.c_str(), R_OK | W_OK, AT_EACCESS) == 0;
-        facts.group = group_name(node.st_gid);
+    const NodeAccess access = access_to(files, facts.node.substr(1), R_OK | W_OK);
+    facts.exists = access.exists;
+    if (access.exists) {
+        facts.may_open = access.may_open;
+        facts.group = access.group;
     }
 }
 

@@ -2,14 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <memory>
-#include <ratio>
 #include <vector>
 
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/load_or_explain.h"
+#include "app/pwm/pwm_text.h"
 #include "transports/codecs/pwm/pwm.h"
 #include "transports/links/pwm/pwm_medium.h"
 
@@ -21,14 +20,6 @@ namespace fs = std::filesystem;
 struct PwmOptions {
     std::string off;
 };
-
-std::string output_line(std::size_t output, const PwmOutputFacts& facts) {
-    using Microseconds = std::chrono::duration<double, std::micro>;
-    using Milliseconds = std::chrono::duration<double, std::milli>;
-    return fmt::format("  output {:2}  {}  {:8.1f} us each {:.3f} ms\n", output,
-                       facts.on ? "on " : "off", Microseconds(facts.pulse).count(),
-                       Milliseconds(facts.period).count());
-}
 
 /// Switches off every output that the configuration names. Chips that are not there are no mistake.
 int switch_off_all(const std::string& path) {
@@ -65,12 +56,10 @@ int run_pwm(const PwmOptions& options) {
 std::string pwm_report(const fs::path& root) {
     std::string report;
     for (const PwmChipFacts& chip : find_pwm_chips(root)) {
-        report += fmt::format("{}  {}, outputs 0 to {}\n", chip.name,
-                              chip.driver.empty() ? "driver unknown" : chip.driver,
-                              chip.outputs == 0 ? 0 : chip.outputs - 1);
+        report += pwm_chip_text(chip) + "\n";
         for (std::size_t output = 0; output < chip.outputs; ++output) {
             if (const auto facts = look_at(chip, output)) {
-                report += output_line(output, *facts);
+                report += fmt::format("  output {:2}  {}\n", output, pwm_output_text(*facts));
             }
         }
     }

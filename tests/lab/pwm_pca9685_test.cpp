@@ -111,6 +111,26 @@ bool all_off(const Registers& chip) {
     return std::ranges::all_of(kOutputs, [&](int output) { return chip.is_off(output); });
 }
 
+TEST_F(LabPwm, IsFoundByDoctorWithWhatItsOutputsDo) {
+    shell(
+        "cd /sys/class/pwm/pwmchip*; echo 3 >export; cd pwm3; echo 20000000 >period; "
+        "echo 1500000 >duty_cycle; echo 1 >enable");
+    Program& program = start({"doctor", "pca9685-pwm"});
+    EXPECT_EQ(program.end(), 0) << program.errors();
+    const auto says = [&](const std::string& part) {
+        return program.output().find(part) != std::string::npos;
+    };
+    EXPECT_TRUE(says("pca9685-pwm, outputs 0 to 15\n")) << program.output();
+    EXPECT_TRUE(says("  output  3  on     1500.0 us each 20.000 ms\n")) << program.output();
+    EXPECT_TRUE(says("sending pulses: output 3 [pwm.on]")) << program.output();
+    shell("echo 3 >$(echo /sys/class/pwm/pwmchip*)/unexport");
+    const ShellResult other =
+        run_shell("setpriv --reuid nobody --regid nogroup --clear-groups " TRIBUS_PROGRAM
+                  " doctor pca9685-pwm");
+    EXPECT_EQ(other.status, 1);
+    EXPECT_NE(other.output.find("[pwm.permission]"), std::string::npos) << other.output;
+}
+
 TEST_F(LabPwm, ARecordingMovesTheRegistersFrameByFrame) {
     FarEnd& receiver = device("receiver");
     Program& program = run(config("timeout = \"5s\"\n"));

@@ -1,0 +1,228 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/doctor/input_facts.h"
+#include "app/doctor/pwm_facts.h"
+#include "app/doctor/report.h"
+#include "tests/support/input_tree.h"
+#include "tests/unit/config/main_job.h"
+
+/// What doctor sees of gamepads, of uinput and of PWM chips.
+namespace tribus::doctor::other_ends_test {
+namespace {
+
+using Ids = std::vector<std::string>;
+
+Ids ids(const std::vector<Finding>& findings) {
+    Ids all;
+    for (const Finding& finding : findings) {
+        all.emplace_back(finding.id);
+    }
+    return all;
+}
+
+class OtherEnds : public testing::Test {
+  protected:
+    KernelFiles files() const { return KernelFiles(tree.root()); }
+    InputFacts input(const std::string& device) const { return look_at_input(files(), device); }
+    static InputFacts forbidden(InputFacts facts, const std::string& group) {
+        facts.access = {.exists = true, .may_open = false, .group = group};
+        return facts;
+    }
+    void add_chip(const std::string& name, const std::string& driver, int outputs) const {
+        const std::string chip = "sys/class/pwm/" + name + "/";
+        tree.plain_link(chip + "device/driver", "../../../bus/platform/drivers/" + driver);
+        tree.write(chip + "npwm", std::to_string(outputs) + "\n");
+        tree.write(chip + "export", "");
+    }
+    void take(const std::string& chip, int output, const std::string& pulse, bool on) const {
+        const std::string folder = "sys/class/pwm/" + chip + "/pwm" + std::to_string(output) + "/";
+        tree.write(folder + "duty_cycle", pulse + "\n");
+        tree.write(folder + "period", "20000000\n");
+        tree.write(folder + "enable", on ? "1\n" : "0\n");
+    }
+
+    test::InputTree tree;
+};
+
+TEST_F(OtherEnds, AreTheGamepadsAmongTheInputDevicesWithTheirStableNames) {
+    tree.add_keyboard("event0");
+    tree.add_pad("event5", "Pad");
+    tree.plain_link("dev/input/by-id/usb-Pad-event-joystick", "../event5");
+    const auto pads = look_at_gamepads(files());
+    ASSERT_EQ(pads.size(), 1U);
+    EXPECT_EQ(describe(pads[0]), "gamepad \"Pad\", 4 axes, 3 buttons");
+    EXPECT_EQ(judge_input(pads[0], false).size(), 0U);
+    EXPECT_EQ(pads[0].device.device, "/dev/input/by-id/usb-Pad-event-joystick");
+}
+
+TEST_F(OtherEnds, HaveLinesThatAConfigurationTakes) {
+    tree.add_pad("event5", "Pad");
+    std::string text;
+    for (const std::string& line : configuration_lines(input("/dev/input/event5"))) {
+        text += line + "\n";
+    }
+    const Configuration configuration =
+        test::loaded(text +
+                     "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyA\"\n"
+                     "[pipeline.main]\nfrom = \"pad\"\nto = \"servos\"\n");
+    EXPECT_EQ(configuration.inputs.at(0).port.device, "/dev/input/event5");
+}
+
+TEST_F(OtherEnds, WithoutANameThatStaysGetARuleByAddressElseByName) {
+    tree.add_pad("event5", "Pad");
+    const auto by_name = judge_input(input("/dev/input/event5"), true);
+    ASSERT_EQ(ids(by_name), (Ids{"input.no_stable_name"}));
+    EXPECT_EQ(by_name[0].severity, Severity::advice);
+    EXPECT_NE(by_name[0].fix.find("ATTRS{name}==\"Pad\", SYMLINK+=\"input/pad\""),
+              std::string::npos)
+        << by_name[0].fix;
+    tree.write("sys/class/input/event5/device/uniq", "a0:b1:c2:d3:e4:f5\n");
+    const auto by_address = judge_input(input("/dev/input/event5"), true);
+    EXPECT_NE(by_address[0].fix.find("ATTRS{uniq}==\"a0:b1:c2:d3:e4:f5\""), std::string::npos)
+        << by_address[0].fix;
+}
+
+TEST_F(OtherEnds, ThatAreNoGamepadsAreProblemsWhenTheyWereNamed) {
+    tree.add_keyboard("event0");
+    tree.write("dev/input/js0", "");
+    EXPECT_EQ(ids(judge_input(input("/dev/input/by-id/none"), true)), (Ids{"input.missing"}));
+    EXPECT_EQ(ids(judge_input(input("/dev/input/js0"), true)), (Ids{"input.old_device"}));
+    const auto keyboard = judge_input(input("/dev/input/event0"), true);
+    ASSERT_EQ(ids(keyboard), (Ids{"input.no_gamepad"}));
+    EXPECT_EQ(keyboard[0].what, "\"Keyboard\" is no gamepad and no joystick");
+    EXPECT_EQ(keyboard[0].severity, Severity::problem);
+}
+
+TEST_F(OtherEnds, ThatMayNotBeReadNameTheGroupOrARule) {
+    tree.add_pad("event5", "Pad");
+    tree.plain_link("dev/input/by-id/pad", "../event5");
+    const InputFacts facts = input("/dev/input/by-id/pad");
+    const auto group = judge_input(forbidden(facts, "input"), true);
+    ASSERT_EQ(ids(group), (Ids{"input.permission"}));
+    EXPECT_EQ(group[0].severity, Severity::problem);
+    EXPECT_EQ(group[0].commands, (Ids{"sudo usermod -aG input $USER"}));
+    const auto root = judge_input(forbidden(facts, "root"), false);
+    EXPECT_EQ(root.at(0).severity, Severity::advice);
+    EXPECT_NE(root[0].fix.find("GROUP=\"input\""), std::string::npos) << root[0].fix;
+}
+
+TEST_F(OtherEnds, ThatOtherProgramsHaveAreToldWithTheirNames) {
+    tree.add_pad("event5", "Pad");
+    tree.plain_link("dev/input/by-id/pad", "../event5");
+    tree.process(41, "Xorg", "/dev/input/event5");
+    tree.process(42, "other", "/dev/input/event6");
+    InputFacts facts = input("/dev/input/by-id/pad");
+    facts.refusal = "another program has taken it for itself";
+    const auto findings = judge_input(facts, true);
+    ASSERT_EQ(ids(findings), (Ids{"input.cannot_open", "input.in_use"}));
+    EXPECT_EQ(findings[0].what, "another program has taken it for itself");
+    EXPECT_EQ(findings[1].what, "it is open in Xorg (process 41)");
+    EXPECT_EQ(findings[1].severity, Severity::note);
+}
+
+TEST_F(OtherEnds, AreToldFromSerialDevicesByTheirPaths) {
+    tree.add_pad("event5", "Pad");
+    tree.plain_link("dev/pad", "input/event5");
+    tree.write("dev/ttyUSB0", "");
+    add_chip("pwmchip2", "pca9685-pwm", 16);
+    EXPECT_TRUE(names_input(files(), "/dev/input/by-id/none"));
+    EXPECT_TRUE(names_input(files(), "/dev/pad"));
+    EXPECT_FALSE(names_input(files(), "/dev/ttyUSB0"));
+    EXPECT_FALSE(names_input(files(), "can0"));
+    for (const char* chip : {"pwmchip2", "pca9685-pwm", "/sys/class/pwm/pwmchip2", "pwmchip9"}) {
+        EXPECT_TRUE(names_pwm_chip(files(), chip)) << chip;
+    }
+    for (const char* other : {"can0", "/dev/ttyUSB0", "uinput"}) {
+        EXPECT_FALSE(names_pwm_chip(files(), other)) << other;
+    }
+}
+
+TEST_F(OtherEnds, OfVirtualJoysticksNeedTheModuleAndTheGroup) {
+    const auto missing = judge_uinput(look_at_uinput(files()), true);
+    ASSERT_EQ(ids(missing), (Ids{"uinput.missing"}));
+    EXPECT_EQ(missing[0].commands.front(), "sudo modprobe uinput");
+    EXPECT_EQ(judge_uinput(look_at_uinput(files()), false)[0].severity, Severity::note)
+        << "most machines need none";
+    tree.write("dev/uinput", "");
+    EXPECT_EQ(judge_uinput(look_at_uinput(files()), true).size(), 0U);
+    const auto group = judge_uinput({.access = {.exists = true, .group = "tribus"}}, true);
+    ASSERT_EQ(ids(group), (Ids{"uinput.permission"}));
+    EXPECT_EQ(group[0].commands, (Ids{"sudo usermod -aG tribus $USER"}));
+}
+
+TEST_F(OtherEnds, OfServosAreChipsWithWhatTheirOutputsDo) {
+    add_chip("pwmchip10", "pwm-bcm2835", 2);
+    add_chip("pwmchip2", "pca9685-pwm", 16);
+    take("pwmchip2", 0, "1500000", true);
+    take("pwmchip2", 3, "0", false);
+    const auto chips = look_at_pwm_chips(files());
+    ASSERT_EQ(chips.size(), 2U);
+    EXPECT_EQ(chips[0].chip.name, "pwmchip2");
+    const auto findings = judge_pwm(chips[0], false);
+    ASSERT_EQ(ids(findings), (Ids{"pwm.taken", "pwm.on"}));
+    EXPECT_EQ(findings[0].what, "taken, and off: output 3");
+    EXPECT_EQ(findings[1].what, "sending pulses: output 0");
+    EXPECT_EQ(judge_pwm(chips[1], false).size(), 0U);
+}
+
+TEST_F(OtherEnds, OfServosThatMayNotBeUsedNameTheGroupOrTheRule) {
+    PwmFacts facts{.chip = {.folder = {}, .name = "pwmchip0", .driver = "pwm", .outputs = 1}};
+    facts.access = {.exists = true, .may_open = false, .group = "gpio"};
+    const auto group = judge_pwm(facts, true);
+    ASSERT_EQ(ids(group), (Ids{"pwm.permission"}));
+    EXPECT_EQ(group[0].severity, Severity::problem);
+    EXPECT_EQ(group[0].commands, (Ids{"sudo usermod -aG gpio $USER"}));
+    facts.access.group = "root";
+    const auto root = judge_pwm(facts, false);
+    EXPECT_EQ(root.at(0).severity, Severity::advice);
+    EXPECT_EQ(root[0].commands,
+              (Ids{"sudo udevadm trigger --action=change --subsystem-match=pwm"}));
+}
+
+TEST_F(OtherEnds, OfServosThatAreNotThereSayWhichAre) {
+    add_chip("pwmchip2", "pca9685-pwm", 16);
+    EXPECT_EQ(look_at_pwm_chip(files(), "pca9685-pwm").size(), 1U);
+    EXPECT_EQ(look_at_pwm_chip(files(), "pwmchip0").size(), 0U);
+    const Finding finding = unknown_pwm_chip(files(), "pwmchip0");
+    EXPECT_EQ(finding.severity, Severity::problem);
+    EXPECT_EQ(finding.what, "there is no such PWM chip; this machine has pwmchip2 (pca9685-pwm)");
+}
+
+TEST_F(OtherEnds, AreInTheReportForPeopleAndForPrograms) {
+    tree.add_pad("event5", "Pad");
+    tree.plain_link("dev/input/by-id/usb-Pad", "../event5");
+    tree.write("dev/uinput", "");
+    add_chip("pwmchip2", "pca9685-pwm", 16);
+    take("pwmchip2", 0, "1500000", true);
+    Report report;
+    report.inputs = look_at_gamepads(files());
+    report.inputs[0].refusal = "";
+    report.pwm = look_at_pwm_chips(files());
+    report.uinput = look_at_uinput(files());
+    EXPECT_EQ(report_text(report, 80, false),
+              "/dev/input/event5: gamepad \"Pad\", 4 axes, 3 buttons\n"
+              "  name     /dev/input/by-id/usb-Pad\n"
+              "  For the configuration; `tribus learn /dev/input/by-id/usb-Pad` finds which\n"
+              "  stick and button is which channel:\n"
+              "    [input.pad]\n"
+              "    protocol = \"gamepad\"\n"
+              "    device   = \"/dev/input/by-id/usb-Pad\"\n"
+              "PWM chip pwmchip2  pca9685-pwm, outputs 0 to 15\n"
+              "  output  0  on     1500.0 us each 20.000 ms\n"
+              "/dev/uinput: virtual joysticks are possible\n");
+    const auto json = nlohmann::json::parse(report_json(report));
+    EXPECT_EQ(json["inputs"][0]["device"], "/dev/input/by-id/usb-Pad");
+    EXPECT_EQ(json["inputs"][0]["axes"], 4);
+    EXPECT_EQ(json["inputs"][0]["gamepad"], true);
+    EXPECT_EQ(json["pwm"][0]["driver"], "pca9685-pwm");
+    EXPECT_EQ(json["pwm"][0]["outputs"], 16);
+    EXPECT_EQ(json["pwm"][0]["taken"][0]["pulse_us"], 1500);
+    EXPECT_EQ(json["uinput"]["may_open"], true);
+}
+
+}  // namespace
+}  // namespace tribus::doctor::other_ends_test
