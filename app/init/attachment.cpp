@@ -12,6 +12,7 @@
 #include "app/doctor/port_kind.h"
 #include "config/language/mistakes.h"
 #include "core/quotes.h"
+#include "transports/codecs/gamepad/gamepad.h"
 #include "transports/codecs/native_can/channels.h"
 #include "transports/codecs/sbus/sbus.h"
 #include "transports/links/can/can_medium.h"
@@ -64,8 +65,11 @@ std::string protocol_refusal(std::string_view word, SettingScope way) {
     if (!has_place(*protocol)) {
         return fmt::format(
             "{} runs on {} only, and `init` writes lines for serial devices and CAN "
-            "interfaces; tribus.toml(5) describes its keys; allowed here: {}",
-            word, media_for(*protocol).front()->name, fmt::join(allowed, ", "));
+            "interfaces; {}; allowed here: {}",
+            word, media_for(*protocol).front()->name,
+            protocol == &kGamepadProtocol ? "`tribus learn DEVICE` prints the lines of a gamepad"
+                                          : "tribus.toml(5) describes its keys",
+            fmt::join(allowed, ", "));
     }
     const auto keys = required_keys(*protocol, way);
     const std::string needs = keys.empty() ? std::string("keys that say what it sends")
@@ -91,6 +95,9 @@ std::string link_refusal(const ExaminedPlace& examined, const Protocol& protocol
 
 /// Why this place can never run the protocol; empty if no reason is known.
 std::string permanent_refusal(const ExaminedPlace& examined, const Protocol& protocol) {
+    if (!examined.other_end.empty()) {
+        return examined.other_end;
+    }
     const auto not_serial = std::ranges::find(examined.findings, "port.not_serial", &Finding::id);
     if (not_serial != examined.findings.end()) {
         return not_serial->what;
@@ -226,7 +233,7 @@ tl::expected<PlaceOption, std::string> parse_place_option(std::string_view text,
 }
 
 bool ExaminedPlace::usable() const {
-    return known && doctor::may_be_used(findings);
+    return known && other_end.empty() && doctor::may_be_used(findings);
 }
 
 std::string ExaminedPlace::refusal(const Protocol& protocol) const {
@@ -247,7 +254,8 @@ Decision decide_input(const ExaminedPlace& examined, const Protocol* named) {
         protocol = find_protocol(examined.story->protocol);
     }
     if (protocol == nullptr) {
-        return refused(examined, why_not_heard(examined));
+        return refused(examined,
+                       examined.other_end.empty() ? why_not_heard(examined) : examined.other_end);
     }
     if (std::string refusal = permanent_refusal(examined, *protocol); !refusal.empty()) {
         return refused(examined, std::move(refusal));

@@ -116,6 +116,10 @@ std::optional<std::string> Dialogue::place_of(const std::string& answer,
         return all[*index].name;
     }
     const ExaminedPlace examined = ports_.look(answer);
+    if (!examined.other_end.empty()) {
+        messages_.say(fmt::format("{}: {}.", answer, examined.other_end));
+        return std::nullopt;
+    }
     if (examined.known) {
         return answer;
     }

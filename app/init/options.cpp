@@ -66,7 +66,8 @@ OrFailure<Request> read_options(const Options& options) {
     request.inputs = *std::move(inputs);
     request.outputs = *std::move(outputs);
     for (const PlaceOption& input : request.inputs) {
-        const bool serial = input.place.find('/') != std::string::npos;
+        const bool serial =
+            input.place.find('/') != std::string::npos && !input.place.starts_with("/dev/input/");
         if (none && serial && input.protocol == nullptr) {
             return failed(
                 fmt::format(

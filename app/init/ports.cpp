@@ -10,7 +10,9 @@
 
 #include "app/doctor/can_judge.h"
 #include "app/doctor/examine.h"
+#include "app/doctor/input_facts.h"
 #include "app/doctor/listener.h"
+#include "app/doctor/pwm_facts.h"
 #include "app/doctor/serial_judge.h"
 #include "transports/links/can/can_interface.h"
 #include "transports/links/can/can_medium.h"
@@ -59,6 +61,24 @@ ExaminedPlace examined_interface(const std::string& name) {
     return examined;
 }
 
+/// Why `init` writes no lines for this place; empty if it may be a port.
+std::string other_end_text(const doctor::KernelFiles& files, const std::string& place) {
+    if (doctor::names_input(files, place)) {
+        return fmt::format(
+            "this is an input device; `tribus learn {}` prints the lines of a gamepad", place);
+    }
+    if (doctor::names_pwm_chip(files, place)) {
+        return "this is a PWM chip; which channel goes to which of its outputs only you know. "
+               "/usr/share/doc/tribus/docs/protocols/pwm.md has lines to start from, `tribus pwm` "
+               "lists chips";
+    }
+    if (place == "/dev/uinput" || place == "uinput") {
+        return "this makes virtual joysticks; "
+               "/usr/share/doc/tribus/docs/protocols/joystick.md has lines to start from";
+    }
+    return {};
+}
+
 /// The interface of this name, whether it exists or not; nothing if the name is a serial device.
 std::optional<ExaminedPlace> interface_of(const doctor::KernelFiles& files,
                                           const std::string& place) {
@@ -91,6 +111,9 @@ std::vector<ExaminedPlace> MachinePorts::all() {
 }
 
 ExaminedPlace MachinePorts::look(const std::string& place) {
+    if (std::string why = other_end_text(files_, place); !why.empty()) {
+        return {.name = place, .node = place, .kind = {}, .other_end = std::move(why)};
+    }
     if (auto interface = interface_of(files_, place)) {
         return *std::move(interface);
     }
@@ -103,7 +126,8 @@ ExaminedPlace MachinePorts::look(const std::string& place) {
 
 ExaminedPlace MachinePorts::listen(const std::string& place) {
     ExaminedPlace examined = look(place);
-    if (examined.medium != &kSerialMedium || listening_ == Duration::zero()) {
+    if (examined.medium != &kSerialMedium || listening_ == Duration::zero() ||
+        !examined.other_end.empty()) {
         return examined;
     }
     doctor::ExaminedPort port = doctor::examine_port(

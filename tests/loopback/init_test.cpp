@@ -242,6 +242,10 @@ TEST_F(Init, RefusesWhatCanNeverBeAPort) {
     refused("/dev/null=ibus", "not a serial device");
     refused(folder().string() + "=ibus", "not a serial device");
     refused("tribus-no-device", "there is no CAN interface and no serial device of this name");
+    refused("/dev/input/by-id/usb-Pad-event-joystick",
+            "--in /dev/input/by-id/usb-Pad-event-joystick: this is an input device; `tribus learn "
+            "/dev/input/by-id/usb-Pad-event-joystick` prints the lines of a gamepad\n");
+    refused("pwmchip0", "--in pwmchip0: this is a PWM chip; which channel goes to which of its");
     // It may be plugged in later, but then its protocol must be named.
     refused(folder() / "nothing",
             "tribus could not listen to it; to write the file nevertheless, name");

@@ -85,6 +85,27 @@ TEST(InitPlace, accepts_every_protocol_without_required_keys_and_refuses_the_oth
                     "sensors cannot be an input; allowed: ibus"));
 }
 
+TEST(InitPlace, with_the_protocol_of_a_gamepad_names_the_command_that_prints_its_lines) {
+    EXPECT_TRUE(has(parse_error("/dev/input/event5=gamepad", SettingScope::input),
+                    "gamepad runs on an input device only, and `init` writes lines for serial "
+                    "devices and CAN interfaces; `tribus learn DEVICE` prints the lines of a "
+                    "gamepad; allowed here: "));
+    EXPECT_TRUE(has(parse_error("x=joystick", SettingScope::output),
+                    "tribus.toml(5) describes its keys; allowed here: "));
+}
+
+TEST(InitPlace, that_is_no_port_is_refused_as_what_it_is) {
+    const ExaminedPlace pad{.name = "/dev/input/event5",
+                            .node = "/dev/input/event5",
+                            .kind = {},
+                            .other_end = "this is an input device"};
+    EXPECT_FALSE(pad.usable());
+    for (const Protocol* named : {static_cast<const Protocol*>(nullptr), &kSbusProtocol}) {
+        EXPECT_EQ(refusal_of(decide_input(pad, named)), "this is an input device");
+        EXPECT_EQ(refusal_of(decide_output(pad, named, "")), "this is an input device");
+    }
+}
+
 TEST(InitInput, has_the_protocol_that_was_heard) {
     const Decision decision = decide_input(with_story(free_port("0"), heard_ibus(18)), nullptr);
     ASSERT_TRUE(decision.attachment) << decision.attachment.error();
