@@ -1,0 +1,98 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/pages.h"
+#include "tests/support/shell.h"
+#include "tests/support/temporary_folder.h"
+
+/// The unit of the service, alone and with each drop-in of docs/service.md, as systemd itself rates
+/// it without running it.
+namespace tribus::test::exposure_test {
+namespace {
+
+const std::string kPage = "docs/service.md";
+
+std::string source_text(const std::string& file) {
+    return text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / file);
+}
+
+/// The drop-in of a section: its first block of code that is a unit file.
+std::string drop_in(const std::string& heading) {
+    const std::string page = source_text(kPage);
+    const std::string begin = "```ini\n";
+    const std::size_t section = page.find("\n## " + heading + "\n");
+    const std::size_t block = page.find(begin, section);
+    if (section == std::string::npos || block == std::string::npos) {
+        ADD_FAILURE() << kPage << " has no drop-in in \"" << heading << "\"";
+        return {};
+    }
+    const std::size_t first = block + begin.size();
+    return page.substr(first, page.find("```", first) - first);
+}
+
+class Exposure : public testing::Test {
+  protected:
+    Exposure() { add("tribus@servos.service", source_text("deploy/systemd/tribus@.service")); }
+    void with_drop_in(const std::string& heading) const {
+        add("tribus@servos.service.d/override.conf", drop_in(heading));
+    }
+    /// Nothing that systemd complains about, and at most so many tenths of exposure.
+    void rated(int tenths) const {
+        const std::string unit = folder_ / "tribus@servos.service";
+        const Ended verified = run_in_shell("systemd-analyze verify --man=no " + unit);
+        EXPECT_EQ(verified.status, 0);
+        EXPECT_EQ(verified.output, "");
+        const Ended rated = run_in_shell(fmt::format(
+            "systemd-analyze security --offline=yes --no-pager --threshold={} {}", tenths, unit));
+        EXPECT_EQ(rated.status, 0) << rated.output;
+        const std::string said =
+            fmt::format("{}: {}.{} ", "tribus@servos.service", tenths / 10, tenths % 10);
+        EXPECT_NE(rated.output.find(said), std::string::npos)
+            << "the page says so: " << rated.output;
+    }
+
+  private:
+    /// systemd looks whether programs are there; the package is not installed here.
+    void add(const std::string& name, std::string text) const {
+        const std::string installed = "/usr/bin/tribus";
+        for (std::size_t at = text.find(installed); at != std::string::npos;
+             at = text.find(installed, at)) {
+            text.replace(at, installed.size(), "/bin/true");
+        }
+        const std::filesystem::path path = folder_ / name;
+        std::filesystem::create_directories(path.parent_path());
+        std::ofstream(path) << text;
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(Exposure, OfTheUnitIsWhatThePageSays) {
+    EXPECT_NE(source_text(kPage).find("| none | 1.5 |"), std::string::npos);
+    rated(15);
+}
+
+TEST_F(Exposure, WithInputDevicesIsNoGreater) {
+    EXPECT_NE(source_text(kPage).find("(#joysticks-in-the-service) | 1.5 |"), std::string::npos);
+    with_drop_in("Joysticks in the service");
+    rated(15);
+}
+
+TEST_F(Exposure, WithPwmIsWhatThePageSays) {
+    EXPECT_NE(source_text(kPage).find("(#pwm-in-the-service) | 1.7,"), std::string::npos);
+    with_drop_in("PWM in the service");
+    rated(17);
+}
+
+TEST_F(Exposure, WithUdpIsWhatThePageSays) {
+    EXPECT_NE(source_text(kPage).find("(#udp-in-the-service) | 1.8,"), std::string::npos);
+    with_drop_in("UDP in the service");
+    rated(18);
+}
+
+}  // namespace
+}  // namespace tribus::test::exposure_test
