@@ -120,7 +120,8 @@ TEST_F(LabPwm, IsFoundByDoctorWithWhatItsOutputsDo) {
     const auto says = [&](const std::string& part) {
         return program.output().find(part) != std::string::npos;
     };
-    EXPECT_TRUE(says("pca9685-pwm, outputs 0 to 15\n")) << program.output();
+    // The driver has one more output than the chip: it stands for all of them.
+    EXPECT_TRUE(says("pca9685-pwm, outputs 0 to 16\n")) << program.output();
     EXPECT_TRUE(says("  output  3  on     1500.0 us each 20.000 ms\n")) << program.output();
     EXPECT_TRUE(says("sending pulses: output 3 [pwm.on]")) << program.output();
     shell("echo 3 >$(echo /sys/class/pwm/pwmchip*)/unexport");
