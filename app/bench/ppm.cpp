@@ -52,7 +52,9 @@ class PpmCollector {
     PpmResult result() const {
         PpmResult result;
         result.frames = frames();
-        result.refused = decoder_.rejected().back().count;
+        for (const NamedCount& cause : decoder_.rejected()) {
+            result.refused += cause.count;
+        }
         std::vector<Duration> stamped;
         std::vector<Duration> bare;
         for (const ChannelTimes& channel : channels_) {

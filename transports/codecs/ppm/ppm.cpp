@@ -1,7 +1,9 @@
 #include "transports/codecs/ppm/ppm.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <string_view>
 
 namespace tribus {
 
@@ -10,7 +12,15 @@ using edge_records::EdgeRecord;
 using edge_records::kFrameGapEighths;
 using edge_records::kRecordBytes;
 
-PpmDecoder::PpmDecoder(std::size_t median) : FramedDecoder("pulses"), median_(median) {}
+namespace {
+
+enum PpmCause : std::size_t { kEdgeLost, kDistance, kOtherCount };
+/// In the order of PpmCause.
+constexpr std::array<std::string_view, 3> kPpmCauses{"edge_lost", "distance", "channel_count"};
+
+}  // namespace
+
+PpmDecoder::PpmDecoder(std::size_t median) : FramedDecoder(kPpmCauses), median_(median) {}
 
 void PpmDecoder::reset() {
     FramedDecoder::reset();
@@ -29,9 +39,9 @@ bool PpmDecoder::check_holds(std::span<const std::uint8_t> frame) const {
 }
 
 /// The frame that is being collected is wrong. What follows counts from the next pause on.
-void PpmDecoder::spoil() {
+void PpmDecoder::spoil(std::size_t cause) {
     if (collects_) {
-        refuse();
+        refuse(cause);
     }
     collects_ = false;
 }
@@ -39,7 +49,7 @@ void PpmDecoder::spoil() {
 void PpmDecoder::add_channel(std::uint32_t eighths) {
     const bool fits = eighths >= ppm::kShortestEighths && eighths <= ppm::kLongestEighths;
     if (!fits || count_ == kChannelCount) {
-        spoil();
+        spoil(kDistance);
     } else if (collects_) {
         pulses_[count_] = Pulse::from_eighths(eighths);
         ++count_;
@@ -83,7 +93,7 @@ bool PpmDecoder::end_frame(ChannelFrame& channels) {
     const bool knows_count = usual_count_ != 0;
     if (count_ < ppm::kLeastChannels || !has_usual_count()) {
         if (knows_count) {
-            refuse();
+            refuse(kOtherCount);
         }
         return false;
     }
@@ -104,7 +114,7 @@ bool PpmDecoder::end_frame(ChannelFrame& channels) {
 bool PpmDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channels) {
     const EdgeRecord record = *edge_records::record_of(frame);
     if (record.kind == EdgeKind::edge_after_loss) {
-        spoil();
+        spoil(kEdgeLost);
         return false;
     }
     if (record.eighths < kFrameGapEighths) {

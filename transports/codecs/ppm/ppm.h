@@ -52,7 +52,7 @@ class PpmDecoder final : public FramedDecoder {
     bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
 
     using Pulses = std::array<Pulse, kChannelCount>;
-    void spoil();
+    void spoil(std::size_t cause);
     void add_channel(std::uint32_t eighths);
     bool end_frame(ChannelFrame& channels);
     bool has_usual_count();

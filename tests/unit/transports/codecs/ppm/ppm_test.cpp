@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -40,7 +41,14 @@ class Trained {
         }
         return heard;
     }
-    std::uint64_t refused() const { return count_of(decoder_, "pulses"); }
+    std::uint64_t refused() const {
+        std::uint64_t sum = 0;
+        for (const NamedCount& cause : decoder_.rejected()) {
+            sum += cause.count;
+        }
+        return sum;
+    }
+    std::uint64_t refused(std::string_view cause) const { return count_of(decoder_, cause); }
     PpmDecoder& decoder() { return decoder_; }
 
   private:
@@ -81,7 +89,7 @@ TEST(Ppm, ReadsEveryDistanceFrom700To2300AndNoOther) {
                   is_channel ? std::vector<Channels>{channels} : std::vector<Channels>{})
             << eighths;
     }
-    EXPECT_EQ(line.refused(), 8U * (100 + 400) - 1);
+    EXPECT_EQ(line.refused("distance"), 8U * (100 + 400) - 1);
 }
 
 TEST(Ppm, ReadsFourToEighteenChannels) {
@@ -109,7 +117,7 @@ TEST(Ppm, ALostEdgeKillsItsFrameAndNoOther) {
     Trained line(low);
     for (std::size_t lost = 0; lost < 7; ++lost) {
         EXPECT_EQ(line.hear(without_edge(low, lost)), std::vector<Channels>{}) << lost;
-        EXPECT_EQ(line.refused(), lost + 1);
+        EXPECT_EQ(line.refused("channel_count"), lost + 1);
         EXPECT_EQ(line.hear(ppm_frame(low)), std::vector<Channels>{low}) << lost;
     }
 }
@@ -124,7 +132,7 @@ TEST(Ppm, AnEdgeTooManyKillsItsFrameAndNoOther) {
         EXPECT_EQ(line.hear(ppm_frame(more)), std::vector<Channels>{}) << split;
         EXPECT_EQ(line.hear(ppm_frame(high)), std::vector<Channels>{high}) << split;
     }
-    EXPECT_EQ(line.refused(), 8U);
+    EXPECT_EQ(line.refused("channel_count"), 8U);
 }
 
 TEST(Ppm, AnEdgeAfterALossKillsTheFrameThatItIsIn) {
@@ -144,7 +152,7 @@ TEST(Ppm, AnEdgeAfterALossEndsNoFrame) {
     line.hear(ppm_edges(kSticks));
     EXPECT_EQ(line.hear(edge_record(Edge::after_loss, 0xFFFFFF)), std::vector<Channels>{});
     EXPECT_EQ(line.hear(quiet_record()), std::vector<Channels>{});
-    EXPECT_EQ(line.refused(), 1U);
+    EXPECT_EQ(line.refused("edge_lost"), 1U);
 }
 
 TEST(Ppm, AFlippedBitNeverGivesAnotherFrame) {
