@@ -282,7 +282,7 @@ int learn_pad(const PadToLearn& pad, LearnGuide guide) {
     const std::vector<std::string> advice = advice_on(pad, facts, *learned);
     if (json) {
         for (const std::string& one : advice) {
-            last_remark = two_sentences(std::move(last_remark), one + ".");
+            last_remark += fmt::format("{}{}.", last_remark.empty() ? "" : " ", one);
         }
         tell_learn_step("done", last_remark, lines);
     } else {
