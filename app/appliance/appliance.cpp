@@ -24,7 +24,7 @@ Appliance::Appliance(Configuration configuration)
       plans_(plan_ports(configuration_)),
       missing_(plans_.size(), false),
       engine_(build_engine(configuration_, machine_id(), &wall_clock())) {
-    follow_system_clock();
+    follow_wall_clock();
     values_ = build_value_engine(configuration_, *engine_, &wall_clock());
 }
 
@@ -51,7 +51,7 @@ std::string_view Appliance::reject_cause(std::size_t input, std::size_t cause) c
 
 void Appliance::look_at_machine(Instant now, bool watches) {
     constexpr Duration kPeriod = std::chrono::seconds(1);
-    follow_system_clock();
+    follow_wall_clock();
     if (!(values_ || watches) || now < next_machine_look_) {
         return;
     }

@@ -93,8 +93,6 @@ class Appliance {
         return engine_->outputs()[output].inputs();
     }
     OutputStatus output_status(std::size_t output) const { return loop_->output_status(output); }
-    /// What an output has heard of the receiver of its frames.
-    Answers answers(std::size_t output) const { return engine_->outputs()[output].answers(); }
     const OutputTiming& output_timing(std::size_t output) const {
         return loop_->output_timing(output);
     }

@@ -158,7 +158,8 @@ void StateLog::look_at_state(const std::string& name, const OutputStatus& status
 
 /// A receiver that does not listen says nothing of it, as it says nothing when all is well.
 void StateLog::look_at_answers(const OutputConfig& output, const OutputStatus& status,
-                               const Answers& answers, OutputMemory& memory) const {
+                               OutputMemory& memory) const {
+    const Answers& answers = status.answers;
     if (answers.heard == 0 || !hears_effect(output)) {
         return;
     }
@@ -265,7 +266,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
         const OutputStatus status = appliance.output_status(i);
         look_at_output(configuration.outputs[i].name, status, appliance.inputs_of(i), outputs_[i],
                        now);
-        look_at_answers(configuration.outputs[i], status, appliance.answers(i), outputs_[i]);
+        look_at_answers(configuration.outputs[i], status, outputs_[i]);
     }
 }
 

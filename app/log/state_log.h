@@ -86,7 +86,7 @@ class StateLog {
     void look_at_state(const std::string& name, const OutputStatus& status,
                        std::span<const std::size_t> places, OutputMemory& memory, Instant now);
     void look_at_answers(const OutputConfig& output, const OutputStatus& status,
-                         const Answers& answers, OutputMemory& memory) const;
+                         OutputMemory& memory) const;
     void look_at_drops(const std::string& name, const OutputStatus& status, OutputMemory& memory,
                        Instant now);
     void log_missing_signal(const std::string& name, const InputStatus& status, InputMemory& memory,

@@ -89,6 +89,7 @@ std::optional<std::size_t> Output::controlling_input() const {
 
 [[gnu::cold]] void Output::hear(std::span<const std::uint8_t> bytes, Instant now) {
     const auto asked = encoder_.hear(bytes, now);
+    ongoing_.answers = encoder_.encoder().answers();
     if (asked && asked->at_once) {
         schedule_.due_at_once(now);
     } else if (asked) {

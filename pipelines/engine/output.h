@@ -183,8 +183,8 @@ class Output {
     Instant latest_due() const { return ongoing_.latest_due; }
     /// Index of the input in control. `nullopt` if none is.
     std::optional<std::size_t> controlling_input() const;
-    /// What was heard of the receiver of its frames. Thread-safe.
-    Answers answers() const { return encoder_.encoder().answers(); }
+    /// What was heard of the receiver of its frames.
+    Answers answers() const { return ongoing_.answers; }
     const OutputCounts& counts() const { return ongoing_.counts; }
     std::uint64_t overruns() const { return schedule_.overruns(); }
     Duration period() const { return schedule_.period(); }
@@ -211,6 +211,7 @@ class Output {
         Instant latest_due{};
         Instant latest_at{};
         OutputCounts counts{};
+        Answers answers{};
     };
 
     bool must_yield(Instant now) const;

@@ -14,6 +14,7 @@ void Output::continue_from(Output& before, const OutputCarry& carry,
     encoder_.encoder().continue_from(before.encoder_.encoder());
     selector_.continue_from(before.selector_, carried_inputs);
     ongoing_ = before.ongoing_;
+    ongoing_.answers = encoder_.encoder().answers();
     map_.set_lines(before.map_.lines());
     if (carry.same_channels) {
         std::swap(map_, before.map_);

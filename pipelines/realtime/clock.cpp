@@ -3,12 +3,31 @@
 #include <time.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cstdint>
 
 namespace tribus {
 
 namespace {
 
-constinit WallClock followed_clock;
+class FollowedClock final : public WallClock {
+  public:
+    void set(Duration since_1970, Instant now) {
+        ahead_.store((since_1970 - now.time_since_epoch()).count(), std::memory_order_relaxed);
+    }
+    Duration at(Instant now) const override {
+        return now.time_since_epoch() + Duration(ahead_.load(std::memory_order_relaxed));
+    }
+
+  private:
+    /// Nanoseconds from the zero of instants to 1970.
+    std::atomic<std::int64_t> ahead_{0};
+};
+
+FollowedClock& followed_clock() {
+    static FollowedClock clock;
+    return clock;
+}
 
 Duration read_clock(clockid_t clock) {
     timespec now{};
@@ -31,11 +50,11 @@ Duration wall_time_now() {
 }
 
 const WallClock& wall_clock() {
-    return followed_clock;
+    return followed_clock();
 }
 
-void follow_system_clock() {
-    followed_clock.set(wall_time_now(), monotonic_now());
+void follow_wall_clock() {
+    followed_clock().set(wall_time_now(), monotonic_now());
 }
 
 std::timespec as_timespec(Duration duration) {

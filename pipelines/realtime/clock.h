@@ -23,10 +23,10 @@ Duration awake_time_now();
 Duration wall_time_now();
 
 /// The system clock for parts that know instants only, as right as at the latest call of
-/// `follow_system_clock`. It is there until the program ends. Thread-safe.
+/// `follow_wall_clock`. It is there until the program ends. Thread-safe.
 const WallClock& wall_clock();
 /// Brings `wall_clock` up to date. Thread-safe.
-void follow_system_clock();
+void follow_wall_clock();
 
 /// Converts for system calls. A negative duration becomes 0. Pure.
 std::timespec as_timespec(Duration duration);

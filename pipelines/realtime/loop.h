@@ -105,6 +105,8 @@ struct OutputStatus {
     Duration period{};
     /// Whether the latest run made a frame. A silent output makes none.
     bool sends = false;
+    /// What was heard of the receiver of its frames.
+    Answers answers{};
 };
 
 /// How often the data thread did not run for 100 ms or longer, the default timeout of an input: it

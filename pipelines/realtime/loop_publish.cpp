@@ -43,6 +43,7 @@ void Loop::publish_output(std::size_t index, Instant now) {
     status.due = output.due();
     status.period = output.period();
     status.sends = output.sends();
+    status.answers = output.answers();
     output_status_[index].publish(status);
 }
 

@@ -170,7 +170,7 @@ class Encoder {
     /// receivers see one sender.
     virtual void continue_from(const Encoder& /*before*/) {}
 
-    /// What was heard of the receiver. Thread-safe.
+    /// What was heard of the receiver.
     virtual Answers answers() const { return {}; }
 
     /// CAN: whether some of its frames are FD. Constant.

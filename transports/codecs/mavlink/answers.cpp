@@ -43,8 +43,7 @@ void MavlinkAnswers::continue_from(const MavlinkAnswers& before) {
         kept_ = before.kept_;
         next_ = before.next_;
         count_ = before.count_;
-        heard_ = before.heard_.load();
-        effect_ = before.effect_.load();
+        answers_ = before.answers_;
     }
 }
 
@@ -64,13 +63,12 @@ bool MavlinkAnswers::take(const MavlinkMessage& message, ChannelFrame& /*channel
         return false;
     }
     if (message.id == kHeartbeat.id) {
-        heard_.fetch_add(1, std::memory_order_relaxed);
-    } else if (message.id == kRcChannels.id && message.payload[kRcCountAt] >= sent_.channels &&
-               !effect_.load(std::memory_order_relaxed)) {
-        effect_.store(
-            std::any_of(kept_.begin(), kept_.begin() + static_cast<std::ptrdiff_t>(count_),
-                        [&](const Kept& kept) { return shows(kept, message); }),
-            std::memory_order_relaxed);
+        ++answers_.heard;
+    } else if (message.id == kRcChannels.id && message.payload[kRcCountAt] >= sent_.channels) {
+        const auto kept = std::span(kept_).first(count_);
+        answers_.effect = answers_.effect || std::ranges::any_of(kept, [&](const Kept& one) {
+                              return shows(one, message);
+                          });
     }
     return false;
 }

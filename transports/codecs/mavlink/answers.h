@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -34,11 +33,7 @@ class MavlinkAnswers final : public MavlinkMessages {
     void hear(std::span<const std::uint8_t> bytes, Instant now);
     /// Goes on from what `before` heard, if that looked for the same.
     void continue_from(const MavlinkAnswers& before);
-    /// Thread-safe.
-    Answers answers() const {
-        return {.heard = heard_.load(std::memory_order_relaxed),
-                .effect = effect_.load(std::memory_order_relaxed)};
-    }
+    Answers answers() const { return answers_; }
 
   private:
     using Kept = std::array<std::uint8_t, mavlink_wire::kRadioChannelsAt + 2 * kChannelCount>;
@@ -51,8 +46,7 @@ class MavlinkAnswers final : public MavlinkMessages {
     std::array<Kept, kKept> kept_{};
     std::size_t next_ = 0;
     std::size_t count_ = 0;
-    std::atomic<std::uint32_t> heard_{0};
-    std::atomic<bool> effect_{false};
+    Answers answers_;
 };
 
 }  // namespace tribus

@@ -266,7 +266,7 @@ constexpr std::array kMavlinkTelemetrySettings{
     Setting{.key = "key",
             .type = SettingType::key_file,
             .absent = "no signature is looked at",
-            .help = "Key file of the signatures of MAVLink 2, as on inputs",
+            .help = "key file of the signatures; only what is signed with this key counts",
             .example = "\"/etc/tribus/keys/drone.key\""},
 };
 

@@ -55,13 +55,14 @@ class StateLogOfAnAutopilot : public testing::Test {
     }
     /// Sends so many heartbeats, while the output is steered or not, and returns what the log says.
     std::string after_heartbeats(std::uint32_t count) {
+        const std::uint32_t before = heard();
         for (std::uint32_t i = 0; i < count; ++i) {
-            const std::uint32_t before = appliance_->answers(0).heard;
             autopilot_.send(heartbeat_message());
-            until([&] { return appliance_->answers(0).heard == before + 1; });
         }
+        until([&] { return heard() == before + count; });
         return said();
     }
+    std::uint32_t heard() const { return appliance_->output_status(0).answers.heard; }
     std::string after_channels(double pulse) {
         autopilot_.send(rc_channels_message(std::vector<double>(16, pulse)));
         return after_heartbeats(1);

@@ -9,8 +9,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/wall_clock.h"
 #include "tests/support/channel_bytes.h"
+#include "tests/support/fixed_clock.h"
 #include "tests/support/streams.h"
 #include "tests/unit/transports/codecs/mavlink/mavlink_messages.h"
 #include "transports/codecs/mavlink/mavlink.h"
@@ -66,7 +66,7 @@ struct Receiver {
 };
 
 TEST(MavlinkSignature, IsThatOfTheVectors) {
-    const WallClock clock(kDay, kStart);
+    const FixedClock clock(kDay, kStart);
     MavlinkEncoder encoder(
         {.message = MavlinkChannels::rc_channels_override, .key = key(), .link_id = 7});
     encoder.use_clock(clock);
@@ -76,7 +76,7 @@ TEST(MavlinkSignature, IsThatOfTheVectors) {
 }
 
 TEST(MavlinkSignature, OfTheVectorsIsTaken) {
-    const WallClock clock(kDay + 59s, kStart);
+    const FixedClock clock(kDay + 59s, kStart);
     Receiver receiver(&clock);
     EXPECT_EQ(receiver.takes(from_hex(kSignedOverride)), 1U);
     EXPECT_EQ(receiver.takes(from_hex(kSignedHeartbeat)), 0U);
@@ -200,8 +200,8 @@ TEST(MavlinkSignature, BelongsToAStreamOfSystemComponentAndLink) {
 
 TEST(MavlinkSignature, BeginsAStreamWithinAMinuteOfTheClock) {
     for (const auto& [age, taken] : {std::pair{60s, true}, std::pair{61s, false}}) {
-        const WallClock clock(kDay, kStart);
-        const WallClock of_sender(kDay - age, kStart);
+        const FixedClock clock(kDay, kStart);
+        const FixedClock of_sender(kDay - age, kStart);
         Receiver receiver(&clock);
         MavlinkSigner signer(key(), 0);
         signer.use_clock(of_sender);
@@ -245,7 +245,7 @@ std::uint64_t stamp_of(MavlinkSigner& signer, Instant at) {
 }
 
 TEST(MavlinkSigner, CountsTensOfMicrosecondsSince2015) {
-    const WallClock clock(kDay, kStart);
+    const FixedClock clock(kDay, kStart);
     MavlinkSigner signer(key(), 0);
     signer.use_clock(clock);
     EXPECT_EQ(stamp_of(signer, kStart), kDayStamp);
@@ -253,7 +253,7 @@ TEST(MavlinkSigner, CountsTensOfMicrosecondsSince2015) {
 }
 
 TEST(MavlinkSigner, NeverUsesATimeTwiceAndNeverGoesBack) {
-    WallClock clock(kDay, kStart);
+    FixedClock clock(kDay, kStart);
     MavlinkSigner signer(key(), 0);
     signer.use_clock(clock);
     EXPECT_EQ(stamp_of(signer, kStart), kDayStamp);
@@ -266,7 +266,7 @@ TEST(MavlinkSigner, NeverUsesATimeTwiceAndNeverGoesBack) {
 }
 
 TEST(MavlinkSigner, BeginsAtOneWhereTheClockIsBefore2015) {
-    const WallClock clock(0s, kStart);
+    const FixedClock clock(0s, kStart);
     MavlinkSigner signer(key(), 0);
     signer.use_clock(clock);
     EXPECT_EQ(stamp_of(signer, kStart), 1U);
@@ -276,8 +276,8 @@ TEST(MavlinkSigner, BeginsAtOneWhereTheClockIsBefore2015) {
 TEST(MavlinkSigner, GoesOnOverAReload) {
     const MavlinkEncoder::Settings settings{.message = MavlinkChannels::rc_channels_override,
                                             .key = key()};
-    const WallClock clock(kDay, kStart);
-    const WallClock set_back(kDay - 1h, kStart);
+    const FixedClock clock(kDay, kStart);
+    const FixedClock set_back(kDay - 1h, kStart);
     MavlinkEncoder before(settings);
     before.use_clock(clock);
     MavlinkEncoder after(settings);
