@@ -254,11 +254,11 @@ class LabPpmSpi : public LabPpmProgram {
         return "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n"
                "[output.trainer]\nprotocol = \"ppm\"\nline = \"" +
                port_ +
-               "\"\n[pipeline.out]\nfrom = \"receiver\"\nto = \"trainer\"\n"
+               "\"\nperiod = \"100ms\"\n[pipeline.out]\nfrom = \"receiver\"\nto = \"trainer\"\n"
                "[pipeline.out.failsafe]\nhold = \"0s\"\nrecover = \"0s\"\n";
     }
-    /// Sends the sticks until a frame on the wire has them. The wire is slow: the emulator writes a
-    /// line for each bit.
+    /// Sends the sticks until a frame on the wire has them. The period is long, because this driver
+    /// makes each bit with the guest's only processor.
     bool leaves(const Sticks& sticks) {
         Repeater repeater(receiver_, ibus_bytes(sticks));
         const Channels wanted(sticks.begin(), sticks.begin() + kChannels);

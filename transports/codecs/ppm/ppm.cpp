@@ -102,9 +102,10 @@ bool PpmDecoder::end_frame(ChannelFrame& channels) {
         kept_count_ = 0;
     }
     kept_at_ = channels.received;
-    next_kept_ = kept_count_ < median_ ? kept_count_ : (next_kept_ + 1) % median_;
+    const std::size_t after = latest_kept_ + 1 < median_ ? latest_kept_ + 1 : 0;
+    latest_kept_ = kept_count_ < median_ ? kept_count_ : after;
     kept_count_ = std::min(kept_count_ + 1, median_);
-    kept_[next_kept_] = pulses_;
+    kept_[latest_kept_] = pulses_;
     for (std::size_t channel = 0; channel < count_; ++channel) {
         channels.set(channel, smoothed(channel));
     }

@@ -66,10 +66,10 @@ class PpmDecoder final : public FramedDecoder {
     std::size_t usual_count_ = 0;  ///< 0: not known yet
     std::size_t other_count_ = 0;  ///< of the latest frames running
     std::size_t others_ = 0;       ///< how many they are
-    /// The latest good frames, the oldest one at `next_kept_`.
+    /// The latest good frames in a ring.
     std::array<Pulses, ppm::kMostMedian> kept_{};
     std::size_t kept_count_ = 0;
-    std::size_t next_kept_ = 0;
+    std::size_t latest_kept_ = 0;
     Instant kept_at_{};
 };
 
