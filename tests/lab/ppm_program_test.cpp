@@ -210,7 +210,8 @@ class SpiTrace {
                 frame_.push_back(bits_);
             }
             up_ = up;
-            if (!frame_.empty() && bits_ - frame_.back() == 2700) {
+            // Longer than any channel, shorter than every pause.
+            if (!frame_.empty() && bits_ - frame_.back() == 2500) {
                 const std::size_t first = frame_.front();
                 for (std::size_t& bit : frame_) {
                     bit -= first;
@@ -251,7 +252,8 @@ class LabPpmSpi : public LabPpmProgram {
     ~LabPpmSpi() override { shell("rmmod spi-butterfly; rmmod spidev; rmmod parport_pc"); }
 
     std::string to_spi() const {
-        return "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\n"
+        return "[input.receiver]\nprotocol = \"ibus\"\ndevice = \"@receiver\"\ntimeout = "
+               "\"200ms\"\n"
                "[output.trainer]\nprotocol = \"ppm\"\nline = \"" +
                port_ +
                "\"\nperiod = \"100ms\"\n[pipeline.out]\nfrom = \"receiver\"\nto = \"trainer\"\n"

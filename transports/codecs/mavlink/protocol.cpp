@@ -15,8 +15,8 @@ namespace tribus {
 namespace {
 
 /// In the order of MavlinkChannels.
-constexpr std::array<std::string_view, 4> kMessageNames{"radio_rc_channels", "rc_channels_override",
-                                                        "rc_channels", "manual_control"};
+constexpr std::array<std::string_view, 4> kMavlinkMessageNames{
+    "radio_rc_channels", "rc_channels_override", "rc_channels", "manual_control"};
 constexpr std::array<std::string_view, 2> kOnLoss{"silence", "release"};
 constexpr std::size_t kVersion1Channels = 8;
 constexpr std::size_t kUsualChannels = 16;
@@ -28,7 +28,7 @@ constexpr std::array kMavlinkSettings{
     Setting{.key = "message",
             .type = SettingType::choice,
             .absent = "an output sends `radio_rc_channels`, an input reads the first that it hears",
-            .choices = kMessageNames,
+            .choices = kMavlinkMessageNames,
             .help = "The message that carries the channels: `radio_rc_channels` is RC input with a "
                     "failsafe flag (ArduPilot 4.6 and newer); `rc_channels_override` takes "
                     "channels over; `manual_control` is four axes and buttons; `rc_channels` is "
@@ -122,7 +122,7 @@ std::optional<std::size_t> chosen_word(const SettingValues& settings, std::strin
 }
 
 std::optional<MavlinkChannels> chosen_message(const SettingValues& settings) {
-    const auto index = chosen_word(settings, "message", kMessageNames);
+    const auto index = chosen_word(settings, "message", kMavlinkMessageNames);
     return index ? std::optional(static_cast<MavlinkChannels>(*index)) : std::nullopt;
 }
 

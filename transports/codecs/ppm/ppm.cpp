@@ -141,20 +141,20 @@ std::size_t PpmEncoder::write(const ChannelFrame& frame,
         edge_records::put(wire.subspan(length, kRecordBytes), {kind, eighths});
         length += kRecordBytes;
     };
-    add(EdgeKind::edge, kFrameGapEighths);
+    add(EdgeKind::edge, ppm::kSentPauseEighths);
     for (std::size_t channel = 0; channel < channels_; ++channel) {
         const auto eighths = std::clamp(frame.channel_or(channel, kCentrePulse).eighths(),
                                         static_cast<std::int32_t>(ppm::kShortestEighths),
                                         static_cast<std::int32_t>(ppm::kLongestEighths));
         add(EdgeKind::edge, static_cast<std::uint32_t>(eighths));
     }
-    add(EdgeKind::quiet, kFrameGapEighths);
+    add(EdgeKind::quiet, ppm::kSentPauseEighths);
     return length;
 }
 
 std::size_t PpmEncoder::write_silence(std::span<std::uint8_t, kLongestSerialFrame> wire,
                                       Instant /*now*/) {
-    edge_records::put(wire.first<kRecordBytes>(), {EdgeKind::quiet, kFrameGapEighths});
+    edge_records::put(wire.first<kRecordBytes>(), {EdgeKind::quiet, ppm::kSentPauseEighths});
     return kRecordBytes;
 }
 

@@ -22,6 +22,8 @@ namespace ppm {
 /// The distance of two edges that is a channel.
 inline constexpr std::uint32_t kShortestEighths = 700 * edge_records::kEighthsPerMicrosecond;
 inline constexpr std::uint32_t kLongestEighths = 2300 * edge_records::kEighthsPerMicrosecond;
+/// The least pause that is sent: longer than receivers need, whose clocks differ.
+inline constexpr std::uint32_t kSentPauseEighths = 3000 * edge_records::kEighthsPerMicrosecond;
 /// Transmitters send from four channels on.
 inline constexpr std::size_t kLeastChannels = 4;
 /// The link that makes pulses takes no longer frames.

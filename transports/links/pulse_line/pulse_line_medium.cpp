@@ -34,8 +34,8 @@ constexpr std::array kPulseLineSettings{
     Setting{.key = "calibration",
             .type = SettingType::number,
             .fallback = "1",
-            .least = 0.9,
-            .most = 1.1,
+            .least = 0.95,
+            .most = 1.05,
             .scope = SettingScope::output,
             .help = "How much faster than 1 MHz the clock of the SPI port is: the channel that was "
                     "asked for, divided by the one that was measured",

@@ -221,12 +221,12 @@ TEST(Ppm, AMedianHasNoFrameFromBeforeAPause) {
     EXPECT_EQ(line.hear(ppm_frame(moved), 212ms), std::vector<Channels>{moved});
 }
 
-// 1500 us are 12000 eighths, 0x2EE0; the pause of 2700 us is 21600, 0x5460.
+// 1500 us are 12000 eighths, 0x2EE0; the pause of 3000 us is 24000, 0x5DC0.
 TEST(PpmEncoder, WritesThePauseTheEdgesAndThePauseBehindThem) {
     PpmEncoder encoder(4);
     EXPECT_EQ(encoded(encoder, frame_of_microseconds({1500, 1000, 2000, 1500.125, 1234})),
-              from_hex("e0 60 54 00 d4  e0 e0 2e 00 2e  e0 40 1f 00 bf  e0 80 3e 00 5e"
-                       "e0 e1 2e 00 2f  e2 60 54 00 d6"));
+              from_hex("e0 c0 5d 00 7d  e0 e0 2e 00 2e  e0 40 1f 00 bf  e0 80 3e 00 5e"
+                       "e0 e1 2e 00 2f  e2 c0 5d 00 7f"));
     EXPECT_EQ(encoder.needed_channels({}), 0xFU);
 }
 
@@ -250,7 +250,7 @@ TEST(PpmEncoder, WritesNoEdgeInSilence) {
     std::array<std::uint8_t, kLongestSerialFrame> wire{};
     const std::size_t length = encoder.write_silence(wire, {});
     EXPECT_EQ(Bytes(wire.begin(), wire.begin() + static_cast<std::ptrdiff_t>(length)),
-              quiet_record());
+              edge_record(Edge::quiet, 3000 * 8));
 }
 
 std::string from_ppm(const std::string& lines) {
@@ -296,7 +296,7 @@ TEST(Ppm, MoreThanEightChannelsTakeLonger) {
         << "the sender decides";
     // The longest pulses of all channels and a pause fit into it.
     for (std::size_t channels = 4; channels <= 12; ++channels) {
-        EXPECT_GE(ppm_period(channels), channels * 2300us + 2700us) << channels;
+        EXPECT_GE(ppm_period(channels), channels * 2300us + 3000us) << channels;
     }
 }
 

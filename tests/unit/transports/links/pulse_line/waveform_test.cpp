@@ -61,9 +61,12 @@ TEST(Waveform, HasMoreBitsForAFastClock) {
 }
 
 TEST(Waveform, HasRoomForTwelveOfTheLongestChannels) {
+    // As the encoder writes them, on the fastest clock that a configuration allows.
+    Bytes longest = ppm_edges(std::vector<double>(12, 2300));
+    append(longest, edge_record(Edge::quiet, 3000 * 8));
     Waveform waveform;
-    EXPECT_TRUE(draw_pulses(ppm_frame(std::vector<double>(12, 2300)), 1, waveform));
-    EXPECT_FALSE(draw_pulses(ppm_frame(std::vector<double>(13, 2300)), 1.1, waveform));
+    EXPECT_TRUE(draw_pulses(longest, 1.05, waveform));
+    EXPECT_FALSE(draw_pulses(longest, 1.1, waveform));
 }
 
 TEST(Waveform, IsNoneWithoutAnEdgeOrOfWrongRecords) {
