@@ -76,7 +76,7 @@ gpiod_line_edge library_edges(GpioEdges edges) {
     return GPIOD_LINE_EDGE_BOTH;
 }
 
-/// The kernel's queue of edges: more than two frames of PPM.
+/// The kernel's queue where single edges count: more than two frames of PPM.
 constexpr std::size_t kQueuedEdges = 64;
 
 gpiod_line_bias library_bias(GpioBias bias) {
@@ -151,7 +151,9 @@ tl::expected<std::unique_ptr<GpioHeldLine>, int> request_gpio_line(const std::st
     }
     apply(request, settings.get());
     gpiod_request_config_set_consumer(config.get(), kGpioConsumer);
-    gpiod_request_config_set_event_buffer_size(config.get(), kQueuedEdges);
+    if (request.edges != GpioEdges::both) {
+        gpiod_request_config_set_event_buffer_size(config.get(), kQueuedEdges);
+    }
     if (gpiod_line_config_add_line_settings(lines.get(), &request.offset, 1, settings.get()) != 0) {
         return tl::unexpected(errno);
     }
