@@ -13,8 +13,8 @@ namespace tribus::bench {
 
 /// How far the pulses of a receiver at rest are from each other's middle.
 struct PpmResult {
-    /// Of each channel of each frame: its distance from the median of that channel, by the kernel's
-    /// time stamps, as tribus reads PPM.
+    /// How far each pulse of each frame is from the median of its channel, by the kernel's time
+    /// stamps, as tribus reads PPM.
     Distribution stamped;
     /// The same by the clock that a reader reads when it wakes.
     Distribution bare;

@@ -37,7 +37,7 @@ UinputFacts look_at_uinput(const KernelFiles& files);
 /// Whether the name of a device is one of an input device, there or not.
 bool names_input(const KernelFiles& files, const std::string& device);
 
-/// What keeps a configuration from using it. A hindrance is a problem if the user `asked_for` this
+/// Says why a configuration cannot use it. A hindrance is a problem if the user `asked_for` this
 /// device, else advice. Pure.
 std::vector<Finding> judge_input(const InputFacts& facts, bool asked_for);
 std::vector<Finding> judge_uinput(const UinputFacts& facts, bool asked_for);

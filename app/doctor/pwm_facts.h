@@ -30,7 +30,7 @@ bool names_pwm_chip(const KernelFiles& files, const std::string& device);
 std::vector<PwmFacts> look_at_pwm_chip(const KernelFiles& files, const std::string& device);
 Finding unknown_pwm_chip(const KernelFiles& files, const std::string& device);
 
-/// What keeps a configuration from using it, and what its outputs do. A hindrance is a problem if
+/// Says why a configuration cannot use it, and what its outputs do. A hindrance is a problem if
 /// the user `asked_for` this chip, else advice. Pure.
 std::vector<Finding> judge_pwm(const PwmFacts& facts, bool asked_for);
 

@@ -42,7 +42,7 @@ struct ExaminedPlace {
     std::string kind;  ///< for people: "USB adapter FTDI FT232R"
     /// False: a name without a slash that no interface and no device has.
     bool known = true;
-    /// Of a gamepad, a PWM chip or /dev/uinput: why `init` writes no lines for it, and who does.
+    /// Why `init` writes no lines for a gamepad, a PWM chip or /dev/uinput, and who does.
     std::string other_end{};
     doctor::SerialFacts facts{};  ///< serial devices only
     /// About the port, and about the line if `init` listened to it.

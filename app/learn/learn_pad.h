@@ -10,8 +10,8 @@ namespace tribus {
 struct PadToLearn {
     std::string device;
     bool grab = true;
-    /// Where its lines go: "[input.pad] of servos.toml"; empty: nowhere yet, so a whole table is
-    /// printed.
+    /// The table that gets its lines: "[input.pad] of servos.toml"; empty: none yet, so a whole one
+    /// is printed.
     std::string place{};
 };
 

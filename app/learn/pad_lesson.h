@@ -48,7 +48,7 @@ class PadLesson {
     /// Ends the step: takes the control that was shown, or leaves it out. Repeats a step in which
     /// something was shown that cannot be taken.
     void next(Instant now);
-    /// What the person should know of the controls shown since the call before; may be empty.
+    /// A remark on the controls that were shown since the call before; may be empty.
     std::string take_remark();
 
     const GamepadSettings& learned() const { return learned_; }

@@ -5,14 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <ctime>
 #include <span>
 #include <utility>
 
 #include "core/edge_records.h"
-#include "transports/links/gpio/gpio_line.h"
 
 namespace tribus {
 namespace {
@@ -45,32 +42,6 @@ void add_record(Reception& reception, edge_records::EdgeRecord record) {
 }
 
 }  // namespace
-
-tl::expected<std::unique_ptr<EdgeLink>, std::string> EdgeLink::open(const std::string& line,
-                                                                    GpioEdges edges,
-                                                                    GpioBias bias) {
-    const auto place = parse_gpio_place(line);
-    if (!place) {
-        return tl::unexpected(line + ": " + place.error());
-    }
-    auto held = hold_for_edges(*place, edges, bias);
-    if (!held) {
-        return tl::unexpected(std::move(held.error()));
-    }
-    auto link = on(std::move(*held));
-    if (!link) {
-        return tl::unexpected(line + ": " + std::strerror(link.error()));
-    }
-    return std::move(*link);
-}
-
-tl::expected<std::unique_ptr<EdgeLink>, int> EdgeLink::on(std::unique_ptr<GpioHeldLine> line) {
-    UniqueFd timer(::timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC));
-    if (!timer.valid()) {
-        return tl::unexpected(errno);
-    }
-    return std::unique_ptr<EdgeLink>(new EdgeLink(std::move(line), std::move(timer)));
-}
 
 /// A timer that is set to the past expires at once, and then each second.
 EdgeLink::EdgeLink(std::unique_ptr<GpioHeldLine> line, UniqueFd timer)
