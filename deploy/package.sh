@@ -46,17 +46,18 @@ cross_compiler() {
     esac
 }
 
-# make_root: of the wanted Debian, with all that this script needs in there.
+# make_root: of the wanted Debian, with all that this script needs in there today.
 make_root() {
-    [ ! -e "$root" ] || return 0
+    # shellcheck disable=SC2046,SC2086,SC2154 # lists of words, from deploy/prepare.sh
+    packages=$(echo $build_packages $package_packages $test_libraries $(cross_compiler) | tr ' ' ,)
+    [ "$(cat "$root/packages" 2>/dev/null)" != "$packages" ] || return 0
     install_packages mmdebstrap
     mkdir -p "$(dirname "$root")"
-    as_root rm -rf "$root.new"
+    as_root rm -rf "$root" "$root.new"
     echo "Making a root of Debian $release in $root" >&2
-    # shellcheck disable=SC2046,SC2086,SC2154 # lists of words, from deploy/prepare.sh
-    as_root mmdebstrap --quiet --variant=apt --architectures="$own" --include="$(echo \
-        $build_packages $package_packages $test_libraries $(cross_compiler) | tr ' ' ,)" \
+    as_root mmdebstrap --quiet --variant=apt --architectures="$own" --include="$packages" \
         "$release" "$root.new" >&2
+    echo "$packages" | as_root tee "$root.new/packages" >/dev/null
     as_root mv "$root.new" "$root"
 }
 
@@ -197,6 +198,8 @@ if [ $with_trial = ON ]; then
     unpacked=$folder/unpacked
     rm -rf "$unpacked"
     dpkg-deb -x "$package" "$unpacked"
+    # The demo runs in real time, for which an emulator beside other work is too slow.
+    board_clock=--counted-clock
     run_there deploy/try.sh "$unpacked" || fail "its trial failed"
 fi
 if [ $with_tests = ON ] && [ $with_trial = ON ]; then

@@ -51,20 +51,21 @@ file_of() {
 }
 
 make_it() {
-    lay_out "$first" && made=$(package_sh "$first") && cp "$first/$made" "$results"
+    lay_out "$first" && made=$(package_sh "$first") && cp "$first/$made" "$results" &&
+        echo "${made%%/*}" >"$done/$package.folder"
 }
 
 # The root of the first time does for the second: a package knows nothing of it. Libraries of boards
 # are found by paths, so they get others.
 make_it_again() {
-    lay_out "$second" || return 1
-    for folder in "$first"/build-*; do
-        again=$second/$(basename "$folder")
-        mkdir -p "$again" || return 1
-        [ ! -e "$folder/root" ] || ln -sfn "$(realpath "$folder/root")" "$again/root"
-        [ ! -e "$folder/board" ] || [ -e "$again/board" ] ||
-            cp -al "$folder/board" "$again/board" || return 1
-    done
+    lay_out "$second" && folder=$(cat "$done/$package.folder") || return 1
+    mkdir -p "$second/$folder"
+    [ ! -e "$first/$folder/root" ] ||
+        ln -sfn "$(realpath "$first/$folder/root")" "$second/$folder/root"
+    if [ -e "$first/$folder/board" ]; then
+        rm -rf "$second/$folder/board" &&
+            cp -al "$first/$folder/board" "$second/$folder/board" || return 1
+    fi
     made=$(package_sh "$second" --no-trial) && same "$(file_of "$results")" "$second/$made"
 }
 

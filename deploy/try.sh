@@ -13,7 +13,7 @@ for example in "$1"/usr/share/doc/tribus/examples/*.toml; do
         exit 1
     }
 done
-# Where the machine is busy, an emulated board loses frames on its way through its ptys.
+# A busy machine may lose frames on their way through its ptys.
 for attempt in 1 2 3; do
     "$tribus" demo --seconds 3 && exit
     echo "deploy/try.sh: demo $attempt of 3 failed" >&2

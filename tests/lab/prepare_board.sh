@@ -6,7 +6,8 @@
 #   tests/lab/prepare_board.sh arm64|armhf FOLDER [bookworm|trixie]
 #
 # FOLDER/sysroot has the files; FOLDER/vmlinuz and FOLDER/initrd.gz boot. FOLDER/sysroot/DEBIAN has
-# what dpkg-shlibdeps needs to know of the libraries. Does nothing if that is there.
+# what dpkg-shlibdeps needs to know of the libraries. Does nothing if all that is there, with the
+# packages that are needed today.
 architecture=$1
 folder=$2
 release=${3:-bookworm}
@@ -24,7 +25,11 @@ case $release in
     trixie) standard_library=libstdc++-14-dev ;;
 esac
 
-if [ -e "$folder/initrd.gz" ]; then
+# shellcheck disable=SC2086,SC2154 # lists of words, from deploy/prepare.sh
+packages=$(echo libc6-dev $standard_library bash busybox-static $kernel $build_libraries \
+    $test_libraries | tr ' ' ,)
+# Comes last, so what an interruption left behind is made again.
+if [ "$(cat "$folder/packages" 2>/dev/null)" = "$packages" ]; then
     exit 0
 fi
 
@@ -45,17 +50,17 @@ prepare_raspi3b() {
 install_packages $board_packages
 echo "Unpacking Debian $release for $architecture into $folder" >&2
 mkdir -p "$folder"
+rm -f "$folder/packages"
 folder=$(cd "$folder" && pwd)
 root=$folder/sysroot
 
 # unpack SUITE: No security updates: nothing of this is shipped, and on the mirrors the list for armhf
 # differs from the signed one.
-# shellcheck disable=SC2016,SC2086,SC2154 # $1 is the hook's; lists of words, from deploy/prepare.sh
+# shellcheck disable=SC2016 # $1 is the hook's
 unpack() {
     as_root rm -rf "$root"
     as_root mmdebstrap --quiet --architectures="$architecture" --variant=extract \
-        --include="libc6-dev,$standard_library,bash,busybox-static,$kernel" \
-        --include="$(echo $build_libraries $test_libraries | tr ' ' ,)" \
+        --include="$packages" \
         --setup-hook='for place in bin lib sbin; do
                 mkdir -p "$1/usr/$place"
                 ln -s "usr/$place" "$1/$place"
@@ -90,3 +95,4 @@ put_modules "$root" "$version" "$start/modules" virtio_pci 9pnet_virtio 9p overl
 # Removes some hundred MB that the guest does not need.
 rm -rf "${root:?}/boot" "$root/lib/modules/$version"
 pack_initrd "$start" "$folder/initrd.gz"
+echo "$packages" >"$folder/packages"
