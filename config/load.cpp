@@ -92,6 +92,15 @@ void read_value_tables(const TableContent& content, Draft& draft, Reading readin
     });
 }
 
+void add_enable_lines(Draft& draft) {
+    for (std::size_t i = 0; i < draft.outputs.size(); ++i) {
+        if (auto line = std::exchange(draft.outputs[i].enable_line, std::nullopt)) {
+            line->config.task.outputs = {i};
+            draft.lines.push_back(std::move(*line));
+        }
+    }
+}
+
 Draft read_draft(const Document& document, Mistakes& mistakes) {
     const Reading reading{document.lost, mistakes};
     const TableContent content =
@@ -111,6 +120,7 @@ Draft read_draft(const Document& document, Mistakes& mistakes) {
         for_each_named(content.find("gpio"), reading, [&](const Entry& entry, const Table& table) {
             draft.lines.push_back(read_line(entry, table, draft, reading));
         });
+    add_enable_lines(draft);
     read_value_tables(content, draft, reading);
     for_each_named(content.find("pipeline"), reading, [&](const Entry& entry, const Table& table) {
         draft.pipelines.push_back(read_pipeline(entry, table, draft, reading));

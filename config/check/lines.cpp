@@ -29,10 +29,11 @@ void check_places(const Draft& draft, Mistakes& mistakes) {
             if (line.place_sound && other.place_sound &&
                 same_line(line.config.place, other.config.place)) {
                 mistakes.add(line.config.where,
-                             fmt::format("line {} is already used by [gpio.{}] in line {} of the "
+                             fmt::format("line {} is already used by [{}.{}] in line {} of the "
                                          "file; a line has one role",
-                                         in_quotes(to_text(line.config.place)), other.config.name,
-                                         other.config.where.line));
+                                         in_quotes(to_text(line.config.place)),
+                                         other.config.of_output ? "output" : "gpio",
+                                         other.config.name, other.config.where.line));
                 break;
             }
         }

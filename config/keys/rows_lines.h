@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <string_view>
 
 #include "config/keys/rows_channels.h"
@@ -58,7 +59,7 @@ inline constexpr std::array kLineKeys{
     row<&LineConfig::task, &LineTask::period>(
         {.key = "period",
          .least = 0.002,
-         .most = 2,
+         .most = std::chrono::duration<double>(kMostWavePeriod).count(),
          .help = "Role `fresh`: period of the wave. At least twice the `period` of its outputs, "
                  "best four times",
          .example = "\"60ms\""}),

@@ -23,6 +23,16 @@ struct InputDraft {
     bool used = false;
 };
 
+/// [gpio.NAME], as above, or a line that an output names.
+struct LineDraft {
+    LineConfig config;
+    Location where;                  ///< place of its name
+    std::optional<Location> period;  ///< place of the value, if given
+    bool period_sound = true;
+    bool place_sound = true;
+    bool role_sound = true;
+};
+
 /// The name of a value that an output sends.
 struct ValueUse {
     std::string name;
@@ -40,16 +50,7 @@ struct OutputDraft {
     std::optional<std::string> pipeline;  ///< name of the pipeline that feeds it
     bool needs_pipeline = true;           ///< false: it sends no channels
     std::vector<ValueUse> used_values;
-};
-
-/// [gpio.NAME], as above.
-struct LineDraft {
-    LineConfig config;
-    Location where;                  ///< place of its name
-    std::optional<Location> period;  ///< place of the value, if given
-    bool period_sound = true;
-    bool place_sound = true;
-    bool role_sound = true;
+    std::optional<LineDraft> enable_line{};
 };
 
 /// [sensor_bus.NAME], as above.

@@ -195,6 +195,29 @@ bool role_has(LineRole role, std::string_view key) {
            std::ranges::find(own, key) != own.end();
 }
 
+std::optional<LineDraft> read_enable_line(const OutputConfig& output, Location where,
+                                          Mistakes& mistakes) {
+    const std::string_view key = output.port.medium->enable_key;
+    const auto* text = output.port.settings.find_as<std::string>(key);
+    if (text == nullptr) {
+        return std::nullopt;
+    }
+    auto place = parse_gpio_place(*text);
+    if (!place) {
+        mistakes.add(where, fmt::format("{}: {}", in_quotes(key), place.error()));
+        return std::nullopt;
+    }
+    LineDraft line;
+    line.where = where;
+    line.config.name = fmt::format("{}.{}", output.name, key);
+    line.config.of_output = true;
+    line.config.where = where;
+    line.config.place = std::move(*place);
+    line.config.task.role = LineRole::fresh;
+    line.config.task.period = std::min(4 * output.schedule.period, kMostWavePeriod);
+    return line;
+}
+
 LineDraft read_line(const Entry& entry, const Table& table, const Draft& draft, Reading reading) {
     const std::string title = fmt::format("[gpio.{}]", entry.key);
     const TableContent content =

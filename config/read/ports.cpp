@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "config/language/nearest.h"
+#include "config/read/line.h"
 #include "config/read/rules.h"
 #include "config/read/supervision.h"
 #include "config/schema/notation.h"
@@ -323,6 +324,10 @@ OutputDraft read_output(const Entry& entry, const Table& table, Reading reading)
         check_timed_by_receiver(draft.config, content, reading.mistakes);
     } else {
         check_phase(draft.config, content, reading.mistakes);
+    }
+    if (draft.port_sound && draft.period_sound) {
+        const Location where = content.where(draft.config.port.medium->enable_key);
+        draft.enable_line = read_enable_line(draft.config, where, reading.mistakes);
     }
     return draft;
 }

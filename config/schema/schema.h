@@ -129,6 +129,8 @@ struct PipelineConfig {
 /// A GPIO line and its task.
 struct LineConfig {
     std::string name;
+    /// No table of its own names it, but the key `output_enable` of its output.
+    bool of_output = false;
     GpioPlace place;
     Location where;  ///< place of the value of `line`
     bool active_low = false;

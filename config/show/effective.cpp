@@ -147,7 +147,9 @@ Json effective(const Configuration& configuration) {
         json["pipeline"][pipeline.name] = pipeline_json(pipeline, configuration);
     }
     for (const LineConfig& line : configuration.lines) {
-        json["gpio"][line.name] = line_json(line, configuration);
+        if (!line.of_output) {
+            json["gpio"][line.name] = line_json(line, configuration);
+        }
     }
     for (const SensorType& type : configuration.sensor_types) {
         json["sensor_type"][type.name] = sensor_type_json(type);

@@ -206,6 +206,8 @@ inline bool is_input_role(LineRole role) {
     return role == LineRole::force_failsafe || role == LineRole::select || role == LineRole::button;
 }
 
+inline constexpr Duration kMostWavePeriod = std::chrono::seconds(2);
+
 /// What one GPIO line does.
 struct LineTask {
     LineRole role = LineRole::link;

@@ -56,6 +56,8 @@ struct Medium {
     std::string_view place_absent;
     /// Further keys of an input or output on this medium.
     std::span<const Setting> settings = {};
+    /// Which of them names the GPIO line of an output's freshness wave. Empty: none.
+    std::string_view enable_key = {};
     /// Errors in the place and in valid settings. Null: none possible.
     std::vector<SettingMistake> (*check)(const std::string& place, const SettingValues& settings,
                                          SettingScope way) = nullptr;

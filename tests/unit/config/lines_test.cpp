@@ -264,5 +264,67 @@ TEST(MoreLinesThanAWordHasBits, AreAMistake) {
               std::vector<std::string>{"t.toml:106:7: there are 33 lines; allowed: at most 32"});
 }
 
+constexpr std::string_view kLegs = R"([input.receiver]
+protocol = "ibus"
+device   = "/dev/a"
+[output.lamps]
+protocol = "sbus"
+device   = "/dev/b"
+[output.legs]
+protocol      = "pwm"
+chip          = "pca9685-pwm"
+outputs       = { 1 = 0 }
+period        = "10ms"
+output_enable = "GPIO22"
+[pipeline.main]
+from = "receiver"
+to   = ["lamps", "legs"]
+)";
+
+TEST(OutputEnable, IsTheLineOfTheFreshnessWaveOfItsOutput) {
+    const Configuration configuration = loaded(kLegs);
+    ASSERT_EQ(configuration.lines.size(), 1U);
+    const LineConfig& line = configuration.lines.front();
+    EXPECT_EQ(line.name, "legs.output_enable");
+    EXPECT_EQ(to_text(line.place), "GPIO22");
+    EXPECT_EQ(line.task.role, LineRole::fresh);
+    EXPECT_EQ(line.task.outputs, std::vector<std::size_t>{1});
+    EXPECT_EQ(line.task.period, 40ms);
+}
+
+TEST(OutputEnable, IsShownAsTheKeyOfItsOutput) {
+    const std::string text = effective_toml(loaded(kLegs));
+    EXPECT_NE(text.find("output_enable = \"GPIO22\""), std::string::npos) << text;
+    EXPECT_EQ(text.find("[gpio"), std::string::npos) << text;
+    EXPECT_EQ(loaded(text).lines, loaded(kLegs).lines);
+}
+
+TEST(OutputEnable, HasAWaveThatIsNoLongerThanItsGateCanBe) {
+    std::string text(kLegs);
+    text.replace(text.find("10ms\""), 5, "1s\"");
+    text.replace(text.find("/dev/a\""), 7, "/dev/a\"\ntimeout = \"5s\"");
+    EXPECT_EQ(loaded(text).lines.front().task.period, 2s);
+}
+
+TEST(OutputEnable, IsRefusedIfItNamesNoLine) {
+    std::string text(kLegs);
+    text.replace(text.find("GPIO22"), 6, "gpiochip0:");
+    const auto refused = load_configuration(text, "t.toml");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(refused.error().size(), 1U);
+    EXPECT_EQ(format_mistake(refused.error().front()).rfind("t.toml:12:17: \"output_enable\": ", 0),
+              0U)
+        << format_mistake(refused.error().front());
+}
+
+TEST(OutputEnable, IsRefusedIfItsLineHasARole) {
+    const auto refused = load_configuration(
+        std::string(kLegs) + "[gpio.lamp]\nline = \"GPIO22\"\nrole = \"link\"\n", "t.toml");
+    ASSERT_FALSE(refused);
+    EXPECT_EQ(format_mistake(refused.error().front()),
+              "t.toml:12:17: line \"GPIO22\" is already used by [gpio.lamp] in line 17 of the "
+              "file; a line has one role");
+}
+
 }  // namespace
 }  // namespace tribus::test::lines_test

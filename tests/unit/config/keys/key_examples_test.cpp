@@ -264,6 +264,8 @@ std::map<std::string, std::string> special_contexts() {
         {"mavlink-link_id", output(to_autopilot + "key = \"drone.key\"\n")},
         {"values-baud", battery_in_values(telemetry_of_a_controller + "device = \"/dev/ttyD\"\n")},
         {"crsf-role", output(module_line)},
+        {"output-output_enable", output("protocol = \"pwm\"\nchip = \"pwmchip0\"\n"
+                                        "outputs = { 1 = 0 }\n")},
         {"output-chip", output("protocol = \"pwm\"\noutputs = { 1 = 0 }\n")},
         {"mavlink-buttons", input("protocol = \"mavlink\"\ndevice = \"/dev/ttyA\"\n"
                                   "message = \"manual_control\"\n")},
