@@ -1,17 +1,16 @@
 #include "app/status/metrics_text.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "app/cli/cause_text.h"
 #include "core/link_cause.h"
-#include "pipelines/engine/machine_facts.h"
 
 namespace tribus {
 namespace {
@@ -101,11 +100,25 @@ constexpr std::array kOutputCounters{
                           [](const OutputStatus& status) { return status.counts.foreign_frames; }},
 };
 
-std::string cause_word(LinkCause cause) {
-    std::string text(name_of(cause));
-    std::ranges::replace(text, ' ', '_');
-    return text;
-}
+constexpr std::array kCanCounters{
+    Counter<CanCounts>{"can_received_frames_total", "Frames received.",
+                       [](const CanCounts& counts) { return counts.received; }},
+    Counter<CanCounts>{"can_sent_frames_total", "Frames that the kernel took.",
+                       [](const CanCounts& counts) { return counts.sent; }},
+    Counter<CanCounts>{"can_bus_offs_total", "Times that the controller left the bus.",
+                       [](const CanCounts& counts) { return counts.bus_offs; }},
+    Counter<CanCounts>{"can_stalls_total", "Times that frames waited too long for the bus.",
+                       [](const CanCounts& counts) { return counts.stalls; }},
+    Counter<CanCounts>{"can_downs_total", "Times that the interface went down.",
+                       [](const CanCounts& counts) { return counts.downs; }},
+    Counter<CanCounts>{"can_error_frames_total", "Error frames of the interface.",
+                       [](const CanCounts& counts) { return counts.error_frames; }},
+    Counter<CanCounts>{"can_missing_acknowledges_total",
+                       "Error frames that report a missing acknowledgement.",
+                       [](const CanCounts& counts) { return counts.missing_acknowledges; }},
+    Counter<CanCounts>{"can_receive_overflows_total", "Frames for which the socket had no room.",
+                       [](const CanCounts& counts) { return counts.receive_overflows; }},
+};
 
 void add_inputs(Text& text, const StatusReport& report) {
     const auto name = [&](std::size_t i) {
@@ -121,14 +134,14 @@ void add_inputs(Text& text, const StatusReport& report) {
     for (std::size_t i = 0; i < report.inputs.size(); ++i) {
         const InputReport& input = report.inputs[i];
         for (std::size_t cause = 0; cause < input.reject_causes.size(); ++cause) {
-            text.sample({name(i), {"cause", input.reject_causes[cause]}},
+            text.sample({name(i), {"cause", as_word(input.reject_causes[cause])}},
                         count(input.status.rejected_by[cause]));
         }
     }
     text.family("input_losses_total", "counter", "Times that the input was lost, by cause.");
     for (std::size_t i = 0; i < report.inputs.size(); ++i) {
         for (std::size_t cause = 2; cause < kLinkCauseCount; ++cause) {
-            const std::string word = cause_word(static_cast<LinkCause>(cause));
+            const std::string word = as_word(name_of(static_cast<LinkCause>(cause)));
             text.sample({name(i), {"cause", word}},
                         count(report.inputs[i].status.counts.began[cause]));
         }
@@ -137,17 +150,42 @@ void add_inputs(Text& text, const StatusReport& report) {
     for (std::size_t i = 0; i < report.inputs.size(); ++i) {
         text.sample({name(i)}, report.inputs[i].status.state.cause == LinkCause::good ? 1 : 0);
     }
+    text.family("input_cause", "gauge", "1 for the present cause, 0 for the others.");
+    for (std::size_t i = 0; i < report.inputs.size(); ++i) {
+        for (std::size_t cause = 0; cause < kLinkCauseCount; ++cause) {
+            const auto named = static_cast<LinkCause>(cause);
+            text.sample({name(i), {"cause", as_word(name_of(named))}},
+                        report.inputs[i].status.state.cause == named ? 1 : 0);
+        }
+    }
 }
 
+/// Quantiles of no values are no numbers: as 0 an output that sends nothing would look punctual.
 void add_quantiles(Text& text, std::string_view name, std::string_view help,
                    const StatusReport& report, HistogramReading OutputReport::*reading) {
     constexpr std::array<std::pair<std::string_view, double>, 3> kQuantiles{
         {{"0.5", 0.5}, {"0.99", 0.99}, {"1", 1.0}}};
-    text.family(name, "gauge", help);
+    text.family(name, "summary", help);
     for (std::size_t i = 0; i < report.outputs.size(); ++i) {
+        const HistogramReading& read = report.outputs[i].*reading;
         for (const auto& [word, share] : kQuantiles) {
             text.sample({{"output", report.configuration->outputs[i].name}, {"quantile", word}},
-                        seconds((report.outputs[i].*reading).quantile(share)));
+                        read.count() == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                          : seconds(read.quantile(share)));
+        }
+    }
+}
+
+void add_output_states(Text& text, const StatusReport& report) {
+    constexpr std::array<std::string_view, 5> kStates{"control", "hold", "failsafe", "silent",
+                                                      "cannot_send"};
+    text.family("output_state", "gauge", "1 for the present state, 0 for the others.");
+    for (std::size_t i = 0; i < report.outputs.size(); ++i) {
+        const OutputStatus& status = report.outputs[i].status;
+        const std::string_view present = output_state_word(status.state.stage, status.sends);
+        for (const std::string_view state : kStates) {
+            text.sample({{"output", report.configuration->outputs[i].name}, {"state", state}},
+                        state == present ? 1 : 0);
         }
     }
 }
@@ -184,6 +222,7 @@ void add_outputs(Text& text, const StatusReport& report) {
         const OutputStage stage = report.outputs[i].status.state.stage;
         text.sample({name(i)}, stage == OutputStage::cannot_send ? 1 : 0);
     }
+    add_output_states(text, report);
     add_quantiles(text, "output_lateness_seconds", "Time from due to taken, last minute.", report,
                   &OutputReport::lateness);
     add_quantiles(
@@ -192,31 +231,56 @@ void add_outputs(Text& text, const StatusReport& report) {
         report, &OutputReport::latency);
 }
 
-void add_surroundings(Text& text, const StatusReport& report) {
+void add_ports(Text& text, const StatusReport& report) {
     text.family("port_present", "gauge", "1 while the device or interface is present.");
     for (const PortReport& port : report.ports) {
         text.sample({{"port", port.name}}, port.present ? 1 : 0);
     }
+    std::vector<const PortReport*> buses;
+    for (const PortReport& port : report.ports) {
+        if (port.can) {
+            buses.push_back(&port);
+        }
+    }
     text.family("can_ready", "gauge", "1 while the interface can send without trouble.");
-    for (const PortReport& port : report.ports) {
-        if (port.can) {
-            const bool ready = port.present && port.can->state == CanBusState::ready;
-            text.sample({{"port", port.name}}, ready ? 1 : 0);
+    for (const PortReport* bus : buses) {
+        text.sample({{"port", bus->name}}, can_state_word(*bus) == kCanStateWords.front() ? 1 : 0);
+    }
+    text.family("can_state", "gauge", "1 for the present state, 0 for the others.");
+    for (const PortReport* bus : buses) {
+        for (const std::string_view state : kCanStateWords) {
+            text.sample({{"port", bus->name}, {"state", state}},
+                        can_state_word(*bus) == state ? 1 : 0);
         }
     }
-    text.family("can_error_frames_total", "counter", "Error frames of the interface.");
-    for (const PortReport& port : report.ports) {
-        if (port.can) {
-            text.sample({{"port", port.name}}, count(port.can->counts.error_frames));
+    for (const Counter<CanCounts>& counter : kCanCounters) {
+        text.family(counter.name, "counter", counter.help);
+        for (const PortReport* bus : buses) {
+            text.sample({{"port", bus->name}}, count(counter.value(bus->can->counts)));
         }
     }
+}
+
+/// The age goes on where the value is left out: so a value that became stale can be told from one
+/// that never was.
+void add_values(Text& text, const StatusReport& report) {
+    const auto labels = [](const ValueReport& value) {
+        return std::vector<Label>{{"name", value.value.name}, {"unit", value.value.unit}};
+    };
     text.family("value", "gauge", "A named value that is not stale, in its own unit.");
     for (const ValueReport& value : report.values) {
         const ValueStatus& status = value.status;
         const bool fresh =
             value.value.lasts == kForever || report.now - status.at <= value.value.lasts;
         if (status.available && fresh) {
-            text.sample({{"name", value.value.name}, {"unit", value.value.unit}}, status.number);
+            text.sample(labels(value), status.number);
+        }
+    }
+    text.family("value_age_seconds", "gauge",
+                "Time since the source of a named value last gave it, stale or not.");
+    for (const ValueReport& value : report.values) {
+        if (value.status.ever) {
+            text.sample(labels(value), seconds(report.now - value.status.at));
         }
     }
 }
@@ -239,13 +303,21 @@ std::string metrics_text(const StatusReport& report) {
     Text text(name_of(report));
     text.family("uptime_seconds", "gauge", "Time since the program started.");
     text.sample({}, seconds(report.now - report.started));
+    text.family("start_since_boot_seconds", "gauge",
+                "When the program started, on the board's clock since its boot; another number is "
+                "another process.");
+    text.sample({}, seconds(report.started.time_since_epoch()));
     text.family("figures_age_seconds", "gauge",
                 "Time since the data thread published the figures below; if it grows, all of them "
                 "are old.");
     text.sample({}, seconds(report.now - report.figures_at));
+    text.family("realtime_parts_missing", "gauge",
+                "Parts of real time that are missing; the status has their sentences.");
+    text.sample({}, static_cast<double>(report.missing_realtime.size()));
     add_inputs(text, report);
     add_outputs(text, report);
-    add_surroundings(text, report);
+    add_ports(text, report);
+    add_values(text, report);
     return text.take();
 }
 

@@ -93,6 +93,11 @@ std::string name_of(const StatusReport& report) {
     return std::filesystem::path(report.configuration->file).stem().string();
 }
 
+std::string_view can_state_word(const PortReport& port) {
+    return port.present && port.can ? kCanStateWords[static_cast<std::size_t>(port.can->state)]
+                                    : kCanStateWords.back();
+}
+
 StatusReport StatusKeeper::report(const Appliance& appliance, Instant now,
                                   Duration wall_time) const {
     StatusReport report;

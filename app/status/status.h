@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -82,6 +83,13 @@ struct StatusReport {
 };
 /// The daemon's name: that of its configuration file without extension.
 std::string name_of(const StatusReport& report);
+
+/// Words for `CanBusState`, in its order, and at the end the one for an interface that is not
+/// present.
+inline constexpr std::array<std::string_view, 7> kCanStateWords{
+    "ready", "warning", "passive", "stalled", "bus_off", "down", "gone"};
+/// One of them. `port` is a CAN interface.
+std::string_view can_state_word(const PortReport& port);
 
 /// Frames per second, from a counter that is read now and then. Pure.
 class RateWindow {

@@ -200,11 +200,9 @@ OrderedJson output_json(std::size_t index, const OutputReport& output, const Sta
     return json;
 }
 
-OrderedJson can_json(const CanLinkStatus& status, bool present) {
-    constexpr std::array<std::string_view, 6> kStates{"ready",   "warning", "passive",
-                                                      "stalled", "bus_off", "down"};
-    const CanCounts& counts = status.counts;
-    return {{"state", present ? kStates[static_cast<std::size_t>(status.state)] : "gone"},
+OrderedJson can_json(const PortReport& port) {
+    const CanCounts& counts = port.can->counts;
+    return {{"state", can_state_word(port)},
             {"received", counts.received},
             {"sent", counts.sent},
             {"confirmed", counts.confirmed},
@@ -223,7 +221,7 @@ OrderedJson port_json(const PortReport& port) {
     OrderedJson json = {
         {"name", port.name}, {"kind", port.can ? "can" : "serial"}, {"present", port.present}};
     if (port.can) {
-        json["can"] = can_json(*port.can, port.present);
+        json["can"] = can_json(port);
     }
     return json;
 }

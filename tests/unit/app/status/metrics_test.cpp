@@ -31,15 +31,30 @@ class Metrics : public testing::Test {
         report_.figures_at = Instant(std::chrono::milliseconds(99'950));
         report_.inputs.resize(1);
         report_.inputs[0].status.counts.frames = 42;
-        report_.inputs[0].reject_causes = {"checksum"};
+        report_.inputs[0].reject_causes = {"other source"};
         report_.inputs[0].status.rejected_by = {3};
+        report_.inputs[0].status.state.cause = LinkCause::radio_lost;
         report_.outputs.resize(1);
+        report_.outputs[0].status.sends = true;
         report_.ports = {{"/dev/tty\"A\\2\n", true, {}},
-                         {"can0", false, CanLinkStatus{CanBusState::bus_off, {}}}};
+                         {"can0", false, CanLinkStatus{CanBusState::ready, {}}},
+                         {"can1", true, CanLinkStatus{CanBusState::bus_off, {.bus_offs = 2}}}};
         const NamedValue value{.name = "pack.voltage", .unit = "V", .lasts = kForever};
         report_.values = {
             {value, {.number = 12.5, .at = report_.now, .ever = true, .available = true}},
             {value, {}}};
+    }
+    /// The labels `label` of those samples of a family that are 1.
+    std::set<std::string> ones(const std::string& family, const std::string& label) const {
+        const std::regex sample(family + "\\{.*" + label + "=\"([^\"]*)\".*\\} 1");
+        std::set<std::string> found;
+        std::istringstream text(metrics_text(report_));
+        for (std::string line; std::getline(text, line);) {
+            if (std::smatch match; std::regex_match(line, match, sample)) {
+                found.insert(match[1]);
+            }
+        }
+        return found;
     }
     bool tells(const std::string& line) const {
         return ("\n" + metrics_text(report_)).find("\n" + line + "\n") != std::string::npos;
@@ -52,8 +67,8 @@ class Metrics : public testing::Test {
 TEST_F(Metrics, CountByName) {
     EXPECT_TRUE(tells("tribus_input_frames_total{daemon=\"car\",input=\"main\"} 42"))
         << metrics_text(report_);
-    EXPECT_TRUE(
-        tells("tribus_input_rejected_total{daemon=\"car\",input=\"main\",cause=\"checksum\"} 3"));
+    EXPECT_TRUE(tells(
+        "tribus_input_rejected_total{daemon=\"car\",input=\"main\",cause=\"other_source\"} 3"));
     EXPECT_TRUE(tells("tribus_output_in_control{daemon=\"car\",output=\"servos\"} 0"));
     EXPECT_TRUE(tells("tribus_figures_age_seconds{daemon=\"car\"} 0.05"));
 }
@@ -63,17 +78,82 @@ TEST_F(Metrics, EscapeWhatStandsInLabels) {
         << metrics_text(report_);
 }
 
-/// A value without a fresh number has no sample, because the last one would be stale.
+using Words = std::set<std::string>;
+
+TEST_F(Metrics, TellThePresentCauseOfAnInput) {
+    EXPECT_EQ(ones("tribus_input_cause", "cause"), Words{"radio_lost"}) << metrics_text(report_);
+    EXPECT_TRUE(tells(R"(tribus_input_cause{daemon="car",input="main",cause="good"} 0)"));
+    report_.inputs[0].status.state.cause = LinkCause::good;
+    EXPECT_EQ(ones("tribus_input_cause", "cause"), Words{"good"});
+}
+
+TEST_F(Metrics, TellThePresentStateOfAnOutput) {
+    OutputStatus& status = report_.outputs[0].status;
+    const auto state_of = [&](OutputStage stage, bool sends) {
+        status.state.stage = stage;
+        status.sends = sends;
+        return ones("tribus_output_state", "state");
+    };
+    EXPECT_EQ(state_of(OutputStage::control, true), Words{"control"});
+    EXPECT_EQ(state_of(OutputStage::holding, true), Words{"hold"});
+    EXPECT_EQ(state_of(OutputStage::failsafe, true), Words{"failsafe"});
+    EXPECT_EQ(state_of(OutputStage::failsafe, false), Words{"silent"});
+    EXPECT_EQ(state_of(OutputStage::cannot_send, true), Words{"cannot_send"});
+}
+
+TEST_F(Metrics, TellTheStateOfACanInterfaceAndWhenItIsGone) {
+    EXPECT_TRUE(tells(R"(tribus_can_state{daemon="car",port="can0",state="gone"} 1)"))
+        << metrics_text(report_);
+    EXPECT_TRUE(tells(R"(tribus_can_state{daemon="car",port="can0",state="ready"} 0)"));
+    EXPECT_TRUE(tells(R"(tribus_can_ready{daemon="car",port="can0"} 0)"));
+    EXPECT_TRUE(tells(R"(tribus_can_state{daemon="car",port="can1",state="bus_off"} 1)"));
+    EXPECT_TRUE(tells(R"(tribus_can_bus_offs_total{daemon="car",port="can1"} 2)"));
+    EXPECT_EQ(ones("tribus_can_state", "state"), (Words{"gone", "bus_off"}));
+}
+
+/// A value without a fresh number has no sample, because the last one would be stale. Its age goes
+/// on.
 TEST_F(Metrics, LeaveOutValuesThatAreStale) {
-    EXPECT_TRUE(tells("tribus_value{daemon=\"car\",name=\"pack.voltage\",unit=\"V\"} 12.5"));
+    const std::string number = R"(tribus_value{daemon="car",name="pack.voltage",unit="V"} 12.5)";
+    const std::string age =
+        R"(tribus_value_age_seconds{daemon="car",name="pack.voltage",unit="V"} )";
+    EXPECT_TRUE(tells(number));
+    EXPECT_TRUE(tells(age + "0"));
     const std::string text = metrics_text(report_);
     EXPECT_EQ(text.find("tribus_value{"), text.rfind("tribus_value{"));
+    EXPECT_EQ(text.find("tribus_value_age_seconds{"), text.rfind("tribus_value_age_seconds{"));
+    report_.values[0].value.lasts = std::chrono::seconds(1);
+    report_.values[0].status.at = report_.now - std::chrono::seconds(3);
+    EXPECT_FALSE(tells(number));
+    EXPECT_TRUE(tells(age + "3"));
+}
+
+/// Zero would say that an output that sends nothing is on time.
+TEST_F(Metrics, NoFramesHaveNoQuantile) {
+    const std::string worst =
+        R"(tribus_output_lateness_seconds{daemon="car",output="servos",quantile="1"} )";
+    EXPECT_TRUE(tells(worst + "NaN")) << metrics_text(report_);
+    report_.outputs[0].lateness.counts[histogram_bucket(std::chrono::milliseconds(2))] = 1;
+    report_.outputs[0].lateness.worst = std::chrono::milliseconds(2);
+    EXPECT_TRUE(tells(worst + "0.002")) << metrics_text(report_);
+}
+
+TEST_F(Metrics, AnotherStartIsAnotherNumber) {
+    EXPECT_TRUE(tells(R"(tribus_start_since_boot_seconds{daemon="car"} 90)"));
+    report_.now += std::chrono::seconds(5);
+    EXPECT_TRUE(tells(R"(tribus_start_since_boot_seconds{daemon="car"} 90)"));
+}
+
+TEST_F(Metrics, CountThePartsOfRealTimeThatAreMissing) {
+    EXPECT_TRUE(tells(R"(tribus_realtime_parts_missing{daemon="car"} 0)"));
+    report_.missing_realtime = {"no SCHED_FIFO", "memory is not locked"};
+    EXPECT_TRUE(tells(R"(tribus_realtime_parts_missing{daemon="car"} 2)"));
 }
 
 /// Grammar of prometheus.io/docs/instrumenting/exposition_formats, text format 0.0.4.
 TEST_F(Metrics, KeepToTheGrammar) {
     const std::regex help("# HELP ([a-zA-Z_:][a-zA-Z0-9_:]*) .+");
-    const std::regex type("# TYPE ([a-zA-Z_:][a-zA-Z0-9_:]*) (counter|gauge)");
+    const std::regex type("# TYPE ([a-zA-Z_:][a-zA-Z0-9_:]*) (counter|gauge|summary)");
     const std::regex sample(
         "([a-zA-Z_:][a-zA-Z0-9_:]*)"
         "(\\{[a-zA-Z_][a-zA-Z0-9_]*=\"([^\"\\\\]|\\\\[\\\\n\"])*\""
