@@ -5,7 +5,7 @@
 #   tests/run.sh --all [PART...]       the second tier too, or these parts of it
 #   tests/run.sh --group GROUP...      groups of the laboratory (docs/laboratory.md), such as lab_can
 #
-# Parts, in this order: first page peers laboratory service tidy addresses threads simulation fuzz mutations.
+# Parts, in this order: first page peers fleet laboratory service tidy addresses threads simulation fuzz mutations.
 # All of them take some hours. A part that fails does not stop the others. At the end a table says
 # what ran, when, for how long and with which result; build/proofs keeps it.
 cd "$(dirname "$0")/.."
@@ -71,6 +71,7 @@ part() {
         first) first_tier ;;
         page) app/web/build.sh --tests ;;
         peers) tests/peers/run.sh ;;
+        fleet) tests/fleet/run.sh ;;
         laboratory) laboratory full 'all second_tier' --label-regex 'lab_fast|lab_full|long' ;;
         service) laboratory service 'all second_tier' --label-regex lab_service ;;
         tidy) .ci/clang_tidy ;;
@@ -85,7 +86,7 @@ part() {
     esac
 }
 
-all_parts="first page peers laboratory service tidy addresses threads simulation fuzz mutations"
+all_parts="first page peers fleet laboratory service tidy addresses threads simulation fuzz mutations"
 case ${1:-} in
     --all)
         shift
