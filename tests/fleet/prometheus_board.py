@@ -13,6 +13,7 @@ import tempfile
 import threading
 import time
 import tty
+import urllib.error
 import urllib.parse
 import urllib.request
 
@@ -241,11 +242,12 @@ class Prometheus:
         except urllib.error.HTTPError as error:
             raise AssertionError(f"{parameters}: {error.read().decode()}") from error
 
-    def answers(self):
+    def is_ready(self):
         try:
-            return self.ask("query", query="1")
+            with urllib.request.urlopen(f"http://{self.address}/-/ready", timeout=10) as answer:
+                return answer.status == 200
         except OSError:
-            return None
+            return False
 
     def now(self, query):
         """The samples of an instant query: a list of labels, and of numbers."""

@@ -108,7 +108,7 @@ class Scraped(unittest.TestCase):
         cls.addClassCleanup(cls.board.close)
         cls.prometheus = Prometheus(cls.board.port)
         cls.addClassCleanup(cls.prometheus.close)
-        assert eventually(cls.prometheus.answers), "Prometheus does not answer"
+        assert eventually(cls.prometheus.is_ready), "Prometheus does not answer"
 
     def setUp(self):
         self.board.radio.talks = self.board.pack.talks = True

@@ -126,6 +126,8 @@ TEST_F(Metrics, LeaveOutValuesThatAreStale) {
     report_.values[0].status.at = report_.now - std::chrono::seconds(3);
     EXPECT_FALSE(tells(number));
     EXPECT_TRUE(tells(age + "3"));
+    report_.values[0].status.available = false;
+    EXPECT_TRUE(tells(age + "3"));
 }
 
 /// Zero would say that an output that sends nothing is on time.
