@@ -161,6 +161,20 @@ class Scraped(unittest.TestCase):
             with self.subTest(title, target=target["refId"]):
                 self.assertTrue(eventually(lambda one=target: self.answer(one), 15), target["expr"])
 
+    def test_each_row_of_a_table_has_its_up_answers_and_age(self):
+        for panel in panels():
+            if panel["type"] != "table":
+                continue
+            asked = {target["refId"]: target for target in panel["targets"]}
+            rows = eventually(lambda one=asked["A"]: self.answer(one))
+            for reference in AGES:
+                beside = [{name: value for name, value in labels.items() if name != "__name__"}
+                          for labels in self.answer(asked[reference])]
+                for row in rows:
+                    with self.subTest(panel["title"], beside=reference, row=row):
+                        mine = [one for one in beside if one.items() <= row.items()]
+                        self.assertEqual(len(mine), 1, beside)
+
     def test_every_variable_of_the_dashboard_has_values(self):
         for variable in DASHBOARD["templating"]["list"]:
             if variable["type"] == "query":
@@ -191,6 +205,8 @@ class Scraped(unittest.TestCase):
                           cause="wire_silent")
         self.expect_alert(alertname="TribusOutputInFailsafe", daemon=self.board.car,
                           output="servos")
+        # A cause has one alert, not one for each channel.
+        self.assertEqual(self.prometheus.firing(alertname="TribusValueStale"), [])
 
     def test_a_value_that_comes_no_more(self):
         voltage = f'tribus_value{{{self.of_car},name="pack.battery.voltage",unit="V"}}'
