@@ -22,14 +22,18 @@
 #include "app/cli/terminal.h"
 #include "app/doctor/can_judge.h"
 #include "app/doctor/examine.h"
+#include "app/doctor/gpio_facts.h"
 #include "app/doctor/input_facts.h"
 #include "app/doctor/kernel_files.h"
 #include "app/doctor/machine_judge.h"
 #include "app/doctor/pwm_facts.h"
 #include "app/doctor/report.h"
+#include "app/doctor/spi_facts.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
 #include "transports/links/evdev/evdev_link.h"
+#include "transports/links/gpio/gpio_line.h"
+#include "transports/links/pulse_line/spi_link.h"
 
 namespace tribus {
 namespace {
@@ -100,6 +104,25 @@ void take_uinput(const KernelFiles& files, bool asked_for, Report& report) {
     append(report.findings, judge_uinput(*report.uinput, asked_for));
 }
 
+void take_gpio(const std::string& device, std::span<const GpioChip> chips, Report& report) {
+    const std::string path = gpio_chip_path(device);
+    append(report.findings, judge_gpio(device, path, chips));
+    if (auto facts = look_at_gpio(device, path, chips)) {
+        report.gpio.push_back(std::move(*facts));
+    }
+}
+
+/// Opens a port that may be opened, to see whether it takes the settings of PPM. Sends nothing.
+void take_spi_port(const KernelFiles& files, const std::string& device, Report& report) {
+    SpiFacts facts = look_at_spi_port(files, device);
+    if (facts.access.may_open) {
+        const auto link = SpiLink::open(facts.device, 1.0);
+        facts.refusal = link ? "" : link.error().substr(facts.device.size() + std::strlen(": "));
+    }
+    append(report.findings, judge_spi_port(facts, true));
+    report.spi.push_back(std::move(facts));
+}
+
 /// Returns whether the device is one at the ends of a pipeline that is no wire.
 bool take_other_end(const KernelFiles& files, const std::string& device, Report& report) {
     if (names_input(files, device)) {
@@ -108,6 +131,11 @@ bool take_other_end(const KernelFiles& files, const std::string& device, Report&
         take_pwm(files, device, report);
     } else if (device == "/dev/uinput" || device == "uinput") {
         take_uinput(files, true, report);
+    } else if (names_spi_port(device)) {
+        take_spi_port(files, device, report);
+    } else if (const auto chips = find_gpio_chips().value_or(std::vector<GpioChip>{});
+               names_gpio(device, chips)) {
+        take_gpio(device, chips, report);
     } else {
         return false;
     }
@@ -117,11 +145,11 @@ bool take_other_end(const KernelFiles& files, const std::string& device, Report&
 void take_device(const KernelFiles& files, const std::string& device, Duration time,
                  const std::vector<std::string>& can, Report& report) {
     const bool interface = device.find('/') == std::string::npos;
-    if (take_other_end(files, device, report)) {
+    const bool known = std::ranges::find(can, device) != can.end();
+    if (!known && take_other_end(files, device, report)) {
         return;
     }
-    if (interface && std::ranges::find(can, device) == can.end() &&
-        std::filesystem::exists("/dev/" + device)) {
+    if (interface && !known && std::filesystem::exists("/dev/" + device)) {
         take_port(files, "/dev/" + device, time, report);
     } else if (interface) {
         take_can(report, device, true);
@@ -151,6 +179,16 @@ void take_everything(const KernelFiles& files, Report& report) {
         report.pwm.push_back(std::move(facts));
     }
     take_uinput(files, false, report);
+    for (GpioChip& chip : find_gpio_chips().value_or(std::vector<GpioChip>{})) {
+        append(report.findings, judge_gpio_chip(chip));
+        if (chip.error == 0) {
+            report.gpio.push_back({std::move(chip), {}});
+        }
+    }
+    for (SpiFacts& facts : look_at_spi_ports(files)) {
+        append(report.findings, judge_spi_port(facts, false));
+        report.spi.push_back(std::move(facts));
+    }
 }
 
 std::string text_for_people(const Report& report) {
@@ -198,7 +236,8 @@ Command doctor_command() {
         .options = {{.name = "DEVICE",
                      .value = &options->devices,
                      .help = "Serial devices to try and listen to, CAN interfaces, gamepads, PWM "
-                             "chips, /dev/uinput; default: check all of them and the machine, "
+                             "chips, GPIO lines, SPI ports, /dev/uinput; default: check all of "
+                             "them and the machine, "
                              "without opening any"},
                     {.name = "--for",
                      .value = &options->listening,

@@ -5,12 +5,14 @@
 #include <vector>
 
 #include "app/doctor/finding.h"
+#include "app/doctor/gpio_facts.h"
 #include "app/doctor/input_facts.h"
 #include "app/doctor/line_judge.h"
 #include "app/doctor/machine_facts.h"
 #include "app/doctor/pwm_facts.h"
 #include "app/doctor/serial_facts.h"
 #include "app/doctor/serial_judge.h"
+#include "app/doctor/spi_facts.h"
 #include "transports/links/can/can_interface.h"
 
 namespace tribus::doctor {
@@ -32,6 +34,8 @@ struct Report {
     std::vector<PwmFacts> pwm;
     /// Empty if only other devices were asked for.
     std::optional<UinputFacts> uinput;
+    std::vector<GpioFacts> gpio;
+    std::vector<SpiFacts> spi;
     /// Ordered by severity, problems first.
     std::vector<Finding> findings;
 };

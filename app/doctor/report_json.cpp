@@ -148,6 +148,30 @@ OrderedJson uinput_json(const UinputFacts& facts) {
             {"group", facts.access.group}};
 }
 
+OrderedJson gpio_json(const GpioFacts& facts) {
+    OrderedJson lines = OrderedJson::array();
+    for (const unsigned offset : facts.asked) {
+        const GpioLineFacts& line = facts.chip.lines[offset];
+        lines.push_back({{"line", offset},
+                         {"name", line.name},
+                         {"used", line.used},
+                         {"consumer", line.consumer}});
+    }
+    return {{"chip", facts.chip.path},
+            {"lines", facts.chip.lines.size()},
+            {"asked", std::move(lines)},
+            {"configuration", configuration_lines(facts)}};
+}
+
+OrderedJson spi_json(const SpiFacts& facts) {
+    return {{"device", facts.device},
+            {"exists", facts.access.exists},
+            {"may_open", facts.access.may_open},
+            {"group", facts.access.group},
+            {"refusal", or_null(facts.refusal)},
+            {"configuration", configuration_lines(facts)}};
+}
+
 }  // namespace
 
 std::string report_json(const Report& report) {
@@ -157,6 +181,8 @@ std::string report_json(const Report& report) {
                         {"inputs", OrderedJson::array()},
                         {"pwm", OrderedJson::array()},
                         {"uinput", report.uinput ? uinput_json(*report.uinput) : OrderedJson()},
+                        {"gpio", OrderedJson::array()},
+                        {"spi", OrderedJson::array()},
                         {"findings", OrderedJson::array()}};
     for (const ExaminedPort& port : report.ports) {
         json["ports"].push_back(port_json(port));
@@ -169,6 +195,12 @@ std::string report_json(const Report& report) {
     }
     for (const PwmFacts& facts : report.pwm) {
         json["pwm"].push_back(pwm_json(facts));
+    }
+    for (const GpioFacts& facts : report.gpio) {
+        json["gpio"].push_back(gpio_json(facts));
+    }
+    for (const SpiFacts& facts : report.spi) {
+        json["spi"].push_back(spi_json(facts));
     }
     for (const Finding& finding : report.findings) {
         json["findings"].push_back(finding_json(finding));

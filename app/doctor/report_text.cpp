@@ -119,6 +119,37 @@ void print_pwm(const PwmFacts& facts, Page& page) {
     }
 }
 
+void print_lines(const std::vector<std::string>& lines, Page& page) {
+    if (!lines.empty()) {
+        page.paragraph("  ", "For the configuration:");
+    }
+    for (const std::string& line : lines) {
+        page.line("    " + line);
+    }
+}
+
+void print_gpio(const GpioFacts& facts, Page& page) {
+    page.paragraph("", fmt::format("{}: {}", facts.chip.path, describe(facts)));
+    for (const unsigned offset : facts.asked) {
+        const GpioLineFacts& line = facts.chip.lines[offset];
+        const std::string use = !line.used              ? "free"
+                                : line.consumer.empty() ? "in use"
+                                                        : "in use by " + line.consumer;
+        page.line(fmt::format("  line {:3}  {:<20} {}", offset,
+                              line.name.empty() ? "without a name" : line.name, use));
+    }
+    print_lines(configuration_lines(facts), page);
+}
+
+void print_spi_port(const SpiFacts& facts, Page& page) {
+    if (facts.access.exists) {
+        page.paragraph("", facts.device + ": SPI port; its data line (MOSI) can make PPM");
+    }
+    if (facts.refusal) {
+        print_lines(configuration_lines(facts), page);
+    }
+}
+
 std::string_view colour_of(Severity severity) {
     return severity == Severity::problem  ? screen::kRed
            : severity == Severity::advice ? screen::kYellow
@@ -172,6 +203,12 @@ std::string report_text(const Report& report, std::size_t columns, bool colour) 
     }
     if (report.uinput && report.uinput->access.may_open) {
         page.paragraph("", "/dev/uinput: virtual joysticks are possible");
+    }
+    for (const GpioFacts& facts : report.gpio) {
+        print_gpio(facts, page);
+    }
+    for (const SpiFacts& facts : report.spi) {
+        print_spi_port(facts, page);
     }
     std::string text = page.take();
     if (!text.empty() && !report.findings.empty()) {

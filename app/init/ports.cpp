@@ -10,10 +10,12 @@
 
 #include "app/doctor/can_judge.h"
 #include "app/doctor/examine.h"
+#include "app/doctor/gpio_facts.h"
 #include "app/doctor/input_facts.h"
 #include "app/doctor/listener.h"
 #include "app/doctor/pwm_facts.h"
 #include "app/doctor/serial_judge.h"
+#include "app/doctor/spi_facts.h"
 #include "transports/links/can/can_interface.h"
 #include "transports/links/can/can_medium.h"
 
@@ -71,6 +73,11 @@ std::string other_end_text(const doctor::KernelFiles& files, const std::string& 
         return "this is a PWM chip; which channel goes to which of its outputs only you know. "
                "/usr/share/doc/tribus/docs/protocols/pwm.md has lines to start from, `tribus pwm` "
                "lists chips";
+    }
+    if (doctor::names_spi_port(place) || doctor::names_gpio(place, {})) {
+        return "this reads or makes PPM; /usr/share/doc/tribus/docs/protocols/ppm.md has lines to "
+               "start from, `tribus doctor " +
+               place + "` looks at it";
     }
     if (place == "/dev/uinput" || place == "uinput") {
         return "this makes virtual joysticks; "

@@ -46,8 +46,8 @@ std::string axis_text(std::uint16_t code) {
 }
 
 std::string button_text(std::uint16_t code) {
-    const std::string_view name = gamepad_button_name(code);
-    return name.empty() ? fmt::format("the button with the code {:X}", code) : std::string(name);
+    const std::string name = gamepad_button_name(code);
+    return name.empty() ? fmt::format("the button with the code {:X}", code) : name;
 }
 
 std::string channel_text(std::string_view name, std::size_t channel, std::string_view flag) {
@@ -384,7 +384,7 @@ std::string dead_man_for(const GamepadSettings& learned, std::span<const std::ui
         const bool used =
             std::ranges::find(learned.buttons, code, &GamepadButton::code) != learned.buttons.end();
         if (has_code(buttons, code) && !used) {
-            return std::string(gamepad_button_name(code));
+            return gamepad_button_name(code);
         }
     }
     return {};

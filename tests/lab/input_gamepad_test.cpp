@@ -11,6 +11,7 @@
 
 #include "tests/lab/guest.h"
 #include "tests/lab/input_devices.h"
+#include "tests/loopback/few_descriptors.h"
 #include "tests/loopback/loopback.h"
 
 /// The built program with a gamepad of the kernel (uinput) as its input, SBUS as its output.
@@ -191,6 +192,16 @@ TEST_F(LabGamepad, SaysWhichGroupMayReadIt) {
     EXPECT_NE(result.output.find("this user may not read it; join the group input"),
               std::string::npos)
         << result.output;
+}
+
+TEST_F(LabGamepad, WithTooFewDescriptorsTheProgramEndsAndSaysSo) {
+    const std::string file = write_config(
+        "[input.pad]\nprotocol = \"gamepad\"\ndevice = \"@pad\"\n"
+        "[output.simulator]\nprotocol = \"joystick\"\nname = \"few\"\n"
+        "[pipeline.main]\nfrom = \"pad\"\nto = \"simulator\"\n");
+    const DescriptorTrials trials = run_with_few_descriptors(folder(), file);
+    EXPECT_GT(trials.ended, 0);
+    EXPECT_GT(trials.ran, 0);
 }
 
 }  // namespace

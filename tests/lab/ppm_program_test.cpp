@@ -14,6 +14,7 @@
 #include "tests/lab/ppm_player.h"
 #include "tests/lab/recorded_receiver.h"
 #include "tests/lab/shell.h"
+#include "tests/loopback/few_descriptors.h"
 #include "tests/loopback/loopback.h"
 
 /// The built program with PPM: in by a line of a simulated chip (gpio-sim), out by an SPI port that
@@ -180,6 +181,24 @@ TEST_F(LabPpmProgram, SaysWhoMayUseALine) {
         << result.output;
 }
 
+TEST_F(LabPpmProgram, DoctorSaysWhetherALineIsFree) {
+    Program& free = start({"doctor", "PPM"});
+    EXPECT_EQ(free.end(), 0) << free.errors();
+    EXPECT_NE(free.output().find("line   3  PPM                  free\n"), std::string::npos)
+        << free.output();
+    EXPECT_NE(free.output().find("    line     = \"PPM\"\n"), std::string::npos);
+    Program& program = run(from_line());
+    EXPECT_TRUE(program.says("started")) << program.errors();
+    Program& used = start({"doctor", "PPM"});
+    EXPECT_EQ(used.end(), 1);
+    EXPECT_NE(used.output().find("in use by \"tribus\""), std::string::npos) << used.output();
+    Program& all = start({"doctor"});
+    all.end();
+    EXPECT_NE(all.output().find("GPIO chip with 8 lines, 1 of them in use"), std::string::npos)
+        << all.output();
+    expect_clean_end(program);
+}
+
 /// The bits that an SPI port sent, from the trace of the parallel port: bit 0 of its data register
 /// is the clock, bit 7 the data (drivers/spi/spi-butterfly.c).
 class SpiTrace {
@@ -274,6 +293,7 @@ class LabPpmSpi : public LabPpmProgram {
             return false;
         });
     }
+    bool nothing_was_sent() { return trace_.frames().empty(); }
     const std::string& port() const { return port_; }
 
   private:
@@ -315,6 +335,19 @@ TEST_F(LabPpmSpi, PulsesGoRound) {
     expect_clean_end(program);
 }
 
+TEST_F(LabPpmSpi, DoctorTriesAPortAndSendsNothing) {
+    Program& doctor = start({"doctor", port()});
+    EXPECT_EQ(doctor.end(), 0) << doctor.output();
+    EXPECT_NE(doctor.output().find("line     = \"" + port() + "\"\n"), std::string::npos)
+        << doctor.output();
+    EXPECT_TRUE(nothing_was_sent());
+    const ShellResult other = run_shell(
+        "setpriv --reuid nobody --regid nogroup --clear-groups " TRIBUS_PROGRAM " doctor " +
+        port());
+    EXPECT_EQ(other.status, 1);
+    EXPECT_NE(other.output.find("[spi.permission]"), std::string::npos) << other.output;
+}
+
 TEST_F(LabPpmSpi, SaysWhoMayUseAPort) {
     const std::string file = write_config(to_spi());
     shell("chmod -R a+rwX " + folder().string());
@@ -323,6 +356,16 @@ TEST_F(LabPpmSpi, SaysWhoMayUseAPort) {
         file);
     EXPECT_NE(result.output.find(port() + ": this user may not use it"), std::string::npos)
         << result.output;
+}
+
+TEST_F(LabPpmSpi, WithTooFewDescriptorsTheProgramEndsAndSaysSo) {
+    const std::string file = write_config(
+        "[input.trainer]\nprotocol = \"ppm\"\nline = \"PPM\"\n"
+        "[output.trainer]\nprotocol = \"ppm\"\nline = \"" +
+        port() + "\"\n[pipeline.main]\nfrom = \"trainer\"\nto = \"trainer\"\n");
+    const DescriptorTrials trials = run_with_few_descriptors(folder(), file);
+    EXPECT_GT(trials.ended, 0);
+    EXPECT_GT(trials.ran, 0);
 }
 
 }  // namespace

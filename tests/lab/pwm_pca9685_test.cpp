@@ -19,6 +19,7 @@
 #include "tests/lab/gpio_trace.h"
 #include "tests/lab/guest.h"
 #include "tests/lab/recorded_receiver.h"
+#include "tests/loopback/few_descriptors.h"
 #include "tests/loopback/loopback.h"
 #include "transports/links/unique_fd.h"
 
@@ -247,6 +248,15 @@ TEST_F(LabPwm, WaitsForAChipThatIsNotThereYet) {
         return shows(Registers(adapter()), Sticks(14, 1700));
     })) << program.errors();
     expect_clean_end(program);
+}
+
+TEST_F(LabPwm, WithTooFewDescriptorsTheProgramEndsAndSaysSo) {
+    const GpioBank bank{{.names = {{0, "OE"}}}};
+    device("receiver");
+    const std::string file = config("", "output_enable = \"OE\"\n");
+    const DescriptorTrials trials = run_with_few_descriptors(folder(), file);
+    EXPECT_GT(trials.ended, 0);
+    EXPECT_GT(trials.ran, 0);
 }
 
 }  // namespace

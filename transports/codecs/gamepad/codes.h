@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 /// The kernel's names of axes and buttons that a configuration may have
@@ -14,6 +15,6 @@ std::optional<std::uint16_t> gamepad_button_code(std::string_view name);
 
 /// The name of a code; empty if a configuration cannot name it.
 std::string_view gamepad_axis_name(std::uint16_t code);
-std::string_view gamepad_button_name(std::uint16_t code);
+std::string gamepad_button_name(std::uint16_t code);
 
 }  // namespace tribus

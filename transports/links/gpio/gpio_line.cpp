@@ -7,6 +7,7 @@
 #include <array>
 #include <cerrno>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <string_view>
 #include <system_error>
@@ -27,8 +28,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kEdgeBytes = 48;
 constexpr std::size_t kMostEdges = 16;
 
-/// Paths of all GPIO chips, in the order of their numbers.
-std::vector<std::string> gpio_chip_paths() {
+/// Paths of all GPIO chips, in the order of their numbers; or a value of errno.
+tl::expected<std::vector<std::string>, int> gpio_chip_paths() {
     std::vector<std::string> paths;
     std::error_code error;
     for (fs::directory_iterator entry("/dev", error); !error && entry != fs::directory_iterator();
@@ -40,34 +41,13 @@ std::vector<std::string> gpio_chip_paths() {
             paths.push_back(entry->path().string());
         }
     }
+    if (error) {
+        return tl::unexpected(error.value());
+    }
     std::sort(paths.begin(), paths.end(), [](const std::string& a, const std::string& b) {
         return a.size() != b.size() ? a.size() < b.size() : a < b;
     });
     return paths;
-}
-
-std::vector<GpioChip> gpio_chips() {
-    std::vector<GpioChip> chips;
-    for (const std::string& path : gpio_chip_paths()) {
-        GpioChip chip{path, 0, {}};
-        if (auto lines = read_gpio_lines(path)) {
-            chip.lines = std::move(*lines);
-        } else {
-            chip.error = lines.error();
-        }
-        chips.push_back(std::move(chip));
-    }
-    return chips;
-}
-
-/// Path of the chip with symbolic links resolved, if it exists; empty for any chip.
-std::string followed_chip_path(const GpioPlace& place) {
-    if (place.chip.empty()) {
-        return "";
-    }
-    std::error_code error;
-    const fs::path path = fs::canonical(chip_path(place), error);
-    return error ? chip_path(place) : path.string();
 }
 
 /// Requests the line. `request` needs no offset.
@@ -76,8 +56,11 @@ tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold(const GpioPlace& p
     const auto failed = [&place](const std::string& why) {
         return tl::unexpected(to_text(place) + ": " + why);
     };
-    const std::vector<GpioChip> chips = gpio_chips();
-    const auto found = find_gpio_line(place, followed_chip_path(place), chips);
+    const auto chips = find_gpio_chips();
+    if (!chips) {
+        return failed(std::string("/dev: ") + std::strerror(chips.error()));
+    }
+    const auto found = find_gpio_line(place, followed_chip_path(place), *chips);
     if (!found) {
         return failed(found.error());
     }
@@ -97,14 +80,44 @@ void make_nonblocking(int descriptor) {
 
 }  // namespace
 
+tl::expected<std::vector<GpioChip>, int> find_gpio_chips() {
+    const auto paths = gpio_chip_paths();
+    if (!paths) {
+        return tl::unexpected(paths.error());
+    }
+    std::vector<GpioChip> chips;
+    for (const std::string& path : *paths) {
+        GpioChip chip{path, 0, {}};
+        if (auto lines = read_gpio_lines(path)) {
+            chip.lines = std::move(*lines);
+        } else {
+            chip.error = lines.error();
+        }
+        chips.push_back(std::move(chip));
+    }
+    return chips;
+}
+
+std::string followed_chip_path(const GpioPlace& place) {
+    if (place.chip.empty()) {
+        return "";
+    }
+    std::error_code error;
+    const fs::path path = fs::canonical(chip_path(place), error);
+    return error ? chip_path(place) : path.string();
+}
+
 bool is_gpio_line_absent(const GpioPlace& place) {
-    const std::vector<GpioChip> chips = gpio_chips();
+    const auto chips = find_gpio_chips();
+    if (!chips) {
+        return false;
+    }
     const std::string path = followed_chip_path(place);
     if (!path.empty()) {
-        return std::ranges::count(chips, path, &GpioChip::path) == 0;
+        return std::ranges::count(*chips, path, &GpioChip::path) == 0;
     }
-    return std::ranges::all_of(chips, [](const GpioChip& chip) { return chip.error == 0; }) &&
-           !find_gpio_line(place, path, chips);
+    return std::ranges::all_of(*chips, [](const GpioChip& chip) { return chip.error == 0; }) &&
+           !find_gpio_line(place, path, *chips);
 }
 
 tl::expected<std::unique_ptr<GpioHeldLine>, std::string> hold_for_edges(const GpioPlace& place,

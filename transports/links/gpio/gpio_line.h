@@ -5,8 +5,10 @@
 #include <optional>
 #include <string>
 #include <tl/expected.hpp>
+#include <vector>
 
 #include "transports/links/gpio/gpio_place.h"
+#include "transports/links/gpio/gpio_search.h"
 
 /// GPIO lines, used by this program alone. `open` blocks as long as the driver needs; its error
 /// begins with the place and says what to do. The other calls are one or two system calls without
@@ -24,6 +26,14 @@ enum class GpioEdges : std::uint8_t;
 /// Whether no chip has that name now, or no line of any chip; false if this user may not look. May
 /// block.
 bool is_gpio_line_absent(const GpioPlace& place);
+
+/// The GPIO chips of this machine with their lines, in the order of their numbers; or a value of
+/// errno if /dev cannot be read. May block.
+tl::expected<std::vector<GpioChip>, int> find_gpio_chips();
+
+/// Path of the place's chip, with symbolic links resolved if it exists; empty for any chip. May
+/// block.
+std::string followed_chip_path(const GpioPlace& place);
 
 /// Holds an input that gives each edge with its time, by a descriptor that does not block. The
 /// error is that of `GpioInput::open`.

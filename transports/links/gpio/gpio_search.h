@@ -14,16 +14,16 @@ namespace tribus {
 
 /// A GPIO line as the kernel describes it.
 struct GpioLineFacts {
-    std::string name;  ///< empty if it has none
+    std::string name{};  ///< empty if it has none
     bool used = false;
-    std::string consumer;  ///< its user, empty if the kernel does not say
+    std::string consumer{};  ///< its user, empty if the kernel does not say
 };
 
 /// A GPIO chip with its lines.
 struct GpioChip {
-    std::string path;
+    std::string path{};
     int error = 0;  ///< why its lines are unknown
-    std::vector<GpioLineFacts> lines;
+    std::vector<GpioLineFacts> lines{};
 };
 
 /// A line of one of the searched chips.

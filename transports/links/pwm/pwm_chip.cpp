@@ -50,6 +50,13 @@ fs::path folder_of(const PwmChipFacts& chip, std::size_t output) {
     return chip.folder / ("pwm" + std::to_string(output));
 }
 
+/// Why the kernel's folder of chips cannot be read; nothing if it can, or if there is none.
+std::error_code hindrance(const fs::path& root) {
+    std::error_code error;
+    const fs::directory_iterator chips(root, error);
+    return error == std::errc::no_such_file_or_directory ? std::error_code() : error;
+}
+
 std::string names_of(const std::vector<PwmChipFacts>& chips) {
     std::string names;
     for (const PwmChipFacts& chip : chips) {
@@ -84,6 +91,9 @@ std::vector<PwmChipFacts> find_pwm_chips(const fs::path& root) {
 
 tl::expected<PwmChipFacts, std::string> find_pwm_chip(const std::string& name,
                                                       const fs::path& root) {
+    if (const std::error_code error = hindrance(root)) {
+        return tl::unexpected(name + ": " + root.string() + ": " + error.message());
+    }
     const auto chips = find_pwm_chips(root);
     std::vector<PwmChipFacts> meant;
     std::ranges::copy_if(chips, std::back_inserter(meant), [&name](const PwmChipFacts& chip) {
@@ -97,6 +107,10 @@ tl::expected<PwmChipFacts, std::string> find_pwm_chip(const std::string& name,
                               ": several PWM chips have this driver, name one: " + names_of(meant));
     }
     return meant.front();
+}
+
+bool is_pwm_chip_missing(const std::string& name, const fs::path& root) {
+    return !hindrance(root) && !find_pwm_chip(name, root);
 }
 
 PwmOutputs::PwmOutputs(PwmChipFacts chip, Duration period)

@@ -33,6 +33,10 @@ std::vector<PwmChipFacts> find_pwm_chips(const std::filesystem::path& root = kPw
 tl::expected<PwmChipFacts, std::string> find_pwm_chip(
     const std::string& name, const std::filesystem::path& root = kPwmFolder);
 
+/// Whether no chip, or more than one, has that name or driver now; false if that is not known. May
+/// block.
+bool is_pwm_chip_missing(const std::string& name, const std::filesystem::path& root = kPwmFolder);
+
 /// The outputs of a chip. Each call is some writes to files of the kernel, of which each may take
 /// the time of a transfer on the chip's bus. Thread-bound.
 class PwmOutputs {

@@ -33,7 +33,7 @@ const Medium kPwmMedium{
     .enable_key = "output_enable",
     .has_period = true,
     .users = Users::one,
-    .is_missing = [](const std::string& chip) { return !find_pwm_chip(chip).has_value(); },
+    .is_missing = [](const std::string& chip) { return is_pwm_chip_missing(chip); },
     .open = [](const std::string& chip,
                const LinkUse& use) { return as_link(PwmLink::open(chip, use.period)); },
 };

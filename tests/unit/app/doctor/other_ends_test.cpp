@@ -1,16 +1,20 @@
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "app/doctor/gpio_facts.h"
 #include "app/doctor/input_facts.h"
 #include "app/doctor/pwm_facts.h"
 #include "app/doctor/report.h"
+#include "app/doctor/spi_facts.h"
 #include "tests/support/input_tree.h"
 #include "tests/unit/config/main_job.h"
 
-/// What doctor sees of gamepads, of uinput and of PWM chips.
+/// What doctor sees of gamepads, of uinput, of PWM chips, of GPIO lines and of SPI ports.
 namespace tribus::doctor::other_ends_test {
 namespace {
 
@@ -222,6 +226,117 @@ TEST_F(OtherEnds, AreInTheReportForPeopleAndForPrograms) {
     EXPECT_EQ(json["pwm"][0]["outputs"], 16);
     EXPECT_EQ(json["pwm"][0]["taken"][0]["pulse_us"], 1500);
     EXPECT_EQ(json["uinput"]["may_open"], true);
+}
+
+std::vector<GpioChip> two_chips() {
+    return {{.path = "/dev/gpiochip0",
+             .lines = {{.name = "ID_SDA", .used = true, .consumer = "kernel"},
+                       {.name = "GPIO17"},
+                       {.name = ""}}},
+            {.path = "/dev/gpiochip1", .error = EACCES}};
+}
+
+TEST(GpioEnds, AreChipsAndLinesByTheirNames) {
+    for (const char* name : {"gpiochip0", "/dev/gpiochip0", "gpiochip0:17", "GPIO99", "ID_SDA"}) {
+        EXPECT_TRUE(names_gpio(name, two_chips())) << name;
+    }
+    for (const char* other : {"can0", "/dev/ttyUSB0", "ttyAMA0", "SDA", ""}) {
+        EXPECT_FALSE(names_gpio(other, two_chips())) << other;
+    }
+}
+
+TEST(GpioEnds, ThatAreFreeGetLinesForAConfiguration) {
+    const auto chips = two_chips();
+    EXPECT_TRUE(judge_gpio("GPIO17", "", chips).empty());
+    Report report;
+    report.gpio.push_back(*look_at_gpio("GPIO17", "", chips));
+    EXPECT_EQ(report_text(report, 80, false),
+              "/dev/gpiochip0: GPIO chip with 3 lines, 1 of them in use\n"
+              "  line   1  GPIO17               free\n"
+              "  For the configuration:\n"
+              "    [input.trainer]\n"
+              "    protocol = \"ppm\"\n"
+              "    line     = \"GPIO17\"\n");
+    const auto unnamed = look_at_gpio("gpiochip0:2", "/dev/gpiochip0", chips);
+    ASSERT_TRUE(unnamed);
+    EXPECT_EQ(configuration_lines(*unnamed).back(), "line     = \"gpiochip0:2\"");
+}
+
+TEST(GpioEnds, ThatAreInUseAreAProblemWithTheirUser) {
+    const auto findings = judge_gpio("ID_SDA", "", two_chips());
+    ASSERT_EQ(ids(findings), (Ids{"gpio.in_use"}));
+    EXPECT_EQ(findings[0].severity, Severity::problem);
+    EXPECT_NE(findings[0].what.find("in use by \"kernel\""), std::string::npos);
+    const auto facts = look_at_gpio("ID_SDA", "", two_chips());
+    ASSERT_TRUE(facts);
+    EXPECT_TRUE(configuration_lines(*facts).empty());
+}
+
+TEST(GpioEnds, AreListedWhenTheirChipIsNamed) {
+    const auto facts = look_at_gpio("gpiochip0", "/dev/gpiochip0", two_chips());
+    ASSERT_TRUE(facts);
+    EXPECT_EQ(facts->asked, (std::vector<unsigned>{0, 1, 2}));
+    EXPECT_TRUE(judge_gpio("gpiochip0", "/dev/gpiochip0", two_chips()).empty());
+    EXPECT_TRUE(configuration_lines(*facts).empty());
+}
+
+TEST(GpioEnds, ThatAreNotThereOrRefusedAreProblemsWhenTheyWereNamed) {
+    const auto chips = two_chips();
+    EXPECT_EQ(ids(judge_gpio("GPIO99", "", chips)), (Ids{"gpio.missing"}));
+    EXPECT_EQ(ids(judge_gpio("gpiochip7", "/dev/gpiochip7", chips)), (Ids{"gpio.missing"}));
+    EXPECT_EQ(ids(judge_gpio("gpiochip0:3", "/dev/gpiochip0", chips)), (Ids{"gpio.missing"}));
+    EXPECT_EQ(ids(judge_gpio("gpiochip1:3", "/dev/gpiochip1", chips)), (Ids{"gpio.permission"}));
+    const std::span refused(&chips[1], 1);
+    EXPECT_EQ(ids(judge_gpio("GPIO17", "", refused)), (Ids{"gpio.permission"}));
+    EXPECT_EQ(ids(judge_gpio("GPIO17", "", {})), (Ids{"gpio.missing"}));
+    EXPECT_EQ(judge_gpio("GPIO17", "", {}).front().severity, Severity::problem);
+}
+
+TEST(GpioEnds, ThatNobodyAskedForAreNotesAtMost) {
+    const auto chips = two_chips();
+    EXPECT_TRUE(judge_gpio_chip(chips[0]).empty());
+    const auto findings = judge_gpio_chip(chips[1]);
+    ASSERT_EQ(ids(findings), (Ids{"gpio.permission"}));
+    EXPECT_EQ(findings[0].severity, Severity::note);
+    EXPECT_EQ(findings[0].where, "/dev/gpiochip1");
+}
+
+TEST_F(OtherEnds, OfPpmAreSpiPortsWithTheLinesOfAnOutput) {
+    tree.write("dev/spidev0.1", "");
+    tree.write("dev/spidev0.0", "");
+    tree.write("dev/spi0", "");
+    const auto ports = look_at_spi_ports(files());
+    ASSERT_EQ(ports.size(), 2U);
+    EXPECT_EQ(ports[0].device, "/dev/spidev0.0");
+    Report report;
+    report.spi.push_back(look_at_spi_port(files(), "spidev0.1"));
+    report.spi[0].refusal = "";
+    EXPECT_TRUE(judge_spi_port(report.spi[0], true).empty());
+    EXPECT_EQ(report_text(report, 80, false),
+              "/dev/spidev0.1: SPI port; its data line (MOSI) can make PPM\n"
+              "  For the configuration:\n"
+              "    [output.trainer]\n"
+              "    protocol = \"ppm\"\n"
+              "    line     = \"/dev/spidev0.1\"\n");
+    const auto json = nlohmann::json::parse(report_json(report));
+    EXPECT_EQ(json["spi"][0]["device"], "/dev/spidev0.1");
+    EXPECT_EQ(json["spi"][0]["refusal"], "");
+}
+
+TEST_F(OtherEnds, OfPpmThatCannotBeUsedSayWhatToDo) {
+    SpiFacts facts = look_at_spi_port(files(), "/dev/spidev3.0");
+    EXPECT_EQ(ids(judge_spi_port(facts, true)), (Ids{"spi.missing"}));
+    facts.access = {.exists = true, .may_open = false, .group = "spi"};
+    const auto findings = judge_spi_port(facts, true);
+    ASSERT_EQ(ids(findings), (Ids{"spi.permission"}));
+    EXPECT_EQ(findings[0].commands, (std::vector<std::string>{"sudo usermod -aG spi $USER"}));
+    EXPECT_EQ(judge_spi_port(facts, false).front().severity, Severity::note);
+    facts.access = {.exists = true, .may_open = true};
+    facts.refusal = "this is no SPI port";
+    EXPECT_EQ(ids(judge_spi_port(facts, true)), (Ids{"spi.cannot_open"}));
+    EXPECT_TRUE(configuration_lines(facts).empty());
+    EXPECT_TRUE(names_spi_port("spidev0.0") && names_spi_port("/dev/spidev1.2"));
+    EXPECT_FALSE(names_spi_port("/dev/ttyS0"));
 }
 
 }  // namespace

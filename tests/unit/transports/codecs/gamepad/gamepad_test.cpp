@@ -1,5 +1,7 @@
 #include "transports/codecs/gamepad/gamepad.h"
 
+#include <linux/input-event-codes.h>
+
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -13,6 +15,7 @@
 #include "tests/support/channel_bytes.h"
 #include "tests/support/streams.h"
 #include "tests/unit/config/main_job.h"
+#include "transports/codecs/gamepad/codes.h"
 #include "transports/links/evdev/evdev_medium.h"
 #include "transports/registry/registry.h"
 
@@ -210,6 +213,29 @@ TEST(Gamepad, ComesFromAnInputDeviceOnly) {
     EXPECT_EQ(media_for(kGamepadProtocol), std::vector<const Medium*>{&kEvdevMedium});
     EXPECT_EQ(loaded(job("grab = false\n")).inputs[0].port.medium, &kEvdevMedium);
     EXPECT_FALSE(kGamepadProtocol.goes(SettingScope::output));
+}
+
+TEST(GamepadCodes, HaveTheNamesOfTheKernel) {
+    EXPECT_EQ(gamepad_button_code("BTN_DEAD"), BTN_DEAD);
+    EXPECT_EQ(gamepad_button_code("BTN_TRIGGER_HAPPY1"), BTN_TRIGGER_HAPPY1);
+    EXPECT_EQ(gamepad_button_code("BTN_TRIGGER_HAPPY40"), BTN_TRIGGER_HAPPY40);
+    EXPECT_EQ(gamepad_axis_code("ABS_HAT1Y"), ABS_HAT1Y);
+    for (const char* no_button : {"BTN_TRIGGER_HAPPY", "BTN_TRIGGER_HAPPY0", "BTN_TRIGGER_HAPPY41",
+                                  "BTN_TRIGGER_HAPPY01", "BTN_LEFT", ""}) {
+        EXPECT_FALSE(gamepad_button_code(no_button)) << no_button;
+    }
+}
+
+TEST(GamepadCodes, AreThoseOfTheirNames) {
+    int named = 0;
+    for (std::uint16_t code = 0; code < KEY_CNT; ++code) {
+        const std::string name = gamepad_button_name(code);
+        if (!name.empty()) {
+            EXPECT_EQ(gamepad_button_code(name), code);
+            ++named;
+        }
+    }
+    EXPECT_EQ(named, 72);
 }
 
 }  // namespace

@@ -78,6 +78,18 @@ TEST(PwmChip, IsFoundByItsNameOrByTheNameOfItsDriver) {
               std::string::npos);
 }
 
+TEST(PwmChip, IsMissingOnlyWhereTheFolderOfChipsCouldBeRead) {
+    PwmFolder folder;
+    folder.add("pwmchip2", "pwm-bcm2835", 2);
+    EXPECT_TRUE(is_pwm_chip_missing("pwmchip0", folder.root()));
+    EXPECT_TRUE(is_pwm_chip_missing("pwmchip0", folder.root() / "none"));
+    EXPECT_FALSE(is_pwm_chip_missing("pwmchip2", folder.root()));
+    const auto no_folder = folder.root() / "pwmchip2" / "npwm";
+    EXPECT_FALSE(is_pwm_chip_missing("pwmchip0", no_folder));
+    EXPECT_EQ(find_pwm_chip("pwmchip0", no_folder).error(),
+              "pwmchip0: " + no_folder.string() + ": Not a directory");
+}
+
 TEST(PwmChip, SetsThePeriodBeforeItSwitchesOnAndWritesOnlyWhatChanged) {
     PwmFolder folder;
     folder.add("pwmchip0", "x", 2);
