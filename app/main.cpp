@@ -20,6 +20,7 @@
 #include "app/replay/record.h"
 #include "app/replay/replay.h"
 #include "app/replay/simulate.h"
+#include "app/status_command/status_command.h"
 #include "app/web/pairing/pair_command.h"
 #include "app/wire/dbc_command.h"
 #include "app/wire/decode_command.h"
@@ -30,11 +31,12 @@ namespace {
 /// In the order in which help lists them.
 std::vector<tribus::Command> commands() {
     using namespace tribus;
-    return {init_command(),   run_command(),    monitor_command(),  reload_command(),
-            check_command(),  diff_command(),   graph_command(),    demo_command(),
-            decode_command(), encode_command(), simulate_command(), record_command(),
-            replay_command(), learn_command(),  doctor_command(),   dbc_command(),
-            bench_command(),  pwm_command(),    schema_command(),   web::pair_command()};
+    return {init_command(),     run_command(),    monitor_command(), status_command(),
+            reload_command(),   check_command(),  diff_command(),    graph_command(),
+            demo_command(),     decode_command(), encode_command(),  simulate_command(),
+            record_command(),   replay_command(), learn_command(),   doctor_command(),
+            dbc_command(),      bench_command(),  pwm_command(),     schema_command(),
+            web::pair_command()};
 }
 
 }  // namespace

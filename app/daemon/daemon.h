@@ -86,6 +86,7 @@ class Daemon {
         Configuration before;
         Instant end;
         std::uint64_t number = 0;
+        bool of_draft = false;  ///< the file still holds the configuration before
     };
     enum class ChangeKind : std::uint8_t { reload, hang_up, back };
     /// A change from one configuration to the next.
@@ -94,6 +95,7 @@ class Daemon {
         std::uint64_t number = 0;
         Instant latest_end{};
         std::optional<Duration> trial;
+        bool of_draft = false;
         Configuration before;  ///< only for ChangeKind::back
         std::unique_ptr<Preparation> preparation;
     };

@@ -52,6 +52,7 @@ std::optional<std::uint64_t> Daemon::begin_reload_of_draft(Duration trial) {
     }
     return begin({.kind = ChangeKind::reload,
                   .trial = trial,
+                  .of_draft = true,
                   .before = {},
                   .preparation = Preparation::of_draft(sockets_.draft(), path_)});
 }
@@ -61,8 +62,13 @@ std::uint64_t Daemon::begin_going_back() {
         remember(change_->number,
                  {.lines = {"abandoned: the daemon went back from the trial before it"}});
     }
-    log_warning("going back to the configuration before; {} still holds the one that was on trial",
-                path_);
+    if (trial_->of_draft) {
+        log_warning("going back to the configuration before, which {} still holds", path_);
+    } else {
+        log_warning(
+            "going back to the configuration before; {} still holds the one that was on trial",
+            path_);
+    }
     Configuration before = std::move(trial_->before);
     set_trial(std::nullopt);
     auto preparation = Preparation::of(before);
@@ -130,7 +136,8 @@ ReloadOutcome Daemon::finish_reload(Change& change) {
     if (change.trial) {
         log_info("on trial for {} s: without confirmation the daemon goes back",
                  std::chrono::ceil<std::chrono::seconds>(*change.trial).count());
-        set_trial(Trial{std::move(before), later(monotonic_now(), *change.trial), ++trials_});
+        set_trial(Trial{std::move(before), later(monotonic_now(), *change.trial), ++trials_,
+                        change.of_draft});
     } else if (trial_ && change.kind == ChangeKind::hang_up) {
         log_info("still on trial: SIGHUP does not confirm it");
     } else {

@@ -1,14 +1,21 @@
 #include "app/inspect/reload.h"
 
+#include <fcntl.h>
 #include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -17,9 +24,13 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
 #include "app/client/ask_daemon.h"
+#include "app/client/control_socket.h"
 #include "app/client/status_fields.h"
+#include "config/language/read_document.h"
+#include "config/language/read_file.h"
 #include "core/quantity.h"
 #include "pipelines/realtime/clock.h"
+#include "transports/links/unique_fd.h"
 
 namespace tribus {
 namespace {
@@ -31,6 +42,8 @@ struct ReloadOptions {
     std::string name;
     std::optional<std::string> socket;
     std::string trial;
+    std::optional<std::string> draft;
+    std::optional<std::int64_t> number;
     bool confirm = false;
     bool back = false;
 };
@@ -52,6 +65,51 @@ int ask_and_tell(const std::string& socket, const std::string& request, const ch
     }
     fmt::print(stderr, "tribus: {}\n", done ? taken : "refused; the configuration before stays");
     return done ? kExitFine : kExitFailed;
+}
+
+bool write_whole(int descriptor, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t count = ::write(descriptor, text.data(), text.size());
+        if (count < 0 && errno != EINTR) {
+            return false;
+        }
+        text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    }
+    return true;
+}
+
+/// Writes `text` beside the control socket, where the daemon reads drafts. The daemon's user owns
+/// that place and may be another one than this program's, root for example: so nothing there is
+/// followed, neither what the daemon answers nor a symbolic link.
+bool write_draft_for(const std::string& socket, std::string_view text) {
+    constexpr mode_t kReadByItsDaemon = 0644;
+    const std::filesystem::path file(draft_file(socket));
+    const std::string name = file.filename();
+    const UniqueFd folder(
+        ::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    ::unlinkat(folder.get(), name.c_str(), 0);
+    const UniqueFd out(::openat(folder.get(), name.c_str(),
+                                O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
+                                kReadByItsDaemon));
+    return out.valid() && ::fchmod(out.get(), kReadByItsDaemon) == 0 &&
+           write_whole(out.get(), text);
+}
+
+/// Gives the daemon the text of `file` as its draft. The error is a sentence.
+tl::expected<void, std::string> hand_draft_over(const std::string& socket,
+                                                const std::string& file) {
+    const auto text = read_file(file, kMostConfigurationBytes + 1, FileKinds::any);
+    if (!text) {
+        return tl::unexpected(fmt::format("{}: {}", file, text.error()));
+    }
+    if (const auto made = ask_daemon(socket, "draft", kReloadPatience); !made) {
+        return tl::unexpected(made.error());
+    }
+    if (!write_draft_for(socket, *text)) {
+        return tl::unexpected(
+            fmt::format("{}: cannot be written: {}", draft_file(socket), std::strerror(errno)));
+    }
+    return {};
 }
 
 enum class Choice : std::uint8_t { keep, back, too_late };
@@ -102,19 +160,29 @@ int reload(const ReloadOptions& options) {
     if (!options.trial.empty() && !trial) {
         return complain("--trial must be a duration such as \"30s\"", kExitWrongUse);
     }
+    if (options.number && !options.confirm && !options.back) {
+        return complain("--number goes with --confirm or --back", kExitWrongUse);
+    }
     const auto socket = find_daemon(options.name, options.socket);
     if (!socket) {
         return complain(socket.error(), kExitFailed);
     }
+    const std::string only = options.number ? fmt::format(" {}", *options.number) : "";
     if (options.confirm) {
-        return ask_and_tell(*socket, "confirm", "confirmed");
+        return ask_and_tell(*socket, "confirm" + only, "confirmed");
     }
     if (options.back) {
-        return ask_and_tell(*socket, "back", "the configuration before is back");
+        return ask_and_tell(*socket, "back" + only, "the configuration before is back");
+    }
+    if (options.draft) {
+        if (const auto handed = hand_draft_over(*socket, *options.draft); !handed) {
+            return complain(handed.error(), kExitFailed);
+        }
     }
     nlohmann::json told;
-    const int status = ask_and_tell(*socket, "reload " + options.trial,
-                                    trial ? "taken, on trial" : "taken", &told);
+    const int status =
+        ask_and_tell(*socket, (options.draft ? "reload draft " : "reload ") + options.trial,
+                     trial ? "taken, on trial" : "taken", &told);
     const bool numbered = told.is_object() && told.contains("trial") && told["trial"].is_number();
     const std::string number = numbered ? " " + told["trial"].dump() : "";
     return status == kExitFine && trial ? watch_trial(*socket, options, *trial, number) : status;
@@ -140,6 +208,11 @@ Command reload_command() {
                      .value = &options->trial,
                      .help = "Go back after this time, such as \"30s\", to the configuration "
                              "before, unless confirmed"},
+                    {.name = "--draft",
+                     .value = &options->draft,
+                     .help = "Try the text of this file; the daemon's own file stays as it is",
+                     .type_name = "FILE",
+                     .needs = {"--trial"}},
                     {.name = "--confirm",
                      .value = &options->confirm,
                      .help = "Keep the configuration on trial",
@@ -147,7 +220,10 @@ Command reload_command() {
                     {.name = "--back",
                      .value = &options->back,
                      .help = "Go back from a trial at once",
-                     .excludes = {"--trial"}}},
+                     .excludes = {"--trial"}},
+                    {.name = "--number",
+                     .value = &options->number,
+                     .help = "With --confirm or --back: only if this trial is the present one"}},
         .run = [options] { return reload(*options); },
     };
 }

@@ -1,0 +1,214 @@
+#include "app/status_command/status_command.h"
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/main_wait.h"
+#include "app/cli/object_text.h"
+#include "app/client/ask_daemon.h"
+#include "app/client/monitor_link.h"
+#include "app/client/status_fields.h"
+#include "app/status_command/summary.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus {
+namespace {
+
+/// A daemon that is alive answers within milliseconds.
+constexpr Duration kStatusPatience = std::chrono::seconds(2);
+/// The time from one status to the next while it watches.
+constexpr Duration kWatchPeriod = std::chrono::milliseconds(200);
+
+struct StatusOptions {
+    std::string name;
+    std::optional<std::string> socket;
+    std::string format = "text";
+    bool watch = false;
+
+    bool json() const { return format == "json"; }
+};
+
+std::int64_t whole_us(Duration duration) {
+    return std::chrono::duration_cast<std::chrono::microseconds>(duration).count();
+}
+
+/// Prints a line at once. Returns false if its reader has gone away.
+bool print_now(const std::string& line) {
+    fmt::print("{}\n", line);
+    return std::fflush(stdout) == 0;
+}
+
+bool print_whole(const StatusOptions& options, const nlohmann::ordered_json& found) {
+    if (options.json()) {
+        return print_now(json_text(found));
+    }
+    std::string text;
+    for (const std::string& line : status_summary::lines(found)) {
+        text += (text.empty() ? "" : "\n") + line;
+    }
+    return print_now(text);
+}
+
+/// Follows one daemon, and prints what changes.
+class StatusWatch {
+  public:
+    StatusWatch(MonitorLink link, StatusOptions options, MainWait wait)
+        : link_(std::move(link)), options_(std::move(options)), wait_(std::move(wait)) {}
+
+    int run() {
+        came_at_ = monotonic_now();
+        link_.reconnect(came_at_);
+        if (!link_.connected()) {
+            return complain(link_.problem(), kExitFailed);
+        }
+        std::optional<int> end;
+        while (!end) {
+            const auto signal =
+                wait_.until(later(monotonic_now(), kWatchPeriod), std::array{link_.descriptor()});
+            end = signal ? std::optional(kExitFine) : step();
+        }
+        return *end;
+    }
+
+  private:
+    /// Returns the exit status if the watch must end.
+    std::optional<int> step() {
+        for (const std::string& line : link_.read()) {
+            if (const auto end = take(nlohmann::json::parse(line, nullptr, false))) {
+                return end;
+            }
+        }
+        const Instant now = monotonic_now();
+        if (!link_.connected()) {
+            if (const auto end = miss(link_.problem(), now)) {
+                return end;
+            }
+            link_.reconnect(now);
+        } else if (now - came_at_ > kStatusPatience) {
+            return miss("it runs but does not answer", now);
+        }
+        return std::nullopt;
+    }
+
+    std::optional<int> take(const nlohmann::json& status) {
+        if (status_fields::raw_text(status, "type") == "error") {
+            return complain(status_fields::text(status, "error"), kExitFailed);
+        }
+        auto found = status_summary::of_status(status);
+        if (!found) {
+            return complain(found.error(), kExitFailed);
+        }
+        came_at_ = monotonic_now();
+        const bool fresh = !answers_;
+        bool read = true;
+        if (fresh && !latest_.is_null()) {
+            read = print_change(answers_change(true, "", came_at_));
+        }
+        if (fresh) {
+            read = read && print_whole(options_, *found);
+        } else {
+            for (const auto& change : status_summary::changes(latest_, *found)) {
+                read = read && print_change(change);
+            }
+        }
+        answers_ = true;
+        latest_ = std::move(*found);
+        return read ? std::nullopt : std::optional(kExitFine);
+    }
+
+    /// The daemon has gone or is silent: what was told of it counts no more.
+    std::optional<int> miss(const std::string& why, Instant now) {
+        if (latest_.is_null()) {
+            return complain(why, kExitFailed);
+        }
+        if (!answers_) {
+            return std::nullopt;
+        }
+        answers_ = false;
+        return print_change(answers_change(false, why, now)) ? std::nullopt
+                                                             : std::optional(kExitFine);
+    }
+
+    nlohmann::ordered_json answers_change(bool answers, const std::string& why, Instant now) const {
+        return status_summary::change_of_answers(
+            latest_, answers, why, whole_us(now.time_since_epoch()), whole_us(wall_time_now()));
+    }
+
+    bool print_change(const nlohmann::ordered_json& change) const {
+        return print_now(options_.json() ? json_text(change) : status_summary::line(change));
+    }
+
+    MonitorLink link_;
+    StatusOptions options_;
+    MainWait wait_;
+    nlohmann::ordered_json latest_;
+    bool answers_ = false;
+    Instant came_at_{};
+};
+
+int show_status(const StatusOptions& options) {
+    const auto socket = find_daemon(options.name, options.socket);
+    if (!socket) {
+        return complain(socket.error(), kExitFailed);
+    }
+    // When the reader of the output goes away (`| head`), the command ends normally.
+    std::signal(SIGPIPE, SIG_IGN);
+    if (options.watch) {
+        auto wait = MainWait::for_signals({SIGTERM, SIGINT, SIGHUP});
+        return wait ? StatusWatch(MonitorLink(*socket, kWatchPeriod), options, std::move(*wait))
+                          .run()
+                    : complain(wait.error(), kExitFailed);
+    }
+    const auto answer = ask_daemon(*socket, "status", kStatusPatience);
+    if (!answer) {
+        return complain(answer.error(), kExitFailed);
+    }
+    const auto found = status_summary::of_status(*answer);
+    if (!found) {
+        return complain(fmt::format("{}: {}", *socket, found.error()), kExitFailed);
+    }
+    print_whole(options, *found);
+    return kExitFine;
+}
+
+}  // namespace
+
+Command status_command() {
+    auto options = std::make_shared<StatusOptions>();
+    return {
+        .name = "status",
+        .help = "Summary of a running daemon for scripts",
+        .footer =
+            "Ends with 0 if the daemon answered, whatever it says, and with 1 if not. --watch "
+            "says when the daemon goes away, and waits for it.",
+        .options = {{.name = "NAME",
+                     .value = &options->name,
+                     .help = "Name of the daemon's configuration file; needed if several run"},
+                    {.name = "--socket",
+                     .value = &options->socket,
+                     .help = "Its control socket, if it is not in the default place"},
+                    {.name = "--format",
+                     .value = &options->format,
+                     .help = "text, or json: one object a line",
+                     .shows_value = true,
+                     .choices = {"text", "json"}},
+                    {.name = "--watch",
+                     .value = &options->watch,
+                     .help = "Go on, with a line for each change"}},
+        .run = [options] { return show_status(*options); },
+    };
+}
+
+}  // namespace tribus

@@ -1,0 +1,189 @@
+#include "app/status_command/summary.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace tribus::summary_test {
+namespace {
+
+using nlohmann::json;
+using nlohmann::ordered_json;
+
+constexpr std::string_view kStatus = R"({"type":"status","version":1,"name":"car",
+"file":"/etc/tribus/car.toml","fingerprint":"00ff","t_us":7000000,"unix_time_us":1795727363411000,
+"uptime_us":5000000,"figures_age_us":40000,"trial":null,"trial_left_us":null,
+"inputs":[{"name":"main","protocol":"ibus","state":"good","cause":"good","age_us":3000,
+"losses":{"wire_silent":2,"garbled":1}},
+{"name":"backup","state":"failsafe","cause":"never_seen","age_us":null,"losses":{}}],
+"outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",
+"failsafe_entries":3}],
+"ports":[{"name":"/dev/ttyUSB0","kind":"serial","present":false},
+{"name":"/dev/ttyAMA2","kind":"serial","present":true},
+{"name":"can0","kind":"can","present":true,"can":{"state":"bus_off","sent":7}}]})";
+
+class Summary : public testing::Test {
+  protected:
+    ordered_json told() const {
+        const auto found = status_summary::of_status(status_);
+        EXPECT_TRUE(found) << found.error();
+        return found.value_or(ordered_json());
+    }
+    std::vector<std::string> changed_by(const json& after) const {
+        std::vector<std::string> lines;
+        for (const auto& change :
+             status_summary::changes(told(), *status_summary::of_status(after))) {
+            lines.push_back(status_summary::line(change));
+        }
+        return lines;
+    }
+
+    json status_ = json::parse(kStatus);
+};
+
+using Lines = std::vector<std::string>;
+
+TEST_F(Summary, TellsWhatAScriptAsksFor) {
+    EXPECT_EQ(
+        told().dump(),
+        R"({"type":"summary","version":1,"name":"car","file":"/etc/tribus/car.toml",)"
+        R"("fingerprint":"00ff","t_us":7000000,"unix_time_us":1795727363411000,)"
+        R"("uptime_us":5000000,"figures_age_us":40000,"figures_old":false,)"
+        R"("trial":null,"trial_left_us":null,)"
+        R"("inputs":[{"name":"main","good":true,"cause":"good","age_us":3000,"times_lost":3},)"
+        R"({"name":"backup","good":false,"cause":"never_seen","age_us":null,"times_lost":0}],)"
+        R"("outputs":[{"name":"servos","state":"control","obstacle":null,"input":"main",)"
+        R"("failsafe_entries":3}],)"
+        R"("devices":[{"name":"/dev/ttyUSB0","state":"gone"},)"
+        R"({"name":"/dev/ttyAMA2","state":"there"},{"name":"can0","state":"bus_off"}],)"
+        R"("gone":["/dev/ttyUSB0"]})");
+}
+
+TEST_F(Summary, InWordsHasALineForEachPart) {
+    status_["trial"] = 4U;
+    status_["trial_left_us"] = 25'000'000;
+    EXPECT_EQ(
+        status_summary::lines(told()),
+        (Lines{"car: up 5.00 s, figures 40 ms old, configuration /etc/tribus/car.toml (00ff)",
+               "trial 4: goes back in 25.00 s unless confirmed",
+               "input main: good, newest frame 3.0 ms old",
+               "input backup: never_seen, no frame yet", "output servos: control from main",
+               "device /dev/ttyUSB0: gone", "device /dev/ttyAMA2: there", "device can0: bus_off"}));
+}
+
+/// The data thread hangs: its last figures say "good" and "control" for ever.
+TEST_F(Summary, OldFiguresClaimNothing) {
+    status_["figures_age_us"] = 1'000'001;
+    const auto old = told();
+    EXPECT_EQ(old["figures_old"], true);
+    EXPECT_EQ(old["inputs"][0]["good"], false);
+    EXPECT_EQ(old["inputs"][0]["cause"], "unknown");
+    EXPECT_EQ(old["outputs"][0]["state"], "unknown");
+    EXPECT_TRUE(old["outputs"][0]["input"].is_null());
+    EXPECT_EQ(old["devices"][1]["state"], "unknown");
+    EXPECT_EQ(old["gone"], ordered_json::array());
+    EXPECT_EQ(status_summary::lines(old)[0], "car: STANDS STILL since 1.00 s");
+    status_["figures_age_us"] = 1'000'000;
+    EXPECT_EQ(told()["figures_old"], false);
+    status_.erase("figures_age_us");
+    EXPECT_EQ(told()["figures_old"], true) << "without an age nobody knows";
+}
+
+TEST_F(Summary, IsMadeOfNothingButAStatus) {
+    for (const std::string_view other : {"null", "[]", "{}", R"({"type":"error","error":"x"})"}) {
+        EXPECT_FALSE(status_summary::of_status(json::parse(other))) << other;
+    }
+}
+
+TEST_F(Summary, OfAStatusWithForeignTypesDoesNotFail) {
+    status_["inputs"] = json::parse(R"([7,null,{"name":{},"cause":1,"losses":"x"}])");
+    status_["outputs"] = "x";
+    status_["ports"] = json::parse(R"([{"can":{}}])");
+    const auto odd = told();
+    EXPECT_EQ(odd["inputs"][2]["good"], false);
+    EXPECT_EQ(odd["outputs"], ordered_json::array());
+    EXPECT_EQ(odd["devices"][0]["state"], "gone");
+    EXPECT_EQ(status_summary::lines(odd).size(), 5U);
+}
+
+TEST_F(Summary, InWordsHasNoControlCharacters) {
+    status_["inputs"][0]["name"] = "\x1b[2Jmain\n";
+    EXPECT_EQ(status_summary::lines(told())[1], "input ?[2Jmain?: good, newest frame 3.0 ms old");
+}
+
+TEST_F(Summary, ThatIsTheSameButLaterBringsNoChange) {
+    json after = status_;
+    after["t_us"] = 7'200'000;
+    after["uptime_us"] = 5'200'000;
+    after["inputs"][0]["age_us"] = 1;
+    EXPECT_EQ(changed_by(after), Lines{});
+}
+
+TEST_F(Summary, EachChangeHasItsTimeAndWhatWasBefore) {
+    json after = status_;
+    after["unix_time_us"] = 1795727363611999;
+    after["inputs"][0]["cause"] = "wire_silent";
+    after["inputs"][0]["losses"]["wire_silent"] = 3U;
+    after["outputs"][0]["state"] = "failsafe";
+    after["outputs"][0]["input"] = nullptr;
+    after["outputs"][0]["failsafe_entries"] = 4U;
+    after["ports"][0]["present"] = true;
+    after["trial"] = 1U;
+    EXPECT_EQ(changed_by(after),
+              (Lines{"2026-11-26T21:09:23.611Z daemon car: trial 1, was none",
+                     "2026-11-26T21:09:23.611Z input main: cause wire_silent, was good",
+                     "2026-11-26T21:09:23.611Z output servos: state failsafe, was control",
+                     "2026-11-26T21:09:23.611Z output servos: input none, was main",
+                     "2026-11-26T21:09:23.611Z device /dev/ttyUSB0: state there, was gone"}));
+}
+
+TEST_F(Summary, AChangeIsAnObjectWithFixedFields) {
+    json after = status_;
+    after["outputs"][0]["obstacle"] = "device";
+    const auto changes = status_summary::changes(told(), *status_summary::of_status(after));
+    ASSERT_EQ(changes.size(), 1U);
+    EXPECT_EQ(changes[0].dump(),
+              R"({"type":"change","t_us":7000000,"unix_time_us":1795727363411000,)"
+              R"("part":"output","name":"servos","field":"obstacle","was":null,"now":"device"})");
+}
+
+TEST_F(Summary, ALossBetweenTwoLooksShowsByItsCounter) {
+    json after = status_;
+    after["inputs"][0]["losses"]["garbled"] = 2U;
+    after["outputs"][0]["failsafe_entries"] = 4U;
+    EXPECT_EQ(changed_by(after),
+              (Lines{"2026-11-26T21:09:23.411Z input main: times_lost 4, was 3",
+                     "2026-11-26T21:09:23.411Z output servos: failsafe_entries 4, was 3"}));
+}
+
+TEST_F(Summary, PartsThatAReloadRemovesAndAddsAreChanges) {
+    json after = status_;
+    after["fingerprint"] = "00fe";
+    after["inputs"][1]["name"] = "third";
+    EXPECT_EQ(changed_by(after),
+              (Lines{"2026-11-26T21:09:23.411Z daemon car: fingerprint 00fe, was 00ff",
+                     "2026-11-26T21:09:23.411Z input backup: cause none, was never_seen",
+                     "2026-11-26T21:09:23.411Z input third: cause never_seen, was none"}));
+}
+
+TEST_F(Summary, FiguresThatGrowOldAreAChangeOfEverything) {
+    json after = status_;
+    after["figures_age_us"] = 3'000'000;
+    const auto lines = changed_by(after);
+    ASSERT_EQ(lines.size(), 8U);
+    EXPECT_EQ(lines[0], "2026-11-26T21:09:23.411Z daemon car: figures_old true, was false");
+    EXPECT_EQ(lines[3], "2026-11-26T21:09:23.411Z output servos: state unknown, was control");
+}
+
+TEST_F(Summary, ThatADaemonDoesNotAnswerHasAReason) {
+    const auto change =
+        status_summary::change_of_answers(told(), false, "it is gone", 5, 1'000'000);
+    EXPECT_EQ(status_summary::line(change),
+              "1970-01-01T00:00:01.000Z daemon car: answers false, was true (it is gone)");
+}
+
+}  // namespace
+}  // namespace tribus::summary_test
