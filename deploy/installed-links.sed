@@ -2,7 +2,7 @@
 
 # What is installed elsewhere.
 s#\]\(((\.\./)*)config/examples#](\1examples#g
-s#\]\(((\.\./)*)deploy/(networkd|prometheus)#](\1examples/\3#g
+s#\]\(((\.\./)*)deploy/(ansible|networkd|prometheus)#](\1examples/\3#g
 s#\]\(((\.\./)*)deploy/can/#](\1../../tribus/can/#g
 s#\]\(((\.\./)*)tests/sim/(known_receivers|redundancy)\.txt#](\1docs/\3.txt#g
 s#\]\(((\.\./)*)LICENSE\)#](\1copyright)#g
