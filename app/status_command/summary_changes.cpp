@@ -95,18 +95,22 @@ class Changes {
     std::vector<Ordered> found_;
 };
 
-/// UTC with milliseconds, such as 2026-11-26T21:09:23.411Z.
+/// UTC with milliseconds, such as 2026-11-26T21:09:23.411Z. Empty for a time that no clock shows.
 std::string time_text(double unix_time_us) {
     constexpr std::int64_t kMsPerSecond = 1000;
+    constexpr double kYear3000Us = 32503680000e6;
+    if (!(unix_time_us >= 0 && unix_time_us < kYear3000Us)) {
+        return "";
+    }
     const auto ms = static_cast<std::int64_t>(unix_time_us) / kMsPerSecond;
-    return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
+    return fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z ",
                        fmt::gmtime(static_cast<std::time_t>(ms / kMsPerSecond)), ms % kMsPerSecond);
 }
 
 std::string words_of(const Json& value) {
     return value.is_null()     ? "none"
            : value.is_string() ? status_fields::shown(value.get<std::string>())
-                               : value.dump();
+                               : status_fields::shown(value.dump());
 }
 
 }  // namespace
@@ -154,7 +158,7 @@ std::string line(const Ordered& change) {
     const Json plain(change);
     const std::string why = status_fields::text(plain, "why");
     return fmt::format(
-        "{} {} {}: {} {}, was {}{}",
+        "{}{} {}: {} {}, was {}{}",
         time_text(status_fields::number(plain, "unix_time_us").value_or(0)),
         status_fields::text(plain, "part"), status_fields::text(plain, "name"),
         status_fields::text(plain, "field"), words_of(status_fields::field(plain, "now")),

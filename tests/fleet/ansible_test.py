@@ -1,5 +1,5 @@
 # Debian packages: ansible-core
-"""The Ansible role of deploy/ansible with the real ansible-playbook and two real daemons on ptys."""
+"""The role of deploy/ansible with the real ansible-playbook and two real daemons on ptys."""
 
 import importlib.util
 import os
@@ -68,8 +68,7 @@ class Fleet(unittest.TestCase):
 
     def both_at_once(self):
         playbook = self.folder / "both.yml"
-        playbook.write_text("- hosts: boards\n  gather_facts: false\n  any_errors_fatal: true\n"
-                            "  roles: [tribus]\n")
+        playbook.write_text("- hosts: boards\n  gather_facts: false\n  roles: [tribus]\n")
         return playbook
 
     def expect_old(self, board, printed=""):
@@ -100,6 +99,7 @@ class Fleet(unittest.TestCase):
         self.assertNotEqual(status, 0, printed)
         self.assertIn(words, " ".join(printed.split()))
         self.expect_old(self.first, printed)
+        self.assertNotIn("the trial was not confirmed", self.first.said(), "it went back too late")
         self.expect_untouched(self.second, printed)
         self.assertNotIn(".servos.toml.candidate", self.first.names())
         return printed
@@ -149,7 +149,8 @@ class Fleet(unittest.TestCase):
 
     def test_a_configuration_with_a_mistake_never_runs(self):
         change = self.first.configuration(pipeline="form = 1")
-        self.expect_refused(change, "form")
+        printed = self.expect_refused(change, "form")
+        self.assertNotIn("Compare it with what runs", printed)
         self.assertNotIn("on trial", self.first.said())
 
     def test_a_configuration_that_the_daemon_refuses_does_not_run(self):
@@ -191,16 +192,22 @@ class Fleet(unittest.TestCase):
         self.expect_old(self.first, printed)
         self.expect_old(self.second, printed)
         self.assertIn("on trial for 40 s", self.second.said())
+        self.assertIn("not kept, because of board1", " ".join(printed.split()))
+
+    def test_the_playbook_tries_one_board_first_and_stops_at_the_first_that_fails(self):
+        text = (SOURCES / "deploy/ansible/boards.yml").read_text()
+        for line in ('serial: [1, "25%", "100%"]', "any_errors_fatal: true",
+                     "max_fail_percentage: 0"):
+            self.assertIn("\n  %s\n" % line, text)
 
     def test_a_play_that_is_killed_in_the_trial_leaves_the_old_configuration(self):
-        self.candidate(self.first, self.first.configuration(pipeline=REVERSED))
         self.candidate(self.second, self.second.configuration(pipeline=REVERSED))
-        play = self.begin("-e", "tribus_trial=20", "-e", "tribus_watch=600", "-e",
-                          "tribus_margin=-600")
-        self.addCleanup(play.stdout.close)
-        wait_for("a trial", lambda: self.first.status()["trial"])
+        play, _ = self.begin_and_wait_for_the_watch(
+            self.first.configuration(pipeline=REVERSED), "-e", "tribus_trial=40", "-e",
+            "tribus_watch=600", "-e", "tribus_margin=-600")
         os.killpg(play.pid, signal.SIGKILL)
         play.wait(PATIENCE_S)
+        play.stdout.close()
         self.assertNotEqual(self.first.status()["fingerprint"], self.before[0])
         self.expect_old(self.first)
         self.assertIn("the trial was not confirmed", self.first.said())
@@ -225,15 +232,29 @@ class Fleet(unittest.TestCase):
         self.assertIn("trial 1 is over", " ".join(printed.split()))
         self.expect_old(self.first, printed)
 
-    def test_a_loss_while_it_is_watched_takes_it_back(self):
-        self.candidate(self.first, self.first.configuration(main="", pipeline=REVERSED)
-                       .replace('timeout = "5s"', 'timeout = "1s"'))
-        play = self.begin("--limit", "board1", "-e", "tribus_trial=60", "-e", "tribus_watch=15")
+    def begin_and_wait_for_the_watch(self, text, *arguments):
+        """Returns the play, and what it printed so far."""
+        self.candidate(self.first, text)
+        play = self.begin(*(arguments or ("--limit", "board1", "-e", "tribus_trial=60", "-e",
+                                          "tribus_watch=15")))
         printed = ""
         for line in play.stdout:
             printed += line
             if "Watch it" in line:
                 break
+        return play, printed
+
+    def test_a_candidate_that_was_changed_in_the_trial_is_not_kept(self):
+        play, printed = self.begin_and_wait_for_the_watch(
+            self.first.configuration(pipeline=REVERSED))
+        (self.first.folder / ".servos.toml.candidate").write_text("[input.other]\n")
+        printed += play.communicate(timeout=LONGEST_PLAY_S)[0]
+        self.assertNotEqual(play.returncode, 0, printed)
+        self.expect_old(self.first, printed)
+
+    def test_a_loss_while_it_is_watched_takes_it_back(self):
+        play, printed = self.begin_and_wait_for_the_watch(
+            self.first.configuration(pipeline=REVERSED).replace('"5s"', '"1s"'))
         self.first.sends.clear()
         wait_for("a loss", lambda: not self.first.status()["inputs"][0]["good"])
         self.first.sends.add("main")

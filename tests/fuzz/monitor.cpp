@@ -6,6 +6,7 @@
 #include "app/inspect/live_difference.h"
 #include "app/monitor/monitor_keys.h"
 #include "app/monitor/monitor_screen.h"
+#include "app/status_command/summary.h"
 #include "config/load.h"
 #include "tests/fuzz/fuzz.h"
 
@@ -59,6 +60,17 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             "a screen has no more lines than the terminal");
     require(is_text_and_own_escapes(screen), "a daemon cannot send escapes to the terminal");
     require(monitor_line(view).find('\n') == std::string::npos, "a line is one line");
+    if (const auto summary = status_summary::of_status(view.status)) {
+        std::string lines;
+        for (const std::string& line : status_summary::lines(*summary)) {
+            require(line.find('\n') == std::string::npos, "a line of a summary is one line");
+            lines += line;
+        }
+        for (const auto& change : status_summary::changes(nlohmann::ordered_json(), *summary)) {
+            lines += status_summary::line(change);
+        }
+        require(is_text_and_own_escapes(lines), "a summary sends no escapes to the terminal");
+    }
     static const auto configuration = load_configuration(
         "[input.a]\nprotocol=\"ibus\"\ndevice=\"/a\"\n[output.b]\nprotocol=\"sbus\"\n"
         "device=\"/b\"\n[pipeline.c]\nfrom=\"a\"\nto=\"b\"\n",

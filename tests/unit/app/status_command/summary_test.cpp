@@ -1,5 +1,7 @@
 #include "app/status_command/summary.h"
 
+#include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -183,6 +185,11 @@ TEST_F(Summary, ThatADaemonDoesNotAnswerHasAReason) {
         status_summary::change_of_answers(told(), false, "it is gone", 5, 1'000'000);
     EXPECT_EQ(status_summary::line(change),
               "1970-01-01T00:00:01.000Z daemon car: answers false, was true (it is gone)");
+    for (const std::int64_t never : {std::int64_t{-1}, std::numeric_limits<std::int64_t>::max()}) {
+        EXPECT_EQ(
+            status_summary::line(status_summary::change_of_answers(told(), true, "", 5, never)),
+            "daemon car: answers true, was false");
+    }
 }
 
 }  // namespace
