@@ -15,6 +15,15 @@ from ansible_board import PATIENCE_S, SOURCES, TRIBUS, Board, wait_for
 ROLE = SOURCES / "deploy/ansible/roles/tribus"
 REVERSED = "[pipeline.main.channels]\n1 = { from = 1, reverse = true }"
 LONGEST_PLAY_S = 400
+# In the place of ssh: runs the command here, until the file LOST is there.
+SSH = """#!/bin/sh
+if [ -e LOST ]; then
+    echo "ssh: connect to host board1 port 22: No route to host" >&2
+    exit 255
+fi
+for command; do :; done
+exec sh -c "$command"
+"""
 
 
 class Fleet(unittest.TestCase):
@@ -212,6 +221,24 @@ class Fleet(unittest.TestCase):
         self.expect_old(self.first)
         self.assertIn("the trial was not confirmed", self.first.said())
         self.expect_untouched(self.second)
+
+    def test_a_board_that_the_controller_loses_in_the_trial_goes_back_by_itself(self):
+        lost = self.folder / "lost"
+        ssh = self.folder / "ssh"
+        ssh.write_text(SSH.replace("LOST", str(lost)))
+        ssh.chmod(0o755)
+        self.candidate(self.second, self.second.configuration(pipeline=REVERSED))
+        play, printed = self.begin_and_wait_for_the_watch(
+            self.first.configuration(pipeline=REVERSED), "-e", "tribus_trial=40", "-e",
+            "ansible_connection=ssh", "-e", "ansible_ssh_transfer_method=piped", "-e",
+            "ansible_ssh_executable=%s" % ssh)
+        lost.touch()
+        printed += play.communicate(timeout=LONGEST_PLAY_S)[0]
+        self.assertNotEqual(play.returncode, 0, printed)
+        self.assertIn("unreachable=1", printed)
+        self.expect_old(self.first, printed)
+        self.assertIn("the trial was not confirmed", self.first.said())
+        self.expect_untouched(self.second, printed)
 
     def test_a_daemon_that_starts_anew_in_the_trial_runs_the_old_configuration(self):
         self.candidate(self.first, self.first.configuration(pipeline=REVERSED))
