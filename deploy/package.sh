@@ -161,7 +161,7 @@ own_release=$(sed -n 's/^VERSION_CODENAME=//p' /etc/os-release)
 wanted=${wanted:-$own}
 release=${release:-$own_release}
 [ "$wanted" != amd64 ] || [ "$own" = amd64 ] || wrong_use "makes amd64 on such machines only"
-targets="tribus tribus-web installed_texts"
+targets="tribus tribus-web tribus-mqtt installed_texts"
 [ $with_tests = OFF ] || targets="$targets $test_suites"
 # The emulated Raspberry Pi has this processor.
 with_ports=$with_tests

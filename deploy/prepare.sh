@@ -4,8 +4,8 @@
 set -eu
 
 # Packages of Debian 12 that building the program needs.
-build_libraries="libboost-dev libcli11-dev libexpected-dev libfmt-dev libgpiod-dev libspdlog-dev
-    libssl-dev libtomlplusplus-dev nettle-dev nlohmann-json3-dev"
+build_libraries="libboost-dev libcli11-dev libexpected-dev libfmt-dev libgpiod-dev
+    libmosquitto-dev libspdlog-dev libssl-dev libtomlplusplus-dev nettle-dev nlohmann-json3-dev"
 build_packages="ca-certificates cmake g++ ninja-build pkg-config $build_libraries"
 # Packages that deploy/package.sh needs.
 package_packages="dpkg-dev file gzip lintian"

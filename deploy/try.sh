@@ -7,6 +7,7 @@ tribus=$1/usr/bin/tribus
 
 "$tribus" --version
 "$1/usr/bin/tribus-web" --version
+"$1/usr/bin/tribus-mqtt" --version
 for example in "$1"/usr/share/doc/tribus/examples/*.toml; do
     "$tribus" check "$example" >/dev/null || {
         echo "deploy/try.sh: the program refuses $example" >&2

@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 
 #include <fmt/format.h>
@@ -15,6 +16,8 @@ namespace tribus::test::exposure_test {
 namespace {
 
 const std::string kPage = "docs/service.md";
+constexpr const char* kUnit = "tribus@servos.service";
+constexpr const char* kBridge = "tribus-mqtt.service";
 
 std::string source_text(const std::string& file) {
     return text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / file);
@@ -36,7 +39,10 @@ std::string drop_in(const std::string& heading) {
 
 class Exposure : public testing::Test {
   protected:
-    Exposure() { add("tribus@servos.service", source_text("deploy/systemd/tribus@.service")); }
+    Exposure() {
+        add(kUnit, source_text("deploy/systemd/tribus@.service"));
+        add(kBridge, source_text("deploy/mqtt/tribus-mqtt.service"));
+    }
     void SetUp() override {
         // Later versions of systemd judge by more, and a board for trials has none.
         if (!run_in_shell("systemd-analyze --version").output.starts_with("systemd 252 ")) {
@@ -44,31 +50,27 @@ class Exposure : public testing::Test {
         }
     }
     void with_drop_in(const std::string& heading) const {
-        add("tribus@servos.service.d/override.conf", drop_in(heading));
+        add(std::string(kUnit) + ".d/override.conf", drop_in(heading));
     }
     /// Nothing that systemd complains about, and at most so many tenths of exposure.
-    void rated(int tenths) const {
-        const std::string unit = folder_ / "tribus@servos.service";
+    void rated(int tenths, const char* name = kUnit) const {
+        const std::string unit = folder_ / name;
         const Ended verified = run_in_shell("systemd-analyze verify --man=no " + unit);
         EXPECT_EQ(verified.status, 0);
         EXPECT_EQ(verified.output, "");
         const Ended rated = run_in_shell(fmt::format(
             "systemd-analyze security --offline=yes --no-pager --threshold={} {}", tenths, unit));
         EXPECT_EQ(rated.status, 0) << rated.output;
-        const std::string said =
-            fmt::format("{}: {}.{} ", "tribus@servos.service", tenths / 10, tenths % 10);
+        const std::string said = fmt::format("{}: {}.{} ", name, tenths / 10, tenths % 10);
         EXPECT_NE(rated.output.find(said), std::string::npos)
             << "the page says so: " << rated.output;
     }
 
   private:
     /// systemd looks whether programs are there; the package is not installed here.
-    void add(const std::string& name, std::string text) const {
-        const std::string installed = "/usr/bin/tribus";
-        for (std::size_t at = text.find(installed); at != std::string::npos;
-             at = text.find(installed, at)) {
-            text.replace(at, installed.size(), "/bin/true");
-        }
+    void add(const std::string& name, const std::string& unit) const {
+        static const std::regex installed("/usr/bin/tribus(-mqtt)?");
+        const std::string text = std::regex_replace(unit, installed, "/bin/true");
         const std::filesystem::path path = folder_ / name;
         std::filesystem::create_directories(path.parent_path());
         std::ofstream(path) << text;
@@ -76,6 +78,11 @@ class Exposure : public testing::Test {
 
     TemporaryFolder folder_;
 };
+
+TEST_F(Exposure, OfTheMqttBridgeIsWhatThePageSays) {
+    EXPECT_NE(source_text(kPage).find("that of `tribus-mqtt.service` 1.3"), std::string::npos);
+    rated(13, kBridge);
+}
 
 TEST_F(Exposure, OfTheUnitIsWhatThePageSays) {
     EXPECT_NE(source_text(kPage).find("| none | 1.5 |"), std::string::npos);

@@ -48,6 +48,8 @@ TEST_F(InstalledPages, are_there) {
     for (const std::string path :
          {"/usr/share/man/man1/tribus.1.gz", "/usr/share/man/man5/tribus.toml.5.gz",
           "/usr/share/man/man8/tribus-web.8.gz", "/usr/share/tribus/page",
+          "/usr/share/man/man8/tribus-mqtt.8.gz", "/usr/lib/systemd/system/tribus-mqtt.service",
+          "/usr/share/doc/tribus/examples/tribus-mqtt.default",
           "/usr/lib/systemd/system/tribus-web.socket", "/usr/lib/systemd/system/tribus-web.service",
           "/usr/share/doc/tribus/README.md", "/usr/share/doc/tribus/CHANGELOG.md",
           "/usr/share/doc/tribus/docs/README.md", "/usr/share/doc/tribus/docs/configuration.md",
@@ -109,8 +111,9 @@ TEST_F(InstalledPages, name_files_that_are_installed) {
             ++count;
         }
     }
-    for (const char* source : {"deploy/man/tribus.1", "deploy/man/tribus-web.8",
-                               "deploy/debian/description", "app/doctor/line_advice.cpp"}) {
+    for (const char* source :
+         {"deploy/man/tribus.1", "deploy/man/tribus-web.8", "deploy/man/tribus-mqtt.8",
+          "deploy/debian/description", "app/doctor/line_advice.cpp"}) {
         for (const std::string& path :
              paths_in(text_of_file(fs::path(TRIBUS_SOURCE_DIR) / source))) {
             EXPECT_TRUE(has(path)) << source << " names " << path;

@@ -154,15 +154,24 @@ TEST(ManualPage, has_no_option_that_the_command_does_not_know) {
     }
 }
 
-TEST(ManualPage, of_the_page_has_its_options_and_no_others) {
+/// The options that the manual page of a further program has.
+Words described_in(const std::string& name) {
     const std::string page =
-        text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / "tribus-web.8");
+        text_of_file(std::filesystem::path(TRIBUS_SOURCE_DIR) / "deploy" / "man" / name);
     static const std::regex item("\n\\.It Fl -([a-z0-9_-]+)");
     Words described;
     for (std::sregex_iterator match(page.begin(), page.end(), item), none; match != none; ++match) {
         described.push_back((*match)[1]);
     }
-    EXPECT_EQ(described, options_of("serve", "'" TRIBUS_WEB "'"));
+    return described;
+}
+
+TEST(ManualPage, of_the_page_has_its_options_and_no_others) {
+    EXPECT_EQ(described_in("tribus-web.8"), options_of("serve", "'" TRIBUS_WEB "'"));
+}
+
+TEST(ManualPage, of_the_mqtt_bridge_has_its_options_and_no_others) {
+    EXPECT_EQ(described_in("tribus-mqtt.8"), options_of("run", "'" TRIBUS_MQTT "'"));
 }
 
 TEST(ManualPage, is_set_without_a_warning) {
@@ -171,6 +180,7 @@ TEST(ManualPage, is_set_without_a_warning) {
     }
     for (const char* page : {"cat '" TRIBUS_SOURCE_DIR "/deploy/man/tribus.1'",
                              "cat '" TRIBUS_SOURCE_DIR "/deploy/man/tribus-web.8'",
+                             "cat '" TRIBUS_SOURCE_DIR "/deploy/man/tribus-mqtt.8'",
                              "'" TRIBUS_PROGRAM "' schema --format man"}) {
         const Ended set = run_in_shell(std::string(page) + " | groff -mdoc -ww -z -Tutf8");
         EXPECT_EQ(set.output, "") << page;

@@ -1,0 +1,240 @@
+#include "app/mqtt/mqtt_command.h"
+
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <climits>
+#include <csignal>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "app/cli/complain.h"
+#include "app/cli/exit_status.h"
+#include "app/cli/main_wait.h"
+#include "app/journal/log.h"
+#include "app/mqtt/board_watch.h"
+#include "app/mqtt/broker.h"
+#include "app/mqtt/broker_place.h"
+#include "app/mqtt/outbox.h"
+#include "config/language/read_file.h"
+#include "core/quotes.h"
+#include "pipelines/realtime/clock.h"
+
+namespace tribus::mqtt {
+namespace {
+
+constexpr int kPlainPort = 1883;
+constexpr int kTlsPort = 8883;
+constexpr std::size_t kMostPasswordBytes = 256;
+constexpr Duration kLookPeriod = std::chrono::milliseconds(250);
+constexpr Duration kSearchPeriod = std::chrono::seconds(2);
+constexpr std::pair<double, double> kEventRange{1, 100'000};
+
+struct MqttOptions {
+    std::string broker = "127.0.0.1";
+    std::string board;
+    std::string prefix = "tribus";
+    std::string discovery = "homeassistant";
+    std::string authority;
+    std::string certificate;
+    std::string key;
+    std::string user;
+    std::string password_file;
+    bool tls = false;
+    bool unencrypted = false;
+    int events = 1000;
+    std::string version;
+
+    bool wants_tls() const {
+        return tls || !authority.empty() || !certificate.empty() || !key.empty();
+    }
+};
+
+std::string name_of_this_board() {
+    std::array<char, HOST_NAME_MAX + 1> name{};
+    const bool known = ::gethostname(name.data(), name.size() - 1) == 0 && name[0] != '\0';
+    return known ? std::string(name.data()) : "board";
+}
+
+/// The first line of the file.
+tl::expected<std::string, std::string> password_in(const std::string& path) {
+    auto text = read_file(path, kMostPasswordBytes, FileKinds::secret);
+    if (!text) {
+        return tl::unexpected(fmt::format("--password-file {}: {}", path, text.error()));
+    }
+    return text->substr(0, text->find('\n'));
+}
+
+/// Checks what the options say together.
+tl::expected<BrokerOptions, std::string> broker_options(const MqttOptions& options) {
+    const auto place = parse_broker_place(options.broker);
+    if (!place) {
+        return tl::unexpected(fmt::format(
+            "--broker {}: allowed: a name or an address, and a port from 1 to 65535, such as "
+            "broker.local:8883",
+            in_quotes(options.broker)));
+    }
+    if (options.certificate.empty() != options.key.empty()) {
+        return tl::unexpected(
+            std::string("--certificate and --key belong together: give both, or none"));
+    }
+    if (!options.wants_tls() && !options.unencrypted && !place->is_loopback()) {
+        return tl::unexpected(fmt::format(
+            "--broker {}: the network can read and change what is told, and the password; add "
+            "--tls or --ca FILE, or --unencrypted if that may be",
+            in_quotes(options.broker)));
+    }
+    BrokerOptions broker{.host = place->host,
+                         .port = place->port.value_or(options.wants_tls() ? kTlsPort : kPlainPort),
+                         .user = options.user,
+                         .encrypted = options.wants_tls(),
+                         .authority = options.authority,
+                         .certificate = options.certificate,
+                         .key = options.key};
+    if (!options.password_file.empty()) {
+        auto password = password_in(options.password_file);
+        if (!password) {
+            return tl::unexpected(password.error());
+        }
+        broker.password = std::move(*password);
+    }
+    return broker;
+}
+
+void log_reports(Broker& broker) {
+    for (const std::string& text : broker.take_reports()) {
+        if (text.ends_with(": connected")) {
+            log_info("{}", text);
+        } else {
+            log_warning("{}", text);
+        }
+    }
+}
+
+std::chrono::microseconds wall_time() {
+    return std::chrono::duration_cast<std::chrono::microseconds>(wall_time_now());
+}
+
+int watch(BoardWatch& board, Broker& broker, MainWait& wait) {
+    Instant search{};
+    for (;;) {
+        const Instant now = monotonic_now();
+        if (now >= search) {
+            board.look_for_daemons(find_sockets(SocketDirectories::of_this_process()), now);
+            search = later(now, kSearchPeriod);
+        }
+        board.look(now, wall_time());
+        log_reports(broker);
+        std::vector<int> watched = board.descriptors();
+        watched.push_back(broker.descriptor());
+        if (wait.until(later(monotonic_now(), kLookPeriod), watched)) {
+            return kExitFine;
+        }
+    }
+}
+
+int run(const MqttOptions& options) {
+    auto broker_wanted = broker_options(options);
+    if (!broker_wanted) {
+        return complain(broker_wanted.error(), kExitWrongUse);
+    }
+    auto wait = MainWait::for_signals({SIGTERM, SIGINT});
+    if (!wait) {
+        log_error("{}", wait.error());
+        return kExitFailed;
+    }
+    const std::string board_name = options.board.empty() ? name_of_this_board() : options.board;
+    Outbox outbox(fmt::format("{}-{}", wall_time().count(), ::getpid()),
+                  {.events = static_cast<std::size_t>(options.events)});
+    BoardWatch board({.board = board_name,
+                      .prefix = options.prefix,
+                      .discovery = options.discovery == "off" ? "" : options.discovery,
+                      .version = options.version},
+                     outbox);
+    broker_wanted->client_id = "tribus-" + topic_level(board_name);
+    broker_wanted->availability_topic =
+        topics_of(options.prefix, board_name, "").board_availability;
+    if (options.discovery != "off") {
+        broker_wanted->birth_topic = options.discovery + "/status";
+        broker_wanted->discovery_topics = options.discovery + "/device/";
+    }
+    auto broker = Broker::start(std::move(*broker_wanted), outbox);
+    if (!broker) {
+        log_error("{}", broker.error());
+        return kExitFailed;
+    }
+    const int status = watch(board, **broker, *wait);
+    if (!(*broker)->stop()) {
+        // The thread waits for the network; nothing is lost that a signal would not lose.
+        std::_Exit(status);
+    }
+    return status;
+}
+
+}  // namespace
+
+Command mqtt_command(std::string version) {
+    auto options = std::make_shared<MqttOptions>();
+    options->version = std::move(version);
+    return {
+        .name = "run",
+        .help = "Tell an MQTT broker of all daemons of this board: status, events, values",
+        .footer =
+            "Nothing can be steered over MQTT: what the broker sends is not read, but for the "
+            "start of Home Assistant.\nExit status: 0 ended by a signal, 1 it failed, 2 "
+            "wrong use.",
+        .options =
+            {{.name = "--broker",
+              .value = &options->broker,
+              .help = "HOST or HOST:PORT of the broker; port 1883, with TLS 8883",
+              .shows_value = true},
+             {.name = "--board",
+              .value = &options->board,
+              .help = "Name of this board in topics; default: its host name"},
+             {.name = "--prefix",
+              .value = &options->prefix,
+              .help = "First level of the topics",
+              .shows_value = true},
+             {.name = "--discovery",
+              .value = &options->discovery,
+              .help = "First level of Home Assistant's topics; off: no discovery",
+              .shows_value = true},
+             {.name = "--tls",
+              .value = &options->tls,
+              .help =
+                  "Encrypt, and accept brokers with a certificate of this system's authorities"},
+             {.name = "--ca",
+              .value = &options->authority,
+              .help = "File with the authority of the broker's certificate; encrypts"},
+             {.name = "--certificate",
+              .value = &options->certificate,
+              .help = "File with the certificate of this program, for brokers that want one"},
+             {.name = "--key", .value = &options->key, .help = "File with the key of it"},
+             {.name = "--user", .value = &options->user, .help = "Name at the broker"},
+             {.name = "--password-file",
+              .value = &options->password_file,
+              .help = "File with the password in its first line; others may not read it",
+              .needs = {"--user"}},
+             {.name = "--unencrypted",
+              .value = &options->unencrypted,
+              .help = "Allow a broker on another machine without encryption"},
+             {.name = "--events",
+              .value = &options->events,
+              .help = "Most events that are kept while the broker is away",
+              .shows_value = true,
+              .range = kEventRange}},
+        .run =
+            [options] {
+                log_to_journal_or_terminal();
+                return run(*options);
+            },
+    };
+}
+
+}  // namespace tribus::mqtt

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "core/time.h"
+
+/// What is told over MQTT of a daemon, from its statuses (docs/status.md). Pure.
+namespace tribus::mqtt {
+
+using Json = nlohmann::json;
+
+/// Figures that the data thread published longer ago than this are not told.
+inline constexpr Duration kOldFigures = std::chrono::seconds(1);
+
+/// A change, told once.
+struct Event {
+    std::string type{};  ///< "input", "output", "device", "bus", "value", "configuration", "daemon"
+    std::string name{};  ///< of the input, output, ...
+    std::string now{};   ///< a word of the status: a cause, a state
+    std::string before{};           ///< the same; empty if unknown
+    std::string text{};             ///< for people
+    std::int64_t unix_time_us = 0;  ///< by the clock of the board
+    Instant at{};
+};
+
+/// Words of `Event::type`.
+std::vector<std::string_view> event_types();
+
+/// What changed from one status of a daemon to a later one, read at `now`.
+std::vector<Event> changes(const Json& before, const Json& after, Instant now);
+
+/// An event about the daemon itself.
+Event daemon_event(std::string_view word, std::string_view text, std::int64_t unix_time_us,
+                   Instant at);
+
+/// Whether the figures of the status are new enough to be told.
+bool has_new_figures(const Json& status);
+
+/// The payload of the topic "status": one JSON object. Old figures and stale numbers are left out.
+std::string status_payload(const Json& status);
+
+/// Whether a value of the status is told: it has come once, and is not one that tribus makes of
+/// its inputs and outputs, which are told anyway.
+bool is_told(const Json& value);
+
+/// The payload of the topic "event": one JSON object. `id`: unique. `late`: it could not be told
+/// when it happened. `lost_before`: so many events before it were never told.
+std::string event_payload(const Event& event, std::string_view id, bool late,
+                          std::uint64_t lost_before, Instant now);
+
+/// A level of a topic: characters with a meaning in topics become "_".
+std::string topic_level(std::string_view name);
+
+}  // namespace tribus::mqtt

@@ -1,0 +1,112 @@
+#include "app/mqtt/discovery.h"
+
+#include <set>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "app/mqtt/broker_place.h"
+
+/// Discovery by Home Assistant, and places of brokers.
+namespace tribus::mqtt::discovery_test {
+namespace {
+
+using nlohmann::json;
+
+const DaemonTopics kTopics = topics_of("tribus", "boat 1", "servos");
+
+json discovered() {
+    return json::parse(discovery_payload(kTopics, "boat 1", json::parse(R"({"name":"servos",
+        "inputs":[{"name":"receiver"}],"outputs":[{"name":"servos"}],
+        "values":[{"name":"pack.voltage","unit":"V","age_us":7},
+                  {"name":"it's","unit":"","age_us":7},
+                  {"name":"pack.cells.1","unit":"V","age_us":null},
+                  {"name":"input.receiver.age","unit":"ms","age_us":7}]})"),
+                                         "0.2.0"));
+}
+
+TEST(MqttTopics, AreBelowTheBoardAndTheDaemon) {
+    EXPECT_EQ(kTopics.board_availability, "tribus/boat_1/availability");
+    EXPECT_EQ(kTopics.availability, "tribus/boat_1/servos/availability");
+    EXPECT_EQ(kTopics.status, "tribus/boat_1/servos/status");
+    EXPECT_EQ(kTopics.event, "tribus/boat_1/servos/event");
+    EXPECT_EQ(discovery_topic("homeassistant", "boat 1", "servos"),
+              "homeassistant/device/tribus_boat_1_servos/config");
+}
+
+TEST(Discovery, MakesADeviceWithInputsOutputsCausesValuesAndEvents) {
+    const json told = discovered();
+    EXPECT_EQ(told["device"]["name"], "servos on boat 1");
+    std::set<std::string> ids;
+    for (const auto& [id, component] : told["components"].items()) {
+        EXPECT_EQ(component["unique_id"], id);
+        ids.insert(id);
+    }
+    EXPECT_EQ(ids,
+              (std::set<std::string>{
+                  "tribus_boat_1_servos_event", "tribus_boat_1_servos_input_receiver",
+                  "tribus_boat_1_servos_input_receiver_cause", "tribus_boat_1_servos_output_servos",
+                  "tribus_boat_1_servos_value_it_s", "tribus_boat_1_servos_value_pack.voltage"}));
+}
+
+TEST(Discovery, ExpiresWhateverIsToldEachSecond) {
+    for (const auto& [id, component] : discovered()["components"].items()) {
+        if (component["platform"] != "event") {
+            EXPECT_EQ(component["expire_after"], 5) << id;
+            EXPECT_EQ(component["state_topic"], kTopics.status) << id;
+        }
+    }
+}
+
+TEST(Discovery, IsAvailableOnlyWhileBridgeAndDaemonAre) {
+    const json told = discovered();
+    EXPECT_EQ(told["availability_mode"], "all");
+    EXPECT_EQ(told["availability"][0]["topic"], "tribus/boat_1/availability");
+    EXPECT_EQ(told["availability"][1]["topic"], "tribus/boat_1/servos/availability");
+    EXPECT_EQ(told["availability"].size(), 2U);
+}
+
+TEST(Discovery, NamesAllCausesAndStatesThatAStatusCanHave) {
+    const json components = discovered()["components"];
+    EXPECT_EQ(components["tribus_boat_1_servos_input_receiver_cause"]["options"],
+              json::parse(R"(["good","never_seen","wire_silent","garbled","radio_lost","stale",
+                              "implausible","channels_missing"])"));
+    EXPECT_EQ(components["tribus_boat_1_servos_output_servos"]["options"],
+              json::parse(R"(["control","hold","failsafe","silent","cannot_send"])"));
+}
+
+TEST(Discovery, FindsEachPartOfAStatusByItsName) {
+    const json components = discovered()["components"];
+    EXPECT_EQ(components["tribus_boat_1_servos_input_receiver"]["value_template"],
+              "{{ 'ON' if value_json.inputs['receiver'].good else 'OFF' }}");
+    EXPECT_EQ(components["tribus_boat_1_servos_value_it_s"]["value_template"],
+              R"({{ value_json.values['it\'s'].number }})");
+    EXPECT_EQ(components["tribus_boat_1_servos_value_pack.voltage"]["unit_of_measurement"], "V");
+    EXPECT_FALSE(components["tribus_boat_1_servos_value_it_s"].contains("unit_of_measurement"));
+}
+
+TEST(BrokerPlaces, AreNamesAndAddressesWithOrWithoutAPort) {
+    const auto host = [](const char* text) { return parse_broker_place(text)->host; };
+    const auto port = [](const char* text) { return parse_broker_place(text)->port; };
+    EXPECT_EQ(host("broker.local"), "broker.local");
+    EXPECT_EQ(port("broker.local"), std::nullopt);
+    EXPECT_EQ(host("192.0.2.7:8883"), "192.0.2.7");
+    EXPECT_EQ(port("192.0.2.7:8883"), 8883);
+    EXPECT_EQ(host("[::1]:1883"), "::1");
+    EXPECT_EQ(port("[::1]"), std::nullopt);
+    for (const char* wrong : {"", ":1883", "a:", "a:0", "a:65536", "a:1x", "[::1", "[::1]1883",
+                              "mqtt://a", "me@a", "a b"}) {
+        EXPECT_FALSE(parse_broker_place(wrong)) << wrong;
+    }
+}
+
+TEST(BrokerPlaces, KnowThoseOfThisMachine) {
+    for (const char* own : {"localhost", "127.0.0.1:1883", "[::1]:1883"}) {
+        EXPECT_TRUE(parse_broker_place(own)->is_loopback()) << own;
+    }
+    EXPECT_FALSE(parse_broker_place("broker.local")->is_loopback());
+}
+
+}  // namespace
+}  // namespace tribus::mqtt::discovery_test

@@ -1,0 +1,180 @@
+#include "app/mqtt/report.h"
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+/// What is told over MQTT, from statuses as docs/status.md describes them.
+namespace tribus::mqtt::report_test {
+namespace {
+
+using namespace std::chrono_literals;
+using Lines = std::vector<std::string>;
+
+// 2026-11-26 20:45:13.250 UTC.
+constexpr std::int64_t kUnixTime = 1'795'725'913'250'000;
+constexpr Instant kNow{100s};
+
+Json status() {
+    return Json::parse(R"({"type":"status","version":1,"name":"servos",
+        "unix_time_us":1795725913250000,"uptime_us":60000000,"figures_age_us":40000,
+        "fingerprint":"f00d","trial":null,"trial_left_us":null,
+        "inputs":[{"name":"receiver","state":"good","cause":"good","state_age_us":5000000,
+                   "rate_hz":130,"age_us":3000}],
+        "outputs":[{"name":"servos","state":"control","input":"receiver","obstacle":null,
+                    "rate_hz":71.5}],
+        "ports":[{"name":"/dev/ttyAMA0","kind":"serial","present":true},
+                 {"name":"can0","kind":"can","present":true,"can":{"state":"ready"}}],
+        "values":[{"name":"pack.voltage","number":12.25,"unit":"V","age_us":200000,
+                   "stale":false}]})");
+}
+
+Lines texts(const std::vector<Event>& events) {
+    Lines all;
+    for (const Event& event : events) {
+        all.push_back(event.text);
+    }
+    return all;
+}
+
+TEST(MqttStatus, HasStatesCausesAndValuesWithTheirAges) {
+    const Json told = Json::parse(status_payload(status()));
+    EXPECT_EQ(told["time"], "2026-11-26T20:45:13.250Z");
+    EXPECT_EQ(told["unix_time_us"], kUnixTime);
+    EXPECT_EQ(told["figures_age_s"], 0.04);
+    EXPECT_EQ(told["inputs"]["receiver"], Json::parse(R"({"good":true,"cause":"good","for_s":5.0,
+        "rate_hz":130.0,"age_s":0.003})"));
+    EXPECT_EQ(told["outputs"]["servos"], Json::parse(R"({"state":"control","input":"receiver",
+        "obstacle":null,"rate_hz":71.5})"));
+    EXPECT_EQ(told["devices"]["can0"], Json::parse(R"({"present":true,"bus":"ready"})"));
+    EXPECT_EQ(told["values"]["pack.voltage"],
+              Json::parse(R"({"number":12.25,"unit":"V","age_s":0.2})"));
+}
+
+TEST(MqttStatus, HasNoNumberOfAValueThatIsStale) {
+    Json old = status();
+    old["values"][0]["stale"] = true;
+    const Json told = Json::parse(status_payload(old));
+    EXPECT_TRUE(told["values"]["pack.voltage"]["number"].is_null());
+}
+
+TEST(MqttStatus, HasNoValuesThatNeverCameOrThatAreOfInputsAndOutputs) {
+    Json more = status();
+    more["values"].push_back({{"name", "pack.cells.1"}, {"age_us", nullptr}, {"stale", true}});
+    more["values"].push_back({{"name", "input.receiver.age"}, {"number", 5}, {"age_us", 1}});
+    EXPECT_EQ(Json::parse(status_payload(more))["values"].size(), 1U);
+    EXPECT_TRUE(changes(status(), more, kNow).empty());
+}
+
+TEST(MqttStatus, TellsNothingOfFiguresThatAreOlderThanASecond) {
+    Json old = status();
+    old["figures_age_us"] = 1'000'000;
+    EXPECT_FALSE(Json::parse(status_payload(old))["inputs"].empty());
+    old["figures_age_us"] = 1'000'001;
+    const Json told = Json::parse(status_payload(old));
+    for (const char* part : {"inputs", "outputs", "devices", "values"}) {
+        EXPECT_TRUE(told[part].empty()) << part;
+    }
+    EXPECT_EQ(told["figures_age_s"], 1.0);
+    EXPECT_FALSE(has_new_figures(Json::parse("{}")));
+}
+
+TEST(MqttStatus, IsMadeOfAnyObject) {
+    for (const char* text : {"{}", R"({"inputs":7,"outputs":[3],"values":[{"name":5}],"ports":{}})",
+                             R"({"figures_age_us":0,"inputs":[{"name":null}]})"}) {
+        EXPECT_TRUE(Json::parse(status_payload(Json::parse(text))).is_object()) << text;
+        EXPECT_TRUE(changes(Json::parse(text), status(), kNow).size() <= 2) << text;
+    }
+}
+
+TEST(MqttEvents, AreNoneWhileNothingChanges) {
+    Json later_status = status();
+    later_status["unix_time_us"] = kUnixTime + 200'000;
+    later_status["uptime_us"] = 60'200'000;
+    later_status["inputs"][0]["rate_hz"] = 129;
+    EXPECT_TRUE(changes(status(), later_status, kNow).empty());
+}
+
+TEST(MqttEvents, OfALossHaveTheCauseAndTheTimeAtWhichItBegan) {
+    Json lost = status();
+    lost["inputs"][0]["cause"] = "wire_silent";
+    lost["inputs"][0]["state_age_us"] = 150'000;
+    lost["outputs"][0]["state"] = "hold";
+    const auto events = changes(status(), lost, kNow);
+    EXPECT_EQ(texts(events), (Lines{"input receiver: wire silent", "output servos: hold"}));
+    ASSERT_EQ(events.size(), 2U);
+    EXPECT_EQ(events[0].type, "input");
+    EXPECT_EQ(events[0].now, "wire_silent");
+    EXPECT_EQ(events[0].before, "good");
+    EXPECT_EQ(events[0].unix_time_us, kUnixTime - 150'000);
+    EXPECT_EQ(events[0].at, kNow - 150ms);
+}
+
+TEST(MqttEvents, AreChangesOfOutputsDevicesBusesAndValues) {
+    const auto text_when = [](const auto& change) {
+        Json changed = status();
+        change(changed);
+        return texts(changes(status(), changed, kNow));
+    };
+    EXPECT_EQ(text_when([](Json& s) { s["outputs"][0]["input"] = "backup"; }),
+              (Lines{"output servos: under control of backup"}));
+    EXPECT_EQ(text_when([](Json& s) { s["outputs"][0]["state"] = "cannot_send"; }),
+              (Lines{"output servos: cannot send"}));
+    EXPECT_EQ(text_when([](Json& s) { s["ports"][0]["present"] = false; }),
+              (Lines{"device /dev/ttyAMA0: gone"}));
+    EXPECT_EQ(text_when([](Json& s) { s["ports"][1]["can"]["state"] = "bus_off"; }),
+              (Lines{"CAN interface can0: bus off"}));
+    EXPECT_EQ(text_when([](Json& s) { s["values"][0]["stale"] = true; }),
+              (Lines{"value pack.voltage: stale"}));
+    EXPECT_EQ(text_when([](Json& s) { s["inputs"].clear(); }), Lines{});
+}
+
+TEST(MqttEvents, TellTrialsAndWhatBecameOfThem) {
+    Json other = status();
+    other["fingerprint"] = "beef";
+    EXPECT_EQ(texts(changes(status(), other, kNow)), (Lines{"configuration: changed"}));
+    Json trial = other;
+    trial["trial"] = 1;
+    EXPECT_EQ(texts(changes(status(), trial, kNow)), (Lines{"configuration: on trial"}));
+    EXPECT_EQ(texts(changes(trial, other, kNow)), (Lines{"configuration: kept"}));
+    EXPECT_EQ(texts(changes(trial, status(), kNow)), (Lines{"configuration: went back"}));
+}
+
+TEST(MqttEvents, OfANewProcessAreItsStartAlone) {
+    Json again = status();
+    again["uptime_us"] = 300'000;
+    again["inputs"][0]["cause"] = "never_seen";
+    again["outputs"][0]["state"] = "failsafe";
+    const auto events = changes(status(), again, kNow);
+    EXPECT_EQ(texts(events), (Lines{"started again"}));
+    EXPECT_EQ(events.at(0).unix_time_us, kUnixTime - 300'000);
+}
+
+TEST(MqttEvents, CarryTheirTimeTheirAgeAndWhetherTheyAreLate) {
+    const Event event{.type = "input",
+                      .name = "receiver",
+                      .now = "wire_silent",
+                      .before = "good",
+                      .text = "input receiver: wire silent",
+                      .unix_time_us = kUnixTime,
+                      .at = kNow};
+    const Json told = Json::parse(event_payload(event, "s-7", true, 3, kNow + 12'345ms));
+    EXPECT_EQ(told, Json::parse(R"({"event_type":"input","id":"s-7","name":"receiver",
+        "now":"wire_silent","before":"good","text":"input receiver: wire silent",
+        "time":"2026-11-26T20:45:13.250Z","unix_time_us":1795725913250000,"age_s":12.345,
+        "late":true,"lost_before":3})"));
+    EXPECT_FALSE(Json::parse(event_payload(event, "s-7", false, 0, kNow)).contains("lost_before"));
+}
+
+TEST(MqttTopics, HaveNoCharactersWithAMeaning) {
+    EXPECT_EQ(topic_level("boat-1.local"), "boat-1.local");
+    EXPECT_EQ(topic_level("a/b+c#d e"), "a_b_c_d_e");
+    EXPECT_EQ(topic_level("$SYS"), "_SYS");
+    EXPECT_EQ(topic_level(""), "_");
+}
+
+}  // namespace
+}  // namespace tribus::mqtt::report_test
