@@ -1,5 +1,6 @@
 """A board on this machine: a daemon on ptys, a receiver that sends i.Bus, servos that hear SBUS."""
 
+import ctypes
 import fcntl
 import json
 import os
@@ -29,8 +30,14 @@ def wait_for(what, done, patience_s=PATIENCE_S):
         if result:
             return result
         if time.monotonic() > end:
-            raise AssertionError("not within %d s: %s" % (patience_s, what))
+            raise AssertionError("not within %d s: %s" % (
+                patience_s, what() if callable(what) else what))
         time.sleep(0.1)
+
+
+def die_with_the_test():
+    """One that outlives its test opens ptys of later tests, when their numbers come again."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
 
 
 class Wire:
@@ -70,8 +77,10 @@ class Board:
 
     def start(self):
         self.daemon = subprocess.Popen(
-            [TRIBUS, "run", self.file, "--socket", self.socket], stderr=self.log)
-        wait_for("control at the start", self.in_control)
+            [TRIBUS, "run", self.file, "--socket", self.socket], stderr=self.log,
+            preexec_fn=die_with_the_test)
+        wait_for(lambda: "control at the start; the daemon says:\n" + self.said(),
+                 self.in_control)
 
     def configuration(self, main="", spare="", pipeline="", sources=("main", "spare"), extra=""):
         """Long timeouts: a busy machine must not look like a loss."""

@@ -82,7 +82,7 @@ class Fleet(unittest.TestCase):
 
     def expect_old(self, board, printed=""):
         at = self.boards.index(board)
-        wait_for("%s runs what it ran before; %s" % (board.name, printed),
+        wait_for(lambda: "%s runs what it ran before; %s\n%s" % (board.name, board.said(), printed),
                  lambda: (lambda now: now and now["fingerprint"] == self.before[at]
                           and now["trial"] is None and board.in_control())(board.status()))
         self.assertEqual(board.file.read_text(), self.texts[at])
