@@ -47,6 +47,11 @@ def battery_frame(volts):
     return bytes([0xC8, len(body) + 1]) + body + bytes([check])
 
 
+def end_with_this_process():
+    """A daemon that outlives its test opens the ptys of others under its old names."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+
+
 class Wire:
     """A pseudo-terminal: the program has `device`, the other end is here."""
 
@@ -164,8 +169,9 @@ class Board:
         self.programs = {}
         self.start_daemon(self.car)
         self.start_daemon(self.spare)
-        self.port = free_port()
+        self.port = 0
         self.start_web()
+        self.port = int(self._says("web", r"the page is at http://127\.0\.0\.1:(\d+)")[1])
 
     def _file(self, name):
         return self.folder / "configurations" / f"{name}.toml"
@@ -174,12 +180,23 @@ class Board:
         log = open(self.folder / f"{name}.log", "ab")  # pylint: disable=consider-using-with
         environment = os.environ | {"XDG_RUNTIME_DIR": str(self.folder / "run")}
         self.programs[name] = subprocess.Popen(  # pylint: disable=consider-using-with
-            command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=environment)
+            command, stdin=subprocess.DEVNULL, stdout=log, stderr=log, env=environment,
+            preexec_fn=end_with_this_process)
         log.close()
+
+    def _says(self, name, pattern):
+        """The first place in the log of a program that runs."""
+        log = self.folder / f"{name}.log"
+        found = eventually(lambda: re.search(pattern, log.read_text())
+                           or self.programs[name].poll() is not None and "ended")
+        if not isinstance(found, re.Match):
+            raise RuntimeError(f"{name} does not run: {log.read_text()}")
+        return found
 
     def start_daemon(self, name):
         self._start(name, [PROGRAMS / "tribus", "run", self._file(name), "--socket",
                            self.folder / "run/tribus" / f"{name}.sock"])
+        self._says(name, r" info started ")
 
     def start_web(self):
         self._start("web", [PROGRAMS / "tribus-web", "serve", "--metrics", "--listen",
@@ -225,7 +242,7 @@ class Prometheus:
             self.process = subprocess.Popen(  # pylint: disable=consider-using-with
                 ["prometheus", f"--config.file={self.folder}/prometheus.yml",
                  f"--storage.tsdb.path={self.folder}/data", f"--web.listen-address={self.address}",
-                 "--log.level=warn"], stdout=log, stderr=log)
+                 "--log.level=warn"], stdout=log, stderr=log, preexec_fn=end_with_this_process)
 
     def _copy(self, name, changes):
         text = (EXAMPLES / name).read_text()

@@ -118,7 +118,10 @@ class Scraped(unittest.TestCase):
         self.assertTrue(eventually(lambda: self.prometheus.now(in_control)), self.logs())
 
     def logs(self):
-        return "\n".join(file.read_text() for file in self.board.folder.glob("*.log"))
+        scrapes = [(target["health"], target["lastError"], target["lastScrapeDuration"])
+                   for target in self.prometheus.ask("targets")["activeTargets"]]
+        return "\n".join([str(scrapes), str(self.prometheus.now(f"{{{self.of_car}}}")[:9]),
+                          *(file.read_text() for file in self.board.folder.glob("*.log"))])
 
     def expect_alert(self, **labels):
         fires = eventually(lambda: self.prometheus.firing(**labels))
