@@ -8,7 +8,7 @@ import unittest
 
 import yaml
 
-from prometheus_board import EXAMPLES, ROOT, Board, Prometheus, Thread, eventually
+from board import EXAMPLES, ROOT, Board, Prometheus, Thread, eventually
 
 RULES = yaml.safe_load((EXAMPLES / "tribus.rules.yml").read_text())
 TRIALS = yaml.safe_load((EXAMPLES / "tribus.rules.test.yml").read_text())["tests"]

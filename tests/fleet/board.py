@@ -193,8 +193,8 @@ class Board:
             raise RuntimeError(f"{name} does not run: {log.read_text()}")
         return found
 
-    def start_daemon(self, name):
-        self._start(name, [PROGRAMS / "tribus", "run", self._file(name), "--socket",
+    def start_daemon(self, name, before=()):
+        self._start(name, [*before, PROGRAMS / "tribus", "run", self._file(name), "--socket",
                            self.folder / "run/tribus" / f"{name}.sock"])
         self._says(name, r" info started ")
 
