@@ -27,8 +27,10 @@ using namespace std::chrono_literals;
 using Channels = std::vector<double>;
 
 constexpr std::size_t kChannels = 8;
-/// A pulse is at most so far off in this guest: interrupt, and the steps of SBUS.
-constexpr double kSlackMicroseconds = 15;
+/// A pulse is at most so far off in this guest: its interrupts came up to 19 us late. An edge that
+/// is lost or too many moves a channel by hundreds; ppm_line_test.cpp judges each distance by the
+/// player's own clock.
+constexpr double kSlackMicroseconds = 40;
 
 Channels us_of(const SbusSight& sight) {
     Channels channels;
@@ -293,6 +295,8 @@ class LabPpmSpi : public LabPpmProgram {
             return false;
         });
     }
+    /// The trace has what was sent since the start of the guest.
+    void forget_what_was_sent() { trace_.frames(); }
     bool nothing_was_sent() { return trace_.frames().empty(); }
     const std::string& port() const { return port_; }
 
@@ -336,6 +340,7 @@ TEST_F(LabPpmSpi, PulsesGoRound) {
 }
 
 TEST_F(LabPpmSpi, DoctorTriesAPortAndSendsNothing) {
+    forget_what_was_sent();
     Program& doctor = start({"doctor", port()});
     EXPECT_EQ(doctor.end(), 0) << doctor.output();
     EXPECT_NE(doctor.output().find("line     = \"" + port() + "\"\n"), std::string::npos)
