@@ -42,11 +42,8 @@ class InputTree : public KernelTree {
         for (const int code : codes) {
             words[static_cast<std::size_t>(code / kBits)] |= 1UL << code % kBits;
         }
-        std::string text;
-        for (auto word = words.rbegin(); word != words.rend(); ++word) {
-            text += fmt::format("{}{:x}", text.empty() ? "" : " ", *word);
-        }
-        return text;
+        std::ranges::reverse(words);
+        return fmt::format("{:x}", fmt::join(words, " "));
     }
 };
 

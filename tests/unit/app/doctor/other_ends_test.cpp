@@ -30,7 +30,7 @@ Ids ids(const std::vector<Finding>& findings) {
 
 class OtherEnds : public testing::Test {
   protected:
-    KernelFiles files() const { return KernelFiles(tree.root()); }
+    KernelFiles files() const { return KernelFiles(tree_.root()); }
     InputFacts input(const std::string& device) const { return look_at_input(files(), device); }
     static InputFacts forbidden(InputFacts facts, const std::string& group) {
         facts.access = {.exists = true, .may_open = false, .group = group};
@@ -38,24 +38,24 @@ class OtherEnds : public testing::Test {
     }
     void add_chip(const std::string& name, const std::string& driver, int outputs) const {
         const std::string chip = "sys/class/pwm/" + name + "/";
-        tree.plain_link(chip + "device/driver", "../../../bus/platform/drivers/" + driver);
-        tree.write(chip + "npwm", std::to_string(outputs) + "\n");
-        tree.write(chip + "export", "");
+        tree_.plain_link(chip + "device/driver", "../../../bus/platform/drivers/" + driver);
+        tree_.write(chip + "npwm", std::to_string(outputs) + "\n");
+        tree_.write(chip + "export", "");
     }
     void take(const std::string& chip, int output, const std::string& pulse, bool on) const {
         const std::string folder = "sys/class/pwm/" + chip + "/pwm" + std::to_string(output) + "/";
-        tree.write(folder + "duty_cycle", pulse + "\n");
-        tree.write(folder + "period", "20000000\n");
-        tree.write(folder + "enable", on ? "1\n" : "0\n");
+        tree_.write(folder + "duty_cycle", pulse + "\n");
+        tree_.write(folder + "period", "20000000\n");
+        tree_.write(folder + "enable", on ? "1\n" : "0\n");
     }
 
-    test::InputTree tree;
+    test::InputTree tree_;
 };
 
 TEST_F(OtherEnds, AreTheGamepadsAmongTheInputDevicesWithTheirStableNames) {
-    tree.add_keyboard("event0");
-    tree.add_pad("event5", "Pad");
-    tree.plain_link("dev/input/by-id/usb-Pad-event-joystick", "../event5");
+    tree_.add_keyboard("event0");
+    tree_.add_pad("event5", "Pad");
+    tree_.plain_link("dev/input/by-id/usb-Pad-event-joystick", "../event5");
     const auto pads = look_at_gamepads(files());
     ASSERT_EQ(pads.size(), 1U);
     EXPECT_EQ(describe(pads[0]), "gamepad \"Pad\", 4 axes, 3 buttons");
@@ -64,7 +64,7 @@ TEST_F(OtherEnds, AreTheGamepadsAmongTheInputDevicesWithTheirStableNames) {
 }
 
 TEST_F(OtherEnds, HaveLinesThatAConfigurationTakes) {
-    tree.add_pad("event5", "Pad");
+    tree_.add_pad("event5", "Pad");
     std::string text;
     for (const std::string& line : configuration_lines(input("/dev/input/event5"))) {
         text += line + "\n";
@@ -77,22 +77,22 @@ TEST_F(OtherEnds, HaveLinesThatAConfigurationTakes) {
 }
 
 TEST_F(OtherEnds, WithoutANameThatStaysGetARuleByAddressElseByName) {
-    tree.add_pad("event5", "Pad");
+    tree_.add_pad("event5", "Pad");
     const auto by_name = judge_input(input("/dev/input/event5"), true);
     ASSERT_EQ(ids(by_name), (Ids{"input.no_stable_name"}));
     EXPECT_EQ(by_name[0].severity, Severity::advice);
     EXPECT_NE(by_name[0].fix.find("ATTRS{name}==\"Pad\", SYMLINK+=\"input/pad\""),
               std::string::npos)
         << by_name[0].fix;
-    tree.write("sys/class/input/event5/device/uniq", "a0:b1:c2:d3:e4:f5\n");
+    tree_.write("sys/class/input/event5/device/uniq", "a0:b1:c2:d3:e4:f5\n");
     const auto by_address = judge_input(input("/dev/input/event5"), true);
     EXPECT_NE(by_address[0].fix.find("ATTRS{uniq}==\"a0:b1:c2:d3:e4:f5\""), std::string::npos)
         << by_address[0].fix;
 }
 
 TEST_F(OtherEnds, ThatAreNoGamepadsAreProblemsWhenTheyWereNamed) {
-    tree.add_keyboard("event0");
-    tree.write("dev/input/js0", "");
+    tree_.add_keyboard("event0");
+    tree_.write("dev/input/js0", "");
     EXPECT_EQ(ids(judge_input(input("/dev/input/by-id/none"), true)), (Ids{"input.missing"}));
     EXPECT_EQ(ids(judge_input(input("/dev/input/js0"), true)), (Ids{"input.old_device"}));
     const auto keyboard = judge_input(input("/dev/input/event0"), true);
@@ -102,8 +102,8 @@ TEST_F(OtherEnds, ThatAreNoGamepadsAreProblemsWhenTheyWereNamed) {
 }
 
 TEST_F(OtherEnds, ThatMayNotBeReadNameTheGroupOrARule) {
-    tree.add_pad("event5", "Pad");
-    tree.plain_link("dev/input/by-id/pad", "../event5");
+    tree_.add_pad("event5", "Pad");
+    tree_.plain_link("dev/input/by-id/pad", "../event5");
     const InputFacts facts = input("/dev/input/by-id/pad");
     const auto group = judge_input(forbidden(facts, "input"), true);
     ASSERT_EQ(ids(group), (Ids{"input.permission"}));
@@ -115,10 +115,10 @@ TEST_F(OtherEnds, ThatMayNotBeReadNameTheGroupOrARule) {
 }
 
 TEST_F(OtherEnds, ThatOtherProgramsHaveAreToldWithTheirNames) {
-    tree.add_pad("event5", "Pad");
-    tree.plain_link("dev/input/by-id/pad", "../event5");
-    tree.process(41, "Xorg", "/dev/input/event5");
-    tree.process(42, "other", "/dev/input/event6");
+    tree_.add_pad("event5", "Pad");
+    tree_.plain_link("dev/input/by-id/pad", "../event5");
+    tree_.process(41, "Xorg", "/dev/input/event5");
+    tree_.process(42, "other", "/dev/input/event6");
     InputFacts facts = input("/dev/input/by-id/pad");
     facts.refusal = "another program has taken it for itself";
     const auto findings = judge_input(facts, true);
@@ -129,9 +129,9 @@ TEST_F(OtherEnds, ThatOtherProgramsHaveAreToldWithTheirNames) {
 }
 
 TEST_F(OtherEnds, AreToldFromSerialDevicesByTheirPaths) {
-    tree.add_pad("event5", "Pad");
-    tree.plain_link("dev/pad", "input/event5");
-    tree.write("dev/ttyUSB0", "");
+    tree_.add_pad("event5", "Pad");
+    tree_.plain_link("dev/pad", "input/event5");
+    tree_.write("dev/ttyUSB0", "");
     add_chip("pwmchip2", "pca9685-pwm", 16);
     EXPECT_TRUE(names_input(files(), "/dev/input/by-id/none"));
     EXPECT_TRUE(names_input(files(), "/dev/pad"));
@@ -151,7 +151,7 @@ TEST_F(OtherEnds, OfVirtualJoysticksNeedTheModuleAndTheGroup) {
     EXPECT_EQ(missing[0].commands.front(), "sudo modprobe uinput");
     EXPECT_EQ(judge_uinput(look_at_uinput(files()), false)[0].severity, Severity::note)
         << "most machines need none";
-    tree.write("dev/uinput", "");
+    tree_.write("dev/uinput", "");
     EXPECT_EQ(judge_uinput(look_at_uinput(files()), true).size(), 0U);
     const auto group = judge_uinput({.access = {.exists = true, .group = "tribus"}}, true);
     ASSERT_EQ(ids(group), (Ids{"uinput.permission"}));
@@ -197,9 +197,9 @@ TEST_F(OtherEnds, OfServosThatAreNotThereSayWhichAre) {
 }
 
 TEST_F(OtherEnds, AreInTheReportForPeopleAndForPrograms) {
-    tree.add_pad("event5", "Pad");
-    tree.plain_link("dev/input/by-id/usb-Pad", "../event5");
-    tree.write("dev/uinput", "");
+    tree_.add_pad("event5", "Pad");
+    tree_.plain_link("dev/input/by-id/usb-Pad", "../event5");
+    tree_.write("dev/uinput", "");
     add_chip("pwmchip2", "pca9685-pwm", 16);
     take("pwmchip2", 0, "1500000", true);
     Report report;
@@ -302,9 +302,9 @@ TEST(GpioEnds, ThatNobodyAskedForAreNotesAtMost) {
 }
 
 TEST_F(OtherEnds, OfPpmAreSpiPortsWithTheLinesOfAnOutput) {
-    tree.write("dev/spidev0.1", "");
-    tree.write("dev/spidev0.0", "");
-    tree.write("dev/spi0", "");
+    tree_.write("dev/spidev0.1", "");
+    tree_.write("dev/spidev0.0", "");
+    tree_.write("dev/spi0", "");
     const auto ports = look_at_spi_ports(files());
     ASSERT_EQ(ports.size(), 2U);
     EXPECT_EQ(ports[0].device, "/dev/spidev0.0");

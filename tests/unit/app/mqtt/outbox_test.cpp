@@ -23,35 +23,35 @@ Event event(const std::string& text, Instant at = kNow) {
 class OutboxTest : public testing::Test {
   protected:
     Json sent(Instant now = kNow) {
-        last_ = outbox.next(now);
+        last_ = outbox_.next(now);
         return last_ ? Json::parse(last_->payload, nullptr, false) : Json();
     }
     const Message& last() const { return *last_; }
-    bool empty() { return !outbox.next(kNow).has_value(); }
+    bool empty() { return !outbox_.next(kNow).has_value(); }
 
-    Outbox outbox{"s", {.events = 3, .under_way = 2}};
+    Outbox outbox_{"s", {.events = 3, .under_way = 2}};
 
   private:
     std::optional<Message> last_;
 };
 
 TEST_F(OutboxTest, SendsNothingWithoutABroker) {
-    outbox.retain("a", "online");
-    outbox.add("e", event("1"));
+    outbox_.retain("a", "online");
+    outbox_.add("e", event("1"));
     EXPECT_TRUE(empty());
 }
 
 TEST_F(OutboxTest, SendsWhatIsRetainedThenEventsThenTheNewestStatus) {
-    outbox.connected();
-    outbox.tell("s", "1");
-    outbox.tell("s", "2");
-    outbox.add("e", event("lost"));
-    outbox.retain("a", "online");
-    EXPECT_EQ(outbox.next(kNow)->payload, "online");
+    outbox_.connected();
+    outbox_.tell("s", "1");
+    outbox_.tell("s", "2");
+    outbox_.add("e", event("lost"));
+    outbox_.retain("a", "online");
+    EXPECT_EQ(outbox_.next(kNow)->payload, "online");
     EXPECT_EQ(sent()["text"], "lost");
     EXPECT_EQ(last().quality, 1);
     EXPECT_FALSE(last().retained);
-    const auto status = outbox.next(kNow);
+    const auto status = outbox_.next(kNow);
     EXPECT_EQ(status->payload, "2");
     EXPECT_EQ(status->quality, 0);
     EXPECT_FALSE(status->retained);
@@ -59,42 +59,42 @@ TEST_F(OutboxTest, SendsWhatIsRetainedThenEventsThenTheNewestStatus) {
 }
 
 TEST_F(OutboxTest, DropsAStatusFromBeforeTheBrokerCame) {
-    outbox.tell("s", "old");
-    outbox.connected();
+    outbox_.tell("s", "old");
+    outbox_.connected();
     EXPECT_TRUE(empty());
-    outbox.tell("s", "new");
-    outbox.disconnected();
-    outbox.connected();
+    outbox_.tell("s", "new");
+    outbox_.disconnected();
+    outbox_.connected();
     EXPECT_TRUE(empty());
 }
 
 TEST_F(OutboxTest, RetainsOnlyWhatChangedAndAllOfItForANewConnection) {
-    outbox.connected();
-    outbox.retain("a", "online");
-    EXPECT_TRUE(outbox.next(kNow)->retained);
-    outbox.retain("a", "online");
+    outbox_.connected();
+    outbox_.retain("a", "online");
+    EXPECT_TRUE(outbox_.next(kNow)->retained);
+    outbox_.retain("a", "online");
     EXPECT_TRUE(empty());
-    outbox.retain("a", "offline");
-    EXPECT_EQ(outbox.next(kNow)->payload, "offline");
-    outbox.disconnected();
-    outbox.connected();
-    EXPECT_EQ(outbox.next(kNow)->payload, "offline");
+    outbox_.retain("a", "offline");
+    EXPECT_EQ(outbox_.next(kNow)->payload, "offline");
+    outbox_.disconnected();
+    outbox_.connected();
+    EXPECT_EQ(outbox_.next(kNow)->payload, "offline");
 }
 
 TEST_F(OutboxTest, RetainsAgainWhatIsBelowATopic) {
-    outbox.connected();
-    outbox.retain("homeassistant/device/x/config", "{}");
-    outbox.retain("tribus/a", "online");
-    EXPECT_TRUE(outbox.next(kNow) && outbox.next(kNow) && empty());
-    outbox.retain_again("homeassistant/device/");
-    EXPECT_EQ(outbox.next(kNow)->topic, "homeassistant/device/x/config");
+    outbox_.connected();
+    outbox_.retain("homeassistant/device/x/config", "{}");
+    outbox_.retain("tribus/a", "online");
+    EXPECT_TRUE(outbox_.next(kNow) && outbox_.next(kNow) && empty());
+    outbox_.retain_again("homeassistant/device/");
+    EXPECT_EQ(outbox_.next(kNow)->topic, "homeassistant/device/x/config");
     EXPECT_TRUE(empty());
 }
 
 TEST_F(OutboxTest, KeepsEventsWhileTheBrokerIsAwayAndMarksThemLate) {
-    outbox.add("e", event("1", kNow - 30s));
-    outbox.connected();
-    outbox.add("e", event("2"));
+    outbox_.add("e", event("1", kNow - 30s));
+    outbox_.connected();
+    outbox_.add("e", event("2"));
     EXPECT_EQ(sent()["text"], "1");
     const Json first = Json::parse(last().payload);
     EXPECT_EQ(first["late"], true);
@@ -104,42 +104,42 @@ TEST_F(OutboxTest, KeepsEventsWhileTheBrokerIsAwayAndMarksThemLate) {
 }
 
 TEST_F(OutboxTest, SendsAnEventOnceOnlyIfItIsAcknowledged) {
-    outbox.connected();
-    outbox.add("e", event("1"));
-    outbox.add("e", event("2"));
+    outbox_.connected();
+    outbox_.add("e", event("1"));
+    outbox_.add("e", event("2"));
     EXPECT_EQ(sent()["text"], "1");
-    outbox.acknowledged(last().event);
+    outbox_.acknowledged(last().event);
     EXPECT_EQ(sent()["text"], "2");
-    outbox.disconnected();
-    outbox.connected();
+    outbox_.disconnected();
+    outbox_.connected();
     const Json again = sent();
     EXPECT_EQ(again["text"], "2");
     EXPECT_EQ(again["id"], "s-2") << "a reader that got it twice knows by this";
     EXPECT_EQ(again["late"], true);
-    outbox.acknowledged(last().event);
+    outbox_.acknowledged(last().event);
     EXPECT_TRUE(empty());
-    EXPECT_EQ(outbox.waiting_events(), 0U);
+    EXPECT_EQ(outbox_.waiting_events(), 0U);
 }
 
 TEST_F(OutboxTest, HasFewEventsUnderWay) {
-    outbox.connected();
+    outbox_.connected();
     for (const char* text : {"1", "2", "3"}) {
-        outbox.add("e", event(text));
+        outbox_.add("e", event(text));
     }
     EXPECT_EQ(sent()["text"], "1");
     const std::uint64_t first = last().event;
     EXPECT_EQ(sent()["text"], "2");
     EXPECT_TRUE(empty());
-    outbox.acknowledged(first);
+    outbox_.acknowledged(first);
     EXPECT_EQ(sent()["text"], "3");
 }
 
 TEST_F(OutboxTest, LosesTheOldestEventsWhenItIsFullAndSaysHowMany) {
     for (int i = 1; i <= 5; ++i) {
-        outbox.add("e", event(std::to_string(i)));
+        outbox_.add("e", event(std::to_string(i)));
     }
-    EXPECT_EQ(outbox.waiting_events(), 3U);
-    outbox.connected();
+    EXPECT_EQ(outbox_.waiting_events(), 3U);
+    outbox_.connected();
     const Json oldest = sent();
     EXPECT_EQ(oldest["text"], "3");
     EXPECT_EQ(oldest["lost_before"], 2);
