@@ -52,8 +52,13 @@ TEST_F(GpioEdgesOfALine, ComeOnceEachInTheirOrder) {
     for (const GpioEdges edges : {GpioEdges::rising, GpioEdges::falling}) {
         line_.reset();
         hold(edges);
-        pulse(5);
-        const auto seen = read(5);
+        // The simulated chip makes one interrupt of edges that come before it has run.
+        std::vector<GpioEdge> seen;
+        for (int pulses = 0; pulses < 5; ++pulses) {
+            pulse(1);
+            const auto more = read(1);
+            seen.insert(seen.end(), more.begin(), more.end());
+        }
         ASSERT_EQ(seen.size(), 5U) << "one kind of edge only";
         for (std::size_t edge = 0; edge < seen.size(); ++edge) {
             EXPECT_FALSE(seen[edge].after_loss) << edge;
