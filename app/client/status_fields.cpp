@@ -1,5 +1,6 @@
 #include "app/client/status_fields.h"
 
+#include <algorithm>
 #include <cstddef>
 
 #include <nlohmann/json.hpp>
@@ -39,6 +40,13 @@ std::string text(const Json& object, const char* key) {
 std::optional<double> number(const Json& object, const char* key) {
     const Json& value = field(object, key);
     return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+std::optional<std::int64_t> whole(const Json& object, const char* key) {
+    constexpr double kMost = 9007199254740992;
+    const auto found = number(object, key);
+    return found ? std::optional(static_cast<std::int64_t>(std::clamp(*found, -kMost, kMost)))
+                 : std::nullopt;
 }
 
 std::uint64_t count(const Json& object, const char* key) {

@@ -27,6 +27,9 @@ std::string text(const Json& object, const char* key);
 /// Nothing if the field is missing.
 std::optional<double> number(const Json& object, const char* key);
 
+/// A whole number, cut off at +-2^53; nothing if the field is missing. For times in microseconds.
+std::optional<std::int64_t> whole(const Json& object, const char* key);
+
 /// Zero if the field is missing.
 std::uint64_t count(const Json& object, const char* key);
 

@@ -87,6 +87,9 @@ bool write_draft_for(const std::string& socket, std::string_view text) {
     const std::string name = file.filename();
     const UniqueFd folder(
         ::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+    if (!folder.valid()) {
+        return false;
+    }
     ::unlinkat(folder.get(), name.c_str(), 0);
     const UniqueFd out(::openat(folder.get(), name.c_str(),
                                 O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,

@@ -40,7 +40,10 @@ std::uint64_t sum(const Json& counts) {
 }  // namespace
 
 Duration us_of(const Json& object, const char* key) {
-    const double number = status_fields::number(object, key).value_or(0);
+    // A socket may say any number; a longer time does not fit into a Duration.
+    constexpr double kMostMicroseconds = 9e15;
+    const double number = std::clamp(status_fields::number(object, key).value_or(0),
+                                     -kMostMicroseconds, kMostMicroseconds);
     return std::chrono::duration_cast<Duration>(std::chrono::duration<double, std::micro>(number));
 }
 

@@ -30,7 +30,7 @@ constexpr std::chrono::seconds kLongestPause(30);
 constexpr std::chrono::seconds kStopPatience(2);
 constexpr Duration kFarewell = std::chrono::seconds(1);
 
-/// What the library said of an error of TLS, for the person who must act.
+/// Explains an error of TLS that the library named, to the person who must act.
 std::string tls_problem(const BrokerOptions& options, std::string_view said) {
     const auto has = [said](std::string_view part) {
         return said.find(part) != std::string_view::npos;

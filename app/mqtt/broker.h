@@ -29,7 +29,7 @@ struct BrokerOptions {
     std::string availability_topic{};
     /// Topic on which Home Assistant says that it has started; empty: none.
     std::string birth_topic{};
-    /// What is retained below this topic is sent again then.
+    /// Retained messages below this topic are sent again then.
     std::string discovery_topics{};
 };
 

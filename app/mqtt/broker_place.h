@@ -5,7 +5,7 @@
 
 namespace tribus::mqtt {
 
-/// Where a broker is.
+/// Host and port of a broker.
 struct BrokerPlace {
     std::string host;
     std::optional<int> port;  ///< absent: the usual one

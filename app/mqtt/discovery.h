@@ -9,7 +9,7 @@
 /// Source: Home Assistant, "MQTT", section "Discovery", device discovery (since 2024.11). Pure.
 namespace tribus::mqtt {
 
-/// What topics of availability say.
+/// The two payloads of topics of availability.
 inline constexpr std::string_view kOnline = "online";
 inline constexpr std::string_view kOffline = "offline";
 

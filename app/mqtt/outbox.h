@@ -21,12 +21,12 @@ struct Message {
     std::string payload;
     int quality = 0;  ///< 0: at most once, 1: at least once
     bool retained = false;
-    /// Of an event that must be acknowledged; else 0.
+    /// Number of the event, which the broker must acknowledge; else 0.
     std::uint64_t event = 0;
 };
 
-/// What waits for the broker: the newest status of each daemon, what is retained, and events in
-/// their order, as many as fit. Any thread may call it; no call waits long.
+/// Messages that wait for the broker: the newest status of each daemon, what is retained, and
+/// events in their order, as many as fit. Any thread may call it; no call waits long.
 class Outbox {
   public:
     struct Limits {
@@ -49,7 +49,7 @@ class Outbox {
     void connected();
     /// The broker is gone: events that it has not acknowledged wait again.
     void disconnected();
-    /// What is retained below this topic is sent again.
+    /// Sends retained messages below this topic again.
     void retain_again(const std::string& begin_of_topic);
 
     /// The next message to send, if there is one. Only while connected.

@@ -123,7 +123,7 @@ class Changes {
         if (number(after_, "uptime_us").value_or(0) < number(before_, "uptime_us").value_or(0)) {
             // Counters and states of another process say nothing of changes.
             add({"daemon", raw_text(after_, "name"), "restarted", "", "started again"},
-                number(after_, "uptime_us"));
+                whole(after_, "uptime_us"));
             return std::move(events_);
         }
         configuration();
@@ -136,10 +136,9 @@ class Changes {
 
   private:
     /// `ago_us`: for how long it has been so.
-    void add(Event event, std::optional<double> ago_us = std::nullopt) {
-        const auto ago = static_cast<std::int64_t>(ago_us.value_or(0));
-        const auto time = number(after_, "unix_time_us");
-        event.unix_time_us = static_cast<std::int64_t>(time.value_or(0)) - ago;
+    void add(Event event, std::optional<std::int64_t> ago_us = std::nullopt) {
+        const std::int64_t ago = ago_us.value_or(0);
+        event.unix_time_us = whole(after_, "unix_time_us").value_or(0) - ago;
         event.at = now_ - std::chrono::microseconds(ago);
         events_.push_back(std::move(event));
     }
@@ -173,7 +172,7 @@ class Changes {
             const std::string name = raw_text(fresh, "name");
             add({"input", name, cause, raw_text(old, "cause"),
                  fmt::format("input {}: {}", name, with_blanks(cause))},
-                number(fresh, "state_age_us"));
+                whole(fresh, "state_age_us"));
         }
     }
 
@@ -247,8 +246,8 @@ Event daemon_event(std::string_view word, std::string_view text, std::int64_t un
 }
 
 bool has_new_figures(const Json& status) {
-    const auto age = number(status, "figures_age_us");
-    return age && std::chrono::microseconds(static_cast<std::int64_t>(*age)) <= kOldFigures;
+    const auto age = whole(status, "figures_age_us");
+    return age && std::chrono::microseconds(*age) <= kOldFigures;
 }
 
 bool is_told(const Json& value) {
@@ -257,7 +256,7 @@ bool is_told(const Json& value) {
 }
 
 std::string status_payload(const Json& status) {
-    const auto time = static_cast<std::int64_t>(number(status, "unix_time_us").value_or(0));
+    const std::int64_t time = whole(status, "unix_time_us").value_or(0);
     OrderedJson json{{"time", utc(time)},
                      {"unix_time_us", time},
                      {"uptime_s", seconds_of(status, "uptime_us")},

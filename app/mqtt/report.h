@@ -9,7 +9,7 @@
 
 #include "core/time.h"
 
-/// What is told over MQTT of a daemon, from its statuses (docs/status.md). Pure.
+/// Statuses and events of a daemon for MQTT, made of its statuses (docs/status.md). Pure.
 namespace tribus::mqtt {
 
 using Json = nlohmann::json;
@@ -31,7 +31,7 @@ struct Event {
 /// Words of `Event::type`.
 std::vector<std::string_view> event_types();
 
-/// What changed from one status of a daemon to a later one, read at `now`.
+/// The changes from one status of a daemon to a later one, read at `now`.
 std::vector<Event> changes(const Json& before, const Json& after, Instant now);
 
 /// An event about the daemon itself.

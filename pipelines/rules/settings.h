@@ -206,6 +206,7 @@ inline bool is_input_role(LineRole role) {
     return role == LineRole::force_failsafe || role == LineRole::select || role == LineRole::button;
 }
 
+/// The longest period of the wave of `fresh`: a gate for a longer one would open too late.
 inline constexpr Duration kMostWavePeriod = std::chrono::seconds(2);
 
 /// What one GPIO line does.

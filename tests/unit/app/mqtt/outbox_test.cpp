@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-/// What waits for the broker, and in which order it goes.
+/// Messages that wait for the broker, and the order in which they go.
 namespace tribus::mqtt::outbox_test {
 namespace {
 
