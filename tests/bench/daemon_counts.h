@@ -38,7 +38,7 @@ inline constexpr double kMostOfMainThread = 25'000;
 inline constexpr double kMostCallsAFrame = 4.05;
 inline constexpr double kLeastCallsAFrame = 3;
 /// Memory of the program, all of it locked, in bytes.
-inline constexpr double kMostMemory = 4.6e6;
+inline constexpr double kMostMemory = 4.4e6;
 inline constexpr double kMostMemoryOfAPipeline = 17 * 1024;
 
 struct DaemonInstructions {
