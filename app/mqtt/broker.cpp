@@ -4,10 +4,11 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <cstdint>
 #include <cstring>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -16,6 +17,7 @@
 
 #include <fmt/format.h>
 
+#include "app/mqtt/connect_pauses.h"
 #include "app/mqtt/discovery.h"
 #include "pipelines/realtime/clock.h"
 
@@ -25,8 +27,6 @@ namespace {
 constexpr int kKeepAliveSeconds = 10;
 constexpr int kLoopMilliseconds = 50;
 constexpr int kMostAtOnce = 64;
-constexpr std::chrono::seconds kFirstPause(1);
-constexpr std::chrono::seconds kLongestPause(30);
 constexpr std::chrono::seconds kStopPatience(2);
 constexpr Duration kFarewell = std::chrono::seconds(1);
 
@@ -53,6 +53,12 @@ std::string tls_problem(const BrokerOptions& options, std::string_view said) {
         return "it does not speak TLS at this port; brokers usually do at 8883";
     }
     return said.empty() ? "TLS failed" : fmt::format("TLS failed: {}", said);
+}
+
+/// Boards start at the same moment too, but have names of their own.
+std::uint32_t seed_of(const std::string& client_id) {
+    const auto now = static_cast<std::uint64_t>(monotonic_now().time_since_epoch().count());
+    return static_cast<std::uint32_t>(std::hash<std::string>{}(client_id) + now);
 }
 
 std::string error_text(int result) {
@@ -284,7 +290,7 @@ void Broker::report(std::string text) {
 
 void Broker::run() {
     const std::string place = fmt::format("broker {}:{}", options_.host, options_.port);
-    auto pause = kFirstPause;
+    ConnectPauses pauses(seed_of(options_.client_id));
     const auto stops = [this] {
         const std::lock_guard lock(mutex_);
         return stops_;
@@ -302,7 +308,7 @@ void Broker::run() {
             end = session.loop();
             if (!before && session.connected()) {
                 report(place + ": connected");
-                pause = kFirstPause;
+                pauses.connected();
             }
         }
         if (!end) {
@@ -311,8 +317,7 @@ void Broker::run() {
         }
         report(fmt::format("{}: {}; trying again", place, *end));
         std::unique_lock lock(mutex_);
-        changed_.wait_for(lock, pause, [this] { return stops_; });
-        pause = std::min(2 * pause, kLongestPause);
+        changed_.wait_for(lock, pauses.next(), [this] { return stops_; });
     }
     const std::lock_guard lock(mutex_);
     ended_ = true;
