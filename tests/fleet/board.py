@@ -226,23 +226,26 @@ class Board:
 
 
 class Prometheus:
-    """Debian's, with the example's configuration and rules, but a scrape each 3 s, the least for
-    daemons that hang, and alerts that wait 1 s."""
+    """Debian's, with the example's configuration and rules. An impatient one scrapes each 3 s, the
+    least for daemons that hang, and its alerts wait 1 s."""
 
-    def __init__(self, port):
+    def __init__(self, *ports, impatient=True, options=()):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="tribus-prometheus-"))
-        self._copy("prometheus.yml", ((r"scrape_interval: \w+", "scrape_interval: 3s"),
-                                      (r"scrape_timeout: \w+", "scrape_timeout: 3s"),
-                                      (r"evaluation_interval: \w+", "evaluation_interval: 1s"),
-                                      (r'targets: \["127.0.0.1:8480"\]',
-                                       f'targets: ["127.0.0.1:{port}"]')))
-        self._copy("tribus.rules.yml", ((r" for: \w+", " for: 1s"),))
+        targets = json.dumps([f"127.0.0.1:{port}" for port in ports])
+        changes = [(r'targets: \["127.0.0.1:8480"\]', f"targets: {targets}")]
+        if impatient:
+            changes += [(r"scrape_interval: \w+", "scrape_interval: 3s"),
+                        (r"scrape_timeout: \w+", "scrape_timeout: 3s"),
+                        (r"evaluation_interval: \w+", "evaluation_interval: 1s")]
+        self._copy("prometheus.yml", changes)
+        self._copy("tribus.rules.yml", [(r" for: \w+", " for: 1s")] if impatient else [])
         self.address = f"127.0.0.1:{free_port()}"
         with open(self.folder / "log", "wb") as log:
             self.process = subprocess.Popen(  # pylint: disable=consider-using-with
                 ["prometheus", f"--config.file={self.folder}/prometheus.yml",
                  f"--storage.tsdb.path={self.folder}/data", f"--web.listen-address={self.address}",
-                 "--log.level=warn"], stdout=log, stderr=log, preexec_fn=end_with_this_process)
+                 "--log.level=warn", *options], stdout=log, stderr=log,
+                preexec_fn=end_with_this_process)
 
     def _copy(self, name, changes):
         text = (EXAMPLES / name).read_text()
