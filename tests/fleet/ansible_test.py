@@ -10,9 +10,9 @@ import sys
 import tempfile
 import unittest
 
-from ansible_board import PATIENCE_S, SOURCES, TRIBUS, Board, wait_for
+from ansible_board import PATIENCE_S, ROOT, TRIBUS, Board, wait_for
 
-ROLE = SOURCES / "deploy/ansible/roles/tribus"
+ROLE = ROOT / "deploy/ansible/roles/tribus"
 REVERSED = "[pipeline.main.channels]\n1 = { from = 1, reverse = true }"
 LONGEST_PLAY_S = 400
 # In the place of ssh: runs the command here, until the file LOST is there.
@@ -65,7 +65,7 @@ class Fleet(unittest.TestCase):
             keep["PATH"] = "%s:%s" % (path, keep["PATH"])
         return subprocess.Popen(
             ["/usr/bin/ansible-playbook", "-i", self.folder / "inventory.ini",
-             playbook or SOURCES / "deploy/ansible/boards.yml", *arguments],
+             playbook or ROOT / "deploy/ansible/boards.yml", *arguments],
             env=keep, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
             text=True, start_new_session=True, cwd=self.folder)
 
@@ -142,13 +142,13 @@ class Fleet(unittest.TestCase):
         self.assertIn("on trial for 40 s", self.first.said())
 
     def test_an_input_that_is_lost_takes_it_back_though_the_output_is_in_control(self):
-        self.first.sends.add("spare")
+        self.first.wires["spare"].talks = True
         wait_for("a second receiver", lambda: self.first.status()["inputs"][1]["good"])
         change = self.first.configuration(spare='protocol = "sbus"')
         self.expect_refused(change, "input spare is garbled, was good")
 
     def test_a_difference_that_is_accepted_is_none(self):
-        self.first.sends.add("spare")
+        self.first.wires["spare"].talks = True
         wait_for("a second receiver", lambda: self.first.status()["inputs"][1]["good"])
         text = self.first.configuration(spare='protocol = "sbus"')
         self.candidate(self.first, text)
@@ -204,7 +204,7 @@ class Fleet(unittest.TestCase):
         self.assertIn("not kept, because of board1", " ".join(printed.split()))
 
     def test_the_playbook_tries_one_board_first_and_stops_at_the_first_that_fails(self):
-        text = (SOURCES / "deploy/ansible/boards.yml").read_text()
+        text = (ROOT / "deploy/ansible/boards.yml").read_text()
         for line in ('serial: [1, "25%", "100%"]', "any_errors_fatal: true",
                      "max_fail_percentage: 0"):
             self.assertIn("\n  %s\n" % line, text)
@@ -282,9 +282,9 @@ class Fleet(unittest.TestCase):
     def test_a_loss_while_it_is_watched_takes_it_back(self):
         play, printed = self.begin_and_wait_for_the_watch(
             self.first.configuration(pipeline=REVERSED).replace('"5s"', '"1s"'))
-        self.first.sends.clear()
+        self.first.wires["main"].talks = False
         wait_for("a loss", lambda: not self.first.status()["inputs"][0]["good"])
-        self.first.sends.add("main")
+        self.first.wires["main"].talks = True
         wait_for("control again", self.first.in_control)
         printed += play.communicate(timeout=LONGEST_PLAY_S)[0]
         self.assertNotEqual(play.returncode, 0, printed)
