@@ -48,7 +48,8 @@ class Reader:
         self.messages, self.lock, self.ready = [], threading.Lock(), threading.Event()
         self.client = paho.mqtt.client.Client(f"reader-{id(self)}", clean_session=False,
                                               protocol=paho.mqtt.client.MQTTv311)
-        self.client.on_connect = lambda client, *_: client.subscribe([(topic, 1) for topic in topics])
+        self.client.on_connect = lambda client, *_: client.subscribe(
+            [(topic, 1) for topic in topics])
         self.client.on_subscribe = lambda *_: self.ready.set()
         self.client.on_message = self._take
         self.client.connect("127.0.0.1", port)

@@ -155,7 +155,7 @@ class Moment:
 
     @staticmethod
     def _pieces(text):
-        """Text, and in every second place what fills the gap: a name, or the number of a counter."""
+        """Text, and in every second place what belongs there: a name, or a counter's number."""
         parts = SLOT.split(text)
         pieces = []
         for at in range(0, len(parts) - 1, 3):
@@ -183,8 +183,8 @@ class Recording:
         assert not any(moment.told for moment in still), "the recorded daemon was disturbed"
 
     def after(self, at, loses):
-        """The moment after that one, of a board whose wire is pulled or not. Rounds begin one moment
-        later than their part: what comes before it is known then."""
+        """The moment after that one, of a board whose wire is pulled or not. A round begins one
+        moment after its part, so that the moment before is known."""
         following = at + 1
         if at < self.lost:
             return self.lost if loses else following if following < self.lost else 1

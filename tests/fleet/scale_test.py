@@ -346,16 +346,15 @@ class Scale(unittest.TestCase):
             for at, event in came[name]:
                 twice += event["id"] in told
                 told.setdefault(event["id"], (at, event))
+            late += sum(event["late"] for _, event in told.values())
             with self.subTest(name):
                 self.assertEqual(
                     [(event["event_type"], event["name"], event["now"], event["before"],
                       event["unix_time_us"]) for _, event in told.values()],
                     [change[:5] for change in changes])
                 self.assertFalse([event for _, event in told.values() if "lost_before" in event])
-                for (at, event), change in zip(told.values(), changes):
-                    late += event["late"]
-                    if not event["late"]:
-                        delays.append(at - change[5] / 1e6)
+                delays += [at - change[5] / 1e6 for (at, event), change
+                           in zip(told.values(), changes) if not event["late"]]
         self.assertGreater(late, 0, "nothing happened while the broker was away")
         self.table += [
             ("events: happened, arrived", f"{expected}, {len(ids())}"),
