@@ -3,6 +3,10 @@
 
 # add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
 # "long" and run in the second tier only.
+# Suites of 20 seconds and more of a processor. They start first: at the end processors would wait for
+# them.
+set(costly LineJudge|NeverStale|Frames/DaemonCounts|Frames/CodecCounts|WebCounts)
+
 function(add_suites name program seconds long)
     if(NOT EXISTS "${program}")
         add_test(${name} "${program}")
@@ -21,6 +25,9 @@ function(add_suites name program seconds long)
             # thousands of simulated worlds, which takes longer than to simulate them.
             set_tests_properties("${name}.${suite}" PROPERTIES TIMEOUT ${seconds} ENVIRONMENT
                 "MALLOC_MMAP_THRESHOLD_=1000000000;MALLOC_TRIM_THRESHOLD_=1000000000")
+            if(suite MATCHES "^(${costly})$")
+                set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
+            endif()
             if(suite MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
             endif()
