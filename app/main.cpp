@@ -14,6 +14,7 @@
 #include "app/inspect/diff.h"
 #include "app/inspect/graph.h"
 #include "app/inspect/reload.h"
+#include "app/key/key_command.h"
 #include "app/learn/learn.h"
 #include "app/monitor/monitor.h"
 #include "app/pwm/pwm.h"
@@ -31,12 +32,12 @@ namespace {
 /// In the order in which help lists them.
 std::vector<tribus::Command> commands() {
     using namespace tribus;
-    return {init_command(),     run_command(),    monitor_command(), status_command(),
-            reload_command(),   check_command(),  diff_command(),    graph_command(),
-            demo_command(),     decode_command(), encode_command(),  simulate_command(),
-            record_command(),   replay_command(), learn_command(),   doctor_command(),
-            dbc_command(),      bench_command(),  pwm_command(),     schema_command(),
-            web::pair_command()};
+    return {init_command(),      run_command(),    monitor_command(), status_command(),
+            reload_command(),    check_command(),  diff_command(),    graph_command(),
+            demo_command(),      decode_command(), encode_command(),  simulate_command(),
+            record_command(),    replay_command(), learn_command(),   doctor_command(),
+            dbc_command(),       bench_command(),  pwm_command(),     schema_command(),
+            web::pair_command(), key_command()};
 }
 
 }  // namespace

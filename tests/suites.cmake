@@ -3,9 +3,11 @@
 
 # add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
 # "long" and run in the second tier only.
-# Suites of 20 seconds and more of a processor. They start first: at the end processors would wait for
-# them.
-set(costly LineJudge|NeverStale|Frames/DaemonCounts|Frames/CodecCounts|WebCounts)
+# Suites that compute for 20 seconds and more. They start first: at the end processors would wait for
+# them. Those that count what a running daemon does are not among them: they need a quiet machine.
+set(costly LineJudge|NeverStale|Frames/CodecCounts|SensorValue|Ibus2Decoder|SbusResyncProperty
+    IbusBesidePlain|SbusBesidePlain)
+list(JOIN costly "|" costly)
 
 function(add_suites name program seconds long)
     if(NOT EXISTS "${program}")

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cstddef>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -55,37 +56,64 @@ std::string wrong_content(const std::string& content) {
     return fmt::format("it has {} that are no key", bytes);
 }
 
+/// Why a key file cannot be used.
+struct Fault {
+    std::string reason;
+    bool out_of_reach = false;  ///< another time, or another user, may read it
+};
+
+/// A copy of a secret in memory that was given back could be in a core dump.
+class Clearing {
+  public:
+    explicit Clearing(std::string& text) : text_(text) {}
+    Clearing(const Clearing&) = delete;
+    Clearing& operator=(const Clearing&) = delete;
+    ~Clearing() { ::explicit_bzero(text_.data(), text_.size()); }
+
+  private:
+    std::string& text_;
+};
+
+tl::expected<SecretKey, Fault> secret_in(const std::filesystem::path& path) {
+    auto content = read_file(path, kMostKeyFileBytes, FileKinds::secret);
+    if (!content) {
+        return tl::unexpected(Fault{content.error(), true});
+    }
+    const Clearing clears(*content);
+    const auto secret = secret_of(*content);
+    if (!secret) {
+        return tl::unexpected(Fault{wrong_content(*content), false});
+    }
+    if (*secret == SecretKey{}) {
+        return tl::unexpected(
+            Fault{"a key of zeros switches signing off at other programs", false});
+    }
+    return *secret;
+}
+
 }  // namespace
+
+tl::expected<SecretKey, std::string> read_secret(const std::filesystem::path& path) {
+    return secret_in(path).map_error([](const Fault& fault) { return fault.reason; });
+}
 
 std::optional<KeyFile> read_key_file(std::string_view key, const Value& value, Mistakes& mistakes) {
     const auto sentence = [&](std::string_view reason) {
-        return fmt::format(
-            "{} is {}: {}; allowed: the path of a file with 32 bytes or 64 hexadecimal digits, "
-            "which only its owner and group may read",
-            in_quotes(key), describe(value), reason);
+        return fmt::format("{} is {}: {}; allowed: {}", in_quotes(key), describe(value), reason,
+                           kAllowedKeyFile);
     };
     const auto* name = value.as<std::string>();
     if (name == nullptr || name->empty()) {
         mistakes.add(value.where, sentence("not the path of a file"));
         return std::nullopt;
     }
-    const std::filesystem::path path = std::filesystem::path(mistakes.file()).parent_path() / *name;
-    const auto content = read_file(path, kMostKeyFileBytes, FileKinds::secret);
-    if (!content) {
-        mistakes.add_out_of_reach(value.where, sentence(content.error()));
-        return std::nullopt;
+    const auto secret = secret_in(std::filesystem::path(mistakes.file()).parent_path() / *name);
+    if (!secret && secret.error().out_of_reach) {
+        mistakes.add_out_of_reach(value.where, sentence(secret.error().reason));
+    } else if (!secret) {
+        mistakes.add(value.where, sentence(secret.error().reason));
     }
-    const auto secret = secret_of(*content);
-    if (!secret) {
-        mistakes.add(value.where, sentence(wrong_content(*content)));
-        return std::nullopt;
-    }
-    if (*secret == SecretKey{}) {
-        mistakes.add(value.where,
-                     sentence("a key of zeros switches signing off at other programs"));
-        return std::nullopt;
-    }
-    return KeyFile{*name, *secret};
+    return secret ? std::optional(KeyFile{*name, *secret}) : std::nullopt;
 }
 
 }  // namespace tribus

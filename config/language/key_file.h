@@ -1,7 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <tl/expected.hpp>
 
 #include "config/language/document.h"
 #include "config/language/mistakes.h"
@@ -9,9 +12,16 @@
 
 namespace tribus {
 
-/// Reads the key file that the value names, relative to the folder of the configuration file: 32
-/// bytes, or 64 hexadecimal digits. It must be out of reach for others than its owner and group. No
-/// message shows what is in it.
+/// What a key file may be, for messages.
+inline constexpr std::string_view kAllowedKeyFile =
+    "the path of a file with 32 bytes or 64 hexadecimal digits, which only its owner and group may "
+    "read";
+
+/// Reads a key file: 32 bytes, or 64 hexadecimal digits. It must be out of reach for others than
+/// its owner and group. The error is the reason, and shows nothing of what is in the file.
+tl::expected<SecretKey, std::string> read_secret(const std::filesystem::path& path);
+
+/// Reads the key file that the value names, relative to the folder of the configuration file.
 std::optional<KeyFile> read_key_file(std::string_view key, const Value& value, Mistakes& mistakes);
 
 }  // namespace tribus

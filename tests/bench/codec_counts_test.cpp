@@ -155,10 +155,16 @@ TEST(DaemonSystemCalls, StayBelowTheirCeiling) {
         GTEST_SKIP() << "needs a release build and strace";
     }
     DaemonCalls least;
-    for (int run = 0; run < kMostRuns && (run == 0 || least.a_frame > kMostCallsAFrame); ++run) {
+    // A run in which most frames did not come through counts nothing.
+    const auto came_through = [](const DaemonCalls& one) {
+        return one.a_frame >= kLeastCallsAFrame;
+    };
+    const auto holds = [&] { return came_through(least) && least.a_frame <= kMostCallsAFrame; };
+    for (int run = 0; run < kMostRuns && (run == 0 || !holds()); ++run) {
         const auto calls = daemon_calls(daemon_with_sbus());
         ASSERT_TRUE(calls) << calls.error();
-        least = run == 0 || calls->a_frame < least.a_frame ? *calls : least;
+        const bool better = came_through(*calls) && calls->a_frame < least.a_frame;
+        least = !came_through(least) || better ? *calls : least;
     }
     RecordProperty("calls", std::to_string(least.a_frame));
     EXPECT_LE(least.a_frame, kMostCallsAFrame)
