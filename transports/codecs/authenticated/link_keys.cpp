@@ -1,0 +1,63 @@
+#include "transports/codecs/authenticated/link_keys.h"
+
+#include <nettle/hmac.h>
+#include <nettle/memops.h>
+
+#include <cstring>
+
+namespace tribus::authenticated {
+namespace {
+
+Mac mac_for(const SecretKey& secret, Purpose purpose, std::string_view link) {
+    auto key = link_key(secret, purpose, link);
+    Mac mac(key);
+    ::explicit_bzero(key.data(), key.size());
+    // The first one brings the library's code into memory, before frames flow.
+    static_cast<void>(mac.of(key));
+    return mac;
+}
+
+}  // namespace
+
+Mac::Mac(std::span<const std::uint8_t, kMacBytes> key) {
+    cmac_aes128_set_key(&context_, key.data());
+}
+
+MacBytes Mac::of(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second) {
+    cmac_aes128_update(&context_, first.size(), first.data());
+    cmac_aes128_update(&context_, second.size(), second.data());
+    MacBytes mac{};
+    // Begins anew, too.
+    cmac_aes128_digest(&context_, mac.size(), mac.data());
+    return mac;
+}
+
+bool Mac::is_right(std::span<const std::uint8_t> told, std::span<const std::uint8_t> first,
+                   std::span<const std::uint8_t> second) {
+    const MacBytes right = of(first, second);
+    return told.size() == right.size() && memeql_sec(told.data(), right.data(), right.size()) != 0;
+}
+
+std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose purpose,
+                                             std::string_view link) {
+    constexpr std::string_view kProtocol = "tribus authenticated link 1";
+    const auto add = [](hmac_sha256_ctx& hash, std::string_view text) {
+        hmac_sha256_update(&hash, text.size(), reinterpret_cast<const std::uint8_t*>(text.data()));
+    };
+    hmac_sha256_ctx hash;
+    hmac_sha256_set_key(&hash, secret.size(), secret.data());
+    add(hash, kProtocol);
+    const auto letter = static_cast<std::uint8_t>(purpose);
+    hmac_sha256_update(&hash, 1, &letter);
+    add(hash, link);
+    std::array<std::uint8_t, kMacBytes> key{};
+    hmac_sha256_digest(&hash, key.size(), key.data());
+    ::explicit_bzero(&hash, sizeof hash);
+    return key;
+}
+
+LinkMacs::LinkMacs(const SecretKey& secret, std::string_view link)
+    : snapshot(mac_for(secret, Purpose::snapshot, link)),
+      challenge(mac_for(secret, Purpose::challenge, link)) {}
+
+}  // namespace tribus::authenticated

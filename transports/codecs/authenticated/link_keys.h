@@ -1,0 +1,53 @@
+#pragma once
+
+#include <nettle/cmac.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "core/setting.h"
+
+/// Authenticated links (docs/protocols/authenticated.md).
+namespace tribus::authenticated {
+
+inline constexpr std::size_t kMacBytes = 16;
+using MacBytes = std::array<std::uint8_t, kMacBytes>;
+
+/// AES-128-CMAC (RFC 4493), by nettle. No heap. Thread-bound.
+class Mac {
+  public:
+    explicit Mac(std::span<const std::uint8_t, kMacBytes> key);
+
+    /// MAC of both parts, one behind the other.
+    MacBytes of(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second = {});
+    /// Whether `told` is the whole MAC of both parts. A part of a MAC is wrong. Takes the same time
+    /// for every wrong MAC.
+    bool is_right(std::span<const std::uint8_t> told, std::span<const std::uint8_t> first,
+                  std::span<const std::uint8_t> second = {});
+
+  private:
+    cmac_aes128_ctx context_{};
+};
+
+/// What a message is for. Each has a key of its own, so that none can be taken for another, and
+/// nothing that one end sends can be sent back to it.
+enum class Purpose : std::uint8_t { snapshot = 'S', challenge = 'C' };
+
+/// The key of one purpose on one link: the first 128 bits of HMAC-SHA-256 by the secret, over
+/// "tribus authenticated link 1", the purpose and the link's name. `link` names the link at both
+/// ends, with its medium and its id there: two links with one secret have different keys.
+std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose purpose,
+                                             std::string_view link);
+
+/// The MACs of one link, for either end.
+struct LinkMacs {
+    LinkMacs(const SecretKey& secret, std::string_view link);
+
+    Mac snapshot;
+    Mac challenge;
+};
+
+}  // namespace tribus::authenticated

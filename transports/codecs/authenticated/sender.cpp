@@ -1,0 +1,48 @@
+#include "transports/codecs/authenticated/sender.h"
+
+#include <algorithm>
+
+namespace tribus::authenticated {
+
+Sender::Sender(const LinkMacs& macs, std::uint32_t session)
+    : macs_(macs), session_(session & kSessionMask) {}
+
+bool Sender::hear(std::span<const std::uint8_t> message, Instant received) {
+    constexpr std::size_t kBodyBytes = kChallengeBytes - kMacBytes;
+    if (message.size() != kChallengeBytes ||
+        !macs_.challenge.is_right(message.subspan(kBodyBytes), message.first(kBodyBytes))) {
+        return false;
+    }
+    const Challenge heard = parse_challenge(message);
+    // Another life is a receiver that started again.
+    if (challenge_ && heard.life == challenge_->life && heard.number <= challenge_->number) {
+        return false;
+    }
+    challenge_ = heard;
+    challenged_ = received;
+    counter_ = 0;
+    return true;
+}
+
+bool Sender::write(const ChannelFrame& channels, SnapshotMessage& message, Instant now) {
+    if (!challenge_) {
+        return false;
+    }
+    const std::uint16_t held = held_steps(now - challenged_);
+    if (held == kNotTold || counter_ == kNotTold) {
+        return false;
+    }
+    const bool preset = channels.received == Instant{};
+    emit({.session = session_,
+          .challenge = static_cast<std::uint8_t>(challenge_->number),
+          .held = held,
+          .counter = counter_++,
+          .age = preset ? kNotTold : age_steps(now - channels.received)},
+         channels, message);
+    const std::span<std::uint8_t> bytes(message);
+    std::ranges::copy(macs_.snapshot.of(challenge_->nonce, bytes.first(kSnapshotBodyBytes)),
+                      bytes.subspan(kSnapshotBodyBytes).begin());
+    return true;
+}
+
+}  // namespace tribus::authenticated
