@@ -213,6 +213,17 @@ TEST_F(AuthenticatedLink, RefusesAnAnswerToAChallengeThatIsASecondOld) {
     EXPECT_EQ(refused("no_challenge"), 1U);
 }
 
+TEST_F(AuthenticatedLink, RoundsAgesUpAndHeldTimesDown) {
+    EXPECT_EQ(age_steps(0ns), 0);
+    EXPECT_EQ(age_steps(1ns), 1);
+    EXPECT_EQ(age_steps(10us), 1);
+    EXPECT_EQ(held_steps(19'999ns), 1);
+    EXPECT_EQ(held_steps(20us), 2);
+    EXPECT_EQ(age_steps(655'340us), 65534);
+    EXPECT_EQ(age_steps(655'340us + 1ns), kNotTold);
+    EXPECT_EQ(held_steps(1h), kNotTold);
+}
+
 /// A recorded conversation from before the start of either end.
 TEST_F(AuthenticatedLink, RefusesWhatBelongsToAnEarlierLifeOfTheReceiver) {
     ask(at(0ms));
