@@ -12,7 +12,7 @@
 
 namespace tribus {
 
-/// What a key file may be, for messages.
+/// Text for messages: the files that a key may name.
 inline constexpr std::string_view kAllowedKeyFile =
     "the path of a file with 32 bytes or 64 hexadecimal digits, which only its owner and group may "
     "read";

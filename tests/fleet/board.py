@@ -108,9 +108,7 @@ class Thread:
         self._ask(self.DETACH)
 
 
-# The daemon `car` has all that it needs. `spare` waits for a receiver that never comes and for a bus
-# that this machine does not have.
-CAR = """
+RADIO_TO_SERVOS = """
 [input.radio]
 protocol = "ibus"
 device   = "{radio.device}"
@@ -121,6 +119,10 @@ device   = "{servos.device}"
 [pipeline.main]
 from = "radio"
 to   = "servos"
+"""
+# The daemon `car` has all that it needs. `spare` waits for a receiver that never comes and for a bus
+# that this machine does not have.
+CAR = RADIO_TO_SERVOS + """
 [values.pack]
 protocol = "crsf-telemetry"
 device   = "{pack.device}"

@@ -52,6 +52,8 @@ class Reader:
             [(topic, 1) for topic in topics])
         self.client.on_subscribe = lambda *_: self.ready.set()
         self.client.on_message = self._take
+        # Comes back at once: a later reader would see its own pauses in what it measures.
+        self.client.reconnect_delay_set(min_delay=1, max_delay=1)
         self.client.connect("127.0.0.1", port)
         self.client.loop_start()
         assert self.ready.wait(30), "no subscription"

@@ -9,22 +9,10 @@ import subprocess
 import sys
 import time
 
-from board import PROGRAMS, Wire, end_with_this_process, eventually, ibus_frame
+from board import PROGRAMS, RADIO_TO_SERVOS, Wire, end_with_this_process, eventually, ibus_frame
 
 NAME = "servos"
 PERIOD_S = 0.2
-CONFIGURATION = """
-[input.radio]
-protocol = "ibus"
-device   = "{radio.device}"
-timeout  = "500ms"
-[output.servos]
-protocol = "sbus"
-device   = "{servos.device}"
-[pipeline.main]
-from = "radio"
-to   = "servos"
-"""
 # Fields of a status that count from the daemon's start (docs/status.md).
 COUNTERS = {"bytes", "frames", "frame_lost_frames", "failsafe_frames", "skipped_bytes",
             "device_losses", "overruns", "deadline_misses", "foreign_frames", "failsafe_entries",
@@ -38,7 +26,7 @@ class Daemon:
 
     def __init__(self, folder):
         self.radio, self.servos = Wire(ibus_frame([1500] * 14), 0.007), Wire()
-        (folder / f"{NAME}.toml").write_text(CONFIGURATION.format(**vars(self)))
+        (folder / f"{NAME}.toml").write_text(RADIO_TO_SERVOS.format(**vars(self)))
         self.socket = folder / "control"
         with open(folder / "daemon.log", "wb") as log:
             self.process = subprocess.Popen(  # pylint: disable=consider-using-with

@@ -32,7 +32,7 @@ class Mac {
     cmac_aes128_ctx context_{};
 };
 
-/// What a message is for. Each has a key of its own, so that none can be taken for another, and
+/// The purposes of messages. Each has a key of its own, so that none can be taken for another, and
 /// nothing that one end sends can be sent back to it.
 enum class Purpose : std::uint8_t { snapshot = 'S', challenge = 'C' };
 

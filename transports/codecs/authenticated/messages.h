@@ -50,7 +50,7 @@ struct Challenge {
     Nonce nonce{};
 };
 
-/// What a snapshot carries beside the channels.
+/// The part of a snapshot before its channels.
 struct SnapshotHead {
     std::uint32_t session = 0;      ///< 24 bits
     std::uint8_t challenge = 0;     ///< low byte of its number

@@ -77,7 +77,7 @@ std::optional<Receiver::Refusal> Receiver::fault_of_order(const SnapshotHead& he
             conflict_until_ = received + kSessionSilence;
             return kTwoSenders;
         }
-        // What another sender left on the way before it ended answers no newer challenge.
+        // A snapshot that an ended sender left on the way answers no newer challenge.
         if (number <= number_) {
             return kReplayed;
         }

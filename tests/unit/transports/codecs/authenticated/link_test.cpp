@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/streams.h"
 #include "transports/codecs/authenticated/receiver.h"
 #include "transports/codecs/authenticated/sender.h"
 
@@ -35,15 +36,6 @@ SecretKey counted_secret() {
 
 Instant at(Duration time) {
     return Instant{} + 1h + time;
-}
-
-std::vector<std::uint8_t> bytes_of(std::string_view digits) {
-    std::vector<std::uint8_t> bytes;
-    for (std::size_t i = 0; i < digits.size(); i += 2) {
-        bytes.push_back(
-            static_cast<std::uint8_t>(std::stoi(std::string(digits.substr(i, 2)), nullptr, 16)));
-    }
-    return bytes;
 }
 
 template <class Message>
@@ -103,12 +95,12 @@ class AuthenticatedLink : public ::testing::Test {
 };
 
 TEST_F(AuthenticatedLink, ChallengesWithTheseBytes) {
-    EXPECT_EQ(challenge(at(0ms)), bytes_of(kChallengeDigits));
+    EXPECT_EQ(challenge(at(0ms)), from_hex(kChallengeDigits));
 }
 
 TEST_F(AuthenticatedLink, AnswersWithTheseBytes) {
     ask(at(0ms));
-    EXPECT_EQ(snapshot(sender_, at(2ms), 1500us), bytes_of(kSnapshotDigits));
+    EXPECT_EQ(snapshot(sender_, at(2ms), 1500us), from_hex(kSnapshotDigits));
 }
 
 TEST_F(AuthenticatedLink, PublishesWhatWasSent) {
