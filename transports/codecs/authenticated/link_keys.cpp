@@ -23,6 +23,10 @@ Mac::Mac(std::span<const std::uint8_t, kMacBytes> key) {
     cmac_aes128_set_key(&context_, key.data());
 }
 
+Mac::~Mac() {
+    ::explicit_bzero(&context_, sizeof context_);
+}
+
 MacBytes Mac::of(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second) {
     cmac_aes128_update(&context_, first.size(), first.data());
     cmac_aes128_update(&context_, second.size(), second.data());
@@ -58,6 +62,7 @@ std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose pu
 
 LinkMacs::LinkMacs(const SecretKey& secret, std::string_view link)
     : snapshot(mac_for(secret, Purpose::snapshot, link)),
-      challenge(mac_for(secret, Purpose::challenge, link)) {}
+      challenge(mac_for(secret, Purpose::challenge, link)),
+      hello(mac_for(secret, Purpose::hello, link)) {}
 
 }  // namespace tribus::authenticated

@@ -16,10 +16,13 @@ namespace tribus::authenticated {
 inline constexpr std::size_t kMacBytes = 16;
 using MacBytes = std::array<std::uint8_t, kMacBytes>;
 
-/// AES-128-CMAC (RFC 4493), by nettle. No heap. Thread-bound.
+/// AES-128-CMAC (RFC 4493), by nettle. Its memory is cleared at the end. No heap. Thread-bound.
 class Mac {
   public:
     explicit Mac(std::span<const std::uint8_t, kMacBytes> key);
+    Mac(const Mac&) = default;
+    Mac& operator=(const Mac&) = default;
+    ~Mac();
 
     /// MAC of both parts, one behind the other.
     MacBytes of(std::span<const std::uint8_t> first, std::span<const std::uint8_t> second = {});
@@ -34,7 +37,7 @@ class Mac {
 
 /// The purposes of messages. Each has a key of its own, so that none can be taken for another, and
 /// nothing that one end sends can be sent back to it.
-enum class Purpose : std::uint8_t { snapshot = 'S', challenge = 'C' };
+enum class Purpose : std::uint8_t { snapshot = 'S', challenge = 'C', hello = 'H' };
 
 /// The key of one purpose on one link: the first 128 bits of HMAC-SHA-256 by the secret, over
 /// "tribus authenticated link 1", the purpose and the link's name. `link` names the link at both
@@ -48,6 +51,7 @@ struct LinkMacs {
 
     Mac snapshot;
     Mac challenge;
+    Mac hello;
 };
 
 }  // namespace tribus::authenticated

@@ -50,6 +50,21 @@ std::uint16_t age_steps(Duration age) {
     return held_steps(std::max(age, Duration{}) + kTimeStep - Duration(1));
 }
 
+SessionBytes session_bytes(std::uint32_t session) {
+    SessionBytes bytes{};
+    put(bytes, 0, bytes.size(), session);
+    return bytes;
+}
+
+void emit_hello(std::uint32_t session, HelloMessage& message) {
+    message = {};
+    put(message, 0, kSessionBytes, session);
+}
+
+std::uint32_t parse_hello(std::span<const std::uint8_t> message) {
+    return get(message, 0, kSessionBytes);
+}
+
 void emit(const Challenge& challenge, ChallengeMessage& message) {
     put(message, 0, 4, challenge.life);
     put(message, kNumberAt, 4, challenge.number);
@@ -67,7 +82,7 @@ void emit(const SnapshotHead& head, const ChannelFrame& channels, SnapshotMessag
                                            (channels.frame_lost ? kFrameLostBit : 0));
     message[kQualityAt] = channels.link_quality;
     put(message, kAgeAt, 2, head.age);
-    put(message, kSessionAt, 3, head.session);
+    put(message, kSessionAt, kSessionBytes, head.session);
     message[kChallengeAt] = head.challenge;
     put(message, kHeldAt, 2, head.held);
     put(message, kCounterAt, 2, head.counter);
@@ -78,7 +93,7 @@ void emit(const SnapshotHead& head, const ChannelFrame& channels, SnapshotMessag
 }
 
 SnapshotHead parse_head(std::span<const std::uint8_t> message) {
-    return {.session = get(message, kSessionAt, 3),
+    return {.session = get(message, kSessionAt, kSessionBytes),
             .challenge = message[kChallengeAt],
             .held = word_at(message, kHeldAt),
             .counter = word_at(message, kCounterAt),

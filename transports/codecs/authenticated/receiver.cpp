@@ -1,6 +1,8 @@
 #include "transports/codecs/authenticated/receiver.h"
 
 #include <algorithm>
+#include <bit>
+#include <utility>
 
 namespace tribus::authenticated {
 namespace {
@@ -8,32 +10,98 @@ namespace {
 /// Clocks of two boards differ by less than one part in so many.
 constexpr std::int64_t kDriftParts = 1000;
 
+/// Random numbers of a seed: its MAC of a letter and a number.
+template <std::size_t size>
+std::array<std::uint8_t, size> random_bytes(Mac& seeded, std::uint8_t letter,
+                                            std::uint32_t number) {
+    const MacBytes all = seeded.of(std::array<std::uint8_t, 5>{
+        letter, static_cast<std::uint8_t>(number), static_cast<std::uint8_t>(number >> 8U),
+        static_cast<std::uint8_t>(number >> 16U), static_cast<std::uint8_t>(number >> 24U)});
+    std::array<std::uint8_t, size> some{};
+    std::copy_n(all.begin(), size, some.begin());
+    return some;
+}
+
 }  // namespace
 
-Receiver::Receiver(const LinkMacs& macs, std::uint32_t life) : macs_(macs), life_(life) {}
+Receiver::Receiver(const LinkMacs& macs, const std::optional<LinkMacs>& old, const RandomSeed& seed)
+    : macs_(macs),
+      old_(old),
+      random_(seed),
+      life_(std::bit_cast<std::uint32_t>(random_bytes<sizeof life_>(random_, 'L', 0))) {}
 
-void Receiver::challenge(const Nonce& nonce, ChallengeMessage& message, Instant now) {
-    const Challenge challenge{.life = life_, .number = asked_count_, .nonce = nonce};
-    asked_[asked_count_++ % kMostAsked] = {challenge, now};
-    constexpr std::size_t kBodyBytes = kChallengeBytes - kMacBytes;
-    emit(challenge, message);
+void Receiver::ask_anew(Instant now) {
+    asked_[asked_count_ % kMostAsked] = {
+        {.life = life_,
+         .number = asked_count_,
+         .nonce = random_bytes<std::tuple_size_v<Nonce>>(random_, 'N', asked_count_)},
+        now};
+    ++asked_count_;
+}
+
+/// Who says hello again gets the same challenge again, unless that is old: so nobody who repeats
+/// hellos can push the others out.
+bool Receiver::answer(ChallengeMessage& message, Instant now) {
+    const auto asker = std::exchange(asker_, std::nullopt);
+    if (!asker || (asked_count_ > 0 && now - answered_ < kAnswerPeriod)) {
+        return false;
+    }
+    answered_ = now;
+    if (asked_count_ == 0 || now - newest().sent >= kChallengePeriod) {
+        ask_anew(now);
+    }
+    emit(newest().challenge, message);
+    Mac& mac = asker->old_key ? old_->challenge : macs_.challenge;
     const std::span<std::uint8_t> bytes(message);
-    std::ranges::copy(macs_.challenge.of(bytes.first(kBodyBytes)),
-                      bytes.subspan(kBodyBytes).begin());
+    std::ranges::copy(mac.of(session_bytes(asker->session), bytes.first(kChallengeBodyBytes)),
+                      bytes.subspan(kChallengeBodyBytes).begin());
+    return true;
 }
 
 std::optional<ChannelFrame> Receiver::next(std::span<const std::uint8_t> message,
                                            Instant received) {
-    if (message.size() != kSnapshotBytes) {
-        return refuse(kLength);
+    if (message.size() == kSnapshotBytes) {
+        return take_snapshot(message, received);
     }
+    if (message.size() != kHelloBytes) {
+        return refuse(kNoKey);
+    }
+    take_hello(message);
+    return std::nullopt;
+}
+
+template <class IsRight>
+std::optional<bool> Receiver::key_of(const IsRight& is_right) {
+    if (is_right(macs_)) {
+        return false;
+    }
+    return old_ && is_right(*old_) ? std::optional(true) : std::nullopt;
+}
+
+void Receiver::take_hello(std::span<const std::uint8_t> message) {
+    const auto old_key = key_of([&](LinkMacs& macs) {
+        return macs.hello.is_right(message.subspan(kHelloBodyBytes),
+                                   message.first(kHelloBodyBytes));
+    });
+    if (old_key) {
+        asker_ = {parse_hello(message), *old_key};
+    } else {
+        refuse(kForged);
+    }
+}
+
+std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t> message,
+                                                    Instant received) {
     const SnapshotHead head = parse_head(message);
     const Asked* const answered = asked(head.challenge, received);
     if (answered == nullptr) {
         return refuse(kNoChallenge);
     }
-    if (!macs_.snapshot.is_right(message.subspan(kSnapshotBodyBytes), answered->challenge.nonce,
-                                 message.first(kSnapshotBodyBytes))) {
+    const auto old_key = key_of([&](LinkMacs& macs) {
+        return macs.snapshot.is_right(message.subspan(kSnapshotBodyBytes),
+                                      answered->challenge.nonce, message.first(kSnapshotBodyBytes));
+    });
+    if (!old_key) {
         return refuse(kForged);
     }
     const Duration exists = received - answered->sent;
@@ -42,12 +110,18 @@ std::optional<ChannelFrame> Receiver::next(std::span<const std::uint8_t> message
     if (head.held == kNotTold || held > exists + drift) {
         return refuse(kImpossible);
     }
-    if (const auto fault = fault_of_order(head, answered->challenge.number, received)) {
+    const auto fault = fault_of_order(head, answered->challenge.number, received);
+    if ((!fault || fault == kTwoSenders) && received - newest().sent >= kChallengePeriod) {
+        asker_ = {head.session, *old_key};
+    }
+    if (fault) {
         return refuse(*fault);
     }
     ChannelFrame frame = parse_channels(message);
     const Instant sent = std::min(answered->sent + held - drift, received);
-    frame.received = head.age == kNotTold ? Instant{} : sent - head.age * kTimeStep;
+    // Presets have no age. Of other values it is not told if it is more.
+    const bool has_age = head.age != kNotTold || !frame.failsafe;
+    frame.received = has_age ? sent - head.age * kTimeStep : sent;
     return frame;
 }
 
@@ -57,13 +131,10 @@ std::optional<ChannelFrame> Receiver::refuse(Refusal refusal) {
 }
 
 const Receiver::Asked* Receiver::asked(std::uint8_t number, Instant received) const {
-    const std::size_t kept = std::min<std::size_t>(asked_count_, kMostAsked);
-    const auto known = std::span(asked_).first(kept);
-    const auto found = std::ranges::find_if(known, [&](const Asked& one) {
-        return static_cast<std::uint8_t>(one.challenge.number) == number &&
-               received - one.sent <= kChallengeLasts;
-    });
-    return found == known.end() ? nullptr : &*found;
+    const Asked& one = asked_[number % kMostAsked];
+    const bool known = number % kMostAsked < asked_count_ &&
+                       static_cast<std::uint8_t>(one.challenge.number) == number;
+    return known && received - one.sent <= kChallengeLasts ? &one : nullptr;
 }
 
 std::optional<Receiver::Refusal> Receiver::fault_of_order(const SnapshotHead& head,

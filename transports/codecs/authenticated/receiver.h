@@ -8,45 +8,52 @@
 #include <span>
 
 #include "core/channel_frame.h"
+#include "core/random_seed.h"
 #include "core/time.h"
 #include "transports/codecs/authenticated/messages.h"
 #include "transports/codecs/codec.h"
 
 namespace tribus::authenticated {
 
-/// The end of an authenticated link that receives snapshots. It sends challenges, and publishes
-/// only what answers one of them: proof that the key's holder sent it after that challenge. Nothing
-/// on the way, kept for however long, can be published twice or seem younger than it is. Pure: no
-/// descriptor, clock or heap. Thread-bound.
+/// The end of an authenticated link that receives snapshots. It answers senders with challenges,
+/// and publishes only what answers one of these: proof that the key's holder sent it after that
+/// challenge. Nothing on the way, kept for however long, can be published twice or seem younger
+/// than it is. It says nothing to those who do not have the key. Pure: no descriptor, clock or
+/// heap. Thread-bound.
 class Receiver {
   public:
-    /// Time between two challenges.
-    static constexpr Duration kChallengePeriod = std::chrono::milliseconds(100);
+    /// Least time between two challenges.
+    static constexpr Duration kChallengePeriod = std::chrono::milliseconds(50);
+    /// Least time between two answers. Hellos that somebody repeats are answered too.
+    static constexpr Duration kAnswerPeriod = std::chrono::milliseconds(2);
     /// A challenge counts for so long. Snapshots are older than that if they come later.
     static constexpr Duration kChallengeLasts = std::chrono::seconds(1);
     /// A sender that has been silent for so long may have started again. Until then the snapshots
     /// of another one with the same key stop both: two senders must not take turns.
     static constexpr Duration kSessionSilence = std::chrono::milliseconds(250);
 
-    /// `life`: random, another one after each start.
-    Receiver(const LinkMacs& macs, std::uint32_t life);
+    /// `old`: of a second key that counts too, while keys are changed. `seed`: random, another one
+    /// after each start.
+    Receiver(const LinkMacs& macs, const std::optional<LinkMacs>& old, const RandomSeed& seed);
 
-    /// Writes the challenge that leaves at `now`. `nonce`: random, never used before.
-    void challenge(const Nonce& nonce, ChallengeMessage& message, Instant now);
+    /// Writes the challenge that answers what was taken last, and leaves at `now`. False if none is
+    /// due. Call it after each `next`.
+    bool answer(ChallengeMessage& message, Instant now);
     /// Takes a message that arrived at `received`. `received` of what it publishes is the time
     /// since which the values may have been old: that of the answered challenge, with the time for
     /// which the sender held it, less the age that the values had there. So the age is never told
     /// too low, and too high by at most the way of the challenge and 0.1 % of the time held.
     std::optional<ChannelFrame> next(std::span<const std::uint8_t> message, Instant received);
 
-    /// Why messages were refused: "length"; "no_challenge", which answers none that still counts;
-    /// "forged", whose MAC is wrong; "replayed", which is not newer than the one before;
-    /// "two_senders"; "impossible", which the sender held longer than the challenge exists.
+    /// Why messages were refused: "no_key", which are none of a link with a key; "no_challenge",
+    /// which answer none that still counts; "forged", whose MAC is wrong; "replayed", which are not
+    /// newer than the one before; "two_senders"; "impossible", which the sender held longer than
+    /// the challenge exists.
     std::span<const NamedCount> rejected() const { return rejected_; }
 
   private:
     enum Refusal : std::size_t {
-        kLength,
+        kNoKey,
         kNoChallenge,
         kForged,
         kReplayed,
@@ -58,18 +65,36 @@ class Receiver {
         Challenge challenge;
         Instant sent{};
     };
-    /// As many as count at the same time, and one.
-    static constexpr std::size_t kMostAsked = kChallengeLasts / kChallengePeriod + 1;
+    /// A sender that waits for an answer, and its key.
+    struct Asker {
+        std::uint32_t session = 0;
+        bool old_key = false;
+    };
+    /// More than count at the same time; the low byte of a number gives the place.
+    static constexpr std::size_t kMostAsked = 32;
+    static_assert(kMostAsked > kChallengeLasts / kChallengePeriod + 1);
 
     std::optional<ChannelFrame> refuse(Refusal refusal);
+    void take_hello(std::span<const std::uint8_t> message);
+    std::optional<ChannelFrame> take_snapshot(std::span<const std::uint8_t> message,
+                                              Instant received);
+    const Asked& newest() const { return asked_[(asked_count_ - 1) % kMostAsked]; }
     const Asked* asked(std::uint8_t number, Instant received) const;
+    /// Whose MAC `is_right` finds right: false for the key, true for the old one.
+    template <class IsRight>
+    std::optional<bool> key_of(const IsRight& is_right);
+    void ask_anew(Instant now);
     std::optional<Refusal> fault_of_order(const SnapshotHead& head, std::uint32_t number,
                                           Instant received);
 
     LinkMacs macs_;
+    std::optional<LinkMacs> old_;
+    Mac random_;
     std::uint32_t life_;
     std::uint32_t asked_count_ = 0;  ///< also the number of the next challenge
     std::array<Asked, kMostAsked> asked_{};
+    std::optional<Asker> asker_;
+    Instant answered_{};
 
     bool bound_ = false;
     std::uint32_t session_ = 0;
@@ -79,7 +104,7 @@ class Receiver {
     Instant conflict_until_{};
 
     std::array<NamedCount, kRefusals> rejected_{
-        {{"length"}, {"no_challenge"}, {"forged"}, {"replayed"}, {"two_senders"}, {"impossible"}}};
+        {{"no_key"}, {"no_challenge"}, {"forged"}, {"replayed"}, {"two_senders"}, {"impossible"}}};
 };
 
 }  // namespace tribus::authenticated

@@ -3,14 +3,21 @@
 #include <algorithm>
 
 namespace tribus::authenticated {
+namespace {
 
-Sender::Sender(const LinkMacs& macs, std::uint32_t session)
-    : macs_(macs), session_(session & kSessionMask) {}
+std::uint32_t session_from(const RandomSeed& seed) {
+    return seed[0] | std::uint32_t{seed[1]} << 8U | std::uint32_t{seed[2]} << 16U;
+}
+
+}  // namespace
+
+Sender::Sender(const LinkMacs& macs, const RandomSeed& seed)
+    : macs_(macs), session_(session_from(seed)) {}
 
 bool Sender::hear(std::span<const std::uint8_t> message, Instant received) {
-    constexpr std::size_t kBodyBytes = kChallengeBytes - kMacBytes;
     if (message.size() != kChallengeBytes ||
-        !macs_.challenge.is_right(message.subspan(kBodyBytes), message.first(kBodyBytes))) {
+        !macs_.challenge.is_right(message.subspan(kChallengeBodyBytes), session_bytes(session_),
+                                  message.first(kChallengeBodyBytes))) {
         return false;
     }
     const Challenge heard = parse_challenge(message);
@@ -21,6 +28,19 @@ bool Sender::hear(std::span<const std::uint8_t> message, Instant received) {
     challenge_ = heard;
     challenged_ = received;
     counter_ = 0;
+    return true;
+}
+
+bool Sender::write_hello(HelloMessage& message, Instant now) {
+    const bool challenged = challenge_ && now - challenged_ <= kHelloAfter;
+    if (challenged || (said_hello_ && now - *said_hello_ < kHelloPeriod)) {
+        return false;
+    }
+    said_hello_ = now;
+    emit_hello(session_, message);
+    const std::span<std::uint8_t> bytes(message);
+    std::ranges::copy(macs_.hello.of(bytes.first(kHelloBodyBytes)),
+                      bytes.subspan(kHelloBodyBytes).begin());
     return true;
 }
 

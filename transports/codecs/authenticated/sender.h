@@ -1,10 +1,12 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
 
 #include "core/channel_frame.h"
+#include "core/random_seed.h"
 #include "core/time.h"
 #include "transports/codecs/authenticated/messages.h"
 
@@ -14,13 +16,19 @@ namespace tribus::authenticated {
 /// receiver; without one there is none. Pure: no descriptor, clock or heap. Thread-bound.
 class Sender {
   public:
-    /// `session`: random, 24 bits, another one after each start.
-    Sender(const LinkMacs& macs, std::uint32_t session);
+    /// It asks for a challenge that often, if the newest one is older than that or there is none.
+    static constexpr Duration kHelloPeriod = std::chrono::milliseconds(100);
+    static constexpr Duration kHelloAfter = std::chrono::milliseconds(200);
+
+    /// `seed`: another one after each start.
+    Sender(const LinkMacs& macs, const RandomSeed& seed);
 
     /// Takes a message that arrived at `received`. Returns whether it is a new challenge of the
-    /// key's holder. One that is not newer than the one before changes nothing: who repeats it
-    /// cannot make old values seem young.
+    /// key's holder to this sender. One that is not newer than the one before changes nothing: who
+    /// repeats it cannot make old values seem young.
     bool hear(std::span<const std::uint8_t> message, Instant received);
+    /// Writes a hello that leaves at `now`. False if none is due.
+    bool write_hello(HelloMessage& message, Instant now);
     /// Writes a snapshot that leaves at `now`. False without a challenge, or if the newest is so
     /// old (0.65 s) that the receiver could not tell the age of the snapshot.
     bool write(const ChannelFrame& channels, SnapshotMessage& message, Instant now);
@@ -31,6 +39,7 @@ class Sender {
     std::optional<Challenge> challenge_;
     Instant challenged_{};
     std::uint16_t counter_ = 0;
+    std::optional<Instant> said_hello_;
 };
 
 }  // namespace tribus::authenticated

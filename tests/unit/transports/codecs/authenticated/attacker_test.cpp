@@ -18,8 +18,8 @@ namespace {
 using namespace authenticated;
 using namespace std::chrono_literals;
 
-constexpr int kSteps = 8;
-constexpr std::size_t kMostMessages = 4;
+constexpr int kSteps = 9;
+constexpr std::size_t kMostMessages = 5;
 constexpr Duration kTick = 120ms;
 
 struct Message {
@@ -28,11 +28,14 @@ struct Message {
 };
 
 struct World {
-    explicit World(const LinkMacs& macs) : receiver(macs, 1), sender(macs, 1) {}
+    explicit World(const LinkMacs& macs)
+        : receiver(macs, std::nullopt, seed(1)), sender(macs, seed(1)) {}
+
+    static RandomSeed seed(std::uint8_t start) { return {start}; }
 
     Receiver receiver;
     Sender sender;
-    std::uint32_t starts = 1;
+    std::uint8_t starts = 1;
     Instant now = Instant{} + 1h;
     Instant receiver_began = now;
     std::vector<Message> messages;
@@ -52,7 +55,7 @@ class Attacker : public ::testing::Test {
         ticked.now += kTick;
         explore(ticked, steps - 1);
         if (before.messages.size() < kMostMessages) {
-            challenge(before, steps);
+            say_hello(before, steps);
             snapshot(before, steps);
         }
         start_again(before, steps);
@@ -61,15 +64,13 @@ class Attacker : public ::testing::Test {
         }
     }
 
-    void challenge(const World& before, int steps) {
+    void say_hello(const World& before, int steps) {
         World world = before;
-        ChallengeMessage message{};
-        world.receiver.challenge(
-            {static_cast<std::uint8_t>(++nonces_), static_cast<std::uint8_t>(nonces_ >> 8U),
-             static_cast<std::uint8_t>(nonces_ >> 16U), static_cast<std::uint8_t>(nonces_ >> 24U)},
-            message, world.now);
-        world.messages.push_back({{message.begin(), message.end()}, world.now});
-        explore(world, steps - 1);
+        HelloMessage message{};
+        if (world.sender.write_hello(message, world.now)) {
+            world.messages.push_back({{message.begin(), message.end()}, world.now});
+            explore(world, steps - 1);
+        }
     }
 
     void snapshot(const World& before, int steps) {
@@ -85,10 +86,10 @@ class Attacker : public ::testing::Test {
 
     void start_again(const World& before, int steps) {
         World sender_new = before;
-        sender_new.sender = Sender(macs_, ++sender_new.starts);
+        sender_new.sender = Sender(macs_, World::seed(++sender_new.starts));
         explore(sender_new, steps - 1);
         World receiver_new = before;
-        receiver_new.receiver = Receiver(macs_, ++receiver_new.starts);
+        receiver_new.receiver = Receiver(macs_, std::nullopt, World::seed(++receiver_new.starts));
         receiver_new.receiver_began = receiver_new.now;
         receiver_new.accepted.clear();
         explore(receiver_new, steps - 1);
@@ -103,13 +104,16 @@ class Attacker : public ::testing::Test {
             ASSERT_LE(frame->received, message.sent) << "younger than it is";
             ASSERT_GE(message.sent, world.receiver_began) << "from before the start";
         }
+        ChallengeMessage answer{};
+        if (world.receiver.answer(answer, world.now) && world.messages.size() < kMostMessages) {
+            world.messages.push_back({{answer.begin(), answer.end()}, world.now});
+        }
         const bool heard = world.sender.hear(message.bytes, world.now);
         heard_ += heard ? 1U : 0U;
         explore(world, steps - 1);
     }
 
     LinkMacs macs_{SecretKey{1}, "attacked"};
-    std::uint32_t nonces_ = 0;
     std::size_t worlds_ = 0;
     std::size_t accepted_ = 0;
     std::size_t heard_ = 0;

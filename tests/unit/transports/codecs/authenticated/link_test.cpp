@@ -4,8 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <span>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -23,8 +25,17 @@ using namespace authenticated;
 using namespace std::chrono_literals;
 
 constexpr std::string_view kLink = "can 0x300 boat";
-constexpr std::uint32_t kLife = 0x11223344;
 constexpr std::uint32_t kSession = 0x0A0B0C;
+constexpr std::uint32_t kOtherSession = 0x0A0B0D;
+constexpr RandomSeed kSeed{0x20, 0x21, 0x22, 0x23, 0x24, 0x25, 0x26, 0x27,
+                           0x28, 0x29, 0x2A, 0x2B, 0x2C, 0x2D, 0x2E, 0x2F};
+constexpr RandomSeed kOtherSeed{1, 2, 3};
+
+/// A sender's session is the first bytes of its seed.
+constexpr RandomSeed seed_of(std::uint32_t session) {
+    return {static_cast<std::uint8_t>(session), static_cast<std::uint8_t>(session >> 8U),
+            static_cast<std::uint8_t>(session >> 16U)};
+}
 
 SecretKey counted_secret() {
     SecretKey secret{};
@@ -43,12 +54,12 @@ std::vector<std::uint8_t> copy_of(const Message& message) {
     return {message.begin(), message.end()};
 }
 
-constexpr Nonce kNonce{0xA0, 0xA1, 0xA2, 0xA3, 0xA4, 0xA5, 0xA6, 0xA7};
+constexpr std::string_view kHelloDigits = "0c0b0a000000000042626cb5f71253f64d6ba7020bbb780b";
 constexpr std::string_view kChallengeDigits =
-    "4433221100000000a0a1a2a3a4a5a6a7e38de204f3d20fb0c29d358fcfad0b74";
+    "3de0fc3d0000000098729a45e630923943db1cf2d1e4f444d570af281a9eb78d";
 constexpr std::string_view kSnapshotDigits =
     "006196000c0b0a00c8000000401fd0206022f02380251027a028302ac02b502de02e7030003290332035b036"
-    "ffffffff075934a408bd9b6cf9026417f23c6a16";
+    "ffffffff8875b7ccc73f90b99325075a5e8cbfff";
 
 /// 16 channels from 1000 us in steps of 50 us, good, link quality 97 %.
 ChannelFrame sticks(Instant received) {
@@ -67,14 +78,26 @@ ChannelFrame sticks(Instant received) {
 /// A link with everything that its ends sent.
 class AuthenticatedLink : public ::testing::Test {
   protected:
-    LinkMacs macs() const { return {counted_secret(), kLink}; }
+    static LinkMacs macs() { return {counted_secret(), kLink}; }
 
-    std::vector<std::uint8_t> challenge(Instant now) {
-        Nonce nonce = kNonce;
-        nonce[7] = static_cast<std::uint8_t>(nonce[7] + challenges_++);
-        ChallengeMessage message{};
-        receiver_.challenge(nonce, message, now);
+    static std::vector<std::uint8_t> hello(std::uint32_t session) {
+        Sender sender(macs(), seed_of(session));
+        HelloMessage message{};
+        EXPECT_TRUE(sender.write_hello(message, at(0ms)));
         return copy_of(message);
+    }
+    static std::vector<std::uint8_t> answer(Receiver& receiver, Instant now) {
+        ChallengeMessage message{};
+        return receiver.answer(message, now) ? copy_of(message) : std::vector<std::uint8_t>{};
+    }
+    /// What the receiver answers to a hello.
+    static std::vector<std::uint8_t> challenge(Receiver& receiver, Instant now,
+                                               std::uint32_t session = kSession) {
+        EXPECT_FALSE(receiver.next(hello(session), now));
+        return answer(receiver, now);
+    }
+    std::vector<std::uint8_t> challenge(Instant now, std::uint32_t session = kSession) {
+        return challenge(receiver_, now, session);
     }
     static std::vector<std::uint8_t> snapshot(Sender& sender, Instant now, Duration age = 0ms) {
         SnapshotMessage message{};
@@ -89,16 +112,19 @@ class AuthenticatedLink : public ::testing::Test {
         return found == counts.end() ? 0 : found->count;
     }
 
-    Receiver receiver_{macs(), kLife};
-    Sender sender_{macs(), kSession};
-    unsigned challenges_ = 0;
+    Receiver receiver_{macs(), std::nullopt, kSeed};
+    Sender sender_{macs(), seed_of(kSession)};
 };
+
+TEST_F(AuthenticatedLink, SaysHelloWithTheseBytes) {
+    EXPECT_EQ(hello(kSession), from_hex(kHelloDigits));
+}
 
 TEST_F(AuthenticatedLink, ChallengesWithTheseBytes) {
     EXPECT_EQ(challenge(at(0ms)), from_hex(kChallengeDigits));
 }
 
-TEST_F(AuthenticatedLink, AnswersWithTheseBytes) {
+TEST_F(AuthenticatedLink, SendsSnapshotsWithTheseBytes) {
     ask(at(0ms));
     EXPECT_EQ(snapshot(sender_, at(2ms), 1500us), from_hex(kSnapshotDigits));
 }
@@ -113,8 +139,67 @@ TEST_F(AuthenticatedLink, PublishesWhatWasSent) {
     EXPECT_GE(frame->received, at(500us) - 30us);
 }
 
-TEST_F(AuthenticatedLink, SaysNothingBeforeAChallenge) {
+TEST_F(AuthenticatedLink, SendsNoSnapshotBeforeAChallenge) {
     EXPECT_TRUE(snapshot(sender_, at(0ms)).empty());
+}
+
+TEST_F(AuthenticatedLink, SaysHelloEach100MillisecondsUntilItIsChallengedAndAfterChallengesStop) {
+    std::vector<Duration> said;
+    HelloMessage message{};
+    for (Duration now = 0ms; now < 1000ms; now += 10ms) {
+        if (now == 250ms) {
+            ask(at(now));
+        }
+        if (sender_.write_hello(message, at(now))) {
+            said.push_back(now);
+        }
+    }
+    EXPECT_EQ(said,
+              (std::vector<Duration>{0ms, 100ms, 200ms, 460ms, 560ms, 660ms, 760ms, 860ms, 960ms}));
+}
+
+TEST_F(AuthenticatedLink, ChallengesAgainAtMostEach50MillisecondsWhileSnapshotsCount) {
+    ask(at(0ms));
+    std::vector<Duration> asked;
+    for (Duration now = 10ms; now <= 200ms; now += 10ms) {
+        EXPECT_TRUE(receiver_.next(snapshot(sender_, at(now)), at(now)));
+        const auto question = answer(receiver_, at(now));
+        if (!question.empty()) {
+            asked.push_back(now);
+            EXPECT_TRUE(sender_.hear(question, at(now)));
+        }
+    }
+    EXPECT_EQ(asked, (std::vector<Duration>{50ms, 100ms, 150ms, 200ms}));
+}
+
+TEST_F(AuthenticatedLink, AnswersOnlyWhoHasTheKey) {
+    auto forged = hello(kSession);
+    for (std::size_t bit = 0; bit < 8 * forged.size(); ++bit) {
+        forged[bit / 8] = static_cast<std::uint8_t>(forged[bit / 8] ^ 1U << bit % 8);
+        EXPECT_FALSE(receiver_.next(forged, at(0ms)));
+        EXPECT_TRUE(answer(receiver_, at(0ms)).empty()) << bit;
+        forged[bit / 8] = static_cast<std::uint8_t>(forged[bit / 8] ^ 1U << bit % 8);
+    }
+    EXPECT_EQ(refused("forged"), 8 * forged.size());
+}
+
+/// Who repeats a recorded hello can neither use up the challenges nor make the receiver flood.
+TEST_F(AuthenticatedLink, AnswersRepeatedHellosRarelyAndWithTheSameChallenge) {
+    ask(at(0ms));
+    const auto early = snapshot(sender_, at(1ms));
+    std::size_t answers = 0;
+    std::set<std::vector<std::uint8_t>> different;
+    for (Duration now = 1ms; now <= 900ms; now += 100us) {
+        const auto question = challenge(at(now));
+        if (!question.empty()) {
+            ++answers;
+            different.insert(question);
+        }
+    }
+    EXPECT_LE(answers, 450U);
+    EXPECT_GE(answers, 400U);
+    EXPECT_LE(different.size(), 18U + 1U);
+    EXPECT_TRUE(receiver_.next(early, at(901ms))) << "the first challenge still counts";
 }
 
 TEST_F(AuthenticatedLink, SaysNothingWhenChallengesStop) {
@@ -136,8 +221,9 @@ TEST_F(AuthenticatedLink, RefusesEverySnapshotWithAChangedBit) {
         EXPECT_FALSE(receiver_.next(std::span(right).first(length), at(2ms))) << length;
     }
     EXPECT_TRUE(receiver_.next(right, at(2ms)));
-    EXPECT_EQ(refused("length"), right.size());
-    EXPECT_EQ(refused("forged") + refused("no_challenge"), 8 * right.size());
+    EXPECT_EQ(refused("no_key"), right.size() - 1);
+    EXPECT_EQ(refused("forged") + refused("no_challenge"), 8 * right.size() + 1)
+        << "one length is that of a hello";
     EXPECT_EQ(refused("no_challenge"), 8U) << "the bits of the challenge's number";
 }
 
@@ -156,12 +242,44 @@ TEST_F(AuthenticatedLink, RefusesAnotherKeyAnotherLinkAndItsOwnMessages) {
     other[31] ^= 1U;
     for (const LinkMacs& wrong :
          {LinkMacs(other, kLink), LinkMacs(counted_secret(), "can 0x310 boat")}) {
-        Sender stranger(wrong, kSession);
+        Sender stranger(wrong, seed_of(kSession));
         EXPECT_FALSE(stranger.hear(challenge(at(0ms)), at(0ms)));
+        HelloMessage message{};
+        ASSERT_TRUE(stranger.write_hello(message, at(0ms)));
+        EXPECT_FALSE(receiver_.next(message, at(0ms)));
+        EXPECT_TRUE(answer(receiver_, at(10ms)).empty());
     }
-    EXPECT_FALSE(receiver_.next(challenge(at(0ms)), at(0ms))) << "reflected";
-    ask(at(0ms));
-    EXPECT_FALSE(sender_.hear(snapshot(sender_, at(1ms)), at(1ms))) << "reflected";
+    EXPECT_FALSE(receiver_.next(challenge(at(100ms)), at(100ms))) << "reflected";
+    EXPECT_FALSE(sender_.hear(hello(kSession), at(100ms))) << "reflected";
+    ask(at(200ms));
+    EXPECT_FALSE(sender_.hear(snapshot(sender_, at(201ms)), at(201ms))) << "reflected";
+}
+
+/// A recorded challenge means nothing to a sender that has started again.
+TEST_F(AuthenticatedLink, HearsNoChallengeToAnotherSession) {
+    EXPECT_FALSE(sender_.hear(challenge(at(0ms), kOtherSession), at(0ms)));
+}
+
+TEST_F(AuthenticatedLink, TakesAnOldKeyBesideTheNewOneWhileKeysAreChanged) {
+    SecretKey other = counted_secret();
+    other[0] ^= 1U;
+    const LinkMacs changed(other, kLink);
+    Receiver receiver(changed, macs(), kSeed);
+    for (const auto& [keys, session, begun] :
+         {std::tuple(macs(), kSession, 0ms), std::tuple(changed, kOtherSession, 1000ms)}) {
+        Sender sender(keys, seed_of(session));
+        HelloMessage message{};
+        ASSERT_TRUE(sender.write_hello(message, at(begun)));
+        EXPECT_FALSE(receiver.next(message, at(begun)));
+        ASSERT_TRUE(sender.hear(answer(receiver, at(begun)), at(begun)));
+        for (const Duration later : {60ms, 120ms, 180ms}) {
+            const Instant now = at(begun + later);
+            EXPECT_TRUE(receiver.next(snapshot(sender, now), now));
+            EXPECT_TRUE(sender.hear(answer(receiver, now), now)) << "asked with its own key";
+        }
+    }
+    ask(at(2000ms));
+    EXPECT_FALSE(Receiver(changed, std::nullopt, kSeed).next(hello(kSession), at(0ms)));
 }
 
 TEST_F(AuthenticatedLink, TakesEachSnapshotOnceAndNoneOutOfOrder) {
@@ -183,11 +301,9 @@ TEST_F(AuthenticatedLink, TellsTheAgeOfWhatWasDelayedOnAnyWay) {
     for (const Duration way_there : {0ms, 1ms, 40ms, 300ms}) {
         for (const Duration held : {0ms, 7ms, 250ms}) {
             for (const Duration way_back : {0ms, 1ms, 40ms, 300ms}) {
-                Receiver receiver(macs(), kLife);
-                Sender sender(macs(), kSession);
-                ChallengeMessage message{};
-                receiver.challenge(kNonce, message, at(0ms));
-                ASSERT_TRUE(sender.hear(message, at(way_there)));
+                Receiver receiver(macs(), std::nullopt, kSeed);
+                Sender sender(macs(), seed_of(kSession));
+                ASSERT_TRUE(sender.hear(challenge(receiver, at(0ms)), at(way_there)));
                 const Instant sent = at(way_there + held);
                 const auto frame = receiver.next(snapshot(sender, sent, 3ms), sent + way_back);
                 ASSERT_TRUE(frame);
@@ -220,42 +336,40 @@ TEST_F(AuthenticatedLink, RoundsAgesUpAndHeldTimesDown) {
 TEST_F(AuthenticatedLink, RefusesWhatBelongsToAnEarlierLifeOfTheReceiver) {
     ask(at(0ms));
     const auto recorded = snapshot(sender_, at(10ms));
-    Receiver again(macs(), kLife + 1);
+    Receiver again(macs(), std::nullopt, kOtherSeed);
     EXPECT_FALSE(again.next(recorded, at(20ms)));
-    ChallengeMessage message{};
-    again.challenge({1, 2, 3, 4, 5, 6, 7, 8}, message, at(20ms));
+    const auto question = challenge(again, at(20ms));
     EXPECT_FALSE(again.next(recorded, at(20ms)));
-    ASSERT_TRUE(sender_.hear(message, at(20ms)));
+    ASSERT_TRUE(sender_.hear(question, at(20ms)));
     EXPECT_TRUE(again.next(snapshot(sender_, at(21ms)), at(21ms))) << "no hand is needed";
 }
 
 TEST_F(AuthenticatedLink, GoesOnWithASenderThatStartedAgain) {
     ask(at(0ms));
     EXPECT_TRUE(receiver_.next(snapshot(sender_, at(10ms)), at(10ms)));
-    Sender again(macs(), kSession + 1);
-    ASSERT_TRUE(again.hear(challenge(at(300ms)), at(300ms)));
+    Sender again(macs(), seed_of(kOtherSession));
+    ASSERT_TRUE(again.hear(challenge(at(300ms), kOtherSession), at(300ms)));
     EXPECT_TRUE(receiver_.next(snapshot(again, at(301ms)), at(301ms)));
 }
 
 TEST_F(AuthenticatedLink, RefusesWhatASenderLeftOnTheWayBeforeItStartedAgain) {
     ask(at(0ms));
     const auto left = snapshot(sender_, at(1ms));
-    Sender again(macs(), kSession + 1);
-    ASSERT_TRUE(again.hear(challenge(at(100ms)), at(100ms)));
+    Sender again(macs(), seed_of(kOtherSession));
+    ASSERT_TRUE(again.hear(challenge(at(100ms), kOtherSession), at(100ms)));
     EXPECT_TRUE(receiver_.next(snapshot(again, at(101ms)), at(101ms)));
     EXPECT_FALSE(receiver_.next(left, at(102ms)));
     EXPECT_FALSE(receiver_.next(left, at(500ms))) << "also when the new one is silent";
 }
 
 TEST_F(AuthenticatedLink, PublishesNothingOfTwoSendersThatTakeTurns) {
-    Sender other(macs(), kSession + 1);
+    Sender other(macs(), seed_of(kOtherSession));
     std::size_t published = 0;
     for (int round = 0; round < 100; ++round) {
         const Instant now = at(round * 10ms);
         if (round % 10 == 0) {
-            const auto question = challenge(now);
-            ASSERT_TRUE(sender_.hear(question, now));
-            ASSERT_TRUE(other.hear(question, now));
+            ASSERT_TRUE(sender_.hear(challenge(now), now));
+            ASSERT_TRUE(other.hear(challenge(now + 2ms, kOtherSession), now + 2ms));
         }
         published += receiver_.next(snapshot(sender_, now), now) ? 1U : 0U;
         published += receiver_.next(snapshot(other, now + 5ms), now + 5ms) ? 1U : 0U;
@@ -266,7 +380,7 @@ TEST_F(AuthenticatedLink, PublishesNothingOfTwoSendersThatTakeTurns) {
     for (int round = 100; round < 200; ++round) {
         const Instant now = at(round * 10ms);
         if (round % 10 == 0) {
-            ASSERT_TRUE(other.hear(challenge(now), now));
+            ASSERT_TRUE(other.hear(challenge(now, kOtherSession), now));
         }
         alone += receiver_.next(snapshot(other, now), now) ? 1U : 0U;
     }
@@ -292,7 +406,16 @@ TEST_F(AuthenticatedLink, PresetsHaveNoAge) {
     const auto frame = receiver_.next(message, at(1ms));
     ASSERT_TRUE(frame);
     EXPECT_TRUE(frame->failsafe);
-    EXPECT_EQ(frame->received, Instant{});
+    EXPECT_LE(frame->received, at(1ms));
+    EXPECT_GE(frame->received, at(0ms));
+}
+
+/// The highest age stands for every greater one, too.
+TEST_F(AuthenticatedLink, ValuesThatAreTooOldToTellAreOld) {
+    ask(at(0ms));
+    const auto frame = receiver_.next(snapshot(sender_, at(1ms), 10s), at(1ms));
+    ASSERT_TRUE(frame);
+    EXPECT_LE(frame->received, at(1ms) - 655ms);
 }
 
 }  // namespace
