@@ -17,14 +17,18 @@ enum class LinkCause : std::uint8_t {
     stale,             ///< frames that no longer change
     implausible,       ///< frames with values that no transmitter sends
     channels_missing,  ///< frames that lack a channel that was present, or have no channels
+    no_key,            ///< messages, but not of a link with a key
+    forged,            ///< messages that nobody with the key has made
+    replayed,          ///< messages of the key's holder, but not new ones
+    late,              ///< frames whose values are older than the timeout when they come
 };
-inline constexpr std::size_t kLinkCauseCount = 8;
+inline constexpr std::size_t kLinkCauseCount = 12;
 
 /// Text for users, such as "radio lost".
 constexpr std::string_view name_of(LinkCause cause) {
     constexpr std::array<std::string_view, kLinkCauseCount> kNames{
-        "good",       "never seen", "wire silent", "garbled",
-        "radio lost", "stale",      "implausible", "channels missing"};
+        "good",        "never seen",       "wire silent", "garbled", "radio lost", "stale",
+        "implausible", "channels missing", "no key",      "forged",  "replayed",   "late"};
     return kNames[static_cast<std::size_t>(cause)];
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/pulse.h"
+#include "core/secret_key.h"
 #include "core/time.h"
 
 namespace tribus {
@@ -84,9 +85,6 @@ struct SettingFile {
     std::string content;
     bool operator==(const SettingFile&) const = default;
 };
-
-/// A secret that two ends share.
-using SecretKey = std::array<std::uint8_t, 32>;
 
 /// A key file that a key names, with its secret. Only the path may be shown.
 struct KeyFile {

@@ -1,6 +1,9 @@
 #include "app/appliance/appliance.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -17,13 +20,22 @@ std::string device_name(const LineConfig& config) {
     return "line " + config.name + " (" + to_text(config.place) + ")";
 }
 
+/// Without it nothing could be proved, so the program ends: a kernel that has none is broken.
+RandomSeed random_seed() {
+    RandomSeed seed{};
+    if (::getentropy(seed.data(), seed.size()) != 0) {
+        std::abort();
+    }
+    return seed;
+}
+
 }  // namespace
 
 Appliance::Appliance(Configuration configuration)
     : configuration_(std::move(configuration)),
       plans_(plan_ports(configuration_)),
       missing_(plans_.size(), false),
-      engine_(build_engine(configuration_, machine_id(), &wall_clock())) {
+      engine_(build_engine(configuration_, machine_id(), &wall_clock(), random_seed)) {
     follow_wall_clock();
     values_ = build_value_engine(configuration_, *engine_, &wall_clock());
 }

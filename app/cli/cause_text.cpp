@@ -42,6 +42,14 @@ std::string_view how_it_shows(const LinkState& state) {
             return "values that no transmitter sends";
         case LinkCause::channels_missing:
             return "channels that were there are missing";
+        case LinkCause::no_key:
+            return "messages without a key";
+        case LinkCause::forged:
+            return "messages that nobody with the key has made";
+        case LinkCause::replayed:
+            return "messages of the key's holder that are not new";
+        case LinkCause::late:
+            return "values that are too old when they come";
     }
     return "";
 }
@@ -56,6 +64,8 @@ std::string_view obstacle_text(SendObstacle obstacle) {
             return "the bus takes nothing";
         case SendObstacle::busy:
             return "the port still has earlier frames";
+        case SendObstacle::receiver:
+            return "no receiver with the same key answers";
     }
     return "";
 }

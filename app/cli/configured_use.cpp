@@ -71,6 +71,9 @@ tl::expected<ProtocolUse, std::string> configured_use(const std::string& file_an
         return Refused(fmt::format("--as {}: does not work in this direction: {}", file_and_name,
                                    mistakes.front().text));
     }
+    if (const auto refusal = refusal_of_key(*use->protocol, use->settings); !refusal.empty()) {
+        return Refused(fmt::format("--as {}: {}", file_and_name, refusal));
+    }
     return std::move(*use);
 }
 

@@ -209,6 +209,13 @@ void append_setting_options(std::vector<CommandOption>& options, SettingScope di
     }
 }
 
+std::string refusal_of_key(const Protocol& protocol, const SettingValues& settings) {
+    return protocol.link_with_key != nullptr && protocol.link_with_key(settings)
+               ? "a link with a key is only between two programs that run: who has no challenge of "
+                 "the receiver can neither read nor make its frames"
+               : "";
+}
+
 tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
                                                     SettingScope direction,
                                                     const GivenSettings& given) {
@@ -240,6 +247,9 @@ tl::expected<ProtocolUse, std::string> use_protocol(const Protocol& protocol,
     }
     if (auto mistake = mistake_between(protocol, direction, use.settings); !mistake.empty()) {
         return Refused(std::move(mistake));
+    }
+    if (const auto refusal = refusal_of_key(protocol, use.settings); !refusal.empty()) {
+        return Refused("--key: " + refusal);
     }
     use.line.baud =
         static_cast<std::uint32_t>(use.settings.get_or<std::int64_t>("baud", protocol.line.baud));

@@ -44,6 +44,9 @@ using GivenSettings = std::map<std::string, std::string, std::less<>>;
 tl::expected<SettingValue, std::string> setting_from_text(const Setting& setting,
                                                           std::string_view text);
 
+/// Why recorded frames cannot be read or made with these settings. Empty: they can.
+std::string refusal_of_key(const Protocol& protocol, const SettingValues& settings);
+
 /// Names of all protocols that can be decoded (input) or encoded: `ibus, sbus`.
 std::string protocol_list(SettingScope direction);
 /// Names of the protocols that the medium carries.

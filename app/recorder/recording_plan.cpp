@@ -65,6 +65,9 @@ RecordedPort plan_port(const Configuration& configuration, const PortPlan& plan)
     if (const auto index = first_of(stations, StationKind::value_message)) {
         port.read_file = fmt::format("values-{}.txt", name_of_message(configuration, *index));
     }
+    if (const auto index = first_of(stations, StationKind::answers)) {
+        port.written_file = fmt::format("input-{}-answers.txt", configuration.inputs[*index].name);
+    }
     if (const auto index = first_of(stations, StationKind::output)) {
         port.written_file = fmt::format("output-{}.txt", configuration.outputs[*index].name);
     }

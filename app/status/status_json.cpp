@@ -83,7 +83,9 @@ OrderedJson losses(const InputCounts& counts) {
     OrderedJson json = OrderedJson::object();
     for (std::size_t cause = 0; cause < counts.began.size(); ++cause) {
         const auto named = static_cast<LinkCause>(cause);
-        if (named != LinkCause::good && named != LinkCause::never_seen) {
+        // Those of links with a key are told once they have happened.
+        const bool usual = named <= LinkCause::channels_missing;
+        if (named > LinkCause::never_seen && (usual || counts.began[cause] != 0)) {
             json[as_word(name_of(named))] = counts.began[cause];
         }
     }
@@ -129,7 +131,7 @@ OrderedJson names_of(std::span<const std::size_t> inputs, const Configuration& c
 }
 
 OrderedJson obstacle_word(SendObstacle obstacle) {
-    constexpr std::array<std::string_view, 4> kWords{"", "device", "bus", "busy"};
+    constexpr std::array<std::string_view, 5> kWords{"", "device", "bus", "busy", "receiver"};
     return obstacle == SendObstacle::none ? OrderedJson()
                                           : OrderedJson(kWords[static_cast<std::size_t>(obstacle)]);
 }

@@ -58,8 +58,11 @@ tl::unexpected<std::string> at_place(const Configuration& configuration, Locatio
         fmt::format("{}:{}:{}: {}", configuration.file, where.line, where.column, error));
 }
 
-AnyDecoder make_decoder(const InputConfig& input, const WallClock* clock) {
+AnyDecoder make_decoder(const InputConfig& input, const WallClock* clock, RandomSeed (*random)()) {
     AnyDecoder decoder = input.protocol->make_decoder(input.settings);
+    if (random != nullptr) {
+        std::visit([random](const auto& any) { any->use_seed(random()); }, decoder);
+    }
     auto* const bytes = std::get_if<std::unique_ptr<ByteDecoder>>(&decoder);
     if (clock != nullptr && bytes != nullptr) {
         (*bytes)->use_clock(*clock);
@@ -67,8 +70,12 @@ AnyDecoder make_decoder(const InputConfig& input, const WallClock* clock) {
     return decoder;
 }
 
-AnyEncoder make_encoder(const OutputConfig& output, const WallClock* clock) {
+AnyEncoder make_encoder(const OutputConfig& output, const WallClock* clock,
+                        RandomSeed (*random)()) {
     AnyEncoder encoder = output.protocol->make_encoder(output.settings);
+    if (random != nullptr) {
+        std::visit([random](const auto& any) { any->use_seed(random()); }, encoder);
+    }
     if (clock != nullptr) {
         std::visit([clock](const auto& any) { any->use_clock(*clock); }, encoder);
     }
@@ -78,12 +85,12 @@ AnyEncoder make_encoder(const OutputConfig& output, const WallClock* clock) {
 }  // namespace
 
 std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine,
-                                     const WallClock* clock) {
+                                     const WallClock* clock, RandomSeed (*random)()) {
     std::vector<NodePlan> nodes = plan_nodes(configuration, machine);
     std::vector<InputSettings> inputs;
     for (const InputConfig& input : configuration.inputs) {
         inputs.push_back({.name = input.name,
-                          .decoder = make_decoder(input, clock),
+                          .decoder = make_decoder(input, clock, random),
                           .byte_time = byte_time_of(input.port),
                           .supervision = input.supervision,
                           .channels = input.channels});
@@ -92,10 +99,12 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
     for (const OutputConfig& output : configuration.outputs) {
         outputs.push_back(
             {.name = output.name,
-             .encoder = make_encoder(output, clock),
+             .encoder = make_encoder(output, clock, random),
              .node = output.protocol == &kDroneCanProtocol ? node_on(nodes, output.port.device)
                                                            : std::nullopt,
-             .yield_to_foreign_sender = output.foreign_sender == ForeignSender::failsafe,
+             // Frames of others say nothing of a link with a key, but could stop it.
+             .yield_to_foreign_sender =
+                 output.foreign_sender == ForeignSender::failsafe && !link_with_key(output),
              .schedule = output.schedule,
              .least_asked_period = frame_time(output),
              .selection = {},
@@ -141,13 +150,17 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
         return plan;
     };
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
-        add(StationKind::input, i, configuration.inputs[i].port);
+        const InputConfig& input = configuration.inputs[i];
+        add(StationKind::input, i, input.port);
+        if (link_with_key(input)) {
+            add(StationKind::answers, i, input.port).wiring.answers = true;
+        }
     }
     for (std::size_t i = 0; i < configuration.outputs.size(); ++i) {
         const OutputConfig& output = configuration.outputs[i];
         PortPlan& plan = add(StationKind::output, i, output.port);
         plan.period = output.port.medium->has_period ? output.schedule.period : Duration{};
-        if (is_timed_by_receiver(output) || hears_effect(output)) {
+        if (is_timed_by_receiver(output) || hears_effect(output) || link_with_key(output)) {
             add(StationKind::replies, i, output.port);
         }
     }

@@ -10,6 +10,7 @@
 
 #include "config/build/dronecan.h"
 #include "config/schema/schema.h"
+#include "core/random_seed.h"
 #include "core/wall_clock.h"
 #include "pipelines/engine/engine.h"
 #include "pipelines/realtime/gpio_thread.h"
@@ -31,8 +32,10 @@ struct PortPlan {
 
 /// Builds the engine of a configuration. Opens nothing. `clock`, if any, must outlive the codecs of
 /// the engine, which a reload hands on to the next one.
+/// `random` gives another seed at each call; without it all seeds are zeros, for simulations.
 std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine = {},
-                                     const WallClock* clock = nullptr);
+                                     const WallClock* clock = nullptr,
+                                     RandomSeed (*random)() = nullptr);
 
 /// Builds the value engine: named values and sensor buses. Null if nothing needs it. Outputs of
 /// `engine` that send values read them from it, so it must outlive `engine`. Opens nothing.

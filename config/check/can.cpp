@@ -39,6 +39,10 @@ std::vector<CanUse> can_uses(const Draft& draft) {
             const auto decoder = make_can_decoder(*input.config.protocol, input.config.settings);
             uses.push_back(
                 {"input", input.config.name, &input.config.port, copy(decoder->wanted()), false});
+            if (!decoder->answered().empty()) {
+                uses.push_back({"input", input.config.name, &input.config.port,
+                                copy(decoder->answered()), true});
+            }
         }
     }
     for (const OutputDraft& output : draft.outputs) {

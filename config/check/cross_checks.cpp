@@ -10,6 +10,7 @@
 #include "config/check/can.h"
 #include "config/check/dronecan.h"
 #include "config/check/lines.h"
+#include "config/check/links.h"
 #include "config/check/values.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
@@ -212,6 +213,7 @@ void check_cycle(const InputDraft& input, Mistakes& mistakes) {
 void check_across(const Draft& draft, Reading reading) {
     check_devices(draft, reading.mistakes);
     check_can_ids(draft, reading.mistakes);
+    check_links(draft, reading.mistakes);
     check_dronecan(draft, reading.mistakes);
     check_values(draft, reading);
     const bool only_values = draft.inputs.empty() && carries_values(draft);

@@ -16,7 +16,7 @@
 namespace tribus {
 namespace {
 
-constexpr std::size_t kSecretBytes = std::tuple_size_v<SecretKey>;
+constexpr std::size_t kSecretBytes = kSecretKeyBytes;
 constexpr std::size_t kSecretDigits = 2 * kSecretBytes;
 /// More than a key file has, its end of line included.
 constexpr std::size_t kMostKeyFileBytes = kSecretDigits + 3;

@@ -145,29 +145,35 @@ PortConfig port_config(const PortKeys& port, const TableContent& content) {
     return config;
 }
 
-/// Runs the medium's own check if the place and each key of the medium are valid.
-bool check_by_medium(const PortConfig& port, SettingScope scope, const TableContent& content,
-                     Mistakes& mistakes) {
+/// Runs the medium's own check if the place and each key of the medium are valid. A link with a key
+/// may be public.
+bool check_by_medium(const PortConfig& port, bool with_key, SettingScope scope,
+                     const TableContent& content, Mistakes& mistakes) {
     const bool sound = std::ranges::all_of(
         port.medium->settings, [&](const Setting& setting) { return content.sound(setting.key); });
     if (!sound || port.medium->check == nullptr) {
         return sound;
     }
-    const auto found = port.medium->check(port.device, port.settings, scope);
+    SettingValues settings;
+    for (const auto& [key, value] : port.settings) {
+        settings.set(key,
+                     key == "public" ? SettingValue(with_key || std::get<bool>(value)) : value);
+    }
+    const auto found = port.medium->check(port.device, settings, scope);
     for (const SettingMistake& mistake : found) {
         mistakes.add(where_of(mistake.path, content), mistake.text);
     }
     return found.empty();
 }
 
-bool port_sound(const PortConfig& port, SettingScope scope, const TableContent& content,
-                Mistakes& mistakes) {
+bool port_sound(const PortConfig& port, bool with_key, SettingScope scope,
+                const TableContent& content, Mistakes& mistakes) {
     if (port.medium == nullptr) {
         return false;
     }
     const std::string_view place = port.medium->place.key;
     return content.given(place) && content.sound(place) && content.sound("baud") &&
-           content.sound("protocol") && check_by_medium(port, scope, content, mistakes);
+           content.sound("protocol") && check_by_medium(port, with_key, scope, content, mistakes);
 }
 
 /// `most`: upper limit of the protocol with its settings, if they are valid.
@@ -246,7 +252,8 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
     }
     draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, mistakes);
     draft.config.port = port_config(port, content);
-    draft.port_sound = port_sound(draft.config.port, scope, content, mistakes);
+    const bool with_key = draft.settings_sound && link_with_key(draft.config).has_value();
+    draft.port_sound = port_sound(draft.config.port, with_key, scope, content, mistakes);
 }
 
 void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {

@@ -114,6 +114,13 @@ inline bool is_timed_by_receiver(const OutputConfig& output) {
            output.protocol->is_timed_by_receiver(output.settings);
 }
 
+/// The link of an input or output whose messages are proved by a key. Nothing for others.
+template <class Part>
+std::optional<LinkWithKey> link_with_key(const Part& part) {
+    return part.protocol->link_with_key != nullptr ? part.protocol->link_with_key(part.settings)
+                                                   : std::nullopt;
+}
+
 /// [pipeline.NAME].
 struct PipelineConfig {
     std::string name;

@@ -57,6 +57,12 @@ class Engine {
         outputs_[output].hear(bytes, now);
         due_[output] = outputs_[output].due();
     }
+    /// The same for a CAN frame that arrived at `at`.
+    void hear(std::size_t output, const CanFrame& frame, Instant at) {
+        outputs_[output].hear(frame, at);
+    }
+    /// What one input answers to the sender of what it received last.
+    Transmission answer(std::size_t input, Instant now) { return inputs_[input].answer(now); }
     /// Tells one output that bytes are missing behind those it heard so far.
     void forget_heard(std::size_t output) { outputs_[output].forget_heard(); }
     /// The device of one input is gone.

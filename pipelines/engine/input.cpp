@@ -12,6 +12,7 @@ Input::Input(InputSettings settings, std::uint8_t index)
       index_(index),
       supervisor_(std::move(settings.supervision)),
       ongoing_{.pauses = LinePauses(settings.byte_time)} {
+    supervisor_.ask(decoder());
     if (!settings.channels.empty()) {
         map_.emplace(settings.channels);
     }
@@ -23,6 +24,7 @@ void Input::continue_from(Input& before, bool same_channels, Instant now) {
     ongoing_.latest.source = index_;
     mapped_ = before.control();
     supervisor_.continue_from(before.supervisor_, now);
+    supervisor_.ask(decoder());
     looked_at_ = kNever;
     if (same_channels) {
         std::swap(map_, before.map_);
@@ -54,7 +56,7 @@ bool Input::pause(Instant now) {
 void Input::take_decoded(Instant now) {
     ongoing_.pauses.frame_came(decoded_.first_byte, decoded_.length);
     const Instant arrival = ongoing_.read_times.of(decoded_.first_byte + decoded_.length - 1);
-    decoded_.channels.received = arrival;
+    decoded_.channels.received = arrival - byte_decoder().age();
     take(decoded_.channels, arrival, now);
 }
 
@@ -77,7 +79,7 @@ bool Input::receive(const CanFrame& frame, Instant at) {
         return false;
     }
     count_bytes(frame.length, at);
-    const auto snapshot = can_decoder()->next(frame, at);
+    auto snapshot = can_decoder()->next(frame, at);
     if (snapshot) {
         take(*snapshot, at, at);
     }
@@ -86,6 +88,15 @@ bool Input::receive(const CanFrame& frame, Instant at) {
 
 std::span<const CanIdMatch> Input::wanted_ids() const {
     return on_can() ? can_decoder()->wanted() : std::span<const CanIdMatch>{};
+}
+
+std::span<const CanIdMatch> Input::answered_ids() const {
+    return on_can() ? can_decoder()->answered() : std::span<const CanIdMatch>{};
+}
+
+Transmission Input::answer(Instant now) {
+    return std::visit([now](auto& decoder) { return Transmission(decoder->answer(now)); },
+                      decoder_);
 }
 
 const DecoderReport& Input::decoder() const {
@@ -102,7 +113,7 @@ void Input::judge(Instant now) {
     ongoing_.state = fresh;
 }
 
-void Input::take(ChannelFrame frame, Instant arrival, Instant now) {
+void Input::take(ChannelFrame& frame, Instant arrival, Instant now) {
     frame.source = index_;
     frame.sequence = ongoing_.latest.sequence + 1;
     ++ongoing_.counts.frames;

@@ -23,6 +23,7 @@
 #include "transports/codecs/line_pauses.h"
 #include "transports/codecs/protocol.h"
 #include "transports/codecs/read_times.h"
+#include "transports/codecs/transmission.h"
 #include "transports/codecs/undamaged_parts.h"
 
 namespace tribus {
@@ -81,6 +82,9 @@ class Input {
     /// Ends the frame received in part: no byte of it will follow. Returns true if the end
     /// completed a frame.
     bool datagram_ended(Instant now) { return pause(now); }
+    /// What its protocol answers at `now` to the sender of what was received last. Empty: nothing.
+    /// Valid until the next call.
+    Transmission answer(Instant now);
     /// Discards a frame received in part and counts the loss of the device.
     void device_lost();
     /// Call after the caller did not read from `since` to `now`. Before, pass the waiting bytes to
@@ -116,6 +120,8 @@ class Input {
     const DecoderReport& decoder() const;
     /// The CAN ids that it receives. Empty if it is not on CAN.
     std::span<const CanIdMatch> wanted_ids() const;
+    /// The CAN ids with which it answers.
+    std::span<const CanIdMatch> answered_ids() const;
     bool on_can() const { return can_decoder() != nullptr; }
     bool uses_fd() const { return on_can() && can_decoder()->uses_fd(); }
     const std::string& name() const { return name_; }
@@ -157,8 +163,9 @@ class Input {
     bool decode(std::span<const std::uint8_t> bytes, Instant now);
     void take_decoded(Instant now);
     void judge(Instant now);
-    /// Takes a frame that arrived at `arrival`, not later than `now`.
-    void take(ChannelFrame frame, Instant arrival, Instant now);
+    /// Takes a frame that arrived at `arrival`, not later than `now`. Changes its flags, as
+    /// LinkSupervisor::take.
+    void take(ChannelFrame& frame, Instant arrival, Instant now);
 
     std::string name_;
     AnyDecoder decoder_;

@@ -27,7 +27,8 @@ Output::Output(OutputSettings settings)
       map_(settings.channels),
       mapped_channels_(settings.mapped_channels),
       failsafe_(settings.failsafe),
-      least_asked_period_(settings.least_asked_period) {}
+      least_asked_period_(settings.least_asked_period),
+      needs_receiver_(encoder_.encoder().needs_receiver()) {}
 
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
     const bool standby = ongoing_.stage == OutputStage::control && index != selector_.current();
@@ -242,6 +243,17 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
     map_.restart_from(frame, now);
 }
 
+/// Without a receiver no channels leave, whatever the link hands over.
+[[gnu::noinline]] void Output::look_for_receiver() {
+    if (!ongoing_.made_frame) {
+        return;
+    }
+    ongoing_.made_frame = encoder_.encoder().has_receiver();
+    if (!ongoing_.made_frame && ongoing_.obstacle != SendObstacle::device) {
+        ongoing_.obstacle = SendObstacle::receiver;
+    }
+}
+
 void Output::run(Instant now, std::span<const Input> inputs) {
     ChannelFrame frame;
     valid_until_ = kNever;
@@ -266,6 +278,9 @@ void Output::run(Instant now, std::span<const Input> inputs) {
     if (!ongoing_.made_frame && ongoing_.obstacle != SendObstacle::device) {
         // A silent output cannot find out whether the obstacle has gone.
         ongoing_.obstacle = SendObstacle::none;
+    }
+    if (needs_receiver_) {
+        look_for_receiver();
     }
     schedule_.done(now, ongoing_.made_frame, valid_until_);
 }

@@ -61,9 +61,10 @@ enum class OutputStage : std::uint8_t {
 /// Why an output's frames do not leave.
 enum class SendObstacle : std::uint8_t {
     none,
-    device,  ///< the device or interface is gone
-    bus,     ///< the bus is down, off, or no node acknowledges
-    busy,    ///< many frames in a row find the frame before still waiting
+    device,    ///< the device or interface is gone
+    bus,       ///< the bus is down, off, or no node acknowledges
+    busy,      ///< many frames in a row find the frame before still waiting
+    receiver,  ///< no receiver with the same key answers
 };
 
 /// What an output does and by which input, for status and log.
@@ -126,6 +127,10 @@ class Output {
     void set_period(Duration period) { schedule_.set_period(period); }
     /// Takes undamaged bytes that came back on its line, read at `now`. They may ask for a timing.
     void hear(std::span<const std::uint8_t> bytes, Instant now);
+    /// Takes a CAN frame that arrived at `at`, which may be an answer to its frames.
+    void hear(const CanFrame& frame, Instant at) { encoder_.hear(frame, at); }
+    /// The CAN ids of answers to its frames.
+    std::span<const CanIdMatch> heard_ids() const { return encoder_.heard(); }
     /// Tells it that bytes are missing behind those it heard so far.
     void forget_heard() { encoder_.forget_heard(); }
     /// A frame of input `index`, one of `inputs()`, has arrived.
@@ -219,6 +224,7 @@ class Output {
     bool make_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
     bool make_control_frame(ChannelFrame& frame, Instant now);
     bool make_failsafe_frame(ChannelFrame& frame, Instant now);
+    void look_for_receiver();
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
     void take_up_channels();
@@ -242,6 +248,7 @@ class Output {
     /// Limits of a period that the receiver asks for. Two of them: a size of this class that is a
     /// multiple of 512 costs an instruction for each index into the list of outputs.
     Duration least_asked_period_;
+    bool needs_receiver_;
     Duration most_asked_period_ = OutputSettings::kMostAskedPeriod;
 };
 

@@ -37,6 +37,8 @@ struct PortWiring {
     Duration byte_time{};
     /// Each read is a datagram: no frame goes on beyond it.
     bool has_datagrams = false;
+    /// One of the stations answers what it receives.
+    bool answers = false;
     /// Records all that passes, with the same times that the engine gets. Null: nothing is
     /// recorded. Must outlive the loop.
     CaptureRing* capture = nullptr;
@@ -225,6 +227,8 @@ class Loop {
     void read_quiet_ports(Instant now);
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
+    void answer(const PortWiring& wiring, Link& link, Instant now);
+    bool end_datagram(const PortWiring& wiring, Instant at);
     bool hand_on_bytes(const PortWiring& wiring, Instant at);
     void hand_on_can(const PortWiring& wiring);
     void end_quiet(Port& port);
@@ -235,7 +239,7 @@ class Loop {
     void send(Station station, const Transmission& sent, Instant now);
     WriteStatus hand_over(Link& link, std::size_t lane, const Transmission& sent,
                           Duration valid_for, Instant now);
-    static void capture(const Port& port, const Transmission& sent, Instant at);
+    static void capture(const PortWiring& wiring, const Transmission& sent, Instant at);
     void note_sent(std::size_t output, Instant now);
     /// Returns when to call `poll` of the links again.
     Instant poll_can_links(Instant now);

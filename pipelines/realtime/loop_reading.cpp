@@ -33,17 +33,48 @@ bool Loop::hand_on_bytes(const PortWiring& wiring, Instant at) {
     bool frame_came = false;
     const bool clean = reception_.damaged.none();
     for (const Station& station : wiring.stations) {
-        bool came = clean ? stations_.receive(station, reception_.view(), at)
-                          : stations_.receive(station, reception_.view(), reception_.damaged, at);
-        came = (wiring.has_datagrams && !reception_.goes_on &&
-                stations_.datagram_ended(station, at)) ||
-               came;
+        const bool came =
+            clean ? stations_.receive(station, reception_.view(), at)
+                  : stations_.receive(station, reception_.view(), reception_.damaged, at);
         if (came) {
             note_frame(station.index, at);
             frame_came = true;
         }
     }
+    if (wiring.has_datagrams && !reception_.goes_on) {
+        frame_came = end_datagram(wiring, at) || frame_came;
+    }
     return frame_came;
+}
+
+/// Returns whether the end completed a frame.
+bool Loop::end_datagram(const PortWiring& wiring, Instant at) {
+    bool frame_came = false;
+    for (const Station& station : wiring.stations) {
+        if (stations_.datagram_ended(station, at)) {
+            note_frame(station.index, at);
+            frame_came = true;
+        }
+    }
+    return frame_came;
+}
+
+/// At once, because a datagram link answers the sender of the latest datagram.
+[[gnu::noinline]] void Loop::answer(const PortWiring& wiring, Link& link, Instant now) {
+    for (const Station& station : wiring.stations) {
+        if (station.kind != StationKind::answers) {
+            continue;
+        }
+        const Transmission sent = stations_.answer(station, now);
+        if (sent.empty()) {
+            continue;
+        }
+        const auto lane = routes_[static_cast<std::size_t>(station.kind)][station.index].lane;
+        const WriteStatus status = hand_over(link, lane, sent, Duration::max(), now);
+        if (status == WriteStatus::written && wiring.capture != nullptr) {
+            capture(wiring, sent, clock_);
+        }
+    }
 }
 
 /// More than one read is needed only after a delay. Then the newest frame counts.
@@ -61,6 +92,9 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
         }
         bytes += reception_.count;
         frame_came = hand_on_bytes(port.wiring, now) || frame_came;
+        if (port.wiring.answers && !reception_.goes_on) {
+            answer(port.wiring, link, now);
+        }
     }
     if (bytes == 0) {
         return status;
@@ -94,6 +128,9 @@ void Loop::hand_on_can(const PortWiring& wiring) {
     for (int reads = 0; reads < kMostReads && can_reception_.full; ++reads) {
         status = link.read(can_reception_, now, wall_time_now());
         hand_on_can(wiring);
+    }
+    if (wiring.answers && status != ReadStatus::lost) {
+        answer(wiring, link, now);
     }
     return status;
 }

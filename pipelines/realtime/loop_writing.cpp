@@ -20,10 +20,11 @@ WriteStatus Loop::hand_over(Link& link, std::size_t lane, const Transmission& se
                             : link.as_can()->write(lane, sent.can_frames(), clock_);
 }
 
-[[gnu::noinline]] void Loop::capture(const Port& port, const Transmission& sent, Instant at) {
-    port.wiring.capture->record(sent.bytes(), at);
+[[gnu::noinline]] void Loop::capture(const PortWiring& wiring, const Transmission& sent,
+                                     Instant at) {
+    wiring.capture->record(sent.bytes(), at);
     for (const CanFrame& frame : sent.can_frames()) {
-        port.wiring.capture->record(Direction::written, frame, at);
+        wiring.capture->record(Direction::written, frame, at);
     }
 }
 
@@ -53,7 +54,7 @@ void Loop::send(Station station, const Transmission& sent, Instant now) {
             note_sent(station.index, now);
         }
         if (port.wiring.capture != nullptr) {
-            capture(port, sent, clock_);
+            capture(port.wiring, sent, clock_);
         }
     } else if (status == WriteStatus::lost && port.link) {
         lose(port);

@@ -220,7 +220,8 @@ LinkState LinkSupervisor::state_without_frames(Instant now) const {
         return {};
     }
     if (now - latest_bytes_ < settings_.timeout) {
-        return {LinkCause::garbled, RadioLossSign::none,
+        return {decoder_ != nullptr ? decoder_->why_garbled() : LinkCause::garbled,
+                RadioLossSign::none,
                 ever_frame_ ? std::max(bytes_since_, latest_frame_) : bytes_since_};
     }
     return {LinkCause::wire_silent, RadioLossSign::none, latest_bytes_};
@@ -247,7 +248,8 @@ LinkState LinkSupervisor::state(Instant now) const {
     if (latest_kind_ == Kind::frame_lost && !frozen) {
         return {LinkCause::radio_lost, RadioLossSign::frame_lost_run, kind_since_};
     }
-    return {LinkCause::stale, RadioLossSign::none, unchanged_since_};
+    return frozen ? LinkState{LinkCause::stale, RadioLossSign::none, unchanged_since_}
+                  : LinkState{LinkCause::late, RadioLossSign::none, expires_};
 }
 
 void LinkSupervisor::bytes_came(Instant now) {

@@ -12,6 +12,7 @@
 #include "core/time.h"
 #include "pipelines/rules/channel_lanes.h"
 #include "pipelines/rules/settings.h"
+#include "transports/codecs/codec.h"
 
 namespace tribus {
 
@@ -29,6 +30,8 @@ struct LinkState {
 class LinkSupervisor {
   public:
     explicit LinkSupervisor(SupervisionSettings settings);
+    /// `decoder` knows more of bytes that are no frames. It must outlive this.
+    void ask(const DecoderReport& decoder) { decoder_ = &decoder; }
 
     /// Takes over the state of `before` at `now` and judges by its own settings. `before` is
     /// unusable afterwards. A shorter timeout applies at once, a longer one from the next good
@@ -98,6 +101,7 @@ class LinkSupervisor {
     static constexpr std::size_t kRatioFrames = 100;
 
     SupervisionSettings settings_;
+    const DecoderReport* decoder_ = nullptr;
     ChannelFrame good_;
     ChannelFrame unchanged_;
     std::bitset<kRatioFrames> lost_marks_;

@@ -16,8 +16,9 @@ enum class StationKind : std::uint8_t {
     sensor_bus,
     value_message,  ///< reads named values from messages
     replies,        ///< hears for an output what comes back on its line; the index is the output's
+    answers,        ///< sends for an input what it answers; the index is the input's
 };
-inline constexpr std::size_t kStationKinds = 6;
+inline constexpr std::size_t kStationKinds = 7;
 
 /// One part of a configuration that sits on a port. A serial device may have an input and an
 /// output, a CAN interface many of each.
@@ -49,7 +50,7 @@ constexpr bool wants_bytes(std::span<const Station> stations) {
 /// Whether it may have something to send.
 constexpr bool sends(const Station& station) {
     return station.kind == StationKind::output || station.kind == StationKind::dronecan_node ||
-           station.kind == StationKind::sensor_bus;
+           station.kind == StationKind::sensor_bus || station.kind == StationKind::answers;
 }
 
 }  // namespace tribus

@@ -81,8 +81,11 @@ bool Stations::receive(Station station, const CanFrame& frame, Instant at) {
         case StationKind::value_message:
             values_->receive(station.index, frame, at);
             break;
-        case StationKind::sensor_bus:
         case StationKind::replies:
+            engine_->hear(station.index, frame, at);
+            break;
+        case StationKind::sensor_bus:
+        case StationKind::answers:
             break;
     }
     return false;
@@ -155,6 +158,7 @@ Transmission Stations::take_from_other(Station station, Instant now) {
         case StationKind::output:
         case StationKind::value_message:
         case StationKind::replies:
+        case StationKind::answers:
             break;
     }
     return {};
@@ -186,8 +190,11 @@ bool Stations::on_can(Station station) const {
             return true;
         case StationKind::value_message:
             return values_->on_can(station.index);
-        case StationKind::sensor_bus:
         case StationKind::replies:
+            return engine_->outputs()[station.index].on_can();
+        case StationKind::answers:
+            return engine_->inputs()[station.index].on_can();
+        case StationKind::sensor_bus:
             break;
     }
     return false;
@@ -204,6 +211,7 @@ bool Stations::uses_fd(Station station) const {
         case StationKind::dronecan_node:
         case StationKind::sensor_bus:
         case StationKind::replies:
+        case StationKind::answers:
             break;
     }
     return false;
@@ -217,15 +225,20 @@ std::span<const CanIdMatch> Stations::wanted_ids(Station station) const {
             return engine_->node(station.index).wanted();
         case StationKind::value_message:
             return values_->wanted_ids(station.index);
+        case StationKind::replies:
+            return engine_->outputs()[station.index].heard_ids();
         case StationKind::output:
         case StationKind::sensor_bus:
-        case StationKind::replies:
+        case StationKind::answers:
             break;
     }
     return {};
 }
 
 std::span<const CanIdMatch> Stations::sent_ids(Station station) const {
+    if (station.kind == StationKind::answers) {
+        return engine_->inputs()[station.index].answered_ids();
+    }
     return station.kind == StationKind::output ? engine_->outputs()[station.index].sent_ids()
                                                : std::span<const CanIdMatch>();
 }

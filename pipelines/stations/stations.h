@@ -125,6 +125,13 @@ class Stations {
         }
     }
 
+    /// What a station of kind `answers` sends at `now` to the sender of what was received last.
+    /// Call it after `receive`, before anything else is received from the same port. Empty if there
+    /// is nothing. Valid until the next call.
+    Transmission answer(Station station, Instant now) {
+        return engine_->answer(station.index, now);
+    }
+
     bool on_can(Station station) const;
     /// Whether it needs CAN FD.
     bool uses_fd(Station station) const;

@@ -1,7 +1,3 @@
-#include <arpa/inet.h>
-#include <poll.h>
-#include <sys/socket.h>
-
 #include <csignal>
 #include <cstdint>
 #include <ctime>
@@ -12,56 +8,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/loopback/loopback.h"
+#include "tests/loopback/udp_socket.h"
 #include "tests/reference/plain_ibus.h"
 #include "tests/support/ibus_frames.h"
-#include "transports/links/unique_fd.h"
 
 /// The program between two UDP addresses of this machine, read by a plain socket.
 namespace tribus::test::udp_test {
 namespace {
-
-/// A UDP socket on this machine, with a port that the kernel chose.
-class Socket {
-  public:
-    Socket() : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {
-        sockaddr_in address = local(0);
-        EXPECT_EQ(::bind(fd_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-        socklen_t size = sizeof address;
-        ::getsockname(fd_.get(), reinterpret_cast<sockaddr*>(&address), &size);
-        port_ = ntohs(address.sin_port);
-    }
-    std::uint16_t port() const { return port_; }
-    void send_to(std::uint16_t port, const Bytes& bytes) const {
-        const sockaddr_in address = local(port);
-        ::sendto(fd_.get(), bytes.data(), bytes.size(), 0,
-                 reinterpret_cast<const sockaddr*>(&address), sizeof address);
-    }
-    /// The next datagram, if one waits.
-    std::optional<Bytes> receive() const {
-        Bytes bytes(1000);
-        const ssize_t length = ::recv(fd_.get(), bytes.data(), bytes.size(), 0);
-        if (length < 0) {
-            return std::nullopt;
-        }
-        bytes.resize(static_cast<std::size_t>(length));
-        return bytes;
-    }
-
-  private:
-    static sockaddr_in local(std::uint16_t port) {
-        sockaddr_in address{};
-        address.sin_family = AF_INET;
-        address.sin_port = htons(port);
-        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-        return address;
-    }
-    UniqueFd fd_;
-    std::uint16_t port_ = 0;
-};
-
-std::uint16_t free_port() {
-    return Socket().port();
-}
 
 class Udp : public Loopback {
   protected:
@@ -85,9 +38,9 @@ class Udp : public Loopback {
         });
     }
 
-    Socket sender_;
-    Socket servos_;
-    std::uint16_t in_ = free_port();
+    UdpSocket sender_;
+    UdpSocket servos_;
+    std::uint16_t in_ = free_udp_port();
 };
 
 TEST_F(Udp, ADatagramIsAFrameInBothDirections) {

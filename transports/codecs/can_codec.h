@@ -7,6 +7,7 @@
 
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
+#include "core/random_seed.h"
 #include "core/time.h"
 #include "transports/codecs/codec.h"
 
@@ -25,6 +26,15 @@ class CanDecoder : public DecoderReport {
     /// snapshot that the frame completes, if any. `received` of the snapshot is when its values
     /// were fresh: the arrival, or earlier if the sender gives their age.
     virtual std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) = 0;
+
+    /// Gives random bytes, for protocols with challenges. Call at the start, before the first
+    /// `next`.
+    virtual void use_seed(const RandomSeed& /*seed*/) {}
+    /// The ids with which it answers. Constant.
+    virtual std::span<const CanIdMatch> answered() const { return {}; }
+    /// What is sent at `now` to the senders of the frames that were taken. Empty: nothing. Valid
+    /// until the next call.
+    virtual std::span<const CanFrame> answer(Instant /*now*/) { return {}; }
 };
 
 /// For protocols on CAN.
@@ -34,6 +44,10 @@ class CanEncoder : public Encoder {
     /// they are sent, from which the age of the values follows in formats that carry it.
     virtual std::size_t write(const ChannelFrame& snapshot,
                               std::span<CanFrame, kMostSnapshotFrames> frames, Instant now) = 0;
+    /// The ids of answers to its frames. Constant.
+    virtual std::span<const CanIdMatch> heard() const { return {}; }
+    /// Takes a frame that arrived at `received`; frames with other ids are ignored.
+    virtual void hear(const CanFrame& /*frame*/, Instant /*received*/) {}
 };
 
 }  // namespace tribus

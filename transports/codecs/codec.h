@@ -8,6 +8,8 @@
 
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
+#include "core/link_cause.h"
+#include "core/random_seed.h"
 #include "core/time.h"
 #include "transports/codecs/line_buffer.h"
 
@@ -71,6 +73,9 @@ class DecoderReport {
     /// Whether the arrivals show two senders of one id whose content does not tell them apart, so
     /// that the received frames are a mixture.
     virtual bool two_senders() const { return false; }
+    /// What bytes are of which no frame counts: `garbled`, or what a protocol with a key knows of
+    /// them.
+    virtual LinkCause why_garbled() const { return LinkCause::garbled; }
     /// The latest statistics of the radio link. Null if the protocol has none, or before the first.
     virtual const RadioStatistics* radio_statistics() const { return nullptr; }
 };
@@ -103,6 +108,9 @@ class ByteDecoder : public DecoderReport {
     /// its arrival, if the pause shows that bytes before it are a frame; call until it returns
     /// false, and only between calls of `next`.
     virtual bool silence(DecodedFrame& frame) = 0;
+    /// How old the values of the frame that was returned last are when its bytes arrive. Zero if the
+    /// format does not tell it.
+    Duration age() const { return age_; }
     /// Number of bytes that wait for others to be decided. A pause now would cut them off.
     std::size_t waiting() const { return buffer_.size(); }
 
@@ -115,6 +123,12 @@ class ByteDecoder : public DecoderReport {
     /// Gives the time of day, by which it judges whether signed frames are old. Call at the start,
     /// before the first `next`. Must outlive the decoder.
     virtual void use_clock(const WallClock& /*clock*/) {}
+    /// Gives random bytes, for protocols with challenges. Call at the start, before the first
+    /// `next`.
+    virtual void use_seed(const RandomSeed& /*seed*/) {}
+    /// What is sent at `now` to the sender of the datagram that was taken last. Empty: nothing.
+    /// Valid until the next call. Only protocols with Protocol::link_with_key answer.
+    virtual std::span<const std::uint8_t> answer(Instant /*now*/) { return {}; }
 
   protected:
     /// Bytes that were removed from the front of a read, and whether they completed a frame.
@@ -124,6 +138,7 @@ class ByteDecoder : public DecoderReport {
     };
 
     LineBuffer buffer_;
+    Duration age_{};
 
   private:
     /// Like `next`, for bytes that decide something together with those in the buffer.
@@ -166,12 +181,19 @@ class Encoder {
     /// Gives the time of day, for signatures. Call at the start, before the first `write`. Must
     /// outlive the encoder.
     virtual void use_clock(const WallClock& /*clock*/) {}
+    /// Gives random bytes, for protocols with challenges. Call at the start, before the first
+    /// `write`.
+    virtual void use_seed(const RandomSeed& /*seed*/) {}
     /// Continues where `before`, an encoder of the same protocol and settings, ended, so that
     /// receivers see one sender.
     virtual void continue_from(const Encoder& /*before*/) {}
 
     /// What was heard of the receiver.
     virtual Answers answers() const { return {}; }
+    /// Whether it sends channels only to a receiver that answers. Constant.
+    virtual bool needs_receiver() const { return false; }
+    /// Whether the latest `write` had channels in it, and not only a question for the receiver.
+    virtual bool has_receiver() const { return true; }
 
     /// CAN: whether some of its frames are FD. Constant.
     virtual bool uses_fd() const { return false; }

@@ -15,37 +15,12 @@
 #include "core/time.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
+#include "transports/codecs/transmission.h"
 
 namespace tribus {
 
 /// An encoder, by what leaves it.
 using AnyEncoder = std::variant<std::unique_ptr<ByteEncoder>, std::unique_ptr<CanEncoder>>;
-
-/// What an encoder hands to a link: the bytes of one frame, or CAN frames in sending order. Empty:
-/// nothing to send.
-class Transmission {
-  public:
-    Transmission() = default;
-    explicit Transmission(std::span<const std::uint8_t> bytes) : content_(bytes) {}
-    explicit Transmission(std::span<const CanFrame> frames) : content_(frames) {}
-
-    bool empty() const {
-        return std::visit([](const auto& content) { return content.empty(); }, content_);
-    }
-    /// Empty if it is CAN frames.
-    std::span<const std::uint8_t> bytes() const {
-        const auto* bytes = std::get_if<std::span<const std::uint8_t>>(&content_);
-        return bytes != nullptr ? *bytes : std::span<const std::uint8_t>();
-    }
-    /// Empty if it is bytes.
-    std::span<const CanFrame> can_frames() const {
-        const auto* frames = std::get_if<std::span<const CanFrame>>(&content_);
-        return frames != nullptr ? *frames : std::span<const CanFrame>();
-    }
-
-  private:
-    std::variant<std::span<const std::uint8_t>, std::span<const CanFrame>> content_;
-};
 
 /// An encoder with room for what it encodes. No heap after construction. Thread-bound.
 class FrameEncoder {
@@ -79,10 +54,20 @@ class FrameEncoder {
         return Transmission(std::span<const std::uint8_t>(wire_).first(length));
     }
 
-    /// See ByteEncoder. Nothing on CAN.
+    /// See ByteEncoder, and CanEncoder. Nothing on the other medium.
     std::optional<AskedTiming> hear(std::span<const std::uint8_t> bytes, Instant now) {
         const auto* encoder = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_);
         return encoder != nullptr ? (*encoder)->hear(bytes, now) : std::nullopt;
+    }
+    void hear(const CanFrame& frame, Instant received) {
+        if (const auto* encoder = std::get_if<std::unique_ptr<CanEncoder>>(&encoder_)) {
+            (*encoder)->hear(frame, received);
+        }
+    }
+    /// Empty on other media than CAN.
+    std::span<const CanIdMatch> heard() const {
+        const auto* encoder = std::get_if<std::unique_ptr<CanEncoder>>(&encoder_);
+        return encoder != nullptr ? (*encoder)->heard() : std::span<const CanIdMatch>{};
     }
     void forget_heard() {
         if (const auto* encoder = std::get_if<std::unique_ptr<ByteEncoder>>(&encoder_)) {

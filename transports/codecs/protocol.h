@@ -32,6 +32,14 @@ struct NamedUse {
     std::vector<std::string> path;
 };
 
+/// A link whose messages are proved by a key.
+struct LinkWithKey {
+    std::string name;
+    SecretKey secret{};
+    /// Input only: another one that counts too.
+    std::optional<SecretKey> old_secret{};
+};
+
 /// The bytes with which each frame of a protocol on bytes begins, as far as they are always the
 /// same.
 struct FrameBeginning {
@@ -99,6 +107,11 @@ struct Protocol {
     /// of them. Such an output reads what comes back (ByteEncoder::hear, Encoder::answers). Null or
     /// empty: the answers tell nothing.
     std::string (*advice_without_effect)(const SettingValues&) = nullptr;
+
+    /// The name of the link, if messages on it are proved by a key: what both ends of one link
+    /// share, and no other link with that key. Its inputs answer their senders, and its outputs
+    /// hear the answers. Null or nothing: no key.
+    std::optional<LinkWithKey> (*link_with_key)(const SettingValues&) = nullptr;
 
     /// Null where there is no codec. Settings must be checked.
     AnyDecoder (*make_decoder)(const SettingValues&) = nullptr;

@@ -1,8 +1,7 @@
 #include "transports/codecs/authenticated/messages.h"
 
 #include <algorithm>
-
-#include "transports/codecs/native_can/channels.h"
+#include <optional>
 
 namespace tribus::authenticated {
 namespace {
@@ -18,6 +17,8 @@ constexpr std::size_t kCounterAt = 10;
 constexpr std::size_t kChannelsAt = 12;
 static_assert(kChannelsAt + 2 * kChannelCount == kSnapshotBodyBytes);
 
+constexpr std::uint16_t kAbsent = 0xFFFF;
+constexpr std::uint8_t kMostLinkQuality = 100;
 constexpr std::uint8_t kFailsafeBit = 1;
 constexpr std::uint8_t kFrameLostBit = 2;
 
@@ -37,6 +38,14 @@ std::uint32_t get(std::span<const std::uint8_t> bytes, std::size_t at, std::size
 
 std::uint16_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
     return static_cast<std::uint16_t>(get(bytes, at, 2));
+}
+
+std::uint16_t word_of(std::optional<Pulse> pulse) {
+    return pulse ? static_cast<std::uint16_t>(std::max(pulse->eighths(), 0)) : kAbsent;
+}
+
+std::optional<Pulse> pulse_of(std::uint16_t word) {
+    return word == kAbsent ? std::nullopt : std::optional(Pulse::from_eighths(word));
 }
 
 }  // namespace
@@ -87,8 +96,7 @@ void emit(const SnapshotHead& head, const ChannelFrame& channels, SnapshotMessag
     put(message, kHeldAt, 2, head.held);
     put(message, kCounterAt, 2, head.counter);
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        put(message, kChannelsAt + 2 * channel, 2,
-            to_wire(can_channels::kFdPulse, channels.channel(channel)));
+        put(message, kChannelsAt + 2 * channel, 2, word_of(channels.channel(channel)));
     }
 }
 
@@ -105,11 +113,10 @@ ChannelFrame parse_channels(std::span<const std::uint8_t> message) {
     frame.failsafe = (message[0] & kFailsafeBit) != 0;
     frame.frame_lost = (message[0] & kFrameLostBit) != 0;
     frame.origin = Origin::can;
-    frame.link_quality = message[kQualityAt] <= can_channels::kMostLinkQuality ? message[kQualityAt]
-                                                                               : kNoLinkQuality;
+    const std::uint8_t quality = message[kQualityAt];
+    frame.link_quality = quality <= kMostLinkQuality ? quality : kNoLinkQuality;
     for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        frame.set(channel,
-                  from_wire(can_channels::kFdPulse, word_at(message, kChannelsAt + 2 * channel)));
+        frame.set(channel, pulse_of(word_at(message, kChannelsAt + 2 * channel)));
     }
     return frame;
 }

@@ -35,7 +35,7 @@ inline constexpr std::size_t kChallengeBodyBytes = kChallengeBytes - kMacBytes;
 ///   bytes 4-6   session
 ///   byte 7      low byte of the number of the challenge that it answers
 ///   bytes 8, 9  time from the arrival of that challenge until now, in 10 us
-///   bytes 10, 11 counter of the snapshots that answer this challenge, from 0
+///   bytes 10, 11 counter of the snapshots of this session, from 0; 0 follows 65535
 ///   bytes 12-47 18 channels in 0.125 us; 65535: absent
 ///   bytes 48-63 MAC of the nonce of the challenge and the bytes before it
 inline constexpr std::size_t kSnapshotBytes = 64;

@@ -9,6 +9,8 @@ namespace {
 
 /// Clocks of two boards differ by less than one part in so many.
 constexpr std::int64_t kDriftParts = 1000;
+/// Half of all values of the counter.
+constexpr std::uint16_t kMostAhead = 0x7FFF;
 
 /// Random numbers of a seed: its MAC of a letter and a number.
 template <std::size_t size>
@@ -85,6 +87,7 @@ void Receiver::take_hello(std::span<const std::uint8_t> message) {
     });
     if (old_key) {
         asker_ = {parse_hello(message), *old_key};
+        why_refused_ = LinkCause::garbled;
     } else {
         refuse(kForged);
     }
@@ -117,6 +120,7 @@ std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t
     if (fault) {
         return refuse(*fault);
     }
+    why_refused_ = LinkCause::garbled;
     ChannelFrame frame = parse_channels(message);
     const Instant sent = std::min(answered->sent + held - drift, received);
     // Presets have no age. Of other values it is not told if it is more.
@@ -127,6 +131,9 @@ std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t
 
 std::optional<ChannelFrame> Receiver::refuse(Refusal refusal) {
     ++rejected_[refusal].count;
+    why_refused_ = refusal == kNoKey    ? LinkCause::no_key
+                   : refusal == kForged ? LinkCause::forged
+                                        : LinkCause::replayed;
     return std::nullopt;
 }
 
@@ -140,7 +147,10 @@ const Receiver::Asked* Receiver::asked(std::uint8_t number, Instant received) co
 std::optional<Receiver::Refusal> Receiver::fault_of_order(const SnapshotHead& head,
                                                           std::uint32_t number, Instant received) {
     if (bound_ && head.session == session_) {
-        if (number < number_ || (number == number_ && head.counter <= counter_)) {
+        // What answers a challenge that still counts was sent after the one before if that is older
+        // than challenges count. Until then the counter cannot come round.
+        const auto ahead = static_cast<std::uint16_t>(head.counter - counter_);
+        if (received - accepted_ <= kChallengeLasts && (ahead == 0 || ahead > kMostAhead)) {
             return kReplayed;
         }
     } else if (bound_) {
@@ -153,9 +163,9 @@ std::optional<Receiver::Refusal> Receiver::fault_of_order(const SnapshotHead& he
             return kReplayed;
         }
     }
+    number_ = bound_ ? std::max(number_, number) : number;
     bound_ = true;
     session_ = head.session;
-    number_ = number;
     counter_ = head.counter;
     accepted_ = received;
     return received < conflict_until_ ? std::optional(kTwoSenders) : std::nullopt;

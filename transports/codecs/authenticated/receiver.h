@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/channel_frame.h"
+#include "core/link_cause.h"
 #include "core/random_seed.h"
 #include "core/time.h"
 #include "transports/codecs/authenticated/messages.h"
@@ -50,6 +51,8 @@ class Receiver {
     /// newer than the one before; "two_senders"; "impossible", which the sender held longer than
     /// the challenge exists.
     std::span<const NamedCount> rejected() const { return rejected_; }
+    /// What the latest message was: `garbled` if it was not refused.
+    LinkCause why_refused() const { return why_refused_; }
 
   private:
     enum Refusal : std::size_t {
@@ -102,6 +105,7 @@ class Receiver {
     std::uint16_t counter_ = 0;
     Instant accepted_{};
     Instant conflict_until_{};
+    LinkCause why_refused_ = LinkCause::garbled;
 
     std::array<NamedCount, kRefusals> rejected_{
         {{"no_key"}, {"no_challenge"}, {"forged"}, {"replayed"}, {"two_senders"}, {"impossible"}}};

@@ -21,13 +21,14 @@ bool Sender::hear(std::span<const std::uint8_t> message, Instant received) {
         return false;
     }
     const Challenge heard = parse_challenge(message);
-    // Another life is a receiver that started again.
-    if (challenge_ && heard.life == challenge_->life && heard.number <= challenge_->number) {
+    // Another life is a receiver that started again, or a recording of one: nobody starts again
+    // while its challenges are heard.
+    if (challenge_ && (heard.life == challenge_->life ? heard.number <= challenge_->number
+                                                      : received - challenged_ <= kHelloAfter)) {
         return false;
     }
     challenge_ = heard;
     challenged_ = received;
-    counter_ = 0;
     return true;
 }
 
@@ -49,7 +50,7 @@ bool Sender::write(const ChannelFrame& channels, SnapshotMessage& message, Insta
         return false;
     }
     const std::uint16_t held = held_steps(now - challenged_);
-    if (held == kNotTold || counter_ == kNotTold) {
+    if (held == kNotTold) {
         return false;
     }
     const bool preset = channels.received == Instant{};

@@ -22,7 +22,10 @@ std::uint64_t raw_flag(DbcFlagMeaning meaning, const ChannelFrame& snapshot) {
         case DbcFlagMeaning::cause:
             break;
     }
-    return static_cast<std::uint64_t>(snapshot.cause);
+    // Signals of 3 bits have no room for the causes behind these.
+    return static_cast<std::uint64_t>(snapshot.cause <= LinkCause::channels_missing ? snapshot.cause
+                                      : snapshot.cause == LinkCause::late ? LinkCause::stale
+                                                                          : LinkCause::garbled);
 }
 
 }  // namespace

@@ -118,7 +118,7 @@ class SignalMapper {
 
     std::optional<DbcUse> use_of(const DbcFlagRole& role) {
         constexpr unsigned kCauseBits = 3;
-        static_assert(kLinkCauseCount <= 1U << kCauseBits);
+        static_assert(static_cast<unsigned>(LinkCause::channels_missing) < 1U << kCauseBits);
         if (role.meaning == DbcFlagMeaning::cause && signal_.bit_length < kCauseBits) {
             complain_at("flag", in_quotes(signal_.name) +
                                     " is too narrow for a cause; allowed: 3 bits or more");

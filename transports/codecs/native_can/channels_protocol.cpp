@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "transports/codecs/authenticated/fd_ends.h"
+#include "transports/codecs/authenticated/link_settings.h"
 #include "transports/codecs/native_can/channels.h"
 
 namespace tribus {
@@ -49,6 +51,9 @@ constexpr std::array kSettings{
             .choices = kChannelsChoices,
             .help = "18, or 16 and two switches, which saves one of five classic frames",
             .example = "16"},
+    authenticated::kKeySetting,
+    authenticated::kOldKeySetting,
+    authenticated::kLinkSetting,
 };
 static_assert(can_channels::kDefaultBaseId == 768);
 
@@ -62,6 +67,10 @@ std::vector<SettingMistake> check(const SettingValues& settings, SettingScope /*
              std::to_string(format.base_id) + " is too high for ids of 11 bits; allowed is 0 to " +
                  std::to_string(kMostBaseId) + " (0x7FA), or more with extended = true"});
     }
+    if (!format.fd && settings.find("key") != nullptr) {
+        mistakes.push_back({{"key"}, "\"key\" is for CAN FD; add fd = true, or leave key out"});
+    }
+    authenticated::check_link(settings, mistakes);
     if (format.fd && format.crc == CanChannelsCrc::p01) {
         mistakes.push_back({{"crc"},
                             "\"p01\" is for classic frames; FD frames always have profile 5: "
@@ -80,11 +89,39 @@ std::optional<std::uint32_t> sure_channels(const SettingValues& settings) {
     return first_channels(CanChannelsFormat::from_settings(settings).channels);
 }
 
+std::optional<LinkWithKey> link_with_key(const SettingValues& settings) {
+    const CanChannelsFormat format = CanChannelsFormat::from_settings(settings);
+    return authenticated::link_of(
+        settings, "can fd " + std::to_string(format.base_id) + (format.extended ? "x" : ""));
+}
+
+/// Snapshots have the id of plain FD frames, and challenges the first of the ids, which FD does not
+/// need.
+std::optional<authenticated::FdLink> fd_link(const SettingValues& settings) {
+    const auto link = link_with_key(settings);
+    if (!link) {
+        return std::nullopt;
+    }
+    const CanChannelsFormat format = CanChannelsFormat::from_settings(settings);
+    return authenticated::FdLink{.name = link->name,
+                                 .secret = link->secret,
+                                 .old_secret = link->old_secret,
+                                 .sender_id = format.base_id + static_cast<std::uint32_t>(kFdIndex),
+                                 .receiver_id = format.base_id,
+                                 .extended = format.extended};
+}
+
 AnyDecoder make_decoder(const SettingValues& settings) {
+    if (const auto link = fd_link(settings)) {
+        return std::make_unique<authenticated::FdDecoder>(*link);
+    }
     return std::make_unique<CanChannelsDecoder>(CanChannelsFormat::from_settings(settings));
 }
 
 AnyEncoder make_encoder(const SettingValues& settings) {
+    if (const auto link = fd_link(settings)) {
+        return std::make_unique<authenticated::FdEncoder>(*link);
+    }
     return std::make_unique<CanChannelsEncoder>(CanChannelsFormat::from_settings(settings));
 }
 
@@ -119,6 +156,7 @@ const Protocol kCanProtocol{
     .signals_failsafe = always_signals_failsafe,
     .sure_channels = sure_channels,
     .check = check,
+    .link_with_key = link_with_key,
     .make_decoder = make_decoder,
     .make_encoder = make_encoder,
 };

@@ -15,6 +15,8 @@ namespace {
 /// of a second of frames. Older ones are worth nothing.
 constexpr int kReceiveBufferBytes = 16 * 1024;
 constexpr int kMostDiscarded = 256;
+/// DSCP 46, "expedited forwarding" (RFC 3246), in the upper six bits.
+constexpr int kExpedited = 46 << 2;
 /// Ports below need a privilege.
 constexpr const char* kPrivileged =
     "ports below 1024 need a privilege; choose another port, such as 5501";
@@ -39,6 +41,9 @@ UniqueFd socket_for(const UdpAddress& address) {
     constexpr int kOn = 1;
     if (fd.valid() && address.storage.ss_family == AF_INET6) {
         ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_V6ONLY, &kOn, sizeof kOn);
+        ::setsockopt(fd.get(), IPPROTO_IPV6, IPV6_TCLASS, &kExpedited, sizeof kExpedited);
+    } else if (fd.valid()) {
+        ::setsockopt(fd.get(), IPPROTO_IP, IP_TOS, &kExpedited, sizeof kExpedited);
     }
     return fd;
 }
@@ -74,8 +79,9 @@ tl::expected<std::unique_ptr<UdpLink>, std::string> UdpLink::open(const std::str
     if (!sender.empty() && !from) {
         return failed("\"" + sender + "\" is not an IP address");
     }
-    return std::unique_ptr<UdpLink>(
-        new UdpLink(std::move(fd), *parsed, sender.empty() ? std::nullopt : from));
+    return std::unique_ptr<UdpLink>(new UdpLink(std::move(fd),
+                                                way == SettingScope::input ? UdpAddress{} : *parsed,
+                                                sender.empty() ? std::nullopt : from));
 }
 
 bool UdpLink::is_missing(const std::string& address) {
@@ -95,7 +101,8 @@ bool UdpLink::is_missing(const std::string& address) {
 
 /// Receives one datagram. Returns false if none waits.
 bool UdpLink::receive() {
-    UdpAddress from{.size = sizeof from.storage};
+    UdpAddress from;
+    from.size = sizeof from.storage;
     const ssize_t length = ::recvfrom(fd_.get(), datagram_.data(), datagram_.size(), MSG_TRUNC,
                                       reinterpret_cast<sockaddr*>(&from.storage), &from.size);
     if (length < 0) {
@@ -104,6 +111,9 @@ bool UdpLink::receive() {
     const auto bytes = static_cast<std::size_t>(length);
     const bool wanted = !sender_ || is_same_host(from, *sender_);
     unread_ = std::span(datagram_).first(wanted && bytes <= datagram_.size() ? bytes : 0);
+    if (answers_ && !unread_.empty()) {
+        peer_ = from;
+    }
     return true;
 }
 
@@ -124,8 +134,11 @@ ReadStatus UdpLink::read(Reception& reception) {
 }
 
 WriteStatus UdpLink::write(std::span<const std::uint8_t> frame) {
-    const ssize_t sent = ::sendto(fd_.get(), frame.data(), frame.size(), MSG_NOSIGNAL,
-                                  address_.get(), address_.size);
+    if (peer_.size == 0) {
+        return WriteStatus::unavailable;
+    }
+    const ssize_t sent =
+        ::sendto(fd_.get(), frame.data(), frame.size(), MSG_NOSIGNAL, peer_.get(), peer_.size);
     if (sent >= 0) {
         return WriteStatus::written;
     }

@@ -19,8 +19,8 @@ namespace tribus {
 
 /// A UDP socket as a link of bytes: one datagram is one written frame, and one read, or more if it
 /// is long. An input receives from everybody who reaches its address, or from one sender only; an
-/// output sends to its address, whether or not somebody listens there. Thread-bound. No heap after
-/// `open`.
+/// output sends to its address, whether or not somebody listens there. Its datagrams are marked as
+/// those that must not wait (DSCP EF, RFC 3246). Thread-bound. No heap after `open`.
 class UdpLink final : public ByteLink {
   public:
     /// Longer datagrams are read as no bytes.
@@ -37,18 +37,22 @@ class UdpLink final : public ByteLink {
 
     /// Reads one datagram, or the next part of one. Never `lost`.
     ReadStatus read(Reception& reception) override;
-    /// `busy` if the kernel has no room, `unavailable` if the network refuses the datagram.
+    /// An input sends to whom its latest datagram came from. `busy` if the kernel has no room,
+    /// `unavailable` if the network refuses the datagram, or if nobody is known yet.
     WriteStatus write(std::span<const std::uint8_t> frame) override;
     void discard_unread() override;
     int descriptor() const override { return fd_.get(); }
 
   private:
-    UdpLink(UniqueFd fd, const UdpAddress& address, const std::optional<UdpAddress>& sender)
-        : fd_(std::move(fd)), address_(address), sender_(sender) {}
+    UdpLink(UniqueFd fd, const UdpAddress& peer, const std::optional<UdpAddress>& sender)
+        : fd_(std::move(fd)), peer_(peer), answers_(peer.size == 0), sender_(sender) {}
     bool receive();
 
     UniqueFd fd_;
-    UdpAddress address_;
+    /// Of an output: its address. Of an input: whom its latest datagram came from; of size 0
+    /// before.
+    UdpAddress peer_;
+    bool answers_;  ///< sends to whom it hears
     std::optional<UdpAddress> sender_;
     /// The latest datagram, and the part of it that is not read yet.
     std::array<std::uint8_t, kLongestDatagram> datagram_{};

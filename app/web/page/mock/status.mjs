@@ -1,12 +1,13 @@
 // Makes status objects as a daemon sends them, with channels that move.
 
-const CAUSES = ['wire_silent', 'garbled', 'radio_lost', 'stale', 'implausible', 'channels_missing'];
+const CAUSES = ['wire_silent', 'garbled', 'radio_lost', 'stale', 'implausible', 'channels_missing',
+    'no_key', 'forged', 'replayed', 'late'];
 
 /** Every state that the page must draw; the tests and `mock.mjs --scene` name them. */
 export const SCENES = [
     'good', 'never_seen', 'hold', 'failsafe', 'forced', 'awaits_release', 'silent',
-    'cannot_send_device', 'cannot_send_bus', 'cannot_send_busy', 'frame_lost', 'absent_channel',
-    'reversed', 'undervoltage', ...CAUSES,
+    'cannot_send_device', 'cannot_send_bus', 'cannot_send_busy', 'cannot_send_receiver',
+    'frame_lost', 'absent_channel', 'reversed', 'undervoltage', ...CAUSES,
 ];
 
 const distribution = (p50, p99, max) => ({ count: 400, p50_us: p50, p99_us: p99, max_us: max });
@@ -50,7 +51,7 @@ const PRESETS = Array.from({ length: 18 }, (_, i) => i === 2 ? 988 : 1500);
 
 function lose(status, cause, age) {
     for (const one of status.inputs) {
-        const stops = cause === 'wire_silent' || cause === 'garbled';
+        const stops = ['wire_silent', 'garbled', 'no_key', 'forged', 'replayed'].includes(cause);
         Object.assign(one, {
             state: 'failsafe', cause, state_age_us: age,
             sign: cause === 'radio_lost' ? 'failsafe_flag' : 'none',
@@ -104,6 +105,7 @@ const CHANGES = {
     cannot_send_device: (status) => cannotSend(status, 'device'),
     cannot_send_bus: (status) => cannotSend(status, 'bus'),
     cannot_send_busy: (status) => cannotSend(status, 'busy'),
+    cannot_send_receiver: (status) => cannotSend(status, 'receiver'),
     frame_lost(status) {
         status.inputs[0].state = 'frame_lost';
     },

@@ -29,10 +29,17 @@ const WORDS = [
     ['cannot_send_device', 'cannot_send', /^cannot send: its device is gone$/, /.*/],
     ['cannot_send_bus', 'cannot_send', /^cannot send: the bus takes nothing$/, /.*/],
     ['cannot_send_busy', 'cannot_send', /^cannot send: the port still has earlier frames$/, /.*/],
+    ['cannot_send_receiver', 'cannot_send',
+        /^cannot send: no receiver with the same key answers$/, /.*/],
     ['garbled', 'failsafe', /failsafe/, /garbled \(bytes, but no frames\)/],
     ['stale', 'failsafe', /failsafe/, /stale \(frames that do not change\)/],
     ['implausible', 'failsafe', /failsafe/, /implausible \(values that no transmitter sends\)/],
     ['channels_missing', 'failsafe', /failsafe/, /channels missing \(channels that were there/],
+    ['no_key', 'failsafe', /failsafe/, /no key \(messages without a key\)/],
+    ['forged', 'failsafe', /failsafe/, /forged \(messages that nobody with the key has made\)/],
+    ['replayed', 'failsafe', /failsafe/,
+        /replayed \(messages of the key's holder that are not new\)/],
+    ['late', 'failsafe', /failsafe/, /late \(values that are too old when they come\)/],
 ];
 
 test('each state and cause stands in the words of the log', { timeout }, async () => {

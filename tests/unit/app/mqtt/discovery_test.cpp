@@ -71,7 +71,8 @@ TEST(Discovery, NamesAllCausesAndStatesThatAStatusCanHave) {
     const json components = discovered()["components"];
     EXPECT_EQ(components["tribus_boat_1_servos_input_receiver_cause"]["options"],
               json::parse(R"(["good","never_seen","wire_silent","garbled","radio_lost","stale",
-                              "implausible","channels_missing"])"));
+                              "implausible","channels_missing","no_key","forged","replayed",
+                              "late"])"));
     EXPECT_EQ(components["tribus_boat_1_servos_output_servos"]["options"],
               json::parse(R"(["control","hold","failsafe","silent","cannot_send"])"));
 }

@@ -203,6 +203,8 @@ std::map<std::string, std::string> special_contexts() {
     const std::string module_line = "protocol = \"crsf\"\ndevice = \"/dev/ttyB\"\nbaud = 400000\n";
     const std::string to_autopilot =
         "protocol = \"mavlink\"\ndevice = \"/dev/ttyB\"\nmessage = \"rc_channels_override\"\n";
+    const std::string by_network = "protocol = \"network\"\naddress = \"127.0.0.1:5501\"\n";
+    const std::string by_can_fd = "protocol = \"can\"\ninterface = \"can0\"\nfd = true\n";
     const std::string on_can = output("protocol = \"can\"\ninterface = \"can0\"\n");
     std::map<std::string, std::string> contexts{
         {"failsafe_when-all_zero",
@@ -261,6 +263,11 @@ std::map<std::string, std::string> special_contexts() {
          battery_in_values(telemetry_of_a_controller + "address = \"127.0.0.1:5502\"\n")},
         {"values-key", battery_in_values("protocol = \"mavlink-telemetry\"\n"
                                          "device = \"/dev/ttyD\"\n")},
+        {"network-old_key", input(by_network + "key = \"drone.key\"\n")},
+        {"network-link", input(by_network + "key = \"drone.key\"\n")},
+        {"can-key", input(by_can_fd)},
+        {"can-old_key", input(by_can_fd + "key = \"drone.key\"\n")},
+        {"can-link", input(by_can_fd + "key = \"drone.key\"\n")},
         {"mavlink-link_id", output(to_autopilot + "key = \"drone.key\"\n")},
         {"values-baud", battery_in_values(telemetry_of_a_controller + "device = \"/dev/ttyD\"\n")},
         {"crsf-role", output(module_line)},
@@ -354,7 +361,7 @@ TEST(KeyExamples, OfEveryKeyAreValid) {
                     : default_context(*protocol, key.setting.scope == SettingScope::output);
             const std::string text = with_example(context, key.name(),
                                                   key.setting.type == SettingType::key_file
-                                                      ? "key = \"drone.key\""
+                                                      ? std::string(key.name()) + " = \"drone.key\""
                                                       : words_of(key, section.way).example);
             EXPECT_EQ(mistakes_in(text, folder / "t.toml"), Lines{}) << name << "\n" << text;
             ++count;

@@ -99,9 +99,11 @@ bool is_complete(const std::string& text) {
 
 class Pages : public ::testing::Test {
   protected:
-    /// The DBC files of the examples, those that pages print below their names, and a key file.
+    /// The DBC files of the examples, those that pages print below their names, and key files.
     Pages() {
-        fs::permissions(folder_.write("drone.key", std::string(64, '7')), fs::perms::owner_read);
+        for (const char* const name : {"drone.key", "boat.key"}) {
+            fs::permissions(folder_.write(name, std::string(64, '7')), fs::perms::owner_read);
+        }
         const auto examples = fs::path(TRIBUS_SOURCE_DIR) / "config" / "examples";
         for (const auto& entry : fs::directory_iterator(examples)) {
             if (entry.path().extension() == ".dbc") {

@@ -10,7 +10,7 @@ const inputNamed = (status: Status, name: string) =>
     status.inputs.find((one) => one.name === name);
 
 /** Causes with which frames still come. */
-const STILL_COMES = new Set(['radio_lost', 'stale', 'implausible', 'channels_missing']);
+const STILL_COMES = new Set(['radio_lost', 'stale', 'implausible', 'channels_missing', 'late']);
 
 function lookOfInput(input: Input | undefined): Look {
     if (!input || input.cause === 'never_seen') {

@@ -3,7 +3,7 @@
 
 export type LinkCause =
     | 'good' | 'never_seen' | 'wire_silent' | 'garbled' | 'radio_lost' | 'stale' | 'implausible'
-    | 'channels_missing';
+    | 'channels_missing' | 'no_key' | 'forged' | 'replayed' | 'late';
 export type OutputStage = 'control' | 'hold' | 'failsafe' | 'silent' | 'cannot_send';
 
 export interface Distribution {

@@ -35,11 +35,16 @@ const SHOWN: Partial<Record<LinkCause, string>> = {
     stale: 'frames that do not change',
     implausible: 'values that no transmitter sends',
     channels_missing: 'channels that were there are missing',
+    no_key: 'messages without a key',
+    forged: 'messages that nobody with the key has made',
+    replayed: "messages of the key's holder that are not new",
+    late: 'values that are too old when they come',
 };
 const OBSTACLES: Record<string, string> = {
     device: 'its device is gone',
     bus: 'the bus takes nothing',
     busy: 'the port still has earlier frames',
+    receiver: 'no receiver with the same key answers',
 };
 
 /** "wire silent (no bytes any more)" */

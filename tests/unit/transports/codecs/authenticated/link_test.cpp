@@ -338,10 +338,10 @@ TEST_F(AuthenticatedLink, RefusesWhatBelongsToAnEarlierLifeOfTheReceiver) {
     const auto recorded = snapshot(sender_, at(10ms));
     Receiver again(macs(), std::nullopt, kOtherSeed);
     EXPECT_FALSE(again.next(recorded, at(20ms)));
-    const auto question = challenge(again, at(20ms));
-    EXPECT_FALSE(again.next(recorded, at(20ms)));
-    ASSERT_TRUE(sender_.hear(question, at(20ms)));
-    EXPECT_TRUE(again.next(snapshot(sender_, at(21ms)), at(21ms))) << "no hand is needed";
+    const auto question = challenge(again, at(201ms));
+    EXPECT_FALSE(again.next(recorded, at(201ms)));
+    ASSERT_TRUE(sender_.hear(question, at(201ms)));
+    EXPECT_TRUE(again.next(snapshot(sender_, at(202ms)), at(202ms))) << "no hand is needed";
 }
 
 TEST_F(AuthenticatedLink, GoesOnWithASenderThatStartedAgain) {
@@ -385,6 +385,41 @@ TEST_F(AuthenticatedLink, PublishesNothingOfTwoSendersThatTakeTurns) {
         alone += receiver_.next(snapshot(other, now), now) ? 1U : 0U;
     }
     EXPECT_GE(alone, 50U) << "half a second later";
+}
+
+/// Otherwise snapshots that answer one challenge would have the same counters twice.
+TEST_F(AuthenticatedLink, CountsSnapshotsOnWhenARecordedChallengeOfAnEarlierLifeIsRepeated) {
+    const auto old_life = challenge(at(0ms));
+    Receiver again(macs(), std::nullopt, kOtherSeed);
+    const auto question = challenge(again, at(1000ms));
+    ASSERT_TRUE(sender_.hear(question, at(1000ms)));
+    EXPECT_TRUE(again.next(snapshot(sender_, at(1001ms)), at(1001ms)));
+    const auto delayed = snapshot(sender_, at(1002ms));
+    EXPECT_FALSE(sender_.hear(old_life, at(1200ms))) << "its receiver is there";
+    ASSERT_TRUE(sender_.hear(old_life, at(1201ms)));
+    ASSERT_TRUE(sender_.hear(question, at(1402ms)));
+    EXPECT_TRUE(again.next(snapshot(sender_, at(1403ms)), at(1403ms)));
+    EXPECT_FALSE(again.next(delayed, at(1404ms))) << "older values behind newer ones";
+}
+
+TEST_F(AuthenticatedLink, GoesOnWhenTheCounterComesRoundAndAfterALongSilence) {
+    ask(at(0ms));
+    std::size_t published = 0;
+    constexpr int kSnapshots = 70'000;
+    for (int i = 1; i <= kSnapshots; ++i) {
+        const Instant now = at(i * 2ms);
+        published += receiver_.next(snapshot(sender_, now), now) ? 1U : 0U;
+        if (const auto question = answer(receiver_, now); !question.empty()) {
+            sender_.hear(question, now);
+        }
+    }
+    EXPECT_EQ(published, static_cast<std::size_t>(kSnapshots));
+    // 40,000 snapshots that nobody receives: more than half of the values of the counter.
+    ask(at(200s));
+    for (int i = 0; i < 40'000; ++i) {
+        snapshot(sender_, at(200s));
+    }
+    EXPECT_TRUE(receiver_.next(snapshot(sender_, at(200s)), at(200s)));
 }
 
 /// A repeated challenge would let its sender believe that it is young.

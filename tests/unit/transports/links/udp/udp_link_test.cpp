@@ -73,6 +73,48 @@ TEST(UdpLink, RunsOverVersion6Too) {
     EXPECT_EQ(pair.read(), (Bytes{5, 6}));
 }
 
+Bytes read_by(UdpLink& link) {
+    Reception reception;
+    return link.read(reception) == ReadStatus::received
+               ? Bytes(reception.view().begin(), reception.view().end())
+               : Bytes{};
+}
+
+TEST(UdpLink, AnInputAnswersTheSenderOfTheDatagramThatItReadLast) {
+    for (const std::string host : {"127.0.0.1", "[::1]"}) {
+        Pair pair(host);
+        const auto other = UdpLink::open(pair.address, SettingScope::output);
+        EXPECT_EQ(pair.receiver->write(Bytes{9}), WriteStatus::unavailable) << "nobody is known";
+        ASSERT_EQ(pair.sender->write(Bytes{1}), WriteStatus::written);
+        ASSERT_EQ((*other)->write(Bytes{2}), WriteStatus::written);
+        EXPECT_EQ(pair.read(), Bytes{1});
+        EXPECT_EQ(pair.receiver->write(Bytes{3}), WriteStatus::written);
+        EXPECT_EQ(pair.read(), Bytes{2});
+        EXPECT_EQ(pair.receiver->write(Bytes{4}), WriteStatus::written);
+        EXPECT_EQ(read_by(*pair.sender), Bytes{3});
+        EXPECT_EQ(read_by(*pair.sender), Bytes{}) << "the other one was answered";
+        EXPECT_EQ(read_by(**other), Bytes{4});
+    }
+}
+
+/// DSCP 46, RFC 3246, in the upper six bits of the byte that once was the type of service.
+TEST(UdpLink, MarksDatagramsAsThoseThatMustNotWait) {
+    const Pair version_4;
+    const Pair version_6("[::1]");
+    const auto mark = [](const UdpLink& link, int level, int option) {
+        int value = 0;
+        socklen_t size = sizeof value;
+        EXPECT_EQ(::getsockopt(link.descriptor(), level, option, &value, &size), 0);
+        return value;
+    };
+    for (const UdpLink* link : {version_4.sender.get(), version_4.receiver.get()}) {
+        EXPECT_EQ(mark(*link, IPPROTO_IP, IP_TOS), 0xB8);
+    }
+    for (const UdpLink* link : {version_6.sender.get(), version_6.receiver.get()}) {
+        EXPECT_EQ(mark(*link, IPPROTO_IPV6, IPV6_TCLASS), 0xB8);
+    }
+}
+
 TEST(UdpLink, ReadsALongestDatagramInPartsAndNothingOfALongerOne) {
     Pair pair;
     Bytes longest;

@@ -1,0 +1,157 @@
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/loopback/loopback.h"
+#include "tests/loopback/udp_socket.h"
+
+/// Two programs, an i.Bus receiver at one and SBUS servos at the other, and a router between them
+/// that rewrites addresses.
+namespace tribus::test::network_test {
+namespace {
+
+class Network : public Loopback {
+  protected:
+    Network() {
+        std::filesystem::permissions(
+            write_config(std::string(64, '7'), "boat.key"),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    }
+    std::string shore_config(std::string_view key) {
+        return write_config("[input.radio]\nprotocol = \"ibus\"\ndevice = \"@radio\"\n" +
+                                std::string(kPatientInput) +
+                                "\n[output.boat]\nprotocol = \"network\"\naddress = \"127.0.0.1:" +
+                                std::to_string(router_->port()) + "\"\n" + std::string(key) +
+                                "[pipeline.main]\nfrom = \"radio\"\nto = \"boat\"\n",
+                            "shore.toml");
+    }
+    std::string boat_config(std::string_view key) {
+        return write_config("[input.shore]\nprotocol = \"network\"\naddress = \"127.0.0.1:" +
+                                std::to_string(boat_port_) + "\"\n" + std::string(key) +
+                                "[output.servos]\nprotocol = \"sbus\"\ndevice = \"@servos\"\n"
+                                "[pipeline.main]\nfrom = \"shore\"\nto = \"servos\"\n",
+                            "boat.toml");
+    }
+
+    /// Passes on what waits, from both sides.
+    void route() {
+        while (const auto datagram = router_->receive()) {
+            shore_port_ = router_->sender();
+            seen_.push_back(*datagram);
+            outside_->send_to(boat_port_, *datagram);
+        }
+        while (const auto datagram = outside_->receive()) {
+            router_->send_to(shore_port_, *datagram);
+        }
+    }
+    /// Moves the sticks until the servos do, with the first channel at `first_us`.
+    bool servos_follow(int first_us) {
+        radio_.change(ibus_bytes(sticks_with_first(first_us, 14)));
+        return eventually([&] {
+            radio_.send_if_due();
+            route();
+            for (const SbusSight& sight : servos_.listen()) {
+                if (sight.good() && sight.raw[0] == sbus_raw(first_us)) {
+                    return true;
+                }
+            }
+            return false;
+        });
+    }
+
+    static constexpr std::string_view kKey = "key = \"boat.key\"\n";
+    FarEnd& radio_wire_ = device("radio");
+    FarEnd& servo_wire_ = device("servos");
+    Repeater radio_{radio_wire_, ibus_bytes(sticks_with_first(1500, 14))};
+    ServoBank servos_{servo_wire_};
+    std::optional<UdpSocket> router_{std::in_place};
+    std::optional<UdpSocket> outside_{std::in_place};
+    std::uint16_t boat_port_ = free_udp_port();
+    std::uint16_t shore_port_ = 0;
+    std::vector<Bytes> seen_;
+};
+
+TEST_F(Network, WithAKeyCarriesSticksThroughARouterThatChangesItsPort) {
+    Program& boat = run(boat_config(kKey));
+    Program& shore = run(shore_config(kKey));
+    EXPECT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    outside_.emplace();
+    EXPECT_TRUE(servos_follow(1300)) << boat.errors() << shore.errors();
+    expect_clean_end(shore);
+    expect_clean_end(boat);
+}
+
+TEST_F(Network, WithAKeyNeedsNoHandWhenEitherEndStartsAgain) {
+    Program& boat = run(boat_config(kKey));
+    Program& shore = run(shore_config(kKey));
+    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    boat.signal(SIGKILL);
+    boat.end();
+    Program& boat_again = run(boat_config(kKey));
+    EXPECT_TRUE(servos_follow(1300)) << boat_again.errors() << shore.errors();
+    shore.signal(SIGKILL);
+    shore.end();
+    Program& shore_again = run(shore_config(kKey));
+    EXPECT_TRUE(servos_follow(1600)) << boat_again.errors() << shore_again.errors();
+    expect_clean_end(shore_again);
+    expect_clean_end(boat_again);
+}
+
+TEST_F(Network, WithAKeySaysAtBothEndsThatTheOtherHasAnotherOne) {
+    std::filesystem::permissions(
+        write_config(std::string(64, '8'), "other.key"),
+        std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    Program& boat = run(boat_config(kKey));
+    Program& shore = run(shore_config("key = \"other.key\"\n"));
+    EXPECT_TRUE(eventually([&] {
+        radio_.send_if_due();
+        route();
+        return shore.errors().find("output boat: cannot send: no receiver with the same key") !=
+                   std::string::npos &&
+               boat.errors().find("input shore: forged") != std::string::npos;
+    })) << boat.errors()
+        << shore.errors();
+    expect_clean_end(shore);
+    expect_clean_end(boat);
+}
+
+/// A whole recorded conversation, played to a boat that starts again.
+TEST_F(Network, WithAKeyRecordedFramesMoveNothing) {
+    Program& boat = run(boat_config(kKey));
+    Program& shore = run(shore_config(kKey));
+    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    shore.signal(SIGKILL);
+    shore.end();
+    boat.signal(SIGKILL);
+    boat.end();
+    servos_.listen();
+    Program& boat_again = run(boat_config(kKey));
+    EXPECT_TRUE(eventually([&] {
+        for (const Bytes& datagram : seen_) {
+            outside_->send_to(boat_port_, datagram);
+        }
+        for (const SbusSight& sight : servos_.listen()) {
+            EXPECT_FALSE(sight.good());
+        }
+        return boat_again.errors().find("input shore: replayed") != std::string::npos;
+    })) << boat_again.errors();
+    expect_clean_end(boat_again);
+}
+
+TEST_F(Network, WithoutAKeyStaysOnThisMachineAndWorks) {
+    Program& boat = run(boat_config(""));
+    Program& shore = run(shore_config(""));
+    EXPECT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    expect_clean_end(shore);
+    expect_clean_end(boat);
+}
+
+}  // namespace
+}  // namespace tribus::test::network_test

@@ -1,0 +1,316 @@
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/build/build.h"
+#include "config/load.h"
+#include "pipelines/virtual_time/virtual_loop.h"
+#include "tests/reference/plain_sbus.h"
+#include "tests/support/ibus_frames.h"
+#include "tests/support/streams.h"
+#include "tests/support/temporary_folder.h"
+
+/// Two boards, an i.Bus receiver at one and SBUS servos at the other, and somebody on the way
+/// between them: a thousand random worlds, each another attack.
+namespace tribus::test::attacked_link_test {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint32_t kWorlds = 1000;
+constexpr int kAttacked = 3000;  ///< ms
+constexpr int kEnd = 6000;       ///< ms
+constexpr int kStickPeriod = 8;
+constexpr int kTimeout = 500;
+/// Sticks carry the time in ms, in two channels of 0 to 999 above 1000 us. What the attacker sends
+/// has another number in the third.
+constexpr int kHonest = 1200;
+constexpr int kForged = 1900;
+constexpr std::size_t kMostKept = 200;
+
+Instant at(int milliseconds) {
+    return Instant(1h) + std::chrono::milliseconds(milliseconds);
+}
+
+Bytes sticks(int time, int mark) {
+    Bytes payload(28);
+    const auto put = [&](std::size_t slot, int pulse) {
+        payload[2 * slot] = static_cast<std::uint8_t>(pulse);
+        payload[2 * slot + 1] = static_cast<std::uint8_t>(pulse >> 8);
+    };
+    for (std::size_t slot = 0; slot < 14; ++slot) {
+        put(slot, 1500);
+    }
+    put(0, 1000 + time / 1000);
+    put(1, 1000 + time % 1000);
+    put(2, mark);
+    return servo_frame(payload, 0x40);
+}
+
+/// What one SBUS frame tells the servos.
+struct Seen {
+    bool marked = false;
+    int time = 0;
+    int mark = 0;
+};
+
+Seen seen_in(std::span<const std::uint8_t> wire) {
+    const SbusFrame frame = reference::plain_parse_sbus(wire.first<kSbusFrameLength>());
+    // Betaflight's scale, docs/protocols/sbus.md.
+    const auto pulse = [&](std::size_t channel) {
+        return static_cast<int>(std::lround(880 + frame.raw[channel] * 0.625));
+    };
+    return {frame.failsafe || frame.frame_lost, 1000 * (pulse(0) - 1000) + pulse(1) - 1000,
+            pulse(2)};
+}
+
+RandomSeed next_seed() {
+    static std::uint32_t made = 0;
+    ++made;
+    return {static_cast<std::uint8_t>(made), static_cast<std::uint8_t>(made >> 8U),
+            static_cast<std::uint8_t>(made >> 16U), 1};
+}
+
+/// One box in virtual time. It keeps what its only output sent since `take`.
+class Board : StationObserver {
+  public:
+    Board(const Configuration& configuration, Instant start)
+        : engine_(build_engine(configuration, {}, nullptr, next_seed)),
+          loop_(*engine_, *this, start) {}
+
+    void run_until(Instant until) { loop_.run_until(until); }
+    /// A datagram for the input arrives. Returns what its sender is answered.
+    Bytes receive(const Bytes& datagram, Instant now) {
+        loop_.receive({StationKind::input, 0}, datagram, now);
+        engine_->datagram_ended(0, now);
+        const auto answer = engine_->answer(0, now).bytes();
+        return {answer.begin(), answer.end()};
+    }
+    void hear(const Bytes& datagram, Instant now) {
+        loop_.receive({StationKind::replies, 0}, datagram, now);
+    }
+    std::vector<Bytes> take() { return std::exchange(sent_, {}); }
+
+  private:
+    void wrote(Station /*station*/, Instant /*at*/, const Transmission& sent) override {
+        sent_.emplace_back(sent.bytes().begin(), sent.bytes().end());
+    }
+
+    std::unique_ptr<Engine> engine_;
+    std::vector<Bytes> sent_;
+    VirtualLoop loop_;
+};
+
+/// The configurations of both boards. With an empty `key` the link between them has none.
+struct Boards {
+    explicit Boards(const std::string& key) {
+        const std::string link = "protocol = \"network\"\naddress = \"127.0.0.1:5700\"\n" + key;
+        shore = load("[input.radio]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n[output.boat]\n" +
+                     link + "[pipeline.main]\nfrom = \"radio\"\nto = \"boat\"\n" + kSilence);
+        boat = load("[input.shore]\n" + link + "timeout = \"" + std::to_string(kTimeout) +
+                    "ms\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+                    "[pipeline.main]\nfrom = \"shore\"\nto = \"servos\"\n" +
+                    kSilence);
+    }
+    static Configuration load(const std::string& text) {
+        auto configuration = load_configuration(text, "boards.toml");
+        EXPECT_TRUE(configuration) << text;
+        return std::move(*configuration);
+    }
+
+    inline static const std::string kSilence =
+        "[pipeline.main.failsafe]\naction = \"silence\"\npower_on = \"0ms\"\nrecover = \"100ms\"\n";
+    Configuration shore;
+    Configuration boat;
+};
+
+/// What may be wrong with what the servos were told.
+enum class Broken : std::uint8_t { none, forged, too_old, back_in_time, lost_at_the_end };
+
+class World {
+  public:
+    World(const Boards& boards, const Boards& attackers, std::uint32_t seed)
+        : boards_(boards),
+          random_(seed),
+          shore_(std::make_unique<Board>(boards.shore, at(0))),
+          boat_(std::make_unique<Board>(boards.boat, at(0))),
+          attacker_(attackers.shore, at(0)),
+          lost_percent_(random_.below(60)),
+          longest_delay_(random_.below(2) == 0 ? 40 : 1500) {}
+
+    Broken run() {
+        for (now_ = 0; now_ < kEnd && broken_ == Broken::none; ++now_) {
+            step();
+        }
+        const bool controlled = controlled_at_ > kEnd - 100;
+        return broken_ == Broken::none && !controlled ? Broken::lost_at_the_end : broken_;
+    }
+    std::size_t controlled() const { return controlled_; }
+
+  private:
+    struct OnTheWay {
+        int due = 0;
+        bool to_boat = false;
+        Bytes datagram;
+    };
+
+    bool attacked() const { return now_ < kAttacked; }
+    bool percent(std::uint32_t share) { return random_.below(100) < share; }
+    bool permille(std::uint32_t share) { return random_.below(1000) < share; }
+
+    void step() {
+        const Instant now = at(now_);
+        if (now_ % kStickPeriod == 0) {
+            shore_->receive(sticks(now_, kHonest), now);
+            attacker_.receive(sticks(now_, kForged), now);
+        }
+        shore_->run_until(now);
+        boat_->run_until(now);
+        attacker_.run_until(now);
+        for (Bytes& datagram : shore_->take()) {
+            send(true, std::move(datagram));
+        }
+        for (Bytes& datagram : attacker_.take()) {
+            if (attacked()) {
+                way_.push_back({now_, true, std::move(datagram)});
+            }
+        }
+        judge(boat_->take());
+        if (attacked()) {
+            attack();
+        }
+        deliver();
+    }
+
+    /// The attacker sees everything.
+    void send(bool to_boat, Bytes datagram) {
+        kept_.push_back({0, to_boat, datagram});
+        if (kept_.size() > kMostKept) {
+            kept_.erase(kept_.begin());
+        }
+        if (!attacked()) {
+            way_.push_back({now_ + 1, to_boat, std::move(datagram)});
+        } else if (!percent(lost_percent_)) {
+            way_.push_back({now_ + delay(), to_boat, std::move(datagram)});
+        }
+    }
+    int delay() { return static_cast<int>(random_.below(longest_delay_)); }
+
+    void attack() {
+        if (!kept_.empty() && permille(100)) {
+            OnTheWay again = kept_[random_.below(static_cast<std::uint32_t>(kept_.size()))];
+            again.due = now_ + delay();
+            again.to_boat = again.to_boat != percent(20);
+            if (percent(30)) {
+                again.datagram[random_.below(static_cast<std::uint32_t>(again.datagram.size()))] ^=
+                    static_cast<std::uint8_t>(1U << random_.below(8));
+            }
+            way_.push_back(std::move(again));
+        }
+        if (permille(1)) {
+            shore_ = std::make_unique<Board>(boards_.shore, at(now_));
+        }
+        if (permille(1)) {
+            boat_ = std::make_unique<Board>(boards_.boat, at(now_));
+            newest_ = 0;
+        }
+    }
+
+    void deliver() {
+        for (std::size_t i = 0; i < way_.size();) {
+            if (way_[i].due > now_) {
+                ++i;
+                continue;
+            }
+            const OnTheWay arrived = std::exchange(way_[i], way_.back());
+            way_.pop_back();
+            if (!arrived.to_boat) {
+                shore_->hear(arrived.datagram, at(now_));
+                attacker_.hear(arrived.datagram, at(now_));
+            } else if (Bytes answer = boat_->receive(arrived.datagram, at(now_)); !answer.empty()) {
+                send(false, std::move(answer));
+            }
+        }
+    }
+
+    void judge(const std::vector<Bytes>& frames) {
+        for (const Bytes& frame : frames) {
+            const Seen seen = seen_in(frame);
+            if (seen.marked) {
+                continue;
+            }
+            ++controlled_;
+            controlled_at_ = now_;
+            broken_ = seen.mark != kHonest          ? Broken::forged
+                      : now_ - seen.time > kTimeout ? Broken::too_old
+                      : seen.time < newest_         ? Broken::back_in_time
+                                                    : broken_;
+            newest_ = seen.time;
+        }
+    }
+
+    const Boards& boards_;
+    Random random_;
+    std::unique_ptr<Board> shore_;
+    std::unique_ptr<Board> boat_;
+    Board attacker_;
+    std::uint32_t lost_percent_;
+    std::uint32_t longest_delay_;
+    std::vector<OnTheWay> way_;
+    std::vector<OnTheWay> kept_;
+    int now_ = 0;
+    int newest_ = 0;
+    int controlled_at_ = 0;
+    std::size_t controlled_ = 0;
+    Broken broken_ = Broken::none;
+};
+
+class AttackedLink : public ::testing::Test {
+  protected:
+    AttackedLink() {
+        for (const auto& [name, digit] : {std::pair("boat.key", '7'), {"attacker.key", '8'}}) {
+            std::filesystem::permissions(folder_.write(name, std::string(64, digit)),
+                                         std::filesystem::perms::owner_read);
+        }
+    }
+    std::string key(const std::string& name) const { return "key = \"" + folder_ / name + "\"\n"; }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(AttackedLink, WithAKeyGivesControlOnlyToFreshFramesOfItsHolder) {
+    const Boards boards(key("boat.key"));
+    const Boards attackers(key("attacker.key"));
+    std::size_t controlled = 0;
+    for (std::uint32_t seed = 1; seed <= kWorlds; ++seed) {
+        World world(boards, attackers, seed);
+        ASSERT_EQ(world.run(), Broken::none) << "seed " << seed;
+        controlled += world.controlled();
+    }
+    EXPECT_GT(controlled / kWorlds, 200U) << "frames of control a world";
+}
+
+/// The same attacks work where there is no key, so the test above can see them.
+TEST_F(AttackedLink, WithoutAKeyFallsToTheSameAttacks) {
+    const Boards boards("");
+    std::array<std::size_t, 5> worlds{};
+    for (std::uint32_t seed = 1; seed <= 100; ++seed) {
+        World world(boards, boards, seed);
+        ++worlds[static_cast<std::size_t>(world.run())];
+    }
+    EXPECT_GT(worlds[static_cast<std::size_t>(Broken::forged)], 0U);
+    EXPECT_LT(worlds[static_cast<std::size_t>(Broken::none)], 50U);
+}
+
+}  // namespace
+}  // namespace tribus::test::attacked_link_test

@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "config/build/build.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/unit/config/main_job.h"
+
+/// `key` of `can` and `network` in a configuration.
+namespace tribus::test::links_with_key_test {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+class LinksWithKey : public ::testing::Test {
+  protected:
+    LinksWithKey() {
+        for (const auto& [name, digit] : {std::pair("a.key", '7'), {"b.key", '8'}}) {
+            std::filesystem::permissions(folder_.write(name, std::string(64, digit)),
+                                         std::filesystem::perms::owner_read);
+        }
+    }
+    /// An input and an output on it, and i.Bus and SBUS at their other ends.
+    static std::string both(const std::string& input, const std::string& output) {
+        return "[input.in]\n" + input + "[output.out]\n" + output +
+               "[input.radio]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n"
+               "[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
+               "[pipeline.to]\nfrom = \"radio\"\nto = \"out\"\n"
+               "[pipeline.from]\nfrom = \"in\"\nto = \"servos\"\n";
+    }
+    static std::string network(const std::string& address, const std::string& lines) {
+        return "protocol = \"network\"\naddress = \"" + address + "\"\n" + lines;
+    }
+    static std::string can(const std::string& lines) {
+        return "protocol = \"can\"\ninterface = \"can0\"\n" + lines;
+    }
+    /// Their places begin with "t.toml".
+    Lines mistakes(const std::string& text) const {
+        Lines lines = mistakes_in(text, folder_ / "t.toml");
+        for (std::string& line : lines) {
+            line.erase(0, folder_.path().string().size() + 1);
+        }
+        return lines;
+    }
+
+    TemporaryFolder folder_;
+    static inline const std::string kKey = "key = \"a.key\"\n";
+};
+
+TEST_F(LinksWithKey, MayLeaveTheMachineWithoutBeingPublic) {
+    EXPECT_EQ(mistakes(both(network("[::]:5700", kKey + "link = \"from\"\n"),
+                            network("192.0.2.7:5700", kKey + "link = \"to\"\n"))),
+              Lines{});
+}
+
+TEST_F(LinksWithKey, ANetworkLinkWithoutOneStaysOnTheMachine) {
+    EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", ""), network("127.0.0.1:5701", ""))),
+              Lines{});
+    EXPECT_EQ(
+        mistakes(both(network("0.0.0.0:5700", "public = true\n"), network("127.0.0.1:5701", ""))),
+        Lines{"t.toml:1:8: [input.in] leaves this machine without a key; allowed: a \"key\", "
+              "or a loopback address without public"});
+}
+
+TEST_F(LinksWithKey, TwoOfOneKeyNeedDifferentNames) {
+    const std::string expected =
+        R"(t.toml:5:9: [output.out] has the key and the name of the link of [input.in] in line 1, )"
+        R"(so that frames of one could be brought to the other; allowed: another "link" for each, )"
+        R"(the same at both ends of one)";
+    EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", kKey), network("127.0.0.1:5701", kKey))),
+              Lines{expected});
+    EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", kKey),
+                            network("127.0.0.1:5701", "key = \"b.key\"\n"))),
+              Lines{});
+    EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", kKey),
+                            network("127.0.0.1:5701", kKey + "link = \"back\"\n"))),
+              Lines{});
+}
+
+TEST_F(LinksWithKey, AnOldKeyIsAKeyToo) {
+    EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", "key = \"b.key\"\nold_key = \"a.key\"\n"),
+                            network("127.0.0.1:5701", kKey)))
+                  .size(),
+              1U);
+}
+
+TEST_F(LinksWithKey, WhatOnlyAKeyGivesAMeaningNeedsOne) {
+    EXPECT_EQ(mistakes(both(network("127.0.0.1:5700", "old_key = \"a.key\"\n"),
+                            network("127.0.0.1:5701", "link = \"back\"\n"))),
+              (Lines{R"(t.toml:4:11: "old_key" has no effect without "key"; add key, or leave it )"
+                     R"(out)",
+                     R"(t.toml:8:8: "link" has no effect without "key"; add key, or leave it )"
+                     R"(out)"}));
+}
+
+TEST_F(LinksWithKey, OnCanNeedFd) {
+    EXPECT_EQ(mistakes(both(can(kKey), can("id = 0x400\n"))),
+              Lines{R"(t.toml:4:7: "key" is for CAN FD; add fd = true, or leave key out)"});
+    EXPECT_EQ(mistakes(both(can("fd = true\n" + kKey), can("fd = true\nid = 0x400\n" + kKey))),
+              Lines{});
+}
+
+TEST_F(LinksWithKey, OnCanTakeTheIdOfTheirAnswersToo) {
+    const Lines found = mistakes(both(can("fd = true\n" + kKey), can("id = 0x2FF\n")));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NE(found.front().find("the id 0x300"), std::string::npos) << found.front();
+}
+
+TEST_F(LinksWithKey, AnswerAndHearOnTheirPorts) {
+    const std::string text =
+        both(can("fd = true\n" + kKey), network("127.0.0.1:5701", kKey + "link = \"x\"\n"));
+    const auto configuration = load_configuration(text, folder_ / "t.toml");
+    ASSERT_TRUE(configuration);
+    const auto plans = plan_ports(*configuration);
+    const auto engine = build_engine(*configuration);
+    const Stations stations(*engine, nullptr);
+    EXPECT_TRUE(plans[0].wiring.answers);
+    EXPECT_EQ(plans[0].wiring.stations,
+              (std::vector<Station>{{StationKind::input, 0}, {StationKind::answers, 0}}));
+    const LinkUse use = link_use(stations, plans[0]);
+    EXPECT_TRUE(use.fd);
+    EXPECT_EQ(use.wanted, std::vector{CanIdMatch{.id = 0x305}});
+    EXPECT_EQ(use.sent, std::vector{CanIdMatch{.id = 0x300}});
+    const auto output = std::ranges::find_if(
+        plans, [](const PortPlan& plan) { return plan.config.device == "127.0.0.1:5701"; });
+    ASSERT_NE(output, plans.end());
+    EXPECT_EQ(output->wiring.stations,
+              (std::vector<Station>{{StationKind::output, 0}, {StationKind::replies, 0}}));
+    EXPECT_FALSE(output->wiring.answers);
+}
+
+}  // namespace
+}  // namespace tribus::test::links_with_key_test

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "core/can_frame.h"
+#include "core/channel_frame.h"
+#include "core/link_cause.h"
+#include "core/random_seed.h"
+#include "core/setting.h"
+#include "core/time.h"
+#include "transports/codecs/authenticated/receiver.h"
+#include "transports/codecs/authenticated/sender.h"
+#include "transports/codecs/can_codec.h"
+
+/// Both ends of an authenticated link whose messages are CAN FD frames.
+namespace tribus::authenticated {
+
+/// What both ends of a link share.
+struct FdLink {
+    std::string name;    ///< see link_key
+    SecretKey secret{};  ///< of both ends
+    /// Input only: another one that counts too, while keys are changed.
+    std::optional<SecretKey> old_secret{};
+    std::uint32_t sender_id = 0;    ///< of hellos and snapshots
+    std::uint32_t receiver_id = 0;  ///< of challenges
+    bool extended = false;
+};
+
+/// The end that receives snapshots. `use_seed` begins a new life.
+class FdDecoder final : public CanDecoder {
+  public:
+    explicit FdDecoder(const FdLink& link);
+
+    bool uses_fd() const override { return true; }
+    std::span<const CanIdMatch> wanted() const override { return {&sender_id_, 1}; }
+    std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
+    void use_seed(const RandomSeed& seed) override;
+    std::span<const CanIdMatch> answered() const override { return {&receiver_id_, 1}; }
+    std::span<const CanFrame> answer(Instant now) override;
+    /// See Receiver::rejected.
+    std::span<const NamedCount> rejected() const override { return receiver_.rejected(); }
+    LinkCause why_garbled() const override { return receiver_.why_refused(); }
+
+  private:
+    CanIdMatch sender_id_;
+    CanIdMatch receiver_id_;
+    LinkMacs macs_;
+    std::optional<LinkMacs> old_macs_;
+    Receiver receiver_;
+    CanFrame answer_{};
+};
+
+/// The end that sends them.
+class FdEncoder final : public CanEncoder {
+  public:
+    explicit FdEncoder(const FdLink& link);
+
+    bool uses_fd() const override { return true; }
+    std::span<const CanIdMatch> sent() const override { return {&sender_id_, 1}; }
+    std::span<const CanIdMatch> heard() const override { return {&receiver_id_, 1}; }
+    std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
+    bool marks_frame_lost() const override { return true; }
+    bool needs_receiver() const override { return true; }
+    bool has_receiver() const override { return has_receiver_; }
+    void use_seed(const RandomSeed& seed) override;
+    void continue_from(const Encoder& before) override;
+    void hear(const CanFrame& frame, Instant received) override;
+    std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
+                      Instant now) override;
+
+  private:
+    CanIdMatch sender_id_;
+    CanIdMatch receiver_id_;
+    LinkMacs macs_;
+    /// The same for the same secret and link.
+    MacBytes proof_;
+    Sender sender_;
+    bool has_receiver_ = false;
+};
+
+}  // namespace tribus::authenticated
