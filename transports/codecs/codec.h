@@ -108,8 +108,8 @@ class ByteDecoder : public DecoderReport {
     /// its arrival, if the pause shows that bytes before it are a frame; call until it returns
     /// false, and only between calls of `next`.
     virtual bool silence(DecodedFrame& frame) = 0;
-    /// How old the values of the frame that was returned last are when its bytes arrive. Zero if the
-    /// format does not tell it.
+    /// How old the values of the frame that was returned last are when its bytes arrive. Zero if
+    /// the format does not tell it.
     Duration age() const { return age_; }
     /// Number of bytes that wait for others to be decided. A pause now would cut them off.
     std::size_t waiting() const { return buffer_.size(); }
