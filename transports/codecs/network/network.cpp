@@ -67,10 +67,8 @@ NetworkDecoder::NetworkDecoder(std::unique_ptr<CanDecoder> messages)
 }
 
 std::size_t NetworkDecoder::needed_bytes(std::span<const std::uint8_t> bytes) const {
-    constexpr std::array<std::uint8_t, network::kLengthAt> kBeginning{
-        network::kFirstByte, network::kSecondByte, network::kVersion};
-    const std::size_t known = std::min(bytes.size(), kBeginning.size());
-    if (!std::ranges::equal(bytes.first(known), std::span(kBeginning).first(known))) {
+    const std::size_t known = std::min(bytes.size(), network::kBeginning.size());
+    if (!std::ranges::equal(bytes.first(known), std::span(network::kBeginning).first(known))) {
         return 0;
     }
     if (bytes.size() < network::kHeadBytes) {
@@ -130,12 +128,10 @@ std::size_t NetworkEncoder::write(const ChannelFrame& frame,
 
 /// An answer is a datagram of its own.
 std::optional<AskedTiming> NetworkEncoder::hear(std::span<const std::uint8_t> bytes, Instant now) {
-    constexpr std::array<std::uint8_t, network::kLengthAt> kBeginning{
-        network::kFirstByte, network::kSecondByte, network::kVersion};
     const auto heard = messages_->heard();
     if (!heard.empty() && bytes.size() > network::kHeadBytes &&
         bytes.size() <= network::kHeadBytes + kMostFdBytes &&
-        std::ranges::equal(bytes.first(network::kLengthAt), kBeginning) &&
+        std::ranges::equal(bytes.first(network::kLengthAt), network::kBeginning) &&
         bytes.size() == network::kHeadBytes + bytes[network::kLengthAt]) {
         messages_->hear(as_can_frame(heard.front(), bytes.subspan(network::kHeadBytes)), now);
     }

@@ -31,6 +31,7 @@ inline constexpr std::uint8_t kFirstByte = 0x54;
 inline constexpr std::uint8_t kSecondByte = 0x52;
 inline constexpr std::uint8_t kVersion = 1;
 inline constexpr std::size_t kLengthAt = 3;
+inline constexpr std::array<std::uint8_t, kLengthAt> kBeginning{kFirstByte, kSecondByte, kVersion};
 inline constexpr std::size_t kHeadBytes = 4;
 inline constexpr std::size_t kPlainBytes = 48;
 /// A hello and a snapshot, each with its head.
