@@ -53,6 +53,17 @@ struct CanFrame {
     bool operator==(const CanFrame&) const = default;
 };
 
+/// An FD frame with these bytes, whose number is the length of a frame.
+constexpr CanFrame fd_frame(std::uint32_t id, bool extended, std::span<const std::uint8_t> bytes) {
+    CanFrame frame{.id = id,
+                   .extended = extended,
+                   .fd = true,
+                   .bit_rate_switch = true,
+                   .length = static_cast<std::uint8_t>(bytes.size())};
+    std::ranges::copy(bytes, frame.data.begin());
+    return frame;
+}
+
 /// A set of ids of one kind: those that equal `id` in the bits of `mask`. An 11-bit id never equals
 /// a 29-bit id.
 struct CanIdMatch {

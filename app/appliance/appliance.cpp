@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -20,10 +21,11 @@ std::string device_name(const LineConfig& config) {
     return "line " + config.name + " (" + to_text(config.place) + ")";
 }
 
-/// Without it nothing could be proved, so the program ends: a kernel that has none is broken.
+/// Without it nothing could be proved, so the program ends.
 RandomSeed random_seed() {
     RandomSeed seed{};
     if (::getentropy(seed.data(), seed.size()) != 0) {
+        std::fputs("the kernel gives no random numbers (getentropy); a key needs them\n", stderr);
         std::abort();
     }
     return seed;

@@ -83,7 +83,7 @@ OrderedJson losses(const InputCounts& counts) {
     OrderedJson json = OrderedJson::object();
     for (std::size_t cause = 0; cause < counts.began.size(); ++cause) {
         const auto named = static_cast<LinkCause>(cause);
-        // Those of links with a key are told once they have happened.
+        // The causes that few links can have are told once they have happened.
         const bool usual = named <= LinkCause::channels_missing;
         if (named > LinkCause::never_seen && (usual || counts.began[cause] != 0)) {
             json[as_word(name_of(named))] = counts.began[cause];

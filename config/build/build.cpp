@@ -60,7 +60,7 @@ tl::unexpected<std::string> at_place(const Configuration& configuration, Locatio
 
 AnyDecoder make_decoder(const InputConfig& input, const WallClock* clock, RandomSeed (*random)()) {
     AnyDecoder decoder = input.protocol->make_decoder(input.settings);
-    if (random != nullptr) {
+    if (random != nullptr && link_with_key(input)) {
         std::visit([random](const auto& any) { any->use_seed(random()); }, decoder);
     }
     auto* const bytes = std::get_if<std::unique_ptr<ByteDecoder>>(&decoder);
@@ -73,7 +73,7 @@ AnyDecoder make_decoder(const InputConfig& input, const WallClock* clock, Random
 AnyEncoder make_encoder(const OutputConfig& output, const WallClock* clock,
                         RandomSeed (*random)()) {
     AnyEncoder encoder = output.protocol->make_encoder(output.settings);
-    if (random != nullptr) {
+    if (random != nullptr && link_with_key(output)) {
         std::visit([random](const auto& any) { any->use_seed(random()); }, encoder);
     }
     if (clock != nullptr) {

@@ -30,21 +30,10 @@ bool can_be_mixed(const LinkWithKey& a, const LinkWithKey& b) {
 }
 
 template <class Drafts>
-void collect(const Drafts& drafts, std::string_view direction, std::vector<KeptLink>& links,
-             Mistakes& mistakes) {
+void collect(const Drafts& drafts, std::string_view direction, std::vector<KeptLink>& links) {
     for (const auto& part : drafts) {
-        if (!part.settings_sound) {
-            continue;
-        }
-        const auto link = link_with_key(part.config);
-        if (link) {
+        if (const auto link = part.settings_sound ? link_with_key(part.config) : std::nullopt) {
             links.push_back({direction, part.config.name, part.where, *link});
-        } else if (part.port_sound && part.config.protocol->link_with_key != nullptr &&
-                   part.config.port.settings.get_or("public", false)) {
-            mistakes.add(part.where,
-                         fmt::format("[{}.{}] leaves this machine without a key; allowed: a "
-                                     "\"key\", or a loopback address without public",
-                                     direction, part.config.name));
         }
     }
 }
@@ -53,8 +42,8 @@ void collect(const Drafts& drafts, std::string_view direction, std::vector<KeptL
 
 void check_links(const Draft& draft, Mistakes& mistakes) {
     std::vector<KeptLink> links;
-    collect(draft.inputs, "input", links, mistakes);
-    collect(draft.outputs, "output", links, mistakes);
+    collect(draft.inputs, "input", links);
+    collect(draft.outputs, "output", links);
     for (std::size_t i = 0; i < links.size(); ++i) {
         for (std::size_t j = i + 1; j < links.size(); ++j) {
             if (can_be_mixed(links[i].link, links[j].link)) {

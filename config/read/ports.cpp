@@ -145,35 +145,29 @@ PortConfig port_config(const PortKeys& port, const TableContent& content) {
     return config;
 }
 
-/// Runs the medium's own check if the place and each key of the medium are valid. A link with a key
-/// may be public.
-bool check_by_medium(const PortConfig& port, bool with_key, SettingScope scope,
+/// Runs the medium's own check if the place and each key of the medium are valid.
+bool check_by_medium(const PortConfig& port, KeyUse key, SettingScope scope,
                      const TableContent& content, Mistakes& mistakes) {
     const bool sound = std::ranges::all_of(
         port.medium->settings, [&](const Setting& setting) { return content.sound(setting.key); });
     if (!sound || port.medium->check == nullptr) {
         return sound;
     }
-    SettingValues settings;
-    for (const auto& [key, value] : port.settings) {
-        settings.set(key,
-                     key == "public" ? SettingValue(with_key || std::get<bool>(value)) : value);
-    }
-    const auto found = port.medium->check(port.device, settings, scope);
+    const auto found = port.medium->check(port.device, port.settings, scope, key);
     for (const SettingMistake& mistake : found) {
         mistakes.add(where_of(mistake.path, content), mistake.text);
     }
     return found.empty();
 }
 
-bool port_sound(const PortConfig& port, bool with_key, SettingScope scope,
-                const TableContent& content, Mistakes& mistakes) {
+bool port_sound(const PortConfig& port, KeyUse key, SettingScope scope, const TableContent& content,
+                Mistakes& mistakes) {
     if (port.medium == nullptr) {
         return false;
     }
     const std::string_view place = port.medium->place.key;
     return content.given(place) && content.sound(place) && content.sound("baud") &&
-           content.sound("protocol") && check_by_medium(port, with_key, scope, content, mistakes);
+           content.sound("protocol") && check_by_medium(port, key, scope, content, mistakes);
 }
 
 /// `most`: upper limit of the protocol with its settings, if they are valid.
@@ -239,6 +233,15 @@ void check_phase(const OutputConfig& output, const TableContent& content, Mistak
     }
 }
 
+/// A key that has a mistake counts as given.
+template <class PortDraft>
+KeyUse meant_key_use(const PortKeys& port, const PortDraft& draft) {
+    if (port.protocol == nullptr || port.protocol->link_with_key == nullptr) {
+        return KeyUse::impossible;
+    }
+    return draft.settings_sound ? key_use(draft.config) : KeyUse::given;
+}
+
 /// Reads the part that inputs and outputs share.
 template <class PortDraft>
 void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
@@ -252,8 +255,8 @@ void read_port(const Entry& entry, const PortKeys& port, SettingScope scope,
     }
     draft.settings_sound = check_by_protocol(port, draft.config.settings, scope, content, mistakes);
     draft.config.port = port_config(port, content);
-    const bool with_key = draft.settings_sound && link_with_key(draft.config).has_value();
-    draft.port_sound = port_sound(draft.config.port, with_key, scope, content, mistakes);
+    draft.port_sound =
+        port_sound(draft.config.port, meant_key_use(port, draft), scope, content, mistakes);
 }
 
 void read_values_used(const Protocol& protocol, const TableContent& content, OutputDraft& draft) {

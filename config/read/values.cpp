@@ -160,7 +160,8 @@ std::optional<PortConfig> read_byte_port(const TableContent& content, const Prot
     }
     const auto found = port.medium->check == nullptr
                            ? std::vector<SettingMistake>{}
-                           : port.medium->check(port.device, port.settings, SettingScope::input);
+                           : port.medium->check(port.device, port.settings, SettingScope::input,
+                                                KeyUse::impossible);
     for (const SettingMistake& mistake : found) {
         mistakes.add(port.where, mistake.text);
     }

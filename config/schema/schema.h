@@ -121,6 +121,13 @@ std::optional<LinkWithKey> link_with_key(const Part& part) {
                                                    : std::nullopt;
 }
 
+template <class Part>
+KeyUse key_use(const Part& part) {
+    return link_with_key(part)                       ? KeyUse::given
+           : part.protocol->link_with_key != nullptr ? KeyUse::possible
+                                                     : KeyUse::impossible;
+}
+
 /// [pipeline.NAME].
 struct PipelineConfig {
     std::string name;

@@ -61,7 +61,7 @@ class Engine {
     void hear(std::size_t output, const CanFrame& frame, Instant at) {
         outputs_[output].hear(frame, at);
     }
-    /// What one input answers to the sender of what it received last.
+    /// One input answers the sender of what it received last: see Input::answer.
     Transmission answer(std::size_t input, Instant now) { return inputs_[input].answer(now); }
     /// Tells one output that bytes are missing behind those it heard so far.
     void forget_heard(std::size_t output) { outputs_[output].forget_heard(); }

@@ -82,7 +82,7 @@ class Input {
     /// Ends the frame received in part: no byte of it will follow. Returns true if the end
     /// completed a frame.
     bool datagram_ended(Instant now) { return pause(now); }
-    /// What its protocol answers at `now` to the sender of what was received last. Empty: nothing.
+    /// Its protocol answers at `now` the sender of what was received last. Empty: it says nothing.
     /// Valid until the next call.
     Transmission answer(Instant now);
     /// Discards a frame received in part and counts the loss of the device.

@@ -125,8 +125,8 @@ class Stations {
         }
     }
 
-    /// What a station of kind `answers` sends at `now` to the sender of what was received last.
-    /// Call it after `receive`, before anything else is received from the same port. Empty if there
+    /// A station of kind `answers` answers at `now` the sender of what was received last. Call it
+    /// after `receive`, before anything else is received from the same port. Empty if there
     /// is nothing. Valid until the next call.
     Transmission answer(Station station, Instant now) {
         return engine_->answer(station.index, now);

@@ -57,7 +57,7 @@ Bytes sticks(int time, int mark) {
     return servo_frame(payload, 0x40);
 }
 
-/// What one SBUS frame tells the servos.
+/// One SBUS frame, as servos read it.
 struct Seen {
     bool marked = false;
     int time = 0;
@@ -134,7 +134,7 @@ struct Boards {
     Configuration boat;
 };
 
-/// What may be wrong with what the servos were told.
+/// The promises that a world can break.
 enum class Broken : std::uint8_t { none, forged, too_old, back_in_time, lost_at_the_end };
 
 class World {
@@ -172,18 +172,11 @@ class World {
         const Instant now = at(now_);
         if (now_ % kStickPeriod == 0) {
             shore_->receive(sticks(now_, kHonest), now);
-            attacker_.receive(sticks(now_, kForged), now);
         }
         shore_->run_until(now);
         boat_->run_until(now);
-        attacker_.run_until(now);
         for (Bytes& datagram : shore_->take()) {
             send(true, std::move(datagram));
-        }
-        for (Bytes& datagram : attacker_.take()) {
-            if (attacked()) {
-                way_.push_back({now_, true, std::move(datagram)});
-            }
         }
         judge(boat_->take());
         if (attacked()) {
@@ -207,6 +200,13 @@ class World {
     int delay() { return static_cast<int>(random_.below(longest_delay_)); }
 
     void attack() {
+        if (now_ % kStickPeriod == 0) {
+            attacker_.receive(sticks(now_, kForged), at(now_));
+        }
+        attacker_.run_until(at(now_));
+        for (Bytes& datagram : attacker_.take()) {
+            way_.push_back({now_, true, std::move(datagram)});
+        }
         if (!kept_.empty() && permille(100)) {
             OnTheWay again = kept_[random_.below(static_cast<std::uint32_t>(kept_.size()))];
             again.due = now_ + delay();
@@ -236,7 +236,9 @@ class World {
             way_.pop_back();
             if (!arrived.to_boat) {
                 shore_->hear(arrived.datagram, at(now_));
-                attacker_.hear(arrived.datagram, at(now_));
+                if (attacked()) {
+                    attacker_.hear(arrived.datagram, at(now_));
+                }
             } else if (Bytes answer = boat_->receive(arrived.datagram, at(now_)); !answer.empty()) {
                 send(false, std::move(answer));
             }

@@ -32,7 +32,7 @@ class CanDecoder : public DecoderReport {
     virtual void use_seed(const RandomSeed& /*seed*/) {}
     /// The ids with which it answers. Constant.
     virtual std::span<const CanIdMatch> answered() const { return {}; }
-    /// What is sent at `now` to the senders of the frames that were taken. Empty: nothing. Valid
+    /// Answers at `now` the senders of the frames that were taken. Empty: it says nothing. Valid
     /// until the next call.
     virtual std::span<const CanFrame> answer(Instant /*now*/) { return {}; }
 };

@@ -126,7 +126,7 @@ class ByteDecoder : public DecoderReport {
     /// Gives random bytes, for protocols with challenges. Call at the start, before the first
     /// `next`.
     virtual void use_seed(const RandomSeed& /*seed*/) {}
-    /// What is sent at `now` to the sender of the datagram that was taken last. Empty: nothing.
+    /// Answers at `now` the sender of the datagram that was taken last. Empty: it says nothing.
     /// Valid until the next call. Only protocols with Protocol::link_with_key answer.
     virtual std::span<const std::uint8_t> answer(Instant /*now*/) { return {}; }
 

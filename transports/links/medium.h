@@ -34,6 +34,13 @@ struct LinkUse {
     bool operator==(const LinkUse&) const = default;
 };
 
+/// Whether messages of a link are proved by a key.
+enum class KeyUse : std::uint8_t {
+    impossible,  ///< its protocol has no keys
+    possible,    ///< its protocol has keys, the link has none
+    given,       ///< nobody else can make its messages
+};
+
 /// Who may use one place of a medium at the same time.
 enum class Users : std::uint8_t {
     one,           ///< one input or one output
@@ -60,7 +67,7 @@ struct Medium {
     std::string_view enable_key = {};
     /// Errors in the place and in valid settings. Null: none possible.
     std::vector<SettingMistake> (*check)(const std::string& place, const SettingValues& settings,
-                                         SettingScope way) = nullptr;
+                                         SettingScope way, KeyUse key) = nullptr;
     /// Whether its bytes have a rate, a parity and stop bits (LinkUse::line), and so a duration.
     bool has_line = false;
     /// Whether each read is a datagram: no frame goes on beyond it.

@@ -61,8 +61,16 @@ TEST_F(LinksWithKey, ANetworkLinkWithoutOneStaysOnTheMachine) {
               Lines{});
     EXPECT_EQ(
         mistakes(both(network("0.0.0.0:5700", "public = true\n"), network("127.0.0.1:5701", ""))),
-        Lines{"t.toml:1:8: [input.in] leaves this machine without a key; allowed: a \"key\", "
-              "or a loopback address without public"});
+        Lines{R"(t.toml:3:11: "address" is "0.0.0.0:5700", outside of this machine; allowed: )"
+              R"(a loopback address, such as "127.0.0.1:5501", or add a "key" )"
+              R"((`tribus key new` makes one))"});
+}
+
+TEST_F(LinksWithKey, AKeyFileThatIsMissingIsTheOnlyMistake) {
+    const Lines found = mistakes(
+        both(network("0.0.0.0:5700", "key = \"none.key\"\n"), network("127.0.0.1:5701", "")));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found.front().rfind("t.toml:4:7: \"key\" is \"none.key\"", 0), 0U);
 }
 
 TEST_F(LinksWithKey, TwoOfOneKeyNeedDifferentNames) {

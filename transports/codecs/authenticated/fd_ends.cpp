@@ -1,22 +1,10 @@
 #include "transports/codecs/authenticated/fd_ends.h"
 
-#include <algorithm>
-
 namespace tribus::authenticated {
 namespace {
 
 std::optional<LinkMacs> macs_of(const std::optional<SecretKey>& secret, const std::string& link) {
     return secret ? std::optional(LinkMacs(*secret, link)) : std::nullopt;
-}
-
-CanFrame fd_frame(const CanIdMatch& id, std::span<const std::uint8_t> message) {
-    CanFrame frame{.id = id.id,
-                   .extended = id.extended,
-                   .fd = true,
-                   .bit_rate_switch = true,
-                   .length = static_cast<std::uint8_t>(message.size())};
-    std::ranges::copy(message, frame.data.begin());
-    return frame;
 }
 
 /// Frames of another kind are no messages.
@@ -29,13 +17,7 @@ std::span<const std::uint8_t> message_in(const CanFrame& frame) {
 FdDecoder::FdDecoder(const FdLink& link)
     : sender_id_{.id = link.sender_id, .extended = link.extended},
       receiver_id_{.id = link.receiver_id, .extended = link.extended},
-      macs_(link.secret, link.name),
-      old_macs_(macs_of(link.old_secret, link.name)),
-      receiver_(macs_, old_macs_, {}) {}
-
-void FdDecoder::use_seed(const RandomSeed& seed) {
-    receiver_ = Receiver(macs_, old_macs_, seed);
-}
+      receiver_(LinkMacs(link.secret, link.name), macs_of(link.old_secret, link.name), {}) {}
 
 std::optional<ChannelFrame> FdDecoder::next(const CanFrame& frame, Instant received) {
     return sender_id_.matches(frame) ? receiver_.next(message_in(frame), received) : std::nullopt;
@@ -46,20 +28,15 @@ std::span<const CanFrame> FdDecoder::answer(Instant now) {
     if (!receiver_.answer(message, now)) {
         return {};
     }
-    answer_ = fd_frame(receiver_id_, message);
+    answer_ = fd_frame(receiver_id_.id, receiver_id_.extended, message);
     return {&answer_, 1};
 }
 
 FdEncoder::FdEncoder(const FdLink& link)
     : sender_id_{.id = link.sender_id, .extended = link.extended},
       receiver_id_{.id = link.receiver_id, .extended = link.extended},
-      macs_(link.secret, link.name),
-      proof_(macs_.hello.of({})),
-      sender_(macs_, {}) {}
-
-void FdEncoder::use_seed(const RandomSeed& seed) {
-    sender_ = Sender(macs_, seed);
-}
+      sender_(LinkMacs(link.secret, link.name), {}),
+      proof_(LinkMacs(link.secret, link.name).hello.of({})) {}
 
 void FdEncoder::continue_from(const Encoder& before) {
     const auto* same = dynamic_cast<const FdEncoder*>(&before);
@@ -80,12 +57,12 @@ std::size_t FdEncoder::write(const ChannelFrame& snapshot,
     std::size_t count = 0;
     HelloMessage hello{};
     if (sender_.write_hello(hello, now)) {
-        frames[count++] = fd_frame(sender_id_, hello);
+        frames[count++] = fd_frame(sender_id_.id, sender_id_.extended, hello);
     }
     SnapshotMessage message{};
     has_receiver_ = sender_.write(snapshot, message, now);
     if (has_receiver_) {
-        frames[count++] = fd_frame(sender_id_, message);
+        frames[count++] = fd_frame(sender_id_.id, sender_id_.extended, message);
     }
     return count;
 }

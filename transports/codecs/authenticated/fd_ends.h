@@ -32,7 +32,7 @@ struct FdLink {
     bool extended = false;
 };
 
-/// The end that receives snapshots. `use_seed` begins a new life.
+/// The end that receives snapshots.
 class FdDecoder final : public CanDecoder {
   public:
     explicit FdDecoder(const FdLink& link);
@@ -40,7 +40,7 @@ class FdDecoder final : public CanDecoder {
     bool uses_fd() const override { return true; }
     std::span<const CanIdMatch> wanted() const override { return {&sender_id_, 1}; }
     std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
-    void use_seed(const RandomSeed& seed) override;
+    void use_seed(const RandomSeed& seed) override { receiver_.use_seed(seed); }
     std::span<const CanIdMatch> answered() const override { return {&receiver_id_, 1}; }
     std::span<const CanFrame> answer(Instant now) override;
     /// See Receiver::rejected.
@@ -50,8 +50,6 @@ class FdDecoder final : public CanDecoder {
   private:
     CanIdMatch sender_id_;
     CanIdMatch receiver_id_;
-    LinkMacs macs_;
-    std::optional<LinkMacs> old_macs_;
     Receiver receiver_;
     CanFrame answer_{};
 };
@@ -68,7 +66,7 @@ class FdEncoder final : public CanEncoder {
     bool marks_frame_lost() const override { return true; }
     bool needs_receiver() const override { return true; }
     bool has_receiver() const override { return has_receiver_; }
-    void use_seed(const RandomSeed& seed) override;
+    void use_seed(const RandomSeed& seed) override { sender_.use_seed(seed); }
     void continue_from(const Encoder& before) override;
     void hear(const CanFrame& frame, Instant received) override;
     std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
@@ -77,10 +75,9 @@ class FdEncoder final : public CanEncoder {
   private:
     CanIdMatch sender_id_;
     CanIdMatch receiver_id_;
-    LinkMacs macs_;
+    Sender sender_;
     /// The same for the same secret and link.
     MacBytes proof_;
-    Sender sender_;
     bool has_receiver_ = false;
 };
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/setting.h"
-#include "transports/codecs/authenticated/fd_ends.h"
 #include "transports/codecs/protocol.h"
 
 /// The keys of a protocol whose messages can be proved by a key.

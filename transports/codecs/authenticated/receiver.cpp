@@ -27,10 +27,14 @@ std::array<std::uint8_t, size> random_bytes(Mac& seeded, std::uint8_t letter,
 }  // namespace
 
 Receiver::Receiver(const LinkMacs& macs, const std::optional<LinkMacs>& old, const RandomSeed& seed)
-    : macs_(macs),
-      old_(old),
-      random_(seed),
-      life_(std::bit_cast<std::uint32_t>(random_bytes<sizeof life_>(random_, 'L', 0))) {}
+    : macs_(macs), old_(old), random_(seed) {
+    use_seed(seed);
+}
+
+void Receiver::use_seed(const RandomSeed& seed) {
+    random_ = Mac(seed);
+    life_ = std::bit_cast<std::uint32_t>(random_bytes<sizeof life_>(random_, 'L', 0));
+}
 
 void Receiver::ask_anew(Instant now) {
     asked_[asked_count_ % kMostAsked] = {
@@ -41,11 +45,11 @@ void Receiver::ask_anew(Instant now) {
     ++asked_count_;
 }
 
-/// Who says hello again gets the same challenge again, unless that is old: so nobody who repeats
-/// hellos can push the others out.
+/// Who says hello again gets the same challenge again, unless that is old, and a snapshot that
+/// counts is always answered: so nobody who repeats hellos can push the others out.
 bool Receiver::answer(ChallengeMessage& message, Instant now) {
     const auto asker = std::exchange(asker_, std::nullopt);
-    if (!asker || (asked_count_ > 0 && now - answered_ < kAnswerPeriod)) {
+    if (!asker || (!asker->is_there && asked_count_ > 0 && now - answered_ < kAnswerPeriod)) {
         return false;
     }
     answered_ = now;
@@ -85,11 +89,13 @@ void Receiver::take_hello(std::span<const std::uint8_t> message) {
         return macs.hello.is_right(message.subspan(kHelloBodyBytes),
                                    message.first(kHelloBodyBytes));
     });
-    if (old_key) {
-        asker_ = {parse_hello(message), *old_key};
-        why_refused_ = LinkCause::garbled;
-    } else {
+    if (!old_key) {
         refuse(kForged);
+        return;
+    }
+    why_refused_ = LinkCause::garbled;
+    if (!asker_ || !asker_->is_there) {
+        asker_ = {parse_hello(message), *old_key, false};
     }
 }
 
@@ -115,7 +121,7 @@ std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t
     }
     const auto fault = fault_of_order(head, answered->challenge.number, received);
     if ((!fault || fault == kTwoSenders) && received - newest().sent >= kChallengePeriod) {
-        asker_ = {head.session, *old_key};
+        asker_ = {head.session, *old_key, true};
     }
     if (fault) {
         return refuse(*fault);

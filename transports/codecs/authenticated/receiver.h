@@ -25,7 +25,8 @@ class Receiver {
   public:
     /// Least time between two challenges.
     static constexpr Duration kChallengePeriod = std::chrono::milliseconds(50);
-    /// Least time between two answers. Hellos that somebody repeats are answered too.
+    /// Least time from an answer to the answer of a hello. Hellos that somebody repeats are
+    /// answered too.
     static constexpr Duration kAnswerPeriod = std::chrono::milliseconds(2);
     /// A challenge counts for so long. Snapshots are older than that if they come later.
     static constexpr Duration kChallengeLasts = std::chrono::seconds(1);
@@ -37,6 +38,8 @@ class Receiver {
     /// after each start.
     Receiver(const LinkMacs& macs, const std::optional<LinkMacs>& old, const RandomSeed& seed);
 
+    /// Begins a new life. Call before the first `next`.
+    void use_seed(const RandomSeed& seed);
     /// Writes the challenge that answers what was taken last, and leaves at `now`. False if none is
     /// due. Call it after each `next`.
     bool answer(ChallengeMessage& message, Instant now);
@@ -72,6 +75,8 @@ class Receiver {
     struct Asker {
         std::uint32_t session = 0;
         bool old_key = false;
+        /// It has sent a new snapshot. A hello may be a recording.
+        bool is_there = false;
     };
     /// More than count at the same time; the low byte of a number gives the place.
     static constexpr std::size_t kMostAsked = 32;
@@ -93,7 +98,7 @@ class Receiver {
     LinkMacs macs_;
     std::optional<LinkMacs> old_;
     Mac random_;
-    std::uint32_t life_;
+    std::uint32_t life_ = 0;
     std::uint32_t asked_count_ = 0;  ///< also the number of the next challenge
     std::array<Asked, kMostAsked> asked_{};
     std::optional<Asker> asker_;

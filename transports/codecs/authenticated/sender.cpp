@@ -14,6 +14,10 @@ std::uint32_t session_from(const RandomSeed& seed) {
 Sender::Sender(const LinkMacs& macs, const RandomSeed& seed)
     : macs_(macs), session_(session_from(seed)) {}
 
+void Sender::use_seed(const RandomSeed& seed) {
+    session_ = session_from(seed);
+}
+
 bool Sender::hear(std::span<const std::uint8_t> message, Instant received) {
     if (message.size() != kChallengeBytes ||
         !macs_.challenge.is_right(message.subspan(kChallengeBodyBytes), session_bytes(session_),

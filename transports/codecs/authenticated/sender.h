@@ -23,6 +23,8 @@ class Sender {
     /// `seed`: another one after each start.
     Sender(const LinkMacs& macs, const RandomSeed& seed);
 
+    /// Begins a new session. Call before the first message.
+    void use_seed(const RandomSeed& seed);
     /// Takes a message that arrived at `received`. Returns whether it is a new challenge of the
     /// key's holder to this sender. One that is not newer than the one before changes nothing: who
     /// repeats it cannot make old values seem young.

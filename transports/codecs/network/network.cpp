@@ -5,24 +5,18 @@
 #include "transports/codecs/native_can/channels.h"
 
 namespace tribus {
-
 namespace {
 
 constexpr CanChannelsFormat kPlainFormat{.fd = true};
 
 bool is_message_length(std::size_t length) {
-    return length == 24 || length == 32 || length == network::kPlainBytes || length == 64;
+    return length == network::kPlainBytes || length == authenticated::kHelloBytes ||
+           length == authenticated::kChallengeBytes || length == authenticated::kSnapshotBytes;
 }
 
-/// The frame of `messages` with the only id that it reads or hears.
+/// As a frame with the only id that the codec of the messages reads or hears.
 CanFrame as_can_frame(const CanIdMatch& id, std::span<const std::uint8_t> message) {
-    CanFrame frame{.id = id.id,
-                   .extended = id.extended,
-                   .fd = true,
-                   .bit_rate_switch = true,
-                   .length = static_cast<std::uint8_t>(message.size())};
-    std::ranges::copy(message, frame.data.begin());
-    return frame;
+    return fd_frame(id.id, id.extended, message);
 }
 
 /// Writes all of them, each with its head. Returns the length.

@@ -12,9 +12,11 @@
 #include "core/link_cause.h"
 #include "core/random_seed.h"
 #include "core/time.h"
+#include "transports/codecs/authenticated/messages.h"
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/framed_decoder.h"
+#include "transports/codecs/native_can/channels_layout.h"
 #include "transports/codecs/protocol.h"
 
 /// The messages of the native CAN FD format in datagrams (docs/protocols/network.md). The format is
@@ -33,9 +35,10 @@ inline constexpr std::uint8_t kVersion = 1;
 inline constexpr std::size_t kLengthAt = 3;
 inline constexpr std::array<std::uint8_t, kLengthAt> kBeginning{kFirstByte, kSecondByte, kVersion};
 inline constexpr std::size_t kHeadBytes = 4;
-inline constexpr std::size_t kPlainBytes = 48;
+inline constexpr std::size_t kPlainBytes = can_channels::kFdLength;
 /// A hello and a snapshot, each with its head.
-inline constexpr std::size_t kLongestFrame = 2 * kHeadBytes + 24 + 64;
+inline constexpr std::size_t kLongestFrame =
+    2 * kHeadBytes + authenticated::kHelloBytes + authenticated::kSnapshotBytes;
 
 }  // namespace network
 

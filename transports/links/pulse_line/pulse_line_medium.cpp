@@ -47,7 +47,8 @@ bool is_spi_device(const std::string& place) {
 }
 
 std::vector<SettingMistake> check_pulse_line(const std::string& place,
-                                             const SettingValues& /*settings*/, SettingScope way) {
+                                             const SettingValues& /*settings*/, SettingScope way,
+                                             KeyUse /*key*/) {
     const std::string begin = "\"line\" is \"" + place + "\"";
     if (way == SettingScope::output && !is_spi_device(place)) {
         return {{{"line"},

@@ -24,7 +24,7 @@ constexpr std::array kUdpSettings{
 };
 
 std::vector<SettingMistake> check(const std::string& place, const SettingValues& settings,
-                                  SettingScope /*way*/) {
+                                  SettingScope /*way*/, KeyUse key) {
     const auto address = parse_udp_address(place);
     if (!address) {
         return {{{"address"},
@@ -32,7 +32,13 @@ std::vector<SettingMistake> check(const std::string& place, const SettingValues&
                      "\"; allowed: an IP address in digits and a port, such as \"127.0.0.1:5501\" "
                      "or \"[::1]:5501\""}};
     }
-    if (!address->loopback && !settings.get_or("public", false)) {
+    if (!address->loopback && key == KeyUse::possible) {
+        return {{{"address"},
+                 "\"address\" is \"" + place +
+                     "\", outside of this machine; allowed: a loopback address, such as "
+                     "\"127.0.0.1:5501\", or add a \"key\" (`tribus key new` makes one)"}};
+    }
+    if (!address->loopback && key == KeyUse::impossible && !settings.get_or("public", false)) {
         return {{{"address"},
                  "\"address\" is \"" + place +
                      "\", outside of this machine; allowed: a loopback address, such as "

@@ -6,7 +6,7 @@ namespace tribus {
 namespace {
 
 std::vector<SettingMistake> check_name(const std::string& place, const SettingValues& /*settings*/,
-                                       SettingScope /*way*/) {
+                                       SettingScope /*way*/, KeyUse /*key*/) {
     if (!place.empty() && place.size() <= UinputLink::kLongestName) {
         return {};
     }

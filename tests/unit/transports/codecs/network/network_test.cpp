@@ -9,53 +9,51 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "tests/support/channel_bytes.h"
 #include "tests/support/streams.h"
+#include "tests/unit/transports/codecs/authenticated/link_bench.h"
 #include "transports/codecs/authenticated/fd_ends.h"
 #include "transports/codecs/native_can/channels.h"
 
-/// Snapshots in datagrams. The digits of messages with a key are those of
-/// tests/unit/transports/codecs/authenticated/link_test.cpp, which other programs computed.
+/// Snapshots in datagrams. Other programs computed the messages with a key.
 namespace tribus::test::network_test {
 namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::string_view kHello = "54520118 0c0b0a000000000042626cb5f71253f64d6ba7020bbb780b";
-constexpr std::string_view kChallenge =
-    "54520120 3de0fc3d0000000098729a45e630923943db1cf2d1e4f444d570af281a9eb78d";
-constexpr std::string_view kSnapshot =
-    "54520140 006196000c0b0a00c8000000401fd0206022f02380251027a028302ac02b502de02e7030003290332035"
-    "b036ffffffff8875b7ccc73f90b99325075a5e8cbfff";
+using authenticated_link::at;
+using authenticated_link::sticks;
 
-Instant at(Duration time) {
-    return Instant{} + 1h + time;
+/// A message behind its head.
+Bytes framed(std::string_view head, std::string_view message) {
+    Bytes datagram = from_hex(head);
+    append(datagram, from_hex(message));
+    return datagram;
 }
+const Bytes kHello = framed("54520118", authenticated_link::kHelloDigits);
+const Bytes kChallenge = framed("54520120", authenticated_link::kChallengeDigits);
+const Bytes kSnapshot = framed("54520140", authenticated_link::kSnapshotDigits);
 
 authenticated::FdLink link() {
-    authenticated::FdLink link{.name = "can 0x300 boat", .sender_id = 1, .receiver_id = 0};
-    for (std::size_t i = 0; i < link.secret.size(); ++i) {
-        link.secret[i] = static_cast<std::uint8_t>(i);
-    }
-    return link;
+    return {.name = std::string(authenticated_link::kLink),
+            .secret = authenticated_link::counted_secret(),
+            .sender_id = 1,
+            .receiver_id = 0};
 }
 
 std::unique_ptr<NetworkDecoder> decoder_with_key() {
     auto decoder =
         std::make_unique<NetworkDecoder>(std::make_unique<authenticated::FdDecoder>(link()));
-    RandomSeed seed{};
-    for (std::size_t i = 0; i < seed.size(); ++i) {
-        seed[i] = static_cast<std::uint8_t>(0x20 + i);
-    }
-    decoder->use_seed(seed);
+    decoder->use_seed(authenticated_link::kSeed);
     return decoder;
 }
 std::unique_ptr<NetworkEncoder> encoder_with_key() {
     auto encoder =
         std::make_unique<NetworkEncoder>(std::make_unique<authenticated::FdEncoder>(link()));
-    encoder->use_seed({0x0C, 0x0B, 0x0A});
+    encoder->use_seed(authenticated_link::seed_of(authenticated_link::kSession));
     return encoder;
 }
 std::unique_ptr<NetworkDecoder> plain_decoder() {
@@ -65,19 +63,6 @@ std::unique_ptr<NetworkDecoder> plain_decoder() {
 std::unique_ptr<NetworkEncoder> plain_encoder() {
     return std::make_unique<NetworkEncoder>(
         std::make_unique<CanChannelsEncoder>(CanChannelsFormat{.fd = true}));
-}
-
-/// 16 channels from 1000 us in steps of 50 us, link quality 97 %.
-ChannelFrame sticks(Instant received) {
-    ChannelFrame frame;
-    for (std::size_t channel = 0; channel < 16; ++channel) {
-        frame.set(channel, Pulse::from_microseconds(1000 + 50 * static_cast<int>(channel)));
-    }
-    frame.failsafe = false;
-    frame.frame_lost = false;
-    frame.link_quality = 97;
-    frame.received = received;
-    return frame;
 }
 
 /// The frame that a datagram completes.
@@ -105,20 +90,20 @@ std::uint64_t refused(const NetworkDecoder& decoder, std::string_view name) {
 TEST(Network, SaysHelloThenSendsSnapshotsWithTheseBytes) {
     const auto encoder = encoder_with_key();
     EXPECT_TRUE(encoder->needs_receiver());
-    EXPECT_EQ(encoded(*encoder, sticks(at(0ms)), at(0ms)), from_hex(kHello));
+    EXPECT_EQ(encoded(*encoder, sticks(at(0ms)), at(0ms)), kHello);
     EXPECT_FALSE(encoder->has_receiver());
     EXPECT_EQ(encoded(*encoder, sticks(at(20ms)), at(20ms)), Bytes{}) << "no hello is due";
-    encoder->hear(from_hex(kChallenge), at(30ms));
-    EXPECT_EQ(encoded(*encoder, sticks(at(32ms) - 1500us), at(32ms)), from_hex(kSnapshot));
+    encoder->hear(kChallenge, at(30ms));
+    EXPECT_EQ(encoded(*encoder, sticks(at(32ms) - 1500us), at(32ms)), kSnapshot);
     EXPECT_TRUE(encoder->has_receiver());
 }
 
 TEST(Network, AnswersAHelloOnceAndTellsTheAgeOfASnapshot) {
     const auto decoder = decoder_with_key();
-    EXPECT_FALSE(received(*decoder, from_hex(kHello), at(0ms)));
-    EXPECT_EQ(answer(*decoder, at(0ms)), from_hex(kChallenge));
+    EXPECT_FALSE(received(*decoder, kHello, at(0ms)));
+    EXPECT_EQ(answer(*decoder, at(0ms)), kChallenge);
     EXPECT_EQ(answer(*decoder, at(5ms)), Bytes{});
-    const auto frame = received(*decoder, from_hex(kSnapshot), at(12ms));
+    const auto frame = received(*decoder, kSnapshot, at(12ms));
     ASSERT_TRUE(frame);
     EXPECT_TRUE(frame->channels.same_content(sticks(at(0ms))));
     EXPECT_GE(decoder->age(), 11500us) << "10 ms on the way, after 1.5 ms at the sender";
@@ -128,10 +113,10 @@ TEST(Network, AnswersAHelloOnceAndTellsTheAgeOfASnapshot) {
 /// A hello beside the snapshot, in one datagram.
 TEST(Network, ReadsTwoMessagesOfOneDatagram) {
     const auto decoder = decoder_with_key();
-    ASSERT_FALSE(received(*decoder, from_hex(kHello), at(0ms)));
+    ASSERT_FALSE(received(*decoder, kHello, at(0ms)));
     answer(*decoder, at(0ms));
-    Bytes both = from_hex(kHello);
-    append(both, from_hex(kSnapshot));
+    Bytes both = kHello;
+    append(both, kSnapshot);
     EXPECT_LE(both.size(), kLongestSerialFrame);
     EXPECT_TRUE(received(*decoder, both, at(60ms)));
     EXPECT_FALSE(answer(*decoder, at(60ms)).empty());
@@ -152,7 +137,7 @@ TEST(Network, WithoutAKeyTranslatesEveryChannelAndMarkBackAfterItsProof) {
 
 TEST(Network, RefusesAMessageOfTheOtherKindOfLink) {
     const auto plain = plain_decoder();
-    EXPECT_FALSE(received(*plain, from_hex(kSnapshot), at(0ms)));
+    EXPECT_FALSE(received(*plain, kSnapshot, at(0ms)));
     EXPECT_EQ(refused(*plain, "length"), 1U);
     const auto with_key = decoder_with_key();
     EXPECT_FALSE(received(*with_key, encoded(*plain_encoder(), sticks(at(0ms)), at(0ms)), at(0ms)));
@@ -162,15 +147,15 @@ TEST(Network, RefusesAMessageOfTheOtherKindOfLink) {
 
 TEST(Network, TellsForgedMessagesFromThoseThatAreNotNew) {
     const auto decoder = decoder_with_key();
-    ASSERT_FALSE(received(*decoder, from_hex(kHello), at(0ms)));
+    ASSERT_FALSE(received(*decoder, kHello, at(0ms)));
     EXPECT_EQ(decoder->why_garbled(), LinkCause::garbled) << "nothing is wrong so far";
     answer(*decoder, at(0ms));
-    Bytes forged = from_hex(kSnapshot);
+    Bytes forged = kSnapshot;
     forged.back() ^= 1U;
     EXPECT_FALSE(received(*decoder, forged, at(10ms)));
     EXPECT_EQ(decoder->why_garbled(), LinkCause::forged);
-    EXPECT_TRUE(received(*decoder, from_hex(kSnapshot), at(11ms)));
-    EXPECT_FALSE(received(*decoder, from_hex(kSnapshot), at(12ms)));
+    EXPECT_TRUE(received(*decoder, kSnapshot, at(11ms)));
+    EXPECT_FALSE(received(*decoder, kSnapshot, at(12ms)));
     EXPECT_EQ(decoder->why_garbled(), LinkCause::replayed);
     EXPECT_EQ(refused(*decoder, "forged"), 1U);
     EXPECT_EQ(refused(*decoder, "replayed"), 1U);
@@ -178,9 +163,9 @@ TEST(Network, TellsForgedMessagesFromThoseThatAreNotNew) {
 
 /// Each bit of the head, of the message and of its proof.
 TEST(Network, RefusesEveryMessageWithAChangedBit) {
-    const Bytes right = from_hex(kSnapshot);
+    const Bytes right = kSnapshot;
     const auto decoder = decoder_with_key();
-    ASSERT_FALSE(received(*decoder, from_hex(kHello), at(0ms)));
+    ASSERT_FALSE(received(*decoder, kHello, at(0ms)));
     answer(*decoder, at(0ms));
     for (std::size_t bit = 0; bit < 8 * right.size(); ++bit) {
         Bytes wrong = right;
@@ -191,7 +176,7 @@ TEST(Network, RefusesEveryMessageWithAChangedBit) {
 }
 
 TEST(Network, HearsOnlyWholeAnswers) {
-    const Bytes right = from_hex(kChallenge);
+    const Bytes right = kChallenge;
     const auto encoder = encoder_with_key();
     for (std::size_t length = 0; length < right.size(); ++length) {
         encoder->hear(std::span(right).first(length), at(0ms));
@@ -210,7 +195,7 @@ TEST(Network, HearsOnlyWholeAnswers) {
 
 TEST(Network, GoesOnWithItsReceiverAfterAReloadUnlessTheKeyIsAnother) {
     const auto before = encoder_with_key();
-    before->hear(from_hex(kChallenge), at(0ms));
+    before->hear(kChallenge, at(0ms));
     const auto after = encoder_with_key();
     after->continue_from(*before);
     encoded(*after, sticks(at(1ms)), at(1ms));
