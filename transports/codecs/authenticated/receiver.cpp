@@ -120,7 +120,7 @@ std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t
         return refuse(kImpossible);
     }
     const auto fault = fault_of_order(head, answered->challenge.number, received);
-    if ((!fault || fault == kTwoSenders) && received - newest().sent >= kChallengePeriod) {
+    if ((!fault || fault == kTwoSenders) && exists >= kChallengePeriod) {
         asker_ = {head.session, *old_key, true};
     }
     if (fault) {
@@ -160,7 +160,8 @@ std::optional<Receiver::Refusal> Receiver::fault_of_order(const SnapshotHead& he
             return kReplayed;
         }
     } else if (bound_) {
-        if (number >= number_ && received - accepted_ < kSessionSilence) {
+        // It may have been on the way since before another sender started; that ends soon.
+        if (received - accepted_ < kSessionSilence) {
             conflict_until_ = received + kSessionSilence;
             return kTwoSenders;
         }
