@@ -29,7 +29,7 @@ using namespace std::chrono_literals;
 
 constexpr std::uint32_t kWorlds = 1000;
 constexpr int kAttacked = 3000;  ///< ms
-constexpr int kEnd = 5000;       ///< ms
+constexpr int kEnd = 6000;       ///< ms
 constexpr int kStickPeriod = 8;
 constexpr int kTimeout = 500;
 /// Sticks carry the time in ms, in two channels of 0 to 999 above 1000 us. What the attacker sends
