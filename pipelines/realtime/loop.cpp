@@ -232,6 +232,9 @@ void Loop::look_at_lines(Instant now) {
         if (!end_at || now < *end_at) {
             next = advance(now);
         }
+        if (can_answers_wait_) {
+            answer_can_frames(now);
+        }
         if (now >= next_publish_) {
             publish(now);
         }

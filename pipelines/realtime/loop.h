@@ -228,6 +228,7 @@ class Loop {
     ReadStatus read_bytes(std::size_t port, ByteLink& link, Instant now);
     ReadStatus read_can(const PortWiring& wiring, CanLink& link, Instant now);
     void answer(const PortWiring& wiring, Link& link, Instant now);
+    void answer_can_frames(Instant now);
     bool end_datagram(const PortWiring& wiring, Instant at);
     bool hand_on_bytes(const PortWiring& wiring, Instant at);
     void hand_on_can(const PortWiring& wiring);
@@ -259,6 +260,10 @@ class Loop {
     /// Limit of reads in a row. It empties the kernel's receive buffer and keeps one sender from
     /// blocking the other ports.
     static constexpr int kMostReads = 64;
+    /// Limit of reads in a row that complete no frame, and the time until the next read: noise, and
+    /// datagrams that somebody sends without the key, must delay nothing else.
+    static constexpr int kMostFruitlessReads = 8;
+    static constexpr Duration kFruitlessPause = std::chrono::microseconds(500);
 
     Engine& engine_;
     LoopSettings settings_;
@@ -298,6 +303,8 @@ class Loop {
     bool event_came_ = true;
     Reception reception_;
     CanReception can_reception_;
+    /// Frames came that a station may have to answer.
+    bool can_answers_wait_ = false;
     Instant next_publish_{};
     std::atomic<std::int64_t> published_at_ns_{0};
     std::vector<std::atomic<std::int64_t>> newest_at_ns_;

@@ -59,7 +59,6 @@ bool Loop::end_datagram(const PortWiring& wiring, Instant at) {
     return frame_came;
 }
 
-/// At once, because a datagram link answers the sender of the latest datagram.
 [[gnu::noinline]] void Loop::answer(const PortWiring& wiring, Link& link, Instant now) {
     for (const Station& station : wiring.stations) {
         if (station.kind != StationKind::answers) {
@@ -82,16 +81,23 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
     Port& port = ports_[index];
     std::size_t bytes = 0;
     bool frame_came = false;
+    int fruitless = 0;
     ReadStatus status = ReadStatus::received;
     reception_.full = true;
     reception_.goes_on = false;
-    for (int reads = 0; (reads < kMostReads && reception_.full) || reception_.goes_on; ++reads) {
+    for (int reads = 0;
+         (reads < kMostReads && fruitless < kMostFruitlessReads && reception_.full) ||
+         reception_.goes_on;
+         ++reads) {
         status = link.read(reception_);
         if (status != ReadStatus::received) {
             break;
         }
         bytes += reception_.count;
-        frame_came = hand_on_bytes(port.wiring, now) || frame_came;
+        const bool comes = hand_on_bytes(port.wiring, now);
+        fruitless = comes ? 0 : fruitless + 1;
+        frame_came = comes || frame_came;
+        // At once, because a datagram link answers the sender of the latest datagram.
         if (port.wiring.answers && !reception_.goes_on) {
             answer(port.wiring, link, now);
         }
@@ -99,7 +105,10 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
     if (bytes == 0) {
         return status;
     }
-    const Instant read_next = port.pacer.delivered(bytes, frame_came, now);
+    Instant read_next = port.pacer.delivered(bytes, frame_came, now);
+    if (fruitless == kMostFruitlessReads) {
+        read_next = now + kFruitlessPause;
+    }
     if (read_next > now && status == ReadStatus::received) {
         set_watched(index, false);
         port.quiet_until = read_next;
@@ -129,10 +138,19 @@ void Loop::hand_on_can(const PortWiring& wiring) {
         status = link.read(can_reception_, now, wall_time_now());
         hand_on_can(wiring);
     }
-    if (wiring.answers && status != ReadStatus::lost) {
-        answer(wiring, link, now);
-    }
+    can_answers_wait_ = can_answers_wait_ || wiring.answers;
     return status;
+}
+
+/// After what the received frames let the outputs send: that is what must be quick.
+[[gnu::noinline]] void Loop::answer_can_frames(Instant now) {
+    can_answers_wait_ = false;
+    for (const std::size_t index : can_ports_) {
+        Port& port = ports_[index];
+        if (port.wiring.answers && port.link) {
+            answer(port.wiring, *port.link, now);
+        }
+    }
 }
 
 void Loop::end_quiet(Port& port) {

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/lab/recorded_receiver.h"
 #include "tests/lab/two_programs.h"
 
 /// Two built programs with a bus between them, and faults of the bus.
@@ -14,19 +13,6 @@ namespace tribus::test::can_program_test {
 namespace {
 
 using std::chrono::milliseconds;
-
-/// Returns the sticks of every tenth row, so that a slow machine needs only seconds. The sticks of
-/// the capture move much more slowly.
-std::vector<Sticks> some_sticks() {
-    const auto all = recorded_sticks();
-    std::vector<Sticks> some;
-    for (std::size_t i = 0; i < all.size(); i += 10) {
-        if (some.empty() || some.back() != all[i]) {
-            some.push_back(all[i]);
-        }
-    }
-    return some;
-}
 
 class Carrying : public TwoPrograms, public testing::WithParamInterface<BusJob> {
   protected:
@@ -47,21 +33,7 @@ TEST_P(Carrying, EverySticksOfTheCaptureComesOutExactly) {
     Program& sender = start_sender(job_);
     Program& reader = start_reader(job_);
     ASSERT_TRUE(carry_until_control()) << sender.errors() << reader.errors();
-    const auto rows = some_sticks();
-    ASSERT_GT(rows.size(), 20U) << "the captures are not there";
-    for (const Sticks& sticks : rows) {
-        const SbusSight wanted = sbus_sight_of(sticks);
-        Repeater repeater(receiver(), ibus_bytes(sticks));
-        ASSERT_TRUE(eventually([&] {
-            repeater.send_if_due();
-            const auto seen = servos().listen();
-            return std::ranges::any_of(seen, [&](const SbusSight& sight) {
-                return sight.good() && same_channels(sight, wanted);
-            });
-        })) << sender.errors()
-            << reader.errors();
-    }
-    EXPECT_EQ(servos().strays(), 0U);
+    expect_recorded_sticks(sender, reader);
     expect_clean_end(sender);
     expect_clean_end(reader);
 }

@@ -3,6 +3,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "tests/lab/recorded_receiver.h"
+
 namespace tribus::test {
 namespace {
 
@@ -22,6 +24,23 @@ void add_to_table(const std::string& name, milliseconds frame_lost, milliseconds
     }
 }
 
+std::string interface_line(const std::string& interface) {
+    return interface.empty() ? "" : "interface = \"" + interface + "\"\n";
+}
+
+/// The sticks of every tenth row, so that a slow machine needs only seconds. The sticks of the
+/// capture move much more slowly.
+std::vector<Sticks> some_recorded_sticks() {
+    const auto all = recorded_sticks();
+    std::vector<Sticks> some;
+    for (std::size_t i = 0; i < all.size(); i += 10) {
+        if (some.empty() || some.back() != all[i]) {
+            some.push_back(all[i]);
+        }
+    }
+    return some;
+}
+
 }  // namespace
 
 std::string TwoPrograms::sender_text(const BusJob& job) {
@@ -30,8 +49,8 @@ protocol = "ibus"
 device   = "@receiver"
 timeout  = "400ms"
 [output.bus]
-interface = ")" +
-           job.sender_interface + "\"\n" + job.format + "\n" + job.sender_lines + R"(
+)" + interface_line(job.sender_interface) +
+           job.format + "\n" + job.sender_lines + R"(
 [pipeline.main]
 from = "receiver"
 to   = "bus"
@@ -42,9 +61,7 @@ recover = "300ms"
 }
 
 std::string TwoPrograms::reader_text(const BusJob& job) {
-    return R"([input.bus]
-interface = ")" +
-           job.reader_interface + "\"\n" + job.format + R"(
+    return "[input.bus]\n" + interface_line(job.reader_interface) + job.format + R"(
 timeout = "400ms"
 [output.servos]
 protocol = "sbus"
@@ -66,6 +83,20 @@ Program& TwoPrograms::start_sender(const BusJob& job) {
 
 Program& TwoPrograms::start_reader(const BusJob& job) {
     return run(write_config(reader_text(job), "reader.toml"));
+}
+
+void TwoPrograms::expect_recorded_sticks(const Program& sender, const Program& reader) {
+    const auto rows = some_recorded_sticks();
+    ASSERT_GT(rows.size(), 20U) << "the captures are not there";
+    for (const Sticks& sticks : rows) {
+        const SbusSight wanted = sbus_sight_of(sticks);
+        repeater_.change(ibus_bytes(sticks));
+        ASSERT_TRUE(carry_until([&](const SbusSight& sight) {
+            return sight.good() && same_channels(sight, wanted);
+        })) << sender.errors()
+            << reader.errors();
+    }
+    EXPECT_EQ(servos().strays(), 0U);
 }
 
 bool TwoPrograms::carry_until(const std::function<bool(const SbusSight&)>& done) {

@@ -12,14 +12,14 @@
 #include "tests/lab/guest.h"
 #include "tests/loopback/loopback.h"
 
-/// The main job with a bus in between: one program reads an i.Bus receiver and sends on CAN,
-/// another one reads CAN and drives SBUS servos.
+/// The main job with a link in between: one program reads an i.Bus receiver and sends on CAN or
+/// UDP, another one reads that and drives SBUS servos.
 namespace tribus::test {
 
 /// Configuration of the two sides. The times are long enough for an emulated machine on a busy
 /// host.
 struct BusJob {
-    std::string sender_interface = "vcan0";
+    std::string sender_interface = "vcan0";  ///< none if empty, like the reader's
     std::string reader_interface = "vcan0";
     std::string format = "protocol = \"can\"";  ///< lines of both sides
     std::string sender_lines{};                 ///< lines of the sender's output
@@ -44,6 +44,9 @@ class TwoPrograms : public Loopback {
     static std::string reader_text(const BusJob& job);
     Program& start_sender(const BusJob& job);
     Program& start_reader(const BusJob& job);
+
+    /// Every change of the sticks in the capture of an 18-channel receiver comes out exactly.
+    void expect_recorded_sticks(const Program& sender, const Program& reader);
 
     /// Sends i.Bus frames at a receiver's rate and reads what the servos see until `done` returns
     /// true for a frame. Returns false when kPatience is over.

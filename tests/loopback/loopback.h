@@ -40,6 +40,13 @@ class Loopback : public testing::Test {
         return folder_ / name;
     }
 
+    /// Writes a key file in which each digit is `digit`.
+    void write_key(const std::string& name, char digit) {
+        std::filesystem::permissions(
+            write_config(std::string(64, digit), name),
+            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    }
+
     /// Starts `tribus run` and waits until it runs.
     Program& run(const std::string& config) {
         Program& program = programs_.emplace_back(folder_, std::vector<std::string>{"run", config});

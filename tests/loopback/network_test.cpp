@@ -1,7 +1,6 @@
 #include <csignal>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,11 +18,7 @@ namespace {
 
 class Network : public Loopback {
   protected:
-    Network() {
-        std::filesystem::permissions(
-            write_config(std::string(64, '7'), "boat.key"),
-            std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
-    }
+    Network() { write_key("boat.key", '7'); }
     std::string shore_config(std::string_view key) {
         return write_config("[input.radio]\nprotocol = \"ibus\"\ndevice = \"@radio\"\n" +
                                 std::string(kPatientInput) +
@@ -105,9 +100,7 @@ TEST_F(Network, WithAKeyNeedsNoHandWhenEitherEndStartsAgain) {
 }
 
 TEST_F(Network, WithAKeySaysAtBothEndsThatTheOtherHasAnotherOne) {
-    std::filesystem::permissions(
-        write_config(std::string(64, '8'), "other.key"),
-        std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    write_key("other.key", '8');
     Program& boat = run(boat_config(kKey));
     Program& shore = run(shore_config("key = \"other.key\"\n"));
     EXPECT_TRUE(eventually([&] {

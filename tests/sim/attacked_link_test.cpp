@@ -1,138 +1,24 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <memory>
-#include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "config/build/build.h"
-#include "config/load.h"
-#include "pipelines/virtual_time/virtual_loop.h"
-#include "tests/reference/plain_sbus.h"
-#include "tests/support/ibus_frames.h"
-#include "tests/support/streams.h"
-#include "tests/support/temporary_folder.h"
+#include "tests/sim/linked_boards.h"
 
-/// Two boards, an i.Bus receiver at one and SBUS servos at the other, and somebody on the way
-/// between them: a thousand random worlds, each another attack.
+/// A thousand random worlds of two boards with a link, each another attack.
 namespace tribus::test::attacked_link_test {
 namespace {
 
-using namespace std::chrono_literals;
+using namespace linked_boards;
 
 constexpr std::uint32_t kWorlds = 1000;
 constexpr int kAttacked = 3000;  ///< ms
 constexpr int kEnd = 6000;       ///< ms
-constexpr int kStickPeriod = 8;
-constexpr int kTimeout = 500;
-/// Sticks carry the time in ms, in two channels of 0 to 999 above 1000 us. What the attacker sends
-/// has another number in the third.
-constexpr int kHonest = 1200;
-constexpr int kForged = 1900;
 constexpr std::size_t kMostKept = 200;
-
-Instant at(int milliseconds) {
-    return Instant(1h) + std::chrono::milliseconds(milliseconds);
-}
-
-Bytes sticks(int time, int mark) {
-    Bytes payload(28);
-    const auto put = [&](std::size_t slot, int pulse) {
-        payload[2 * slot] = static_cast<std::uint8_t>(pulse);
-        payload[2 * slot + 1] = static_cast<std::uint8_t>(pulse >> 8);
-    };
-    for (std::size_t slot = 0; slot < 14; ++slot) {
-        put(slot, 1500);
-    }
-    put(0, 1000 + time / 1000);
-    put(1, 1000 + time % 1000);
-    put(2, mark);
-    return servo_frame(payload, 0x40);
-}
-
-/// One SBUS frame, as servos read it.
-struct Seen {
-    bool marked = false;
-    int time = 0;
-    int mark = 0;
-};
-
-Seen seen_in(std::span<const std::uint8_t> wire) {
-    const SbusFrame frame = reference::plain_parse_sbus(wire.first<kSbusFrameLength>());
-    // Betaflight's scale, docs/protocols/sbus.md.
-    const auto pulse = [&](std::size_t channel) {
-        return static_cast<int>(std::lround(880 + frame.raw[channel] * 0.625));
-    };
-    return {frame.failsafe || frame.frame_lost, 1000 * (pulse(0) - 1000) + pulse(1) - 1000,
-            pulse(2)};
-}
-
-RandomSeed next_seed() {
-    static std::uint32_t made = 0;
-    ++made;
-    return {static_cast<std::uint8_t>(made), static_cast<std::uint8_t>(made >> 8U),
-            static_cast<std::uint8_t>(made >> 16U), 1};
-}
-
-/// One box in virtual time. It keeps what its only output sent since `take`.
-class Board : StationObserver {
-  public:
-    Board(const Configuration& configuration, Instant start)
-        : engine_(build_engine(configuration, {}, nullptr, next_seed)),
-          loop_(*engine_, *this, start) {}
-
-    void run_until(Instant until) { loop_.run_until(until); }
-    /// A datagram for the input arrives. Returns what its sender is answered.
-    Bytes receive(const Bytes& datagram, Instant now) {
-        loop_.receive({StationKind::input, 0}, datagram, now);
-        engine_->datagram_ended(0, now);
-        const auto answer = engine_->answer(0, now).bytes();
-        return {answer.begin(), answer.end()};
-    }
-    void hear(const Bytes& datagram, Instant now) {
-        loop_.receive({StationKind::replies, 0}, datagram, now);
-    }
-    std::vector<Bytes> take() { return std::exchange(sent_, {}); }
-
-  private:
-    void wrote(Station /*station*/, Instant /*at*/, const Transmission& sent) override {
-        sent_.emplace_back(sent.bytes().begin(), sent.bytes().end());
-    }
-
-    std::unique_ptr<Engine> engine_;
-    std::vector<Bytes> sent_;
-    VirtualLoop loop_;
-};
-
-/// The configurations of both boards. With an empty `key` the link between them has none.
-struct Boards {
-    explicit Boards(const std::string& key) {
-        const std::string link = "protocol = \"network\"\naddress = \"127.0.0.1:5700\"\n" + key;
-        shore = load("[input.radio]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n[output.boat]\n" +
-                     link + "[pipeline.main]\nfrom = \"radio\"\nto = \"boat\"\n" + kSilence);
-        boat = load("[input.shore]\n" + link + "timeout = \"" + std::to_string(kTimeout) +
-                    "ms\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
-                    "[pipeline.main]\nfrom = \"shore\"\nto = \"servos\"\n" +
-                    kSilence);
-    }
-    static Configuration load(const std::string& text) {
-        auto configuration = load_configuration(text, "boards.toml");
-        EXPECT_TRUE(configuration) << text;
-        return std::move(*configuration);
-    }
-
-    inline static const std::string kSilence =
-        "[pipeline.main.failsafe]\naction = \"silence\"\npower_on = \"0ms\"\nrecover = \"100ms\"\n";
-    Configuration shore;
-    Configuration boat;
-};
 
 /// The promises that a world can break.
 enum class Broken : std::uint8_t { none, forged, too_old, back_in_time, lost_at_the_end };
@@ -279,20 +165,12 @@ class World {
 
 class AttackedLink : public ::testing::Test {
   protected:
-    AttackedLink() {
-        for (const auto& [name, digit] : {std::pair("boat.key", '7'), {"attacker.key", '8'}}) {
-            std::filesystem::permissions(folder_.write(name, std::string(64, digit)),
-                                         std::filesystem::perms::owner_read);
-        }
-    }
-    std::string key(const std::string& name) const { return "key = \"" + folder_ / name + "\"\n"; }
-
-    TemporaryFolder folder_;
+    KeyFiles keys_;
 };
 
 TEST_F(AttackedLink, WithAKeyGivesControlOnlyToFreshFramesOfItsHolder) {
-    const Boards boards(key("boat.key"));
-    const Boards attackers(key("attacker.key"));
+    const Boards boards(keys_.line("boat.key"));
+    const Boards attackers(keys_.line("attacker.key"));
     std::size_t controlled = 0;
     for (std::uint32_t seed = 1; seed <= kWorlds; ++seed) {
         World world(boards, attackers, seed);
