@@ -12,7 +12,7 @@ namespace tribus::bench {
 inline constexpr std::size_t kGarbageBlock = 32;
 
 /// The program that counts. All but the codecs are counted on x86 only.
-enum class Counted : std::uint8_t { codecs, engine, link };
+enum class Counted : std::uint8_t { codecs, engine, link, authenticated };
 
 struct Row {
     std::string_view name;
@@ -44,6 +44,16 @@ inline constexpr std::array kEngineRows{
     through_engine("DroneCanToSbus", "dronecan_to_sbus", 7520),
     through_engine("Ibus18ToDroneCan", "ibus18_to_dronecan", 4050),
 };
+/// A snapshot of a link with a key, on a processor without AES instructions, and a fifth of what a
+/// challenge costs: the MAC and its check, and all that both ends do.
+inline constexpr std::array kAuthenticatedRows{Row{.name = "MacAndCheck",
+                                                   .workload = "mac",
+                                                   .most_x86 = 3160,
+                                                   .counted = Counted::authenticated},
+                                               Row{.name = "AuthenticatedCanFd",
+                                                   .workload = "can_fd",
+                                                   .most_x86 = 5030,
+                                                   .counted = Counted::authenticated}};
 /// A snapshot of five frames through the link of a CAN interface. Some 300 instructions of a row
 /// are those of the bus that stands in for the kernel.
 inline constexpr std::array kLinkRows{

@@ -84,6 +84,8 @@ TEST_P(ProductCounts, StayBelowTheirCeiling) {
 
 INSTANTIATE_TEST_SUITE_P(Engine, ProductCounts, testing::ValuesIn(kEngineRows),
                          [](const auto& row) { return std::string(row.param.name); });
+INSTANTIATE_TEST_SUITE_P(Authenticated, ProductCounts, testing::ValuesIn(kAuthenticatedRows),
+                         [](const auto& row) { return std::string(row.param.name); });
 INSTANTIATE_TEST_SUITE_P(Link, ProductCounts, testing::ValuesIn(kLinkRows),
                          [](const auto& row) { return std::string(row.param.name); });
 

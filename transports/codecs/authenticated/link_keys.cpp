@@ -3,6 +3,7 @@
 #include <nettle/hmac.h>
 #include <nettle/memops.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace tribus::authenticated {
@@ -15,6 +16,10 @@ Mac mac_for(const SecretKey& secret, Purpose purpose, std::string_view link) {
     // The first one brings the library's code into memory, before frames flow.
     static_cast<void>(mac.of(key));
     return mac;
+}
+
+bool same_mac(std::span<const std::uint8_t> told, const MacBytes& right) {
+    return told.size() == right.size() && memeql_sec(told.data(), right.data(), right.size()) != 0;
 }
 
 }  // namespace
@@ -38,8 +43,7 @@ MacBytes Mac::of(std::span<const std::uint8_t> first, std::span<const std::uint8
 
 bool Mac::is_right(std::span<const std::uint8_t> told, std::span<const std::uint8_t> first,
                    std::span<const std::uint8_t> second) {
-    const MacBytes right = of(first, second);
-    return told.size() == right.size() && memeql_sec(told.data(), right.data(), right.size()) != 0;
+    return same_mac(told, of(first, second));
 }
 
 std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose purpose,
@@ -61,8 +65,41 @@ std::array<std::uint8_t, kMacBytes> link_key(const SecretKey& secret, Purpose pu
 }
 
 LinkMacs::LinkMacs(const SecretKey& secret, std::string_view link)
-    : snapshot(mac_for(secret, Purpose::snapshot, link)),
+    : snapshot_keys(mac_for(secret, Purpose::snapshot, link)),
       challenge(mac_for(secret, Purpose::challenge, link)),
-      hello(mac_for(secret, Purpose::hello, link)) {}
+      hello(mac_for(secret, Purpose::hello, link)) {
+    static_cast<void>(SnapshotMac(snapshot_keys, {}).of(0, {}));
+}
+
+SnapshotMac::SnapshotMac(Mac& keys, std::span<const std::uint8_t> answered) {
+    std::array<std::uint8_t, POLY1305_AES_KEY_SIZE> key{};
+    static_assert(key.size() == 2 * kMacBytes);
+    const std::span<std::uint8_t> bytes(key);
+    constexpr std::array<std::uint8_t, 1> kFirstHalf{'K'};
+    constexpr std::array<std::uint8_t, 1> kSecondHalf{'R'};
+    std::ranges::copy(keys.of(kFirstHalf, answered), bytes.first(kMacBytes).begin());
+    std::ranges::copy(keys.of(kSecondHalf, answered), bytes.subspan(kMacBytes).begin());
+    poly1305_aes_set_key(&context_, key.data());
+    ::explicit_bzero(key.data(), key.size());
+}
+
+SnapshotMac::~SnapshotMac() {
+    ::explicit_bzero(&context_, sizeof context_);
+}
+
+MacBytes SnapshotMac::of(std::uint16_t counter, std::span<const std::uint8_t> message) {
+    const std::array<std::uint8_t, POLY1305_AES_NONCE_SIZE> number{
+        static_cast<std::uint8_t>(counter), static_cast<std::uint8_t>(counter >> 8U)};
+    poly1305_aes_set_nonce(&context_, number.data());
+    poly1305_aes_update(&context_, message.size(), message.data());
+    MacBytes mac{};
+    poly1305_aes_digest(&context_, mac.size(), mac.data());
+    return mac;
+}
+
+bool SnapshotMac::is_right(std::span<const std::uint8_t> told, std::uint16_t counter,
+                           std::span<const std::uint8_t> message) {
+    return same_mac(told, of(counter, message));
+}
 
 }  // namespace tribus::authenticated

@@ -65,6 +65,13 @@ SessionBytes session_bytes(std::uint32_t session) {
     return bytes;
 }
 
+AnsweredBytes answered_bytes(const Nonce& nonce, std::uint32_t session) {
+    AnsweredBytes bytes{};
+    std::ranges::copy(nonce, bytes.begin());
+    put(bytes, nonce.size(), kSessionBytes, session);
+    return bytes;
+}
+
 void emit_hello(std::uint32_t session, HelloMessage& message) {
     message = {};
     put(message, 0, kSessionBytes, session);

@@ -37,7 +37,7 @@ inline constexpr std::size_t kChallengeBodyBytes = kChallengeBytes - kMacBytes;
 ///   bytes 8, 9  time from the arrival of that challenge until now, in 10 us
 ///   bytes 10, 11 counter of the snapshots of this session, from 0; 0 follows 65535
 ///   bytes 12-47 18 channels in 0.125 us; 65535: absent
-///   bytes 48-63 MAC of the nonce of the challenge and the bytes before it
+///   bytes 48-63 SnapshotMac of the counter and the bytes before it
 inline constexpr std::size_t kSnapshotBytes = 64;
 inline constexpr std::size_t kSnapshotBodyBytes = kSnapshotBytes - kMacBytes;
 
@@ -76,6 +76,10 @@ std::uint16_t held_steps(Duration held);
 
 /// A session as it is sent.
 SessionBytes session_bytes(std::uint32_t session);
+
+/// What the key of a SnapshotMac is made of: the nonce, then the session as it is sent.
+using AnsweredBytes = std::array<std::uint8_t, std::tuple_size_v<Nonce> + kSessionBytes>;
+AnsweredBytes answered_bytes(const Nonce& nonce, std::uint32_t session);
 
 /// Write and read everything but the MAC. The lengths are checked before.
 void emit_hello(std::uint32_t session, HelloMessage& message);

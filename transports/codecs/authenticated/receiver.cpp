@@ -27,12 +27,16 @@ std::array<std::uint8_t, size> random_bytes(Mac& seeded, std::uint8_t letter,
 }  // namespace
 
 Receiver::Receiver(const LinkMacs& macs, const std::optional<LinkMacs>& old, const RandomSeed& seed)
-    : macs_(macs), old_(old), random_(seed) {
+    : key_{macs}, old_(old ? std::optional(Key{*old}) : std::nullopt), random_(seed) {
     use_seed(seed);
 }
 
 void Receiver::use_seed(const RandomSeed& seed) {
     random_ = Mac(seed);
+    key_.answers.reset();
+    if (old_) {
+        old_->answers.reset();
+    }
     life_ = std::bit_cast<std::uint32_t>(random_bytes<sizeof life_>(random_, 'L', 0));
 }
 
@@ -57,7 +61,7 @@ bool Receiver::answer(ChallengeMessage& message, Instant now) {
         ask_anew(now);
     }
     emit(newest().challenge, message);
-    Mac& mac = asker->old_key ? old_->challenge : macs_.challenge;
+    Mac& mac = (asker->old_key ? *old_ : key_).macs.challenge;
     const std::span<std::uint8_t> bytes(message);
     std::ranges::copy(mac.of(session_bytes(asker->session), bytes.first(kChallengeBodyBytes)),
                       bytes.subspan(kChallengeBodyBytes).begin());
@@ -78,15 +82,23 @@ std::optional<ChannelFrame> Receiver::next(std::span<const std::uint8_t> message
 
 template <class IsRight>
 std::optional<bool> Receiver::key_of(const IsRight& is_right) {
-    if (is_right(macs_)) {
+    if (is_right(key_)) {
         return false;
     }
     return old_ && is_right(*old_) ? std::optional(true) : std::nullopt;
 }
 
+SnapshotMac& Receiver::Key::mac_of_answers(const Challenge& challenge, std::uint32_t session) {
+    if (!answers || answers->number != challenge.number || answers->session != session) {
+        answers = {challenge.number, session,
+                   SnapshotMac(macs.snapshot_keys, answered_bytes(challenge.nonce, session))};
+    }
+    return answers->mac;
+}
+
 void Receiver::take_hello(std::span<const std::uint8_t> message) {
-    const auto old_key = key_of([&](LinkMacs& macs) {
-        return macs.hello.is_right(message.subspan(kHelloBodyBytes),
+    const auto old_key = key_of([&](Key& key) {
+        return key.macs.hello.is_right(message.subspan(kHelloBodyBytes),
                                    message.first(kHelloBodyBytes));
     });
     if (!old_key) {
@@ -106,9 +118,10 @@ std::optional<ChannelFrame> Receiver::take_snapshot(std::span<const std::uint8_t
     if (answered == nullptr) {
         return refuse(kNoChallenge);
     }
-    const auto old_key = key_of([&](LinkMacs& macs) {
-        return macs.snapshot.is_right(message.subspan(kSnapshotBodyBytes),
-                                      answered->challenge.nonce, message.first(kSnapshotBodyBytes));
+    const auto old_key = key_of([&](Key& key) {
+        return key.mac_of_answers(answered->challenge, head.session)
+            .is_right(message.subspan(kSnapshotBodyBytes), head.counter,
+                      message.first(kSnapshotBodyBytes));
     });
     if (!old_key) {
         return refuse(kForged);

@@ -89,14 +89,27 @@ class Receiver {
     const Asked& newest() const { return asked_[(asked_count_ - 1) % kMostAsked]; }
     const Asked* asked(std::uint8_t number, Instant received) const;
     /// Whose MAC `is_right` finds right: false for the key, true for the old one.
+    /// The MACs of one session's answers to one challenge.
+    struct Answers {
+        std::uint32_t number = 0;
+        std::uint32_t session = 0;
+        SnapshotMac mac;
+    };
+    /// The MACs by one key, and those of the answers that came last.
+    struct Key {
+        LinkMacs macs;
+        std::optional<Answers> answers{};
+
+        SnapshotMac& mac_of_answers(const Challenge& challenge, std::uint32_t session);
+    };
     template <class IsRight>
     std::optional<bool> key_of(const IsRight& is_right);
     void ask_anew(Instant now);
     std::optional<Refusal> fault_of_order(const SnapshotHead& head, std::uint32_t number,
                                           Instant received);
 
-    LinkMacs macs_;
-    std::optional<LinkMacs> old_;
+    Key key_;
+    std::optional<Key> old_;
     Mac random_;
     std::uint32_t life_ = 0;
     std::uint32_t asked_count_ = 0;  ///< also the number of the next challenge

@@ -32,6 +32,7 @@ bool Sender::hear(std::span<const std::uint8_t> message, Instant received) {
         return false;
     }
     challenge_ = heard;
+    answers_.emplace(macs_.snapshot_keys, answered_bytes(heard.nonce, session_));
     challenged_ = received;
     return true;
 }
@@ -58,14 +59,15 @@ bool Sender::write(const ChannelFrame& channels, SnapshotMessage& message, Insta
         return false;
     }
     const bool preset = channels.received == Instant{};
+    const std::uint16_t counter = counter_++;
     emit({.session = session_,
           .challenge = static_cast<std::uint8_t>(challenge_->number),
           .held = held,
-          .counter = counter_++,
+          .counter = counter,
           .age = preset ? kNotTold : age_steps(now - channels.received)},
          channels, message);
     const std::span<std::uint8_t> bytes(message);
-    std::ranges::copy(macs_.snapshot.of(challenge_->nonce, bytes.first(kSnapshotBodyBytes)),
+    std::ranges::copy(answers_->of(counter, bytes.first(kSnapshotBodyBytes)),
                       bytes.subspan(kSnapshotBodyBytes).begin());
     return true;
 }

@@ -39,6 +39,7 @@ class Sender {
     LinkMacs macs_;
     std::uint32_t session_;
     std::optional<Challenge> challenge_;
+    std::optional<SnapshotMac> answers_;  ///< of `challenge_`
     Instant challenged_{};
     std::uint16_t counter_ = 0;
     std::optional<Instant> said_hello_;

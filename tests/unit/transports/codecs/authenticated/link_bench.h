@@ -14,7 +14,8 @@
 #include "transports/codecs/authenticated/sender.h"
 
 /// Both ends of an authenticated link, and somebody on the way. Keys and MACs of the literal bytes
-/// were computed with Python's hmac and `openssl mac`.
+/// were computed with Python: hmac, AES and CMAC of its package cryptography, and Poly1305 by its
+/// definition.
 namespace tribus::test::authenticated_link {
 
 using namespace authenticated;
@@ -55,7 +56,11 @@ inline constexpr std::string_view kChallengeDigits =
     "3de0fc3d0000000098729a45e630923943db1cf2d1e4f444d570af281a9eb78d";
 inline constexpr std::string_view kSnapshotDigits =
     "006196000c0b0a00c8000000401fd0206022f02380251027a028302ac02b502de02e7030003290332035b036"
-    "ffffffff8875b7ccc73f90b99325075a5e8cbfff";
+    "ffffffff9e74ca18abfa14616ce5922351556bd0";
+/// The one after it, 2 ms later.
+inline constexpr std::string_view kNextSnapshotDigits =
+    "006196000c0b0a0090010100401fd0206022f02380251027a028302ac02b502de02e7030003290332035b0"
+    "36ffffffff602d8a8563ea0aad649461d76b3e43aa";
 
 /// 16 channels from 1000 us in steps of 50 us, good, link quality 97 %.
 inline ChannelFrame sticks(Instant received) {

@@ -29,6 +29,7 @@ TEST_F(AuthenticatedLink, ChallengesWithTheseBytes) {
 TEST_F(AuthenticatedLink, SendsSnapshotsWithTheseBytes) {
     ask(at(0ms));
     EXPECT_EQ(snapshot(sender_, at(2ms), 1500us), from_hex(kSnapshotDigits));
+    EXPECT_EQ(snapshot(sender_, at(4ms), 1500us), from_hex(kNextSnapshotDigits));
 }
 
 TEST_F(AuthenticatedLink, PublishesWhatWasSent) {
