@@ -10,6 +10,7 @@ namespace tribus::test {
 inline constexpr std::uint16_t kLinkPort = 5700;
 inline const std::string kKeyLine = "\nkey = \"@boat.key\"";
 inline const BusJob kFdBus{.format = "protocol = \"can\"\nfd = true"};
+inline const BusJob kClassicBus{.format = "protocol = \"can\""};
 inline const BusJob kUdp{
     .sender_interface = "",
     .reader_interface = "",

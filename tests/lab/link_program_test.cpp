@@ -49,7 +49,8 @@ class KeyedLink : public TwoPrograms, public testing::WithParamInterface<BusJob>
     Way way_{job_};
 };
 
-INSTANTIATE_TEST_SUITE_P(Links, KeyedLink, testing::Values(with_key(kFdBus), with_key(kUdp)));
+INSTANTIATE_TEST_SUITE_P(Links, KeyedLink,
+                         testing::Values(with_key(kFdBus), with_key(kClassicBus), with_key(kUdp)));
 
 TEST_P(KeyedLink, EverySticksOfTheCaptureComesOutExactly) {
     Program& reader = start_reader(job_);

@@ -104,11 +104,30 @@ TEST_F(LinksWithKey, WhatOnlyAKeyGivesAMeaningNeedsOne) {
                      R"(out)"}));
 }
 
-TEST_F(LinksWithKey, OnCanNeedFd) {
-    EXPECT_EQ(mistakes(both(can(kKey), can("id = 0x400\n"))),
-              Lines{R"(t.toml:4:7: "key" is for CAN FD; add fd = true, or leave key out)"});
-    EXPECT_EQ(mistakes(both(can("fd = true\n" + kKey), can("fd = true\nid = 0x400\n" + kKey))),
-              Lines{});
+TEST_F(LinksWithKey, OnCanMayBeFdOrClassic) {
+    for (const std::string fd : {"", "fd = true\n"}) {
+        EXPECT_EQ(mistakes(both(can(fd + kKey), can(fd + "id = 0x400\n" + kKey))), Lines{});
+    }
+}
+
+TEST_F(LinksWithKey, OnClassicCanHaveFifteenIds) {
+    const Lines found = mistakes(both(can(kKey), can("id = 0x30E\n")));
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NE(found.front().find("the id 0x30E"), std::string::npos) << found.front();
+    EXPECT_EQ(mistakes(both(can(kKey), can("id = 0x30F\n"))), Lines{});
+    EXPECT_EQ(
+        mistakes(both(can("id = 0x7F2\n" + kKey), can(""))),
+        Lines{"t.toml:4:6: 2034 is too high for ids of 11 bits; allowed is 0 to 2033 (0x7F1), "
+              "or more with extended = true"});
+}
+
+TEST_F(LinksWithKey, OnClassicCanHaveNeitherACrcNorFewerChannels) {
+    EXPECT_EQ(
+        mistakes(both(can("crc = \"p01\"\nchannels = 16\n" + kKey), can("id = 0x400\n"))),
+        (Lines{R"(t.toml:4:7: "p01" is for frames without a key, which proves more than a CRC: )"
+               "leave out crc, or key",
+               "t.toml:5:12: 16 is for frames without a key; a link with a key always has 18 "
+               "channels: leave out channels, or key"}));
 }
 
 TEST_F(LinksWithKey, OnCanTakeTheIdOfTheirAnswersToo) {

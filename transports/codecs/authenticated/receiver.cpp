@@ -99,7 +99,7 @@ SnapshotMac& Receiver::Key::mac_of_answers(const Challenge& challenge, std::uint
 void Receiver::take_hello(std::span<const std::uint8_t> message) {
     const auto old_key = key_of([&](Key& key) {
         return key.macs.hello.is_right(message.subspan(kHelloBodyBytes),
-                                   message.first(kHelloBodyBytes));
+                                       message.first(kHelloBodyBytes));
     });
     if (!old_key) {
         refuse(kForged);

@@ -7,6 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
+
+#include "transports/codecs/authenticated/classic_ends.h"
 #include "transports/codecs/authenticated/fd_ends.h"
 #include "transports/codecs/authenticated/link_settings.h"
 #include "transports/codecs/native_can/channels.h"
@@ -24,8 +27,9 @@ constexpr std::array kSettings{
             .fallback = "768",
             .least = 0,
             .most = kMostExtendedId - kFdIndex,
-            .help = "First of six CAN ids in a row: five for classic frames, one for FD; 768 is "
-                    "0x300",
+            .help =
+                "First of six CAN ids in a row: five for classic frames, one for FD; with `key` "
+                "classic frames have fifteen; 768 is 0x300",
             .example = "0x200"},
     Setting{.key = "extended",
             .type = SettingType::boolean,
@@ -57,20 +61,36 @@ constexpr std::array kSettings{
 };
 static_assert(can_channels::kDefaultBaseId == 768);
 
+void check_ids(const CanChannelsFormat& format, std::size_t ids,
+               std::vector<SettingMistake>& mistakes) {
+    const auto most =
+        (format.extended ? kMostExtendedId : kMostStandardId) - static_cast<std::uint32_t>(ids - 1);
+    if (format.base_id > most) {
+        mistakes.push_back({{"id"},
+                            fmt::format("{0} is too high for ids of {1} bits; allowed is 0 to {2} "
+                                        "(0x{2:X}){3}",
+                                        format.base_id, format.extended ? 29 : 11, most,
+                                        format.extended ? "" : ", or more with extended = true")});
+    }
+}
+
 std::vector<SettingMistake> check(const SettingValues& settings, SettingScope /*scope*/) {
     std::vector<SettingMistake> mistakes;
     const CanChannelsFormat format = CanChannelsFormat::from_settings(settings);
-    constexpr std::uint32_t kMostBaseId = kMostStandardId - kFdIndex;
-    if (!format.extended && format.base_id > kMostBaseId) {
-        mistakes.push_back(
-            {{"id"},
-             std::to_string(format.base_id) + " is too high for ids of 11 bits; allowed is 0 to " +
-                 std::to_string(kMostBaseId) + " (0x7FA), or more with extended = true"});
-    }
-    if (!format.fd && settings.find("key") != nullptr) {
-        mistakes.push_back({{"key"}, "\"key\" is for CAN FD; add fd = true, or leave key out"});
-    }
+    const bool classic_link = !format.fd && settings.find("key") != nullptr;
+    check_ids(format, classic_link ? authenticated::kClassicIds : can_channels::kIds, mistakes);
     authenticated::check_link(settings, mistakes);
+    if (classic_link && format.crc == CanChannelsCrc::p01) {
+        mistakes.push_back({{"crc"},
+                            "\"p01\" is for frames without a key, which proves more than a CRC: "
+                            "leave out crc, or key"});
+    }
+    if (classic_link && format.channels != kChannelCount) {
+        mistakes.push_back({{"channels"},
+                            std::to_string(format.channels) +
+                                " is for frames without a key; a link with a key always has 18 "
+                                "channels: leave out channels, or key"});
+    }
     if (format.fd && format.crc == CanChannelsCrc::p01) {
         mistakes.push_back({{"crc"},
                             "\"p01\" is for classic frames; FD frames always have profile 5: "
@@ -91,38 +111,52 @@ std::optional<std::uint32_t> sure_channels(const SettingValues& settings) {
 
 std::optional<LinkWithKey> link_with_key(const SettingValues& settings) {
     const CanChannelsFormat format = CanChannelsFormat::from_settings(settings);
-    return authenticated::link_of(
-        settings, "can fd " + std::to_string(format.base_id) + (format.extended ? "x" : ""));
+    return authenticated::link_of(settings, (format.fd ? "can fd " : "can ") +
+                                                std::to_string(format.base_id) +
+                                                (format.extended ? "x" : ""));
 }
 
 /// Snapshots have the id of plain FD frames, and challenges the first of the ids, which FD does not
 /// need.
-std::optional<authenticated::FdLink> fd_link(const SettingValues& settings) {
-    const auto link = link_with_key(settings);
-    if (!link) {
-        return std::nullopt;
-    }
-    const CanChannelsFormat format = CanChannelsFormat::from_settings(settings);
-    return authenticated::FdLink{.name = link->name,
-                                 .secret = link->secret,
-                                 .old_secret = link->old_secret,
-                                 .sender_id = format.base_id + static_cast<std::uint32_t>(kFdIndex),
-                                 .receiver_id = format.base_id,
-                                 .extended = format.extended};
+authenticated::FdLink fd_link(const LinkWithKey& link, const CanChannelsFormat& format) {
+    return {.name = link.name,
+            .secret = link.secret,
+            .old_secret = link.old_secret,
+            .sender_id = format.base_id + static_cast<std::uint32_t>(kFdIndex),
+            .receiver_id = format.base_id,
+            .extended = format.extended};
+}
+
+authenticated::ClassicLink classic_link(const LinkWithKey& link, const CanChannelsFormat& format) {
+    return {.name = link.name,
+            .secret = link.secret,
+            .old_secret = link.old_secret,
+            .first_id = format.base_id,
+            .extended = format.extended};
 }
 
 AnyDecoder make_decoder(const SettingValues& settings) {
-    if (const auto link = fd_link(settings)) {
-        return std::make_unique<authenticated::FdDecoder>(*link);
+    const CanChannelsFormat format = CanChannelsFormat::from_settings(settings);
+    const auto link = link_with_key(settings);
+    if (!link) {
+        return std::make_unique<CanChannelsDecoder>(format);
     }
-    return std::make_unique<CanChannelsDecoder>(CanChannelsFormat::from_settings(settings));
+    if (format.fd) {
+        return std::make_unique<authenticated::FdDecoder>(fd_link(*link, format));
+    }
+    return std::make_unique<authenticated::ClassicDecoder>(classic_link(*link, format));
 }
 
 AnyEncoder make_encoder(const SettingValues& settings) {
-    if (const auto link = fd_link(settings)) {
-        return std::make_unique<authenticated::FdEncoder>(*link);
+    const CanChannelsFormat format = CanChannelsFormat::from_settings(settings);
+    const auto link = link_with_key(settings);
+    if (!link) {
+        return std::make_unique<CanChannelsEncoder>(format);
     }
-    return std::make_unique<CanChannelsEncoder>(CanChannelsFormat::from_settings(settings));
+    if (format.fd) {
+        return std::make_unique<authenticated::FdEncoder>(fd_link(*link, format));
+    }
+    return std::make_unique<authenticated::ClassicEncoder>(classic_link(*link, format));
 }
 
 // Least period at 1 Mbit/s, where five frames take 0.7 ms. At 125 kbit/s they take 5.4 ms.
