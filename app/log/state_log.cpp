@@ -14,6 +14,18 @@ constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
 /// An autopilot answers once a second, and shows what it does within a few seconds.
 constexpr std::uint32_t kAnswersWithoutEffect = 10;
 
+/// Places of the counters of messages that only somebody without the key sends.
+std::vector<std::size_t> unproved_causes(const Appliance& appliance, std::size_t input) {
+    std::vector<std::size_t> places;
+    for (std::size_t i = 0; i < appliance.reject_cause_count(input); ++i) {
+        const std::string_view name = appliance.reject_cause(input, i);
+        if (name == "forged" || name == "no_key") {
+            places.push_back(i);
+        }
+    }
+    return places;
+}
+
 }  // namespace
 
 StateLog::StateLog(const Appliance& appliance, Instant start)
@@ -22,7 +34,9 @@ StateLog::StateLog(const Appliance& appliance, Instant start)
     for (const InputConfig& input : configuration.inputs) {
         const bool on_can = input.port.medium->shape == WireShape::can_frames;
         input_names_.push_back(input.name);
-        inputs_.push_back({.on_can = on_can, .start = start});
+        inputs_.push_back({.on_can = on_can,
+                           .start = start,
+                           .unproved_causes = unproved_causes(appliance, inputs_.size())});
     }
     outputs_.resize(configuration.outputs.size());
     for (const Appliance::DeviceEvent& device : appliance.devices()) {
@@ -76,6 +90,27 @@ void StateLog::look_at_input(const std::string& name, const InputStatus& status,
     const bool good = status.state.cause == LinkCause::good;
     log_at(good ? LogLevel::info : LogLevel::warning, "input {}: {}{}", name,
            cause_text(status.state), swallowed_note(*swallowed));
+}
+
+/// While the input is good: else its cause says it.
+void StateLog::look_at_unproved(const std::string& name, const InputStatus& status,
+                                InputMemory& memory, Instant now) {
+    std::uint64_t unproved = 0;
+    for (const std::size_t cause : memory.unproved_causes) {
+        unproved += status.rejected_by[cause];
+    }
+    if (status.state.cause != LinkCause::good || unproved < memory.unproved) {
+        memory.unproved = unproved;
+    }
+    if (unproved == memory.unproved || !memory.unproved_limit.pass(now)) {
+        return;
+    }
+    const LogFields fields({"TRIBUS_INPUT", name});
+    log_warning(
+        "input {}: refused {} that its key does not prove, while its own sender is heard; somebody "
+        "else sends on this link",
+        name, counted(unproved - memory.unproved, "message"));
+    memory.unproved = unproved;
 }
 
 /// No signal at the start is the most frequent problem; the received bytes show its cause.
@@ -260,6 +295,7 @@ void StateLog::look(Appliance& appliance, Instant now) {
     for (std::size_t i = 0; i < inputs_.size(); ++i) {
         const InputStatus status = appliance.input_status(i);
         look_at_input(configuration.inputs[i].name, status, inputs_[i], now);
+        look_at_unproved(configuration.inputs[i].name, status, inputs_[i], now);
         log_missing_signal(configuration.inputs[i].name, status, inputs_[i], now);
     }
     for (std::size_t i = 0; i < outputs_.size(); ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -45,6 +46,10 @@ class StateLog {
         bool missing_signal_logged = false;
         bool two_senders_logged = false;
         RateLimit limit = log_limit();
+        /// Places of the counters of what a key does not prove, and what they were when told.
+        std::vector<std::size_t> unproved_causes{};
+        std::uint64_t unproved = 0;
+        RateLimit unproved_limit{1, std::chrono::minutes(1)};
     };
     /// Holds names, not indices: another configuration may number the inputs differently.
     struct OutputWord {
@@ -80,6 +85,8 @@ class StateLog {
     void look_at_devices(Appliance& appliance, Instant now);
     void look_at_input(const std::string& name, const InputStatus& status, InputMemory& memory,
                        Instant now);
+    static void look_at_unproved(const std::string& name, const InputStatus& status,
+                                 InputMemory& memory, Instant now);
     void look_at_output(const std::string& name, const OutputStatus& status,
                         std::span<const std::size_t> places, OutputMemory& memory, Instant now);
     std::string outvoted_names(std::uint32_t outvoted, std::span<const std::size_t> places) const;

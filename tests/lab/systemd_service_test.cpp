@@ -49,6 +49,46 @@ TEST_F(InstalledPackage, WaitsAsLongAsItTakesForADeviceThatIsMissingAtItsStart) 
     EXPECT_EQ(property("NRestarts"), "0");
 }
 
+/// A key file that only root may read, and a link over UDP that has it as a credential.
+class KeyOfTheService : public InstalledPackage {
+  protected:
+    KeyOfTheService() {
+        write_file(kFile, std::string(64, '7') + "\n");
+        shell("chmod 600 " + kFile + "; ip link set lo up");
+    }
+    ~KeyOfTheService() override { shell("rm -r /etc/tribus/keys"); }
+
+    static void start_with_key(const std::string& file) {
+        write_file(kConfigurations / "servos.toml",
+                   "[input.shore]\nprotocol = \"network\"\naddress = \"127.0.0.1:5700\"\nkey = \"" +
+                       file + "\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"" +
+                       ftdi_adapter(1) +
+                       "\"\n[pipeline.main]\nfrom = \"shore\"\nto = \"servos\"\n");
+        drop_in(kUnit,
+                "[Service]\nRestrictAddressFamilies=AF_INET\nIPAddressAllow=localhost\n"
+                "LoadCredential=boat.key:" +
+                    kFile + "\n");
+        run_shell("systemctl start " + kUnit);
+    }
+
+    static inline const std::string kFile = "/etc/tribus/keys/boat.key";
+};
+
+TEST_F(KeyOfTheService, MayBeACredential) {
+    start_with_key("/run/credentials/" + kUnit + "/boat.key");
+    EXPECT_TRUE(becomes("ActiveState", "active"));
+    EXPECT_NE(journal().find("started /etc/tribus/servos.toml"), std::string::npos) << journal();
+    EXPECT_EQ(journal().find("7777"), std::string::npos) << "the key";
+}
+
+TEST_F(KeyOfTheService, IsRefusedWithItsPlaceIfTheServiceMayNotReadIt) {
+    start_with_key(kFile);
+    EXPECT_TRUE(becomes("ActiveState", "failed"));
+    EXPECT_NE(journal("-p err").find("/etc/tribus/servos.toml:4:7: \"key\" is \"" + kFile + "\""),
+              std::string::npos)
+        << journal();
+}
+
 TEST_F(InstalledService, TranslatesIbusToSbus) {
     EXPECT_TRUE(carries(1200, 1200)) << journal();
     EXPECT_TRUE(carries(1800, 1800)) << journal();

@@ -115,6 +115,27 @@ TEST_F(Network, WithAKeySaysAtBothEndsThatTheOtherHasAnotherOne) {
     expect_clean_end(boat);
 }
 
+TEST_F(Network, WithAKeySaysThatSomebodyElseSendsAndStaysInControl) {
+    Program& boat = run(boat_config(kKey));
+    Program& shore = run(shore_config(kKey));
+    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    ASSERT_FALSE(seen_.empty());
+    Bytes forged = seen_.back();
+    forged.back() ^= 1U;
+    outside_->send_to(boat_port_, forged);
+    EXPECT_TRUE(eventually([&] {
+        radio_.send_if_due();
+        route();
+        return boat.errors().find(
+                   "input shore: refused 1 message that its key does not prove, "
+                   "while its own sender is heard") != std::string::npos;
+    })) << boat.errors();
+    EXPECT_TRUE(servos_follow(1300)) << boat.errors() << shore.errors();
+    EXPECT_EQ(boat.errors().find("input shore: forged"), std::string::npos) << boat.errors();
+    expect_clean_end(shore);
+    expect_clean_end(boat);
+}
+
 /// A whole recorded conversation, played to a boat that starts again.
 TEST_F(Network, WithAKeyRecordedFramesMoveNothing) {
     Program& boat = run(boat_config(kKey));

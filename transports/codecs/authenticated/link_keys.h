@@ -38,7 +38,12 @@ class Mac {
 
 /// The purposes of messages. Each has a key of its own, so that none can be taken for another, and
 /// nothing that one end sends can be sent back to it.
-enum class Purpose : std::uint8_t { snapshot = 'S', challenge = 'C', hello = 'H' };
+enum class Purpose : std::uint8_t {
+    snapshot = 'S',
+    challenge = 'C',
+    hello = 'H',
+    broadcast = 'B',
+};
 
 /// The key of one purpose on one link: the first 128 bits of HMAC-SHA-256 by the secret, over
 /// "tribus authenticated link 1", the purpose and the link's name. `link` names the link at both

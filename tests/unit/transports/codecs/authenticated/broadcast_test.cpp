@@ -1,0 +1,239 @@
+#include "transports/codecs/authenticated/broadcast.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/streams.h"
+#include "tests/unit/transports/codecs/authenticated/link_bench.h"
+
+/// Snapshots with a key for receivers that do not answer.
+namespace tribus::test::broadcast_test {
+namespace {
+
+using namespace std::chrono_literals;
+using namespace authenticated;
+
+using authenticated_link::at;
+using authenticated_link::sticks;
+using Message = std::vector<std::uint8_t>;
+
+constexpr std::uint64_t kFirst = 0x0102030405060708;
+/// Computed as those of link_bench.h.
+constexpr std::string_view kDigits =
+    "006196000807060504030201401fd0206022f02380251027a028302ac02b502de02e7030003290332035b036"
+    "ffffffff2efd7ea71674a4a9577a87da1c18fae9";
+
+Mac keys(std::string_view link = authenticated_link::kLink) {
+    return Mac(link_key(authenticated_link::counted_secret(), Purpose::broadcast, link));
+}
+
+/// The file that keeps the numbers of an end.
+struct NumberFile {
+    std::uint64_t number = 0;
+
+    void start(NumberReservation& numbers) const { numbers.start(number); }
+    void store(NumberReservation& numbers) {
+        if (numbers.wanted() > number) {
+            number = numbers.wanted();
+            numbers.reserve(number);
+        }
+    }
+};
+
+class Broadcast : public ::testing::Test {
+  protected:
+    Broadcast() {
+        sent_.start(sender_.numbers());
+        received_.start(receiver_.numbers());
+        // Both ends ask for numbers, and get them.
+        write(at(-20ms));
+        store();
+        read(write(at(-10ms)), at(-10ms));
+        store();
+    }
+
+    Message write(Instant now) {
+        SnapshotMessage message{};
+        const bool written = sender_.write(sticks(now - 1500us), message, now);
+        return written ? Message{message.begin(), message.end()} : Message{};
+    }
+    std::optional<ChannelFrame> read(const Message& message, Instant now) {
+        return receiver_.next(message, now);
+    }
+    std::uint64_t rejected(std::string_view name) const {
+        return std::ranges::find(receiver_.rejected(), name, &NamedCount::name)->count;
+    }
+    void store() {
+        sent_.store(sender_.numbers());
+        received_.store(receiver_.numbers());
+    }
+    void restart_receiver() {
+        receiver_ = BroadcastReceiver(keys(), std::nullopt);
+        received_.start(receiver_.numbers());
+    }
+    void restart_sender() {
+        sender_ = BroadcastSender(keys());
+        sent_.start(sender_.numbers());
+    }
+
+    NumberFile sent_{1000};
+    NumberFile received_{0};
+    BroadcastSender sender_{keys()};
+    BroadcastReceiver receiver_{keys(), std::nullopt};
+};
+
+TEST_F(Broadcast, SendsTheseBytes) {
+    NumberFile file{kFirst};
+    BroadcastSender sender(keys());
+    file.start(sender.numbers());
+    SnapshotMessage message{};
+    EXPECT_FALSE(sender.write(sticks(at(0ms)), message, at(0ms))) << "no number is stored";
+    file.store(sender.numbers());
+    ASSERT_TRUE(sender.write(sticks(at(0ms) - 1500us), message, at(0ms)));
+    EXPECT_EQ((Message{message.begin(), message.end()}), from_hex(kDigits));
+}
+
+TEST_F(Broadcast, SendsNothingWithoutItsFile) {
+    BroadcastSender sender(keys());
+    SnapshotMessage message{};
+    EXPECT_FALSE(sender.write(sticks(at(0ms)), message, at(0ms)));
+}
+
+TEST_F(Broadcast, PublishesWhatWasSent) {
+    const auto frame = read(write(at(0ms)), at(0ms));
+    ASSERT_TRUE(frame);
+    EXPECT_TRUE(frame->same_content(sticks(at(0ms))));
+    EXPECT_EQ(frame->received, at(0ms) - 1500us);
+}
+
+TEST_F(Broadcast, PublishesNothingBeforeItsNumberIsStored) {
+    NumberFile file{0};
+    BroadcastReceiver receiver(keys(), std::nullopt);
+    file.start(receiver.numbers());
+    const Message message = write(at(0ms));
+    EXPECT_FALSE(receiver.next(message, at(0ms)));
+    EXPECT_FALSE(receiver.next(message, at(1ms))) << "nor later, as long as it is not";
+    file.store(receiver.numbers());
+    EXPECT_TRUE(receiver.next(message, at(2ms)));
+}
+
+TEST_F(Broadcast, PublishesEachSnapshotOnceAndNoneAfterANewerOne) {
+    const Message one = write(at(0ms));
+    const Message two = write(at(10ms));
+    const Message three = write(at(20ms));
+    EXPECT_TRUE(read(two, at(20ms)));
+    EXPECT_FALSE(read(one, at(20ms)));
+    EXPECT_FALSE(read(two, at(20ms)));
+    EXPECT_TRUE(read(three, at(20ms)));
+    EXPECT_EQ(rejected("replayed"), 2U);
+}
+
+TEST_F(Broadcast, PublishesNothingFromBeforeItStartedAgain) {
+    std::vector<Message> recorded;
+    for (Duration now = 0ms; now < 30s; now += 10ms) {
+        recorded.push_back(write(at(now)));
+        EXPECT_TRUE(read(recorded.back(), at(now)));
+        store();
+    }
+    restart_receiver();
+    for (const Message& message : recorded) {
+        EXPECT_FALSE(read(message, at(30s)));
+        store();
+    }
+    EXPECT_EQ(rejected("replayed"), recorded.size());
+}
+
+/// A killed receiver does not know what it used of its reservation.
+TEST_F(Broadcast, IsDeafForAtMost20SecondsAfterItWasKilled) {
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    restart_receiver();
+    Duration heard{};
+    for (Duration now = 0ms; now < 30s && heard == 0ms; now += 10ms) {
+        heard = read(write(at(now)), at(now)) ? now : 0ms;
+        store();
+    }
+    EXPECT_GT(heard, 10s);
+    EXPECT_LE(heard, 20s + 20ms);
+}
+
+TEST_F(Broadcast, IsHeardAtOnceAfterItsSenderStartedAgain) {
+    EXPECT_TRUE(read(write(at(0ms)), at(0ms)));
+    restart_sender();
+    write(at(10ms));
+    store();
+    const Message first = write(at(20ms));
+    EXPECT_FALSE(read(first, at(20ms))) << "its number is not stored yet";
+    store();
+    EXPECT_TRUE(read(write(at(30ms)), at(30ms)));
+}
+
+TEST_F(Broadcast, RefusesEverySnapshotWithAChangedBitOrACut) {
+    const Message right = write(at(0ms));
+    for (std::size_t bit = 0; bit < 8 * right.size(); ++bit) {
+        Message wrong = right;
+        wrong[bit / 8] ^= static_cast<std::uint8_t>(1U << bit % 8);
+        EXPECT_FALSE(read(wrong, at(0ms))) << bit;
+    }
+    EXPECT_EQ(rejected("forged"), 8 * right.size());
+    for (std::size_t length = 0; length < right.size(); ++length) {
+        EXPECT_FALSE(
+            read({right.begin(), right.begin() + static_cast<std::ptrdiff_t>(length)}, at(0ms)));
+    }
+    EXPECT_EQ(rejected("no_key"), right.size());
+    EXPECT_TRUE(read(right, at(0ms)));
+}
+
+TEST_F(Broadcast, RefusesAnotherLinkAndTakesAnOldKey) {
+    const Message message = write(at(0ms));
+    BroadcastReceiver other(keys("can 0x300 ship"), std::nullopt);
+    other.numbers() = receiver_.numbers();
+    EXPECT_FALSE(other.next(message, at(0ms)));
+    BroadcastReceiver changed(keys("can 0x300 ship"), keys());
+    changed.numbers() = receiver_.numbers();
+    EXPECT_TRUE(changed.next(message, at(0ms)));
+}
+
+TEST_F(Broadcast, TellsHowMuchLaterThanTheQuickestASnapshotCame) {
+    for (Duration now = 0ms; now < 1s; now += 10ms) {
+        EXPECT_TRUE(read(write(at(now)), at(now + 3ms)));
+    }
+    const auto late = read(write(at(1s)), at(1s + 303ms));
+    ASSERT_TRUE(late);
+    EXPECT_LE(late->received, at(1s + 3ms) - 1500us + 1ms);
+    EXPECT_GE(late->received, at(1s + 3ms) - 1500us - 1ms);
+}
+
+/// One clock is 0.01 % faster than the other, either way, for an hour.
+TEST_F(Broadcast, TakesClocksThatDriftForNoDelay) {
+    for (const std::int64_t parts : {10'000, -10'000}) {
+        for (Duration now = 0ms; now < 1h; now += 100ms) {
+            const Instant arrival = at(now + now / parts);
+            const auto frame = read(write(at(now)), arrival);
+            store();
+            ASSERT_TRUE(frame);
+            ASSERT_LE(arrival - frame->received, 1500us + 100us);
+        }
+        restart_sender();
+        write(at(0ms));
+        store();
+        read(write(at(0ms)), at(0ms));
+        store();
+    }
+}
+
+TEST_F(Broadcast, FallsSilentWhereNumbersAreUsedUpAndNoneAreStored) {
+    EXPECT_FALSE(write(at(11h)).empty());
+    EXPECT_TRUE(write(at(12h)).empty());
+    store();
+    EXPECT_FALSE(write(at(12h)).empty());
+}
+
+}  // namespace
+}  // namespace tribus::test::broadcast_test

@@ -1,0 +1,126 @@
+#include "transports/codecs/authenticated/broadcast.h"
+
+#include <algorithm>
+
+namespace tribus::authenticated {
+namespace {
+
+constexpr std::size_t kSentNumberAt = 4;
+constexpr std::size_t kSentNumberBytes = 8;
+constexpr unsigned kNumberBitsOfMac = 16;
+/// Numbers of senders that go on are closer than that: a day apart.
+constexpr std::uint64_t kLeastStep = std::chrono::hours(24) / kTimeStep;
+
+void put_number(std::uint64_t number, std::span<std::uint8_t> message) {
+    for (std::size_t i = 0; i < kSentNumberBytes; ++i) {
+        message[kSentNumberAt + i] = static_cast<std::uint8_t>(number >> (8 * i));
+    }
+}
+
+std::uint64_t number_in(std::span<const std::uint8_t> message) {
+    std::uint64_t number = 0;
+    for (std::size_t i = 0; i < kSentNumberBytes; ++i) {
+        number |= std::uint64_t{message[kSentNumberAt + i]} << (8 * i);
+    }
+    return number;
+}
+
+}  // namespace
+
+SnapshotMac& BroadcastMacs::mac_for(std::uint64_t number) {
+    const std::uint64_t key_number = number >> kNumberBitsOfMac;
+    if (key_number_ != key_number) {
+        std::array<std::uint8_t, 6> bytes{};
+        for (std::size_t i = 0; i < bytes.size(); ++i) {
+            bytes[i] = static_cast<std::uint8_t>(key_number >> (8 * i));
+        }
+        mac_.emplace(keys_, bytes);
+        key_number_ = key_number;
+    }
+    return *mac_;
+}
+
+bool BroadcastSender::write(const ChannelFrame& channels, SnapshotMessage& message, Instant now) {
+    if (!numbers_.started()) {
+        return false;
+    }
+    if (!clock_) {
+        clock_ = {numbers_.next(), now};
+    }
+    const auto since =
+        static_cast<std::uint64_t>(std::max(now - clock_->began, Duration{}) / kTimeStep);
+    const std::uint64_t number = std::max(clock_->number + since, numbers_.next());
+    if (number + kAhead >= numbers_.reserved()) {
+        numbers_.want(number + kBlock);
+    }
+    if (number >= numbers_.reserved()) {
+        return false;
+    }
+    numbers_.use(number);
+    const bool preset = channels.received == Instant{};
+    emit({.age = preset ? kNotTold : age_steps(now - channels.received)}, channels, message);
+    put_number(number, message);
+    const std::span<std::uint8_t> bytes(message);
+    std::ranges::copy(macs_.of(number, bytes.first(kSnapshotBodyBytes)),
+                      bytes.subspan(kSnapshotBodyBytes).begin());
+    return true;
+}
+
+BroadcastReceiver::BroadcastReceiver(const Mac& keys, const std::optional<Mac>& old)
+    : macs_(keys), old_(old ? std::optional(BroadcastMacs(*old)) : std::nullopt) {}
+
+std::optional<ChannelFrame> BroadcastReceiver::next(std::span<const std::uint8_t> message,
+                                                    Instant received) {
+    if (message.size() != kSnapshotBytes) {
+        return refuse(kNoKey, LinkCause::no_key);
+    }
+    const std::uint64_t number = number_in(message);
+    const auto told = message.subspan(kSnapshotBodyBytes);
+    const auto body = message.first(kSnapshotBodyBytes);
+    if (!macs_.is_right(told, number, body) && !(old_ && old_->is_right(told, number, body))) {
+        return refuse(kForged, LinkCause::forged);
+    }
+    if (!numbers_.started()) {
+        return refuse(kNotStored, LinkCause::garbled);
+    }
+    if (number < numbers_.next()) {
+        return refuse(kReplayed, LinkCause::replayed);
+    }
+    if (number + kBlock / 2 >= numbers_.reserved()) {
+        numbers_.want(number + kBlock);
+    }
+    if (number >= numbers_.reserved()) {
+        return refuse(kNotStored, LinkCause::garbled);
+    }
+    numbers_.use(number);
+    why_refused_ = LinkCause::garbled;
+    ChannelFrame frame = parse_channels(message);
+    const std::uint16_t age = parse_head(message).age;
+    const bool has_age = age != kNotTold || !frame.failsafe;
+    frame.received =
+        received - delay_of(number, received) - (has_age ? age * kTimeStep : Duration{});
+    return frame;
+}
+
+std::optional<ChannelFrame> BroadcastReceiver::refuse(Refusal refusal, LinkCause cause) {
+    ++rejected_[refusal].count;
+    why_refused_ = cause;
+    return std::nullopt;
+}
+
+/// How much later than the quickest one a snapshot came. A step of the number at a restart of the
+/// sender looks like one that came very early, and is the quickest then.
+Duration BroadcastReceiver::delay_of(std::uint64_t number, Instant received) {
+    if (quickest_ && number - quickest_->number < kLeastStep) {
+        const Duration told = static_cast<std::int64_t>(number - quickest_->number) * kTimeStep;
+        const Duration passed = received - quickest_->received;
+        const Duration delay = passed - told - passed / kDriftParts;
+        if (delay > Duration{}) {
+            return delay;
+        }
+    }
+    quickest_ = {number, received};
+    return {};
+}
+
+}  // namespace tribus::authenticated
