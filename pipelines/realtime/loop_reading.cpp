@@ -106,7 +106,7 @@ ReadStatus Loop::read_bytes(std::size_t index, ByteLink& link, Instant now) {
         return status;
     }
     Instant read_next = port.pacer.delivered(bytes, frame_came, now);
-    if (fruitless == kMostFruitlessReads) {
+    if (fruitless >= kMostFruitlessReads) {
         read_next = now + kFruitlessPause;
     }
     if (read_next > now && status == ReadStatus::received) {

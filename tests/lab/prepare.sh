@@ -140,7 +140,7 @@ prepare_systemd() {
     say "making a Debian with systemd"
     rm -f "$disk.new.ext2"
     as_root mmdebstrap --quiet --variant=minbase \
-        --include=systemd,systemd-sysv,udev,kmod,iproute2,libgpiod2,libstdc++6,procps \
+        --include=systemd,systemd-sysv,udev,kmod,iproute2,libgpiod2,libmosquitto1,libstdc++6,procps \
         --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-exclude=/usr/share/man/*' \
         --dpkgopt='path-exclude=/usr/share/locale/*' \
         --customize-hook='rm "$1/etc/dpkg/dpkg.cfg.d/99mmdebstrap"' \

@@ -106,6 +106,8 @@ TEST_F(InstalledPage, ListsDrawsAndSendsARecording) {
     EXPECT_EQ(drawn.status, 200) << drawn.content;
     EXPECT_NE(drawn.content.find(R"("name":"receiver")"), std::string::npos) << drawn.content;
     EXPECT_EQ(browser.get(path + ".tar").status, 200);
+    // A recording stays when the package is removed.
+    shell("systemctl stop " + kUnit + "; rm -r /var/lib/tribus/servos");
 }
 
 TEST_F(InstalledPage, DoctorOpensAPortByItsHelper) {
