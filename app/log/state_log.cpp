@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "app/journal/log.h"
 #include "app/journal/log_fields.h"
 #include "core/counted.h"
@@ -14,12 +18,12 @@ constexpr Duration kFirstFrameWait = std::chrono::seconds(3);
 /// An autopilot answers once a second, and shows what it does within a few seconds.
 constexpr std::uint32_t kAnswersWithoutEffect = 10;
 
-/// Places of the counters of messages that only somebody without the key sends.
+/// Places of the counters of messages that the key does not prove.
 std::vector<std::size_t> unproved_causes(const Appliance& appliance, std::size_t input) {
+    constexpr std::array<std::string_view, 3> kUnproved{"forged", "no_key", "no_challenge"};
     std::vector<std::size_t> places;
     for (std::size_t i = 0; i < appliance.reject_cause_count(input); ++i) {
-        const std::string_view name = appliance.reject_cause(input, i);
-        if (name == "forged" || name == "no_key") {
+        if (std::ranges::find(kUnproved, appliance.reject_cause(input, i)) != kUnproved.end()) {
             places.push_back(i);
         }
     }
