@@ -72,13 +72,13 @@ class Scene {
         return Board(has_key ? boards_.shore : strangers_.shore, at(now_));
     }
 
-    /// What happens to datagrams of the sender, and to answers.
+    /// The way of datagrams of the sender, and of answers.
     std::function<void(Bytes)> from_shore = [this](const Bytes& datagram) { to_boat(datagram); };
     std::function<void(const Bytes&)> answered = [this](const Bytes& answer) {
         shore_->hear(answer, at(now_));
     };
 
-    /// What the servos saw while they were in control since the attack began.
+    /// Frames in control that the servos saw since the attack began.
     int controls = 0;
     int forged = 0;
     int oldest = 0;  ///< ms

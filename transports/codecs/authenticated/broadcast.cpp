@@ -2,39 +2,25 @@
 
 #include <algorithm>
 
+#include "transports/codecs/wire_words.h"
+
 namespace tribus::authenticated {
 namespace {
 
 constexpr std::size_t kSentNumberAt = 4;
-constexpr std::size_t kSentNumberBytes = 8;
 constexpr unsigned kNumberBitsOfMac = 16;
+constexpr std::size_t kKeyNumberBytes = 6;
 /// Numbers of senders that go on are closer than that: a day apart.
 constexpr std::uint64_t kLeastStep = std::chrono::hours(24) / kTimeStep;
-
-void put_number(std::uint64_t number, std::span<std::uint8_t> message) {
-    for (std::size_t i = 0; i < kSentNumberBytes; ++i) {
-        message[kSentNumberAt + i] = static_cast<std::uint8_t>(number >> (8 * i));
-    }
-}
-
-std::uint64_t number_in(std::span<const std::uint8_t> message) {
-    std::uint64_t number = 0;
-    for (std::size_t i = 0; i < kSentNumberBytes; ++i) {
-        number |= std::uint64_t{message[kSentNumberAt + i]} << (8 * i);
-    }
-    return number;
-}
 
 }  // namespace
 
 SnapshotMac& BroadcastMacs::mac_for(std::uint64_t number) {
     const std::uint64_t key_number = number >> kNumberBitsOfMac;
     if (key_number_ != key_number) {
-        std::array<std::uint8_t, 6> bytes{};
-        for (std::size_t i = 0; i < bytes.size(); ++i) {
-            bytes[i] = static_cast<std::uint8_t>(key_number >> (8 * i));
-        }
-        mac_.emplace(keys_, bytes);
+        std::array<std::uint8_t, sizeof key_number> bytes{};
+        store_word(bytes.data(), key_number);
+        mac_.emplace(keys_, std::span(bytes).first(kKeyNumberBytes));
         key_number_ = key_number;
     }
     return *mac_;
@@ -59,7 +45,7 @@ bool BroadcastSender::write(const ChannelFrame& channels, SnapshotMessage& messa
     numbers_.use(number);
     const bool preset = channels.received == Instant{};
     emit({.age = preset ? kNotTold : age_steps(now - channels.received)}, channels, message);
-    put_number(number, message);
+    store_word(&message[kSentNumberAt], number);
     const std::span<std::uint8_t> bytes(message);
     std::ranges::copy(macs_.of(number, bytes.first(kSnapshotBodyBytes)),
                       bytes.subspan(kSnapshotBodyBytes).begin());
@@ -74,7 +60,7 @@ std::optional<ChannelFrame> BroadcastReceiver::next(std::span<const std::uint8_t
     if (message.size() != kSnapshotBytes) {
         return refuse(kNoKey, LinkCause::no_key);
     }
-    const std::uint64_t number = number_in(message);
+    const std::uint64_t number = load_word(&message[kSentNumberAt]);
     const auto told = message.subspan(kSnapshotBodyBytes);
     const auto body = message.first(kSnapshotBodyBytes);
     if (!macs_.is_right(told, number, body) && !(old_ && old_->is_right(told, number, body))) {

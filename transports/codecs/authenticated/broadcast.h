@@ -95,7 +95,7 @@ class BroadcastReceiver {
     /// MAC is wrong; "replayed", whose number may have been used; "not_stored", whose number is not
     /// reserved yet.
     std::span<const NamedCount> rejected() const { return rejected_; }
-    /// What the latest message was: `garbled` if it was not refused.
+    /// The kind of the latest message: `garbled` if it was not refused.
     LinkCause why_refused() const { return why_refused_; }
 
   private:

@@ -66,12 +66,14 @@ std::size_t MessageParts::split(std::span<const std::uint8_t> message,
     return parts;
 }
 
+ClassicFrames::ClassicFrames(const ClassicLink& link)
+    : snapshots(link.first_id, link.extended, kSnapshotBytes),
+      hellos(link.first_id + kFirstHello, link.extended, kHelloBytes),
+      challenges(link.first_id + kFirstChallenge, link.extended, kChallengeBytes),
+      ids_(ids_of(link)) {}
+
 ClassicDecoder::ClassicDecoder(const ClassicLink& link)
-    : ids_(ids_of(link)),
-      snapshots_(link.first_id, link.extended, kSnapshotBytes),
-      hellos_(link.first_id + kFirstHello, link.extended, kHelloBytes),
-      challenges_(link.first_id + kFirstChallenge, link.extended, kChallengeBytes),
-      messages_(messages_of(link)) {
+    : frames_(link), messages_(messages_of(link)) {
     const auto of_messages = messages_.rejected();
     rejected_.assign(of_messages.begin(), of_messages.end());
     rejected_.push_back({"incomplete"});
@@ -79,13 +81,13 @@ ClassicDecoder::ClassicDecoder(const ClassicLink& link)
 
 void ClassicDecoder::count_rejected() {
     std::ranges::copy(messages_.rejected(), rejected_.begin());
-    rejected_.back().count = snapshots_.incomplete() + hellos_.incomplete();
+    rejected_.back().count = frames_.snapshots.incomplete() + frames_.hellos.incomplete();
 }
 
 std::optional<ChannelFrame> ClassicDecoder::next(const CanFrame& frame, Instant received) {
-    MessageParts* const parts = snapshots_.is_part(frame) ? &snapshots_
-                                : hellos_.is_part(frame)  ? &hellos_
-                                                          : nullptr;
+    MessageParts* const parts = frames_.snapshots.is_part(frame) ? &frames_.snapshots
+                                : frames_.hellos.is_part(frame)  ? &frames_.hellos
+                                                                 : nullptr;
     if (parts == nullptr) {
         return std::nullopt;
     }
@@ -102,15 +104,11 @@ std::span<const CanFrame> ClassicDecoder::answer(Instant now) {
     if (challenge.empty()) {
         return {};
     }
-    return std::span(answer_).first(challenges_.split(challenge.front().bytes(), answer_));
+    return std::span(answer_).first(frames_.challenges.split(challenge.front().bytes(), answer_));
 }
 
 ClassicEncoder::ClassicEncoder(const ClassicLink& link)
-    : ids_(ids_of(link)),
-      snapshots_(link.first_id, link.extended, kSnapshotBytes),
-      hellos_(link.first_id + kFirstHello, link.extended, kHelloBytes),
-      challenges_(link.first_id + kFirstChallenge, link.extended, kChallengeBytes),
-      messages_(messages_of(link)) {}
+    : frames_(link), messages_(messages_of(link)) {}
 
 void ClassicEncoder::continue_from(const Encoder& before) {
     if (const auto* same = dynamic_cast<const ClassicEncoder*>(&before)) {
@@ -119,8 +117,8 @@ void ClassicEncoder::continue_from(const Encoder& before) {
 }
 
 void ClassicEncoder::hear(const CanFrame& frame, Instant received) {
-    if (challenges_.is_part(frame)) {
-        if (const auto message = challenges_.take(frame); !message.empty()) {
+    if (frames_.challenges.is_part(frame)) {
+        if (const auto message = frames_.challenges.take(frame); !message.empty()) {
             messages_.hear(whole(messages_.heard().front(), message), received);
         }
     }
@@ -131,7 +129,8 @@ std::size_t ClassicEncoder::write(const ChannelFrame& snapshot,
     const std::size_t count = messages_.write(snapshot, whole_, now);
     std::size_t written = 0;
     for (const CanFrame& message : std::span<const CanFrame>(whole_).first(count)) {
-        const MessageParts& parts = message.length == kHelloBytes ? hellos_ : snapshots_;
+        const MessageParts& parts =
+            message.length == kHelloBytes ? frames_.hellos : frames_.snapshots;
         written += parts.split(message.bytes(), frames.subspan(written));
     }
     return written;

@@ -20,7 +20,7 @@ inline constexpr std::size_t kChallengeFrames = kChallengeBytes / kMostClassicBy
 /// Ids of a link.
 inline constexpr std::size_t kClassicIds = kSnapshotFrames + kHelloFrames + kChallengeFrames;
 
-/// What both ends of a link share.
+/// Both ends of a link have the same.
 struct ClassicLink {
     std::string name;                       ///< see link_key
     SecretKey secret{};                     ///< of both ends
@@ -58,31 +58,42 @@ class MessageParts {
     std::array<std::uint8_t, kMostFdBytes> message_{};
 };
 
+/// The frames of a link, at either end.
+class ClassicFrames {
+  public:
+    explicit ClassicFrames(const ClassicLink& link);
+
+    std::span<const CanIdMatch> of_sender() const { return {ids_.data(), kSenderIds}; }
+    std::span<const CanIdMatch> of_receiver() const { return std::span(ids_).subspan(kSenderIds); }
+
+    MessageParts snapshots;
+    MessageParts hellos;
+    MessageParts challenges;
+
+  private:
+    static constexpr std::size_t kSenderIds = kSnapshotFrames + kHelloFrames;
+
+    std::array<CanIdMatch, kClassicIds> ids_;
+};
+
 /// The end that receives snapshots.
 class ClassicDecoder final : public CanDecoder {
   public:
     explicit ClassicDecoder(const ClassicLink& link);
 
-    std::span<const CanIdMatch> wanted() const override { return {ids_.data(), kSenderIds}; }
+    std::span<const CanIdMatch> wanted() const override { return frames_.of_sender(); }
     std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
     void use_seed(const RandomSeed& seed) override { messages_.use_seed(seed); }
-    std::span<const CanIdMatch> answered() const override {
-        return std::span(ids_).subspan(kSenderIds);
-    }
+    std::span<const CanIdMatch> answered() const override { return frames_.of_receiver(); }
     std::span<const CanFrame> answer(Instant now) override;
     /// Those of FdDecoder, and "incomplete": messages of which a frame was lost.
     std::span<const NamedCount> rejected() const override { return rejected_; }
     LinkCause why_garbled() const override { return messages_.why_garbled(); }
 
   private:
-    static constexpr std::size_t kSenderIds = kSnapshotFrames + kHelloFrames;
-
     void count_rejected();
 
-    std::array<CanIdMatch, kClassicIds> ids_;
-    MessageParts snapshots_;
-    MessageParts hellos_;
-    MessageParts challenges_;
+    ClassicFrames frames_;
     FdDecoder messages_;
     std::array<CanFrame, kChallengeFrames> answer_{};
     std::vector<NamedCount> rejected_;
@@ -93,10 +104,8 @@ class ClassicEncoder final : public CanEncoder {
   public:
     explicit ClassicEncoder(const ClassicLink& link);
 
-    std::span<const CanIdMatch> sent() const override { return {ids_.data(), kSenderIds}; }
-    std::span<const CanIdMatch> heard() const override {
-        return std::span(ids_).subspan(kSenderIds);
-    }
+    std::span<const CanIdMatch> sent() const override { return frames_.of_sender(); }
+    std::span<const CanIdMatch> heard() const override { return frames_.of_receiver(); }
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     bool marks_frame_lost() const override { return true; }
     bool needs_receiver() const override { return true; }
@@ -108,12 +117,7 @@ class ClassicEncoder final : public CanEncoder {
                       Instant now) override;
 
   private:
-    static constexpr std::size_t kSenderIds = kSnapshotFrames + kHelloFrames;
-
-    std::array<CanIdMatch, kClassicIds> ids_;
-    MessageParts snapshots_;
-    MessageParts hellos_;
-    MessageParts challenges_;
+    ClassicFrames frames_;
     FdEncoder messages_;
     std::array<CanFrame, kMostSnapshotFrames> whole_{};
 };

@@ -21,7 +21,7 @@
 /// Both ends of an authenticated link whose messages are CAN FD frames.
 namespace tribus::authenticated {
 
-/// What both ends of a link share.
+/// Both ends of a link have the same.
 struct FdLink {
     std::string name;    ///< see link_key
     SecretKey secret{};  ///< of both ends

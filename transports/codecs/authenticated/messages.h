@@ -77,7 +77,7 @@ std::uint16_t held_steps(Duration held);
 /// A session as it is sent.
 SessionBytes session_bytes(std::uint32_t session);
 
-/// What the key of a SnapshotMac is made of: the nonce, then the session as it is sent.
+/// The key of a SnapshotMac is made of this: the nonce, then the session as it is sent.
 using AnsweredBytes = std::array<std::uint8_t, std::tuple_size_v<Nonce> + kSessionBytes>;
 AnsweredBytes answered_bytes(const Nonce& nonce, std::uint32_t session);
 

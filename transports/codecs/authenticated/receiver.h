@@ -54,7 +54,7 @@ class Receiver {
     /// newer than the one before; "two_senders"; "impossible", which the sender held longer than
     /// the challenge exists.
     std::span<const NamedCount> rejected() const { return rejected_; }
-    /// What the latest message was: `garbled` if it was not refused.
+    /// The kind of the latest message: `garbled` if it was not refused.
     LinkCause why_refused() const { return why_refused_; }
 
   private:
