@@ -4,36 +4,50 @@
 
 namespace tribus {
 
+/// How many numbers an end of a link reserves at a time, and how many before they are used up it
+/// asks for the next ones.
+struct NumberBlocks {
+    std::uint64_t block = 0;
+    std::uint64_t ahead = 0;
+};
+
 /// Numbers that an end of a link uses once for ever, also over restarts: each only after it is
-/// stored that it and all below it may have been used. Without a start none may be used. Pure.
+/// stored that it and all below it may have been used. Who stores that derives from it, and says in
+/// which thread. All functions: for the thread that runs the link.
 class NumberReservation {
   public:
-    /// Those below `first` were used before this start.
-    void start(std::uint64_t first) {
-        started_ = true;
-        next_ = first;
-        reserved_ = first;
-    }
-    /// It is stored that all numbers below `end` may have been used.
-    void reserve(std::uint64_t end) { reserved_ = end; }
+    NumberReservation() = default;
+    NumberReservation(const NumberReservation&) = delete;
+    NumberReservation& operator=(const NumberReservation&) = delete;
+    virtual ~NumberReservation() = default;
 
-    bool started() const { return started_; }
     /// The least number that was not used.
     std::uint64_t next() const { return next_; }
-    /// The end of the numbers that may be used.
-    std::uint64_t reserved() const { return reserved_; }
-    /// The end of the numbers that shall be reserved.
-    std::uint64_t wanted() const { return wanted_; }
+    /// Uses `number`, which is `next` or above it, and all below it. False if it is not reserved
+    /// yet. Asks for more before they are used up.
+    bool use(std::uint64_t number, const NumberBlocks& blocks) {
+        const std::uint64_t end = reserved();
+        if (number + blocks.ahead >= end) {
+            want(number + blocks.block);
+        }
+        if (number >= end) {
+            return false;
+        }
+        next_ = number + 1;
+        return true;
+    }
 
-    void want(std::uint64_t end) { wanted_ = end; }
-    /// `number` and all below it are used.
-    void use(std::uint64_t number) { next_ = number + 1; }
+  protected:
+    /// Those below `first` were used before this start. Call it before the first `use`.
+    void begin(std::uint64_t first) { next_ = first; }
 
   private:
-    bool started_ = false;
+    /// The end of the numbers that may be used.
+    virtual std::uint64_t reserved() const = 0;
+    /// The numbers below `end` shall be reserved. May come again and again.
+    virtual void want(std::uint64_t end) = 0;
+
     std::uint64_t next_ = 0;
-    std::uint64_t reserved_ = 0;
-    std::uint64_t wanted_ = 0;
 };
 
 }  // namespace tribus

@@ -8,6 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "pipelines/realtime/clock.h"
 
 namespace tribus {
@@ -31,13 +33,37 @@ RandomSeed random_seed() {
     return seed;
 }
 
+/// `Appliance::epochs_` keep them.
+NumberReservation* numbers(const std::string& epoch) {
+    return EpochFile::of(epoch).get();
+}
+
 }  // namespace
+
+std::vector<Appliance::Epoch> Appliance::epochs_of(const Configuration& configuration) {
+    std::vector<Epoch> epochs;
+    const auto add = [&](const auto& parts, SettingScope way, std::string_view table) {
+        for (const auto& part : parts) {
+            if (const auto link = link_with_key(part); link && link->epoch) {
+                const Location where = part.port.where;
+                epochs.push_back({EpochFile::of(*link->epoch), way,
+                                  fmt::format("{}:{}:{}: [{}.{}]", configuration.file, where.line,
+                                              where.column, table, part.name)});
+            }
+        }
+    };
+    add(configuration.inputs, SettingScope::input, "input");
+    add(configuration.outputs, SettingScope::output, "output");
+    return epochs;
+}
 
 Appliance::Appliance(Configuration configuration)
     : configuration_(std::move(configuration)),
+      epochs_(epochs_of(configuration_)),
       plans_(plan_ports(configuration_)),
       missing_(plans_.size(), false),
-      engine_(build_engine(configuration_, machine_id(), &wall_clock(), random_seed)) {
+      engine_(build_engine(configuration_, machine_id(),
+                           {.clock = &wall_clock(), .random = random_seed, .numbers = numbers})) {
     follow_wall_clock();
     values_ = build_value_engine(configuration_, *engine_, &wall_clock());
 }
@@ -73,8 +99,24 @@ void Appliance::look_at_machine(Instant now, bool watches) {
     machine_.set(machine_watch_.look(), now);
 }
 
-std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
+std::vector<std::string> Appliance::open_epochs() {
     std::vector<std::string> errors;
+    for (const Epoch& epoch : epochs_) {
+        if (const auto opened = epoch.file->open(epoch.way); !opened) {
+            errors.push_back(fmt::format("{} epoch: {}", epoch.place, opened.error()));
+        }
+    }
+    return errors;
+}
+
+void Appliance::look_at_epochs() {
+    for (const Epoch& epoch : epochs_) {
+        epoch.file->look();
+    }
+}
+
+std::vector<std::string> Appliance::open_devices(MissingDevices missing) {
+    std::vector<std::string> errors = open_epochs();
     std::vector<PortWiring> wiring;
     std::vector<std::unique_ptr<Link>> links;
     // Lines come first: one may select an inverter, which must be set before its port opens.

@@ -11,6 +11,7 @@
 #include <tl/expected.hpp>
 
 #include "app/appliance/machine_values.h"
+#include "app/epoch/epoch_file.h"
 #include "app/recorder/flight_recorder.h"
 #include "config/build/build.h"
 #include "config/build/carry_over.h"
@@ -112,6 +113,8 @@ class Appliance {
     void look_at_machine(Instant now, bool watches = false);
     /// Result of `look_at_machine`; empty if it never read anything.
     const MachineNumbers& machine() const { return machine_; }
+    /// Logs if epoch files cannot be written. Call it a few times a second.
+    void look_at_epochs();
     /// Null without [recorder] in the configuration.
     FlightRecorder* recorder() const { return recorder_.get(); }
     /// Passes events to the recorder. Call it a few times a second.
@@ -150,7 +153,18 @@ class Appliance {
                                          std::vector<std::unique_ptr<Link>>& links);
     void retire_parts(const Leaving& leaving);
 
+    /// A file of `epoch`, and the end of a link whose numbers it keeps.
+    struct Epoch {
+        std::shared_ptr<EpochFile> file;
+        SettingScope way{};
+        std::string place;  ///< `file:line:column: [output.NAME]`
+    };
+    static std::vector<Epoch> epochs_of(const Configuration& configuration);
+    std::vector<std::string> open_epochs();
+
     Configuration configuration_;
+    /// Declared before `engine_`, which uses their numbers.
+    std::vector<Epoch> epochs_;
     std::vector<PortPlan> plans_;
     std::vector<bool> missing_;
     /// Null if nothing uses values. The outputs of the engine refer to it.

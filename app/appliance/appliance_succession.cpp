@@ -85,6 +85,9 @@ tl::expected<std::unique_ptr<Appliance>, std::vector<std::string>> Appliance::su
     if (auto recorder = next->make_recorder(running.get()); !recorder) {
         return tl::unexpected(std::vector{recorder.error()});
     }
+    if (auto errors = next->open_epochs(); !errors.empty()) {
+        return tl::unexpected(std::move(errors));
+    }
     LoopCarry carry{.engine = carry_over.engine, .values = carry_over.values, .ports = {}};
     std::vector<std::unique_ptr<Link>> links;
     std::vector<std::string> errors = next->open_beside(*running, carry.ports, links);

@@ -66,6 +66,8 @@ std::string_view obstacle_text(SendObstacle obstacle) {
             return "the port still has earlier frames";
         case SendObstacle::receiver:
             return "no receiver with the same key answers";
+        case SendObstacle::epoch:
+            return "its epoch file could not be written";
     }
     return "";
 }

@@ -180,6 +180,7 @@ void Daemon::look(Instant now) {
     sockets_.look();
     service_.look(*appliance_, now);
     appliance_->look_at_recorder(now);
+    appliance_->look_at_epochs();
 }
 
 void Daemon::end() {

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "app/cli/replace_file.h"
 #include "transports/links/unique_fd.h"
 
 namespace tribus::init {
@@ -47,17 +48,6 @@ fs::path target_of(const std::string& path) {
     std::error_code none;
     const fs::path target = fs::weakly_canonical(path, none);
     return none || target.empty() ? fs::path(path) : target;
-}
-
-bool write_all(int fd, std::string_view text) {
-    while (!text.empty()) {
-        const ssize_t count = ::write(fd, text.data(), text.size());
-        if (count < 0 && errno != EINTR) {
-            return false;
-        }
-        text.remove_prefix(count < 0 ? 0 : static_cast<std::size_t>(count));
-    }
-    return true;
 }
 
 /// Creates the file, which must not exist. The error is an errno value.

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <csignal>
@@ -23,6 +22,7 @@
 #include "app/cli/complain.h"
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
+#include "app/cli/replace_file.h"
 #include "app/client/ask_daemon.h"
 #include "app/client/control_socket.h"
 #include "app/client/status_fields.h"
@@ -67,17 +67,6 @@ int ask_and_tell(const std::string& socket, const std::string& request, const ch
     return done ? kExitFine : kExitFailed;
 }
 
-bool write_whole(int descriptor, std::string_view text) {
-    while (!text.empty()) {
-        const ssize_t count = ::write(descriptor, text.data(), text.size());
-        if (count < 0 && errno != EINTR) {
-            return false;
-        }
-        text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    }
-    return true;
-}
-
 /// Writes `text` beside the control socket, where the daemon reads drafts. The daemon's user owns
 /// that place and may be another one than this program's, root for example: so nothing there is
 /// followed, neither what the daemon answers nor a symbolic link.
@@ -94,8 +83,7 @@ bool write_draft_for(const std::string& socket, std::string_view text) {
     const UniqueFd out(::openat(folder.get(), name.c_str(),
                                 O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC,
                                 kReadByItsDaemon));
-    return out.valid() && ::fchmod(out.get(), kReadByItsDaemon) == 0 &&
-           write_whole(out.get(), text);
+    return out.valid() && ::fchmod(out.get(), kReadByItsDaemon) == 0 && write_all(out.get(), text);
 }
 
 /// Gives the daemon the text of `file` as its draft. The error is a sentence.

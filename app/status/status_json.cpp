@@ -131,7 +131,8 @@ OrderedJson names_of(std::span<const std::size_t> inputs, const Configuration& c
 }
 
 OrderedJson obstacle_word(SendObstacle obstacle) {
-    constexpr std::array<std::string_view, 5> kWords{"", "device", "bus", "busy", "receiver"};
+    constexpr std::array<std::string_view, 6> kWords{"",     "device",   "bus",
+                                                     "busy", "receiver", "epoch"};
     return obstacle == SendObstacle::none ? OrderedJson()
                                           : OrderedJson(kWords[static_cast<std::size_t>(obstacle)]);
 }

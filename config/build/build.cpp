@@ -58,26 +58,34 @@ tl::unexpected<std::string> at_place(const Configuration& configuration, Locatio
         fmt::format("{}:{}:{}: {}", configuration.file, where.line, where.column, error));
 }
 
-AnyDecoder make_decoder(const InputConfig& input, const WallClock* clock, RandomSeed (*random)()) {
-    AnyDecoder decoder = input.protocol->make_decoder(input.settings);
-    if (random != nullptr && link_with_key(input)) {
-        std::visit([random](const auto& any) { any->use_seed(random()); }, decoder);
+/// Gives the codec of one end of a link with a key what it needs.
+template <class Part, class AnyCodec>
+void give_freshness(const Part& part, const CodecSources& sources, AnyCodec& codec) {
+    const auto link = link_with_key(part);
+    if (link && sources.random != nullptr) {
+        std::visit([&](const auto& any) { any->use_seed(sources.random()); }, codec);
     }
+    if (link && link->epoch && sources.numbers) {
+        std::visit([&](const auto& any) { any->use_numbers(*sources.numbers(*link->epoch)); },
+                   codec);
+    }
+}
+
+AnyDecoder make_decoder(const InputConfig& input, const CodecSources& sources) {
+    AnyDecoder decoder = input.protocol->make_decoder(input.settings);
+    give_freshness(input, sources, decoder);
     auto* const bytes = std::get_if<std::unique_ptr<ByteDecoder>>(&decoder);
-    if (clock != nullptr && bytes != nullptr) {
-        (*bytes)->use_clock(*clock);
+    if (sources.clock != nullptr && bytes != nullptr) {
+        (*bytes)->use_clock(*sources.clock);
     }
     return decoder;
 }
 
-AnyEncoder make_encoder(const OutputConfig& output, const WallClock* clock,
-                        RandomSeed (*random)()) {
+AnyEncoder make_encoder(const OutputConfig& output, const CodecSources& sources) {
     AnyEncoder encoder = output.protocol->make_encoder(output.settings);
-    if (random != nullptr && link_with_key(output)) {
-        std::visit([random](const auto& any) { any->use_seed(random()); }, encoder);
-    }
-    if (clock != nullptr) {
-        std::visit([clock](const auto& any) { any->use_clock(*clock); }, encoder);
+    give_freshness(output, sources, encoder);
+    if (sources.clock != nullptr) {
+        std::visit([&](const auto& any) { any->use_clock(*sources.clock); }, encoder);
     }
     return encoder;
 }
@@ -85,12 +93,12 @@ AnyEncoder make_encoder(const OutputConfig& output, const WallClock* clock,
 }  // namespace
 
 std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine,
-                                     const WallClock* clock, RandomSeed (*random)()) {
+                                     const CodecSources& sources) {
     std::vector<NodePlan> nodes = plan_nodes(configuration, machine);
     std::vector<InputSettings> inputs;
     for (const InputConfig& input : configuration.inputs) {
         inputs.push_back({.name = input.name,
-                          .decoder = make_decoder(input, clock, random),
+                          .decoder = make_decoder(input, sources),
                           .byte_time = byte_time_of(input.port),
                           .supervision = input.supervision,
                           .channels = input.channels});
@@ -99,7 +107,7 @@ std::unique_ptr<Engine> build_engine(const Configuration& configuration, Machine
     for (const OutputConfig& output : configuration.outputs) {
         outputs.push_back(
             {.name = output.name,
-             .encoder = make_encoder(output, clock, random),
+             .encoder = make_encoder(output, sources),
              .node = output.protocol == &kDroneCanProtocol ? node_on(nodes, output.port.device)
                                                            : std::nullopt,
              // Frames of others say nothing of a link with a key, but could stop it.
@@ -152,7 +160,7 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
     for (std::size_t i = 0; i < configuration.inputs.size(); ++i) {
         const InputConfig& input = configuration.inputs[i];
         add(StationKind::input, i, input.port);
-        if (link_with_key(input)) {
+        if (is_answered(input)) {
             add(StationKind::answers, i, input.port).wiring.answers = true;
         }
     }
@@ -160,7 +168,7 @@ std::vector<PortPlan> plan_ports(const Configuration& configuration) {
         const OutputConfig& output = configuration.outputs[i];
         PortPlan& plan = add(StationKind::output, i, output.port);
         plan.period = output.port.medium->has_period ? output.schedule.period : Duration{};
-        if (is_timed_by_receiver(output) || hears_effect(output) || link_with_key(output)) {
+        if (is_timed_by_receiver(output) || hears_effect(output) || is_answered(output)) {
             add(StationKind::replies, i, output.port);
         }
     }

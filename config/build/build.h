@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 
 #include "config/build/dronecan.h"
 #include "config/schema/schema.h"
+#include "core/number_reservation.h"
 #include "core/random_seed.h"
 #include "core/wall_clock.h"
 #include "pipelines/engine/engine.h"
@@ -30,16 +32,23 @@ struct PortPlan {
     Duration period{};
 };
 
-/// Builds the engine of a configuration. Opens nothing. `clock`, if any, must outlive the codecs of
-/// the engine, which a reload hands on to the next one.
-/// `random` gives another seed at each call; without it all seeds are zeros, for simulations.
+/// What codecs get from the machine. Simulations go without.
+struct CodecSources {
+    const WallClock* clock = nullptr;
+    /// Another seed at each call. Without it all seeds are zeros.
+    RandomSeed (*random)() = nullptr;
+    /// The numbers that an epoch file keeps. Without it links with an epoch send and take nothing.
+    std::function<NumberReservation*(const std::string& epoch)> numbers{};
+};
+
+/// Builds the engine of a configuration. Opens nothing. What `sources` give must outlive the codecs
+/// of the engine, which a reload hands on to the next one.
 std::unique_ptr<Engine> build_engine(const Configuration& configuration, MachineId machine = {},
-                                     const WallClock* clock = nullptr,
-                                     RandomSeed (*random)() = nullptr);
+                                     const CodecSources& sources = {});
 
 /// Builds the value engine: named values and sensor buses. Null if nothing needs it. Outputs of
 /// `engine` that send values read them from it, so it must outlive `engine`. Opens nothing.
-/// `clock`: as above.
+/// `clock`, if any, must outlive it.
 std::unique_ptr<ValueEngine> build_value_engine(const Configuration& configuration, Engine& engine,
                                                 const WallClock* clock = nullptr);
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,26 +40,42 @@ void collect(const Drafts& drafts, std::string_view direction, std::vector<KeptL
     }
 }
 
+bool share_their_numbers(const LinkWithKey& a, const LinkWithKey& b) {
+    return a.epoch && b.epoch &&
+           std::filesystem::path(*a.epoch).lexically_normal() ==
+               std::filesystem::path(*b.epoch).lexically_normal();
+}
+
+void compare(const KeptLink& earlier, const KeptLink& later, Mistakes& mistakes) {
+    if (can_be_mixed(earlier.link, later.link)) {
+        mistakes.add(
+            later.where,
+            fmt::format("[{}.{}] has the key and the name of the link of [{}.{}] in line {}, so "
+                        "that frames of one could be brought to the other; allowed: another "
+                        "\"link\" for each, the same at both ends of one",
+                        later.direction, later.name, earlier.direction, earlier.name,
+                        earlier.where.line));
+    }
+    if (share_their_numbers(earlier.link, later.link)) {
+        mistakes.add(later.where,
+                     fmt::format("[{}.{}] has the epoch file of [{}.{}] in line {}; allowed: "
+                                 "another file for each, because one would use up the numbers of "
+                                 "the other",
+                                 later.direction, later.name, earlier.direction, earlier.name,
+                                 earlier.where.line));
+    }
+}
+
 }  // namespace
 
 void check_links(const Draft& draft, Mistakes& mistakes) {
     std::vector<KeptLink> links;
     collect(draft.inputs, "input", links);
     collect(draft.outputs, "output", links);
+    std::ranges::stable_sort(links, {}, [](const KeptLink& link) { return link.where.line; });
     for (std::size_t i = 0; i < links.size(); ++i) {
         for (std::size_t j = i + 1; j < links.size(); ++j) {
-            if (can_be_mixed(links[i].link, links[j].link)) {
-                const bool in_order = links[i].where.line <= links[j].where.line;
-                const KeptLink& earlier = links[in_order ? i : j];
-                const KeptLink& later = links[in_order ? j : i];
-                mistakes.add(
-                    later.where,
-                    fmt::format("[{}.{}] has the key and the name of the link of [{}.{}] in line "
-                                "{}, so that frames of one could be brought to the other; allowed: "
-                                "another \"link\" for each, the same at both ends of one",
-                                later.direction, later.name, earlier.direction, earlier.name,
-                                earlier.where.line));
-            }
+            compare(links[i], links[j], mistakes);
         }
     }
 }

@@ -121,6 +121,13 @@ std::optional<LinkWithKey> link_with_key(const Part& part) {
                                                    : std::nullopt;
 }
 
+/// Whether its messages are proved by a key, and their receiver answers.
+template <class Part>
+bool is_answered(const Part& part) {
+    const auto link = link_with_key(part);
+    return link && !link->epoch;
+}
+
 template <class Part>
 KeyUse key_use(const Part& part) {
     return link_with_key(part)                       ? KeyUse::given

@@ -28,7 +28,7 @@ Output::Output(OutputSettings settings)
       mapped_channels_(settings.mapped_channels),
       failsafe_(settings.failsafe),
       least_asked_period_(settings.least_asked_period),
-      needs_receiver_(encoder_.encoder().needs_receiver()) {}
+      may_withhold_(encoder_.encoder().may_withhold()) {}
 
 void Output::frame_arrived(std::size_t index, const ArrivalClock& arrivals) {
     const bool standby = ongoing_.stage == OutputStage::control && index != selector_.current();
@@ -243,14 +243,16 @@ bool Output::make_frame(ChannelFrame& frame, Instant now, std::span<const Input>
     map_.restart_from(frame, now);
 }
 
-/// Without a receiver no channels leave, whatever the link hands over.
-[[gnu::noinline]] void Output::look_for_receiver() {
-    if (!ongoing_.made_frame) {
+/// No channels leave that the encoder withholds, whatever the link hands over.
+[[gnu::noinline]] void Output::look_for_withheld() {
+    const Withheld withheld = encoder_.encoder().withheld();
+    if (!ongoing_.made_frame || withheld == Withheld::nothing) {
         return;
     }
-    ongoing_.made_frame = encoder_.encoder().has_receiver();
-    if (!ongoing_.made_frame && ongoing_.obstacle != SendObstacle::device) {
-        ongoing_.obstacle = SendObstacle::receiver;
+    ongoing_.made_frame = false;
+    if (ongoing_.obstacle != SendObstacle::device) {
+        ongoing_.obstacle =
+            withheld == Withheld::no_receiver ? SendObstacle::receiver : SendObstacle::epoch;
     }
 }
 
@@ -279,8 +281,8 @@ void Output::run(Instant now, std::span<const Input> inputs) {
         // A silent output cannot find out whether the obstacle has gone.
         ongoing_.obstacle = SendObstacle::none;
     }
-    if (needs_receiver_) {
-        look_for_receiver();
+    if (may_withhold_) {
+        look_for_withheld();
     }
     schedule_.done(now, ongoing_.made_frame, valid_until_);
 }

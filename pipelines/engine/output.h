@@ -65,6 +65,7 @@ enum class SendObstacle : std::uint8_t {
     bus,       ///< the bus is down, off, or no node acknowledges
     busy,      ///< many frames in a row find the frame before still waiting
     receiver,  ///< no receiver with the same key answers
+    epoch,     ///< no number is stored that it may use
 };
 
 /// What an output does and by which input, for status and log.
@@ -224,7 +225,7 @@ class Output {
     bool make_frame(ChannelFrame& frame, Instant now, std::span<const Input> inputs);
     bool make_control_frame(ChannelFrame& frame, Instant now);
     bool make_failsafe_frame(ChannelFrame& frame, Instant now);
-    void look_for_receiver();
+    void look_for_withheld();
     void enter_failsafe();
     void glide_from_latest(std::optional<double> us_per_second);
     void take_up_channels();
@@ -248,7 +249,7 @@ class Output {
     /// Limits of a period that the receiver asks for. Two of them: a size of this class that is a
     /// multiple of 512 costs an instruction for each index into the list of outputs.
     Duration least_asked_period_;
-    bool needs_receiver_;
+    bool may_withhold_;
     Duration most_asked_period_ = OutputSettings::kMostAskedPeriod;
 };
 

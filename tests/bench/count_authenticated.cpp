@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 /// Returns how many snapshots counted.
 std::size_t carry(std::size_t units) {
     const authenticated::FdLink link{
-        .name = "can fd 0x300 boat", .secret = {}, .sender_id = 0x305, .receiver_id = 0x300};
+        .keys = {.name = "can fd 0x300 boat"}, .sender_id = 0x305, .receiver_id = 0x300};
     authenticated::FdEncoder sender(link);
     authenticated::FdDecoder receiver(link);
     sender.use_seed({1, 2, 3});

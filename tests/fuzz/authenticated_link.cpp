@@ -6,12 +6,14 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/can_frame.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/support/stored_numbers.h"
+#include "transports/codecs/authenticated/broadcast_ends.h"
 #include "transports/codecs/authenticated/classic_ends.h"
-#include "transports/codecs/authenticated/fd_ends.h"
 
 /// An authenticated link, on CAN FD or in classic frames, and somebody who keeps, repeats, changes,
 /// delays and invents its frames, while either end starts again.
@@ -20,6 +22,7 @@ namespace {
 
 using std::chrono::milliseconds;
 using namespace authenticated;
+using test::StoredNumbers;
 
 constexpr std::size_t kMostSteps = 300;
 constexpr std::size_t kMostKept = 64;
@@ -32,12 +35,16 @@ struct Kept {
 
 class World {
   public:
-    explicit World(bool fd) : fd_(fd) {
+    World(bool fd, bool epoch) : fd_(fd), epoch_(epoch) {
         restart_sender();
         restart_receiver();
     }
 
     void step(Input& input) {
+        if (input.below(4) != 0) {
+            sent_numbers_.store();
+            received_numbers_.store();
+        }
         switch (input.below(8)) {
             case 0:
                 now_ += milliseconds(input.byte());
@@ -67,25 +74,33 @@ class World {
   private:
     void restart_sender() {
         if (fd_) {
-            sender_ = std::make_unique<FdEncoder>(fd_link());
+            sender_ = make_fd_encoder(fd_link());
         } else {
             sender_ = std::make_unique<ClassicEncoder>(classic_link());
         }
         sender_->use_seed({++starts_});
+        sent_numbers_.start();
+        sender_->use_numbers(sent_numbers_);
     }
     void restart_receiver() {
         if (fd_) {
-            receiver_ = std::make_unique<FdDecoder>(fd_link());
+            receiver_ = make_fd_decoder(fd_link());
         } else {
             receiver_ = std::make_unique<ClassicDecoder>(classic_link());
         }
         receiver_->use_seed({++starts_});
+        received_numbers_.start();
+        receiver_->use_numbers(received_numbers_);
         receiver_started_ = now_;
     }
-    static FdLink fd_link() {
-        return {.name = "can fd 768 ", .sender_id = kFirstId + 5, .receiver_id = kFirstId};
+    LinkWithKey keys() const {
+        return {.name = "can 768 ",
+                .epoch = epoch_ ? std::optional<std::string>("/no/file") : std::nullopt};
     }
-    static ClassicLink classic_link() { return {.name = "can 768 ", .first_id = kFirstId}; }
+    FdLink fd_link() const {
+        return {.keys = keys(), .sender_id = kFirstId + 5, .receiver_id = kFirstId};
+    }
+    ClassicLink classic_link() const { return {.keys = keys(), .first_id = kFirstId}; }
 
     /// The two first channels tell which snapshot it is.
     void send() {
@@ -162,12 +177,18 @@ class World {
         const auto number = static_cast<std::size_t>(thousandths(0) + 1000 * thousandths(1));
         require(number < sent_at_.size(), "only what was sent is published");
         require(!latest_ || number > *latest_, "each snapshot once, and in its order");
-        require(published.received <= sent_at_[number], "values are never younger than they are");
-        require(sent_at_[number] >= receiver_started_, "nothing from before the receiver's start");
+        require(epoch_ || published.received <= sent_at_[number],
+                "values are never younger than they are");
+        require(epoch_ || sent_at_[number] >= receiver_started_,
+                "nothing from before the receiver's start");
         latest_ = number;
     }
 
     bool fd_;
+    /// The receiver does not answer.
+    bool epoch_;
+    StoredNumbers sent_numbers_{1000};
+    StoredNumbers received_numbers_{0};
     std::uint8_t starts_ = 0;
     std::unique_ptr<CanEncoder> sender_;
     std::unique_ptr<CanDecoder> receiver_;
@@ -183,7 +204,8 @@ class World {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     tribus::fuzz::Input input({data, size});
-    tribus::fuzz::World world(input.below(2) == 0);
+    const bool fd = input.below(2) == 0;
+    tribus::fuzz::World world(fd, input.below(2) == 0);
     for (std::size_t step = 0; step < tribus::fuzz::kMostSteps && !input.empty(); ++step) {
         world.step(input);
     }

@@ -35,20 +35,23 @@ class Attacked : public TwoPrograms, public testing::WithParamInterface<std::pai
     VirtualBus bus_;
 };
 
-INSTANTIATE_TEST_SUITE_P(LinksWithAndWithoutAKey, Attacked,
-                         testing::Values(std::pair(kFdBus, false),
-                                         std::pair(with_key(kFdBus), true),
-                                         std::pair(kClassicBus, false),
-                                         std::pair(with_key(kClassicBus), true),
-                                         std::pair(kUdp, false), std::pair(with_key(kUdp), true)),
-                         [](const auto& instance) {
-                             const BusJob& job = instance.param.first;
-                             const bool fd = job.format.find("fd") != std::string::npos;
-                             return std::string(job.sender_interface.empty() ? "Udp"
-                                                : fd                         ? "CanFd"
-                                                                             : "ClassicCan") +
-                                    (instance.param.second ? "WithAKey" : "WithoutAKey");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    LinksWithAndWithoutAKey, Attacked,
+    testing::Values(std::pair(kFdBus, false), std::pair(with_key(kFdBus), true),
+                    std::pair(kClassicBus, false), std::pair(with_key(kClassicBus), true),
+                    std::pair(kUdp, false), std::pair(with_key(kUdp), true),
+                    std::pair(with_epoch(kFdBus), true), std::pair(with_epoch(kClassicBus), true),
+                    std::pair(with_epoch(kUdp), true)),
+    [](const auto& instance) {
+        const BusJob& job = instance.param.first;
+        const bool fd = job.format.find("fd") != std::string::npos;
+        return std::string(job.sender_interface.empty() ? "Udp"
+                           : fd                         ? "CanFd"
+                                                        : "ClassicCan") +
+               (!instance.param.second     ? "WithoutAKey"
+                : job.reader_lines.empty() ? "WithAKey"
+                                           : "WithAnEpoch");
+    });
 
 TEST_P(Attacked, RecordingMovesTheServosOfABoxThatStartedAgainOnlyWithoutAKey) {
     RawCan ear(bus_.name());

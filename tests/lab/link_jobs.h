@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 
 #include "tests/lab/two_programs.h"
 
@@ -19,6 +20,14 @@ inline const BusJob kUdp{
 /// The same job with a key for the link.
 inline BusJob with_key(BusJob job) {
     job.format += kKeyLine;
+    return job;
+}
+/// The same job with a key, and a reader that does not answer. `folder`: where the ends keep their
+/// numbers; by default that of the test.
+inline BusJob with_epoch(BusJob job, const std::string& folder = "@") {
+    job = with_key(std::move(job));
+    job.sender_lines += "\nepoch = \"" + folder + "sender.epoch\"";
+    job.reader_lines += "\nepoch = \"" + folder + "reader.epoch\"";
     return job;
 }
 

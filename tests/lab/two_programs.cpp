@@ -61,7 +61,8 @@ recover = "300ms"
 }
 
 std::string TwoPrograms::reader_text(const BusJob& job) {
-    return "[input.bus]\n" + interface_line(job.reader_interface) + job.format + R"(
+    return "[input.bus]\n" + interface_line(job.reader_interface) + job.format + "\n" +
+           job.reader_lines + R"(
 timeout = "400ms"
 [output.servos]
 protocol = "sbus"

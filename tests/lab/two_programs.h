@@ -23,6 +23,7 @@ struct BusJob {
     std::string reader_interface = "vcan0";
     std::string format = "protocol = \"can\"";  ///< lines of both sides
     std::string sender_lines{};                 ///< lines of the sender's output
+    std::string reader_lines{};                 ///< lines of the reader's input
     std::string sender_tables{};                ///< further tables of the sender
     std::string reader_tables{};                ///< further tables of the reader
 };

@@ -62,6 +62,9 @@ class Network : public Loopback {
     }
 
     static constexpr std::string_view kKey = "key = \"boat.key\"\n";
+    static constexpr std::string_view kShoreEpoch =
+        "key = \"boat.key\"\nepoch = \"@shore.epoch\"\n";
+    static constexpr std::string_view kBoatEpoch = "key = \"boat.key\"\nepoch = \"@boat.epoch\"\n";
     FarEnd& radio_wire_ = device("radio");
     FarEnd& servo_wire_ = device("servos");
     Repeater radio_{radio_wire_, ibus_bytes(sticks_with_first(1500, 14))};
@@ -158,6 +161,93 @@ TEST_F(Network, WithAKeyRecordedFramesMoveNothing) {
         return boat_again.errors().find("input shore: replayed") != std::string::npos;
     })) << boat_again.errors();
     expect_clean_end(boat_again);
+}
+
+TEST_F(Network, WithAnEpochGoesToAReceiverThatSaysNothing) {
+    Program& boat = run(boat_config(kBoatEpoch));
+    Program& shore = run(shore_config(kShoreEpoch));
+    EXPECT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    EXPECT_FALSE(outside_->receive()) << "the boat answers";
+    expect_clean_end(shore);
+    expect_clean_end(boat);
+    EXPECT_EQ(boat.errors().find("garbled"), std::string::npos) << boat.errors();
+}
+
+/// An orderly end leaves the exact number, so that the boat need not wait.
+TEST_F(Network, WithAnEpochNeedsNoHandWhenEitherEndStartsAgain) {
+    Program& boat = run(boat_config(kBoatEpoch));
+    Program& shore = run(shore_config(kShoreEpoch));
+    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    expect_clean_end(boat);
+    Program& boat_again = run(boat_config(kBoatEpoch));
+    EXPECT_TRUE(servos_follow(1300)) << boat_again.errors() << shore.errors();
+    shore.signal(SIGKILL);
+    shore.end();
+    Program& shore_again = run(shore_config(kShoreEpoch));
+    EXPECT_TRUE(servos_follow(1600)) << boat_again.errors() << shore_again.errors();
+    expect_clean_end(shore_again);
+    expect_clean_end(boat_again);
+}
+
+TEST_F(Network, WithAnEpochRecordedFramesMoveNothingAlsoAfterAStart) {
+    Program& boat = run(boat_config(kBoatEpoch));
+    Program& shore = run(shore_config(kShoreEpoch));
+    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    shore.signal(SIGKILL);
+    shore.end();
+    boat.signal(SIGKILL);
+    boat.end();
+    servos_.listen();
+    Program& boat_again = run(boat_config(kBoatEpoch));
+    EXPECT_TRUE(eventually([&] {
+        for (const Bytes& datagram : seen_) {
+            outside_->send_to(boat_port_, datagram);
+        }
+        for (const SbusSight& sight : servos_.listen()) {
+            EXPECT_FALSE(sight.good());
+        }
+        return boat_again.errors().find("input shore: replayed") != std::string::npos;
+    })) << boat_again.errors();
+    expect_clean_end(boat_again);
+}
+
+TEST_F(Network, WithAnEpochGoesOnOverAReload) {
+    Program& boat = run(boat_config(kBoatEpoch));
+    Program& shore = run(shore_config(kShoreEpoch));
+    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+    boat_config(std::string(kBoatEpoch) + "timeout = \"450ms\"\n");
+    shore_config(std::string(kShoreEpoch) + "period = \"15ms\"\n");
+    for (Program* const program : {&boat, &shore}) {
+        program->signal(SIGHUP);
+        EXPECT_TRUE(eventually([&] {
+            radio_.send_if_due();
+            route();
+            return program->errors().find("reloaded ") != std::string::npos;
+        })) << program->errors();
+    }
+    EXPECT_TRUE(servos_follow(1300)) << boat.errors() << shore.errors();
+    expect_clean_end(shore);
+    expect_clean_end(boat);
+    const std::string after = boat.errors().substr(boat.errors().find("reloaded "));
+    EXPECT_EQ(after.find("input shore"), std::string::npos) << "its link was never lost: " << after;
+}
+
+TEST_F(Network, WithAnEpochThatCannotBeKeptDoesNotStart) {
+    const std::string none = "key = \"boat.key\"\nepoch = \"@none/boat.epoch\"\n";
+    Program& boat = start({"run", boat_config(none)});
+    EXPECT_EQ(boat.end(), 1);
+    EXPECT_NE(boat.errors().find("boat.toml:3:11: [input.shore] epoch: cannot write " +
+                                 (folder() / "none/boat.epoch.lock").string() +
+                                 ": No such file or directory"),
+              std::string::npos)
+        << boat.errors();
+
+    Program& first = run(boat_config(kBoatEpoch));
+    Program& second = start({"run", shore_config(kBoatEpoch)});
+    EXPECT_EQ(second.end(), 1);
+    EXPECT_NE(second.errors().find("boat.epoch is in use by another program"), std::string::npos)
+        << second.errors();
+    expect_clean_end(first);
 }
 
 TEST_F(Network, WithoutAKeyStaysOnThisMachineAndWorks) {

@@ -18,6 +18,8 @@ using namespace linked_boards;
 constexpr std::uint32_t kWorlds = 1000;
 constexpr int kAttacked = 3000;  ///< ms
 constexpr int kEnd = 6000;       ///< ms
+/// A receiver that does not answer is deaf for 20 s after it was killed.
+constexpr int kDeaf = 20'000;  ///< ms
 constexpr std::size_t kMostKept = 200;
 
 /// The promises that a world can break.
@@ -27,18 +29,19 @@ class World {
   public:
     World(const Boards& boards, const Boards& attackers, std::uint32_t seed)
         : boards_(boards),
+          end_(kEnd + (boards.epoch ? kDeaf : 0)),
           random_(seed),
-          shore_(std::make_unique<Board>(boards.shore, at(0))),
-          boat_(std::make_unique<Board>(boards.boat, at(0))),
-          attacker_(attackers.shore, at(0)),
+          shore_(std::make_unique<Board>(boards.shore, at(0), shore_epoch_)),
+          boat_(std::make_unique<Board>(boards.boat, at(0), boat_epoch_)),
+          attacker_(attackers.shore, at(0), attacker_epoch_),
           lost_percent_(random_.below(60)),
           longest_delay_(random_.below(2) == 0 ? 40 : 1500) {}
 
     Broken run() {
-        for (now_ = 0; now_ < kEnd && broken_ == Broken::none; ++now_) {
+        for (now_ = 0; now_ < end_ && broken_ == Broken::none; ++now_) {
             step();
         }
-        const bool controlled = controlled_at_ > kEnd - 100;
+        const bool controlled = controlled_at_ > end_ - 100;
         return broken_ == Broken::none && !controlled ? Broken::lost_at_the_end : broken_;
     }
     std::size_t controlled() const { return controlled_; }
@@ -104,12 +107,19 @@ class World {
             way_.push_back(std::move(again));
         }
         if (permille(1)) {
-            shore_ = std::make_unique<Board>(boards_.shore, at(now_));
+            shore_ = restarted(boards_.shore, shore_epoch_);
         }
         if (permille(1)) {
-            boat_ = std::make_unique<Board>(boards_.boat, at(now_));
-            newest_ = 0;
+            boat_ = restarted(boards_.boat, boat_epoch_);
+            newest_ = boards_.epoch ? newest_ : 0;
         }
+    }
+
+    std::unique_ptr<Board> restarted(const Configuration& configuration, StoredNumbers& epoch) {
+        if (percent(50)) {
+            epoch.stop();
+        }
+        return std::make_unique<Board>(configuration, at(now_), epoch);
     }
 
     void deliver() {
@@ -139,16 +149,22 @@ class World {
             }
             ++controlled_;
             controlled_at_ = now_;
-            broken_ = seen.mark != kHonest          ? Broken::forged
-                      : now_ - seen.time > kTimeout ? Broken::too_old
-                      : seen.time < newest_         ? Broken::back_in_time
-                                                    : broken_;
+            // A receiver that does not answer cannot know the delay of the quickest snapshot.
+            const bool too_old = now_ - seen.time > kTimeout && !boards_.epoch;
+            broken_ = seen.mark != kHonest  ? Broken::forged
+                      : too_old             ? Broken::too_old
+                      : seen.time < newest_ ? Broken::back_in_time
+                                            : broken_;
             newest_ = seen.time;
         }
     }
 
     const Boards& boards_;
+    int end_;
     Random random_;
+    StoredNumbers shore_epoch_{1000};
+    StoredNumbers boat_epoch_{0};
+    StoredNumbers attacker_epoch_{1'000'000'000};
     std::unique_ptr<Board> shore_;
     std::unique_ptr<Board> boat_;
     Board attacker_;
@@ -178,6 +194,20 @@ TEST_F(AttackedLink, WithAKeyGivesControlOnlyToFreshFramesOfItsHolder) {
         controlled += world.controlled();
     }
     EXPECT_GT(controlled / kWorlds, 200U) << "frames of control a world";
+}
+
+/// It goes on where it ended, also after both boards started again.
+TEST_F(AttackedLink, WithAnEpochGivesControlOnlyToNewFramesOfItsHolder) {
+    const Boards boards(keys_.line("boat.key") + kEpochLine);
+    const Boards attackers(keys_.line("attacker.key") + kEpochLine);
+    constexpr std::uint32_t kLongWorlds = kWorlds / 10;
+    std::size_t controlled = 0;
+    for (std::uint32_t seed = 1; seed <= kLongWorlds; ++seed) {
+        World world(boards, attackers, seed);
+        ASSERT_EQ(world.run(), Broken::none) << "seed " << seed;
+        controlled += world.controlled();
+    }
+    EXPECT_GT(controlled / kLongWorlds, 200U) << "frames of control a world";
 }
 
 /// The same attacks work where there is no key, so the test above can see them.

@@ -19,6 +19,7 @@
 #include "pipelines/virtual_time/virtual_loop.h"
 #include "tests/reference/plain_sbus.h"
 #include "tests/support/ibus_frames.h"
+#include "tests/support/stored_numbers.h"
 #include "tests/support/streams.h"
 #include "tests/support/temporary_folder.h"
 
@@ -77,14 +78,23 @@ inline RandomSeed next_seed() {
             static_cast<std::uint8_t>(made >> 16U), 1};
 }
 
-/// One box in virtual time. It keeps what its outputs sent since `take`.
+/// One box in virtual time. It keeps what its outputs sent since `take`. `epoch`: the file of its
+/// link, if receivers do not answer; it is written at once.
 class Board : StationObserver {
   public:
-    Board(const Configuration& configuration, Instant start)
-        : engine_(build_engine(configuration, {}, nullptr, next_seed)),
-          loop_(*engine_, *this, start) {}
+    Board(const Configuration& configuration, Instant start, StoredNumbers& epoch)
+        : epoch_(epoch),
+          engine_(build_engine(
+              configuration, {},
+              {.random = next_seed, .numbers = [&](const std::string&) { return &epoch; }})),
+          loop_(*engine_, *this, start) {
+        epoch.start();
+    }
 
-    void run_until(Instant until) { loop_.run_until(until); }
+    void run_until(Instant until) {
+        loop_.run_until(until);
+        epoch_.store();
+    }
     /// A datagram for an input arrives. Returns what its sender is answered.
     Bytes receive(const Bytes& datagram, Instant now, std::size_t input = 0) {
         loop_.receive({StationKind::input, input}, datagram, now);
@@ -102,6 +112,7 @@ class Board : StationObserver {
         sent_[station.index].emplace_back(sent.bytes().begin(), sent.bytes().end());
     }
 
+    StoredNumbers& epoch_;
     std::unique_ptr<Engine> engine_;
     std::array<std::vector<Bytes>, 2> sent_;
     VirtualLoop loop_;
@@ -113,10 +124,13 @@ inline Configuration load(const std::string& text) {
     return std::move(*configuration);
 }
 
-/// The configurations of both boards. With an empty `key` the link between them has none.
+/// The line of a link whose receivers do not answer.
+inline const std::string kEpochLine = "epoch = \"/of/the/board\"\n";
+
+/// The configurations of both boards. `lines`: of both ends of the link between them.
 struct Boards {
-    explicit Boards(const std::string& key) {
-        const std::string link = "protocol = \"network\"\naddress = \"127.0.0.1:5700\"\n" + key;
+    explicit Boards(const std::string& lines) : epoch(lines.ends_with(kEpochLine)) {
+        const std::string link = "protocol = \"network\"\naddress = \"127.0.0.1:5700\"\n" + lines;
         shore = load("[input.radio]\nprotocol = \"ibus\"\ndevice = \"/dev/ttyA\"\n[output.boat]\n" +
                      link + "[pipeline.main]\nfrom = \"radio\"\nto = \"boat\"\n" + kSilence);
         boat = load("[input.shore]\n" + link + kServos);
@@ -130,6 +144,7 @@ struct Boards {
         "ms\"\n[output.servos]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyB\"\n"
         "[pipeline.main]\nfrom = \"shore\"\nto = \"servos\"\n" +
         kSilence;
+    bool epoch;
     Configuration shore;
     Configuration boat;
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -27,15 +28,24 @@ constexpr std::size_t kCounterByte = 6;
 /// The default of `period`.
 constexpr int kDatagramPeriod = 20;  ///< ms
 
+/// What proves the snapshots of a link.
+enum class Proof : std::uint8_t { none, challenges, epoch };
+
+std::string lines_of(const KeyFiles& keys, const std::string& key, Proof proof) {
+    return proof == Proof::none         ? ""
+           : proof == Proof::challenges ? keys.line(key)
+                                        : keys.line(key) + kEpochLine;
+}
+
 /// Both boards and somebody on the way between them.
 class Scene {
   public:
-    Scene(const KeyFiles& keys, bool with_key)
-        : boards_(with_key ? keys.line("boat.key") : ""),
-          strangers_(with_key ? keys.line("attacker.key") : ""),
-          shore_(std::make_unique<Board>(boards_.shore, at(0))),
-          boat_(std::make_unique<Board>(boards_.boat, at(0))),
-          has_key_(with_key) {}
+    Scene(const KeyFiles& keys, Proof proof)
+        : boards_(lines_of(keys, "boat.key", proof)),
+          strangers_(lines_of(keys, "attacker.key", proof)),
+          shore_(std::make_unique<Board>(boards_.shore, at(0), shore_epoch_)),
+          boat_(std::make_unique<Board>(boards_.boat, at(0), boat_epoch_)),
+          has_key_(proof != Proof::none) {}
 
     /// Goes on until then. `step` is called each millisecond.
     void run_until(int end, const std::function<void()>& step = {}) {
@@ -65,11 +75,13 @@ class Scene {
     bool has_key() const { return has_key_; }
     int now() const { return now_; }
     bool attacked() const { return now_ >= kAttackBegins; }
-    void restart_boat() { boat_ = std::make_unique<Board>(boards_.boat, at(now_)); }
-    void restart_shore() { shore_ = std::make_unique<Board>(boards_.shore, at(now_)); }
+    void restart_boat() { boat_ = std::make_unique<Board>(boards_.boat, at(now_), boat_epoch_); }
+    void restart_shore() {
+        shore_ = std::make_unique<Board>(boards_.shore, at(now_), shore_epoch_);
+    }
     /// Another sender; with the key of the boats, or with the attacker's.
-    Board other_sender(bool has_key) const {
-        return Board(has_key ? boards_.shore : strangers_.shore, at(now_));
+    Board other_sender(bool has_key) {
+        return Board(has_key ? boards_.shore : strangers_.shore, at(now_), other_epoch_);
     }
 
     /// The way of datagrams of the sender, and of answers.
@@ -78,7 +90,8 @@ class Scene {
         shore_->hear(answer, at(now_));
     };
 
-    /// Frames in control that the servos saw since the attack began.
+    bool worked = false;  ///< frames in control before the attack began
+    /// Frames in control that the servos saw since then.
     int controls = 0;
     int forged = 0;
     int oldest = 0;  ///< ms
@@ -87,6 +100,7 @@ class Scene {
 
   private:
     void note(const Seen& seen) {
+        worked = worked || !seen.marked;
         if (seen.marked || !attacked()) {
             return;
         }
@@ -100,6 +114,9 @@ class Scene {
 
     Boards boards_;
     Boards strangers_;
+    StoredNumbers shore_epoch_{1000};
+    StoredNumbers boat_epoch_{0};
+    StoredNumbers other_epoch_{1'000'000'000};
     std::unique_ptr<Board> shore_;
     std::unique_ptr<Board> boat_;
     bool has_key_;
@@ -281,10 +298,13 @@ INSTANTIATE_TEST_SUITE_P(Attacks, NamedAttack,
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST_P(NamedAttack, WinsOnlyWithoutAKey) {
-    Scene plain(keys_, false);
+    Scene plain(keys_, Proof::none);
     EXPECT_TRUE(GetParam().falls(plain));
-    Scene keyed(keys_, true);
-    EXPECT_FALSE(GetParam().falls(keyed));
+    for (const Proof proof : {Proof::challenges, Proof::epoch}) {
+        Scene keyed(keys_, proof);
+        EXPECT_FALSE(GetParam().falls(keyed));
+        EXPECT_TRUE(keyed.worked);
+    }
 }
 
 /// A box that sends what its own receiver says to a display, and has servos that the shore moves.
@@ -305,8 +325,9 @@ class Reflection : public testing::Test {
             "[input.boat]\nprotocol = \"network\"\naddress = \"127.0.0.1:5701\"\n" + to_display +
             "[output.screen]\nprotocol = \"sbus\"\ndevice = \"/dev/ttyC\"\n"
             "[pipeline.main]\nfrom = \"boat\"\nto = \"screen\"\n");
-        Board boat(boat_has, at(0));
-        Board display(display_has, at(0));
+        StoredNumbers none(0);
+        Board boat(boat_has, at(0), none);
+        Board display(display_has, at(0), none);
         bool shown = false;
         bool moved = false;
         for (int now = 0; now < 5000; ++now) {

@@ -30,6 +30,9 @@ class CanDecoder : public DecoderReport {
     /// Gives random bytes, for protocols with challenges. Call at the start, before the first
     /// `next`.
     virtual void use_seed(const RandomSeed& /*seed*/) {}
+    /// Gives the numbers of this end, for links whose receivers do not answer. Call at the start,
+    /// before the first `next`. Must outlive the decoder.
+    virtual void use_numbers(NumberReservation& /*numbers*/) {}
     /// The ids with which it answers. Constant.
     virtual std::span<const CanIdMatch> answered() const { return {}; }
     /// Answers at `now` the senders of the frames that were taken. Empty: it says nothing. Valid

@@ -15,6 +15,7 @@
 
 namespace tribus {
 
+class NumberReservation;
 class ValueBoard;
 class WallClock;
 
@@ -126,6 +127,9 @@ class ByteDecoder : public DecoderReport {
     /// Gives random bytes, for protocols with challenges. Call at the start, before the first
     /// `next`.
     virtual void use_seed(const RandomSeed& /*seed*/) {}
+    /// Gives the numbers of this end, for links whose receivers do not answer. Call at the start,
+    /// before the first `next`. Must outlive the decoder.
+    virtual void use_numbers(NumberReservation& /*numbers*/) {}
     /// Answers at `now` the sender of the datagram that was taken last. Empty: it says nothing.
     /// Valid until the next call. Only protocols with Protocol::link_with_key answer.
     virtual std::span<const std::uint8_t> answer(Instant /*now*/) { return {}; }
@@ -152,6 +156,13 @@ struct Answers {
     std::uint32_t heard = 0;
     /// An answer has shown channels that were sent.
     bool effect = false;
+};
+
+/// Why an encoder writes no channels.
+enum class Withheld : std::uint8_t {
+    nothing,
+    no_receiver,  ///< no receiver with the same key answers
+    no_numbers,   ///< no number is stored that it may use
 };
 
 /// A frame of channels in, what a link carries out. Every frame has an encoding. Pure: no
@@ -184,16 +195,19 @@ class Encoder {
     /// Gives random bytes, for protocols with challenges. Call at the start, before the first
     /// `write`.
     virtual void use_seed(const RandomSeed& /*seed*/) {}
+    /// Gives the numbers of this end, for links whose receivers do not answer. Call at the start,
+    /// before the first `write`. Must outlive the encoder.
+    virtual void use_numbers(NumberReservation& /*numbers*/) {}
     /// Continues where `before`, an encoder of the same protocol and settings, ended, so that
     /// receivers see one sender.
     virtual void continue_from(const Encoder& /*before*/) {}
 
     /// What was heard of the receiver.
     virtual Answers answers() const { return {}; }
-    /// Whether it sends channels only to a receiver that answers. Constant.
-    virtual bool needs_receiver() const { return false; }
-    /// Whether the latest `write` had channels in it, and not only a question for the receiver.
-    virtual bool has_receiver() const { return true; }
+    /// Whether it may write no channels, whatever it is given. Constant.
+    virtual bool may_withhold() const { return false; }
+    /// Why the latest `write` had no channels in it.
+    virtual Withheld withheld() const { return Withheld::nothing; }
 
     /// CAN: whether some of its frames are FD. Constant.
     virtual bool uses_fd() const { return false; }

@@ -18,6 +18,7 @@
 #include "transports/codecs/can_codec.h"
 #include "transports/codecs/codec.h"
 #include "transports/codecs/frame_encoder.h"
+#include "transports/codecs/link_with_key.h"
 #include "transports/codecs/value_reader.h"
 
 namespace tribus {
@@ -30,14 +31,6 @@ struct NamedUse {
     std::string name;
     /// The key that names the value. Inside a tree: the keys that lead to it.
     std::vector<std::string> path;
-};
-
-/// A link whose messages are proved by a key.
-struct LinkWithKey {
-    std::string name;
-    SecretKey secret{};
-    /// Input only: another one that counts too.
-    std::optional<SecretKey> old_secret{};
 };
 
 /// The bytes with which each frame of a protocol on bytes begins, as far as they are always the

@@ -18,7 +18,7 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include "app/cli/file_error.h"
+#include "app/cli/replace_file.h"
 #include "pipelines/realtime/clock.h"
 #include "transports/links/unique_fd.h"
 
@@ -34,6 +34,8 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kTypes{
      {".svg", "image/svg+xml"},
      {".woff2", "font/woff2"}}};
 
+constexpr mode_t kUsualPermissions = 0644;
+
 std::string content_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     std::ostringstream content;
@@ -46,47 +48,6 @@ std::string_view type_of(const fs::path& path) {
     const auto known = std::ranges::find(kTypes, path.extension().string(),
                                          [](const auto& type) { return type.first; });
     return known == kTypes.end() ? std::string_view() : known->second;
-}
-
-bool write_all(int descriptor, std::string_view text) {
-    while (!text.empty()) {
-        const ssize_t count = ::write(descriptor, text.data(), text.size());
-        if (count < 0 && errno != EINTR) {
-            return false;
-        }
-        text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
-    }
-    return true;
-}
-
-void sync_folder(const fs::path& folder) {
-    const UniqueFd directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    ::fsync(directory.get());
-}
-
-/// Written beside the file and renamed, so that there is the old text or the new one. The new file
-/// gets the owner and group of the old one, as far as this user may give them.
-tl::expected<void, std::string> replace(const fs::path& file, std::string_view text) {
-    struct stat before {};
-    const bool known = ::stat(file.c_str(), &before) == 0;
-    constexpr mode_t kUsual = 0644;
-    constexpr mode_t kPermissions = 07777;
-    const fs::path fresh = file.parent_path() / fmt::format(".{}.new", file.filename().string());
-    const UniqueFd out(
-        ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600));
-    if (known && ::fchown(out.get(), before.st_uid, before.st_gid) != 0) {
-        std::ignore = ::fchown(out.get(), static_cast<uid_t>(-1), before.st_gid);
-    }
-    const bool written = out.valid() && write_all(out.get(), text) &&
-                         ::fchmod(out.get(), known ? before.st_mode & kPermissions : kUsual) == 0 &&
-                         ::fsync(out.get()) == 0 && ::rename(fresh.c_str(), file.c_str()) == 0;
-    if (!written) {
-        const int why = errno;
-        ::unlink(fresh.c_str());
-        return file_error(file, why);
-    }
-    sync_folder(file.parent_path());
-    return {};
 }
 
 }  // namespace
@@ -123,7 +84,7 @@ tl::expected<void, std::string> keep_configuration(const fs::path& file, std::st
             "{:%Y-%m-%dT%H-%M-%SZ}.toml",
             fmt::gmtime(static_cast<std::time_t>(
                 std::chrono::duration_cast<std::chrono::seconds>(wall_time_now()).count())));
-        if (auto kept = replace(history / id, before); !kept) {
+        if (auto kept = replace_file(history / id, before, kUsualPermissions); !kept) {
             return kept;
         }
         const auto all = kept_files(history);
@@ -133,7 +94,7 @@ tl::expected<void, std::string> keep_configuration(const fs::path& file, std::st
     }
     // A link stays; what it leads to is replaced.
     const fs::path target = fs::weakly_canonical(file, error);
-    return replace(error ? file : target, text);
+    return replace_file(error ? file : target, text, kUsualPermissions);
 }
 
 std::vector<KeptFile> kept_files(const fs::path& history) {

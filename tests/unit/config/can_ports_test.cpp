@@ -64,7 +64,7 @@ constexpr Spoilt kMistakes[]{
      R"("interface"? Allowed: "protocol", "interface", "timeout", "failsafe_flag", )"
      R"("frame_lost_flag", "frame_lost_run", "frame_lost_ratio", "failsafe_when", "frozen", )"
      R"("plausible", "zero_guard", "map", )"
-     R"("id", "extended", "fd", "crc", "channels", "key", "old_key", "link")"},
+     R"("id", "extended", "fd", "crc", "channels", "key", "old_key", "link", "epoch")"},
     {"missing_interface", 3, "",
      R"(t.toml:1:1: [input.cockpit] lacks "interface"; required: CAN interface, such as )"
      R"("can0")"},
@@ -80,7 +80,7 @@ baud = 500000)",
      R"(with protocol "ibus" and "device"; allowed: "protocol", "interface", "timeout", )"
      R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
      R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "id", "extended", "fd", )"
-     R"("crc", "channels", "key", "old_key", "link")"},
+     R"("crc", "channels", "key", "old_key", "link", "epoch")"},
     {"id_too_high_for_11_bits", 6, R"(interface = "can1"
 id = 0x7FB)",
      R"(t.toml:7:6: 2043 is too high for ids of 11 bits; allowed is 0 to 2042 (0x7FA), )"
@@ -127,7 +127,7 @@ foreign_sender = "ignore")",
      R"([output.NAME] with protocol "can"; allowed: "protocol", "interface", "timeout", )"
      R"("failsafe_flag", "frame_lost_flag", "frame_lost_run", "frame_lost_ratio", )"
      R"("failsafe_when", "frozen", "plausible", "zero_guard", "map", "id", "extended", "fd", )"
-     R"("crc", "channels", "key", "old_key", "link")"},
+     R"("crc", "channels", "key", "old_key", "link", "epoch")"},
     {"foreign_sender_of_a_serial_output", 9, R"(device = "/dev/ttyB"
 foreign_sender = "ignore")",
      R"(t.toml:10:1: unknown key "foreign_sender" in [output.servos]; it belongs in )"

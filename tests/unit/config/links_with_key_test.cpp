@@ -104,6 +104,46 @@ TEST_F(LinksWithKey, WhatOnlyAKeyGivesAMeaningNeedsOne) {
                      R"(out)"}));
 }
 
+TEST_F(LinksWithKey, AnEpochIsTheWholePathOfAFileAndNeedsAKey) {
+    const auto on = [&](const std::string& lines) {
+        return mistakes(both(network("127.0.0.1:5700", lines), network("127.0.0.1:5701", "")));
+    };
+    EXPECT_EQ(on(kKey + "epoch = \"/var/lib/tribus/boat.epoch\"\n"), Lines{});
+    EXPECT_EQ(
+        on("epoch = \"/var/lib/tribus/boat.epoch\"\n"),
+        Lines{R"(t.toml:4:9: "epoch" has no effect without "key"; add key, or leave it out)"});
+    for (const std::string path : {"boat.epoch", "/var/lib/tribus/"}) {
+        EXPECT_EQ(on(kKey + "epoch = \"" + path + "\"\n"),
+                  Lines{R"(t.toml:5:9: "epoch" is ")" + path +
+                        R"("; allowed: the whole path of a file, such as )"
+                        R"("/var/lib/tribus/boat.epoch")"});
+    }
+}
+
+TEST_F(LinksWithKey, TwoEndsNeedTwoEpochFiles) {
+    const auto with = [&](const std::string& first, const std::string& second) {
+        return mistakes(
+            both(network("127.0.0.1:5700", kKey + "epoch = \"" + first + "\"\nlink = \"a\"\n"),
+                 network("127.0.0.1:5701", kKey + "epoch = \"" + second + "\"\nlink = \"b\"\n")));
+    };
+    EXPECT_EQ(with("/a/boat.epoch", "/a/shore.epoch"), Lines{});
+    EXPECT_EQ(with("/a/boat.epoch", "/a/./boat.epoch"),
+              Lines{"t.toml:7:9: [output.out] has the epoch file of [input.in] in line 1; allowed: "
+                    "another file for each, because one would use up the numbers of the other"});
+}
+
+TEST_F(LinksWithKey, WithAnEpochNeitherAnswerNorHearAnswers) {
+    const std::string text =
+        both(can("fd = true\n" + kKey + "epoch = \"/a\"\n"),
+             network("127.0.0.1:5701", kKey + "link = \"x\"\nepoch = \"/b\"\n"));
+    const auto configuration = load_configuration(text, folder_ / "t.toml");
+    ASSERT_TRUE(configuration);
+    for (const PortPlan& plan : plan_ports(*configuration)) {
+        EXPECT_FALSE(plan.wiring.answers);
+        EXPECT_EQ(plan.wiring.stations.size(), 1U);
+    }
+}
+
 TEST_F(LinksWithKey, OnCanMayBeFdOrClassic) {
     for (const std::string fd : {"", "fd = true\n"}) {
         EXPECT_EQ(mistakes(both(can(fd + kKey), can(fd + "id = 0x400\n" + kKey))), Lines{});

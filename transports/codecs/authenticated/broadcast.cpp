@@ -27,22 +27,18 @@ SnapshotMac& BroadcastMacs::mac_for(std::uint64_t number) {
 }
 
 bool BroadcastSender::write(const ChannelFrame& channels, SnapshotMessage& message, Instant now) {
-    if (!numbers_.started()) {
+    if (numbers_ == nullptr) {
         return false;
     }
     if (!clock_) {
-        clock_ = {numbers_.next(), now};
+        clock_ = {numbers_->next(), now};
     }
     const auto since =
         static_cast<std::uint64_t>(std::max(now - clock_->began, Duration{}) / kTimeStep);
-    const std::uint64_t number = std::max(clock_->number + since, numbers_.next());
-    if (number + kAhead >= numbers_.reserved()) {
-        numbers_.want(number + kBlock);
-    }
-    if (number >= numbers_.reserved()) {
+    const std::uint64_t number = std::max(clock_->number + since, numbers_->next());
+    if (!numbers_->use(number, kNumbers)) {
         return false;
     }
-    numbers_.use(number);
     const bool preset = channels.received == Instant{};
     emit({.age = preset ? kNotTold : age_steps(now - channels.received)}, channels, message);
     store_word(&message[kSentNumberAt], number);
@@ -66,19 +62,12 @@ std::optional<ChannelFrame> BroadcastReceiver::next(std::span<const std::uint8_t
     if (!macs_.is_right(told, number, body) && !(old_ && old_->is_right(told, number, body))) {
         return refuse(kForged, LinkCause::forged);
     }
-    if (!numbers_.started()) {
-        return refuse(kNotStored, LinkCause::garbled);
-    }
-    if (number < numbers_.next()) {
+    if (numbers_ != nullptr && number < numbers_->next()) {
         return refuse(kReplayed, LinkCause::replayed);
     }
-    if (number + kBlock / 2 >= numbers_.reserved()) {
-        numbers_.want(number + kBlock);
-    }
-    if (number >= numbers_.reserved()) {
+    if (numbers_ == nullptr || !numbers_->use(number, kNumbers)) {
         return refuse(kNotStored, LinkCause::garbled);
     }
-    numbers_.use(number);
     why_refused_ = LinkCause::garbled;
     ChannelFrame frame = parse_channels(message);
     const std::uint16_t age = parse_head(message).age;

@@ -47,21 +47,25 @@ class BroadcastMacs {
 /// The end that sends. Pure: no descriptor, clock or heap. Thread-bound.
 class BroadcastSender {
   public:
-    /// It reserves so many numbers at a time, 12 hours, and the next ones an hour before they are
-    /// used up.
-    static constexpr std::uint64_t kBlock = std::uint64_t{1} << 32U;
-    static constexpr std::uint64_t kAhead = std::chrono::hours(1) / kTimeStep;
+    /// 12 hours; the next ones an hour before they are used up.
+    static constexpr NumberBlocks kNumbers{.block = std::uint64_t{1} << 32U,
+                                           .ahead = std::chrono::hours(1) / kTimeStep};
 
     explicit BroadcastSender(const Mac& keys) : macs_(keys) {}
 
-    NumberReservation& numbers() { return numbers_; }
+    /// Without them it sends nothing. Call before the first `write`. Must outlive it.
+    void use_numbers(NumberReservation& numbers) { numbers_ = &numbers; }
+    /// Goes on with the clock of `before`, if it has the same numbers.
+    void continue_from(const BroadcastSender& before) {
+        clock_ = numbers_ == before.numbers_ ? before.clock_ : clock_;
+    }
 
     /// Writes a snapshot that leaves at `now`. False if no number is reserved for it.
     bool write(const ChannelFrame& channels, SnapshotMessage& message, Instant now);
 
   private:
     BroadcastMacs macs_;
-    NumberReservation numbers_;
+    NumberReservation* numbers_ = nullptr;
     /// The number of now, and its time.
     struct Clock {
         std::uint64_t number = 0;
@@ -76,16 +80,18 @@ class BroadcastSender {
 /// no descriptor, clock or heap. Thread-bound.
 class BroadcastReceiver {
   public:
-    /// It reserves so many numbers at a time, 20 s, when half of them are used up. So long it may
-    /// be deaf after it was killed.
-    static constexpr std::uint64_t kBlock = std::chrono::seconds(20) / kTimeStep;
+    /// 20 s; the next ones when half of them are used up. So long it may be deaf after it was
+    /// killed.
+    static constexpr NumberBlocks kNumbers{.block = std::chrono::seconds(20) / kTimeStep,
+                                           .ahead = std::chrono::seconds(10) / kTimeStep};
     /// Clocks of two boards drift apart by at most one part in so many.
     static constexpr std::int64_t kDriftParts = 5000;
 
     /// `old`: of a second key that counts too, while keys are changed.
     BroadcastReceiver(const Mac& keys, const std::optional<Mac>& old);
 
-    NumberReservation& numbers() { return numbers_; }
+    /// Without them it publishes nothing. Call before the first `next`. Must outlive it.
+    void use_numbers(NumberReservation& numbers) { numbers_ = &numbers; }
 
     /// Takes a message that arrived at `received`. `received` of what it publishes is the time
     /// since which the values may have been old.
@@ -106,7 +112,7 @@ class BroadcastReceiver {
 
     BroadcastMacs macs_;
     std::optional<BroadcastMacs> old_;
-    NumberReservation numbers_;
+    NumberReservation* numbers_ = nullptr;
     /// The snapshot that was the quickest, as far as clocks that drift can tell.
     struct Quickest {
         std::uint64_t number = 0;

@@ -18,11 +18,7 @@ std::array<CanIdMatch, kClassicIds> ids_of(const ClassicLink& link) {
 
 /// The ids of whole messages are those of no frame.
 FdLink messages_of(const ClassicLink& link) {
-    return {.name = link.name,
-            .secret = link.secret,
-            .old_secret = link.old_secret,
-            .sender_id = 1,
-            .receiver_id = 0};
+    return {.keys = link.keys, .sender_id = 1, .receiver_id = 0};
 }
 
 CanFrame whole(const CanIdMatch& id, std::span<const std::uint8_t> message) {
@@ -73,14 +69,14 @@ ClassicFrames::ClassicFrames(const ClassicLink& link)
       ids_(ids_of(link)) {}
 
 ClassicDecoder::ClassicDecoder(const ClassicLink& link)
-    : frames_(link), messages_(messages_of(link)) {
-    const auto of_messages = messages_.rejected();
+    : frames_(link), messages_(make_fd_decoder(messages_of(link))) {
+    const auto of_messages = messages_->rejected();
     rejected_.assign(of_messages.begin(), of_messages.end());
     rejected_.push_back({"incomplete"});
 }
 
 void ClassicDecoder::count_rejected() {
-    std::ranges::copy(messages_.rejected(), rejected_.begin());
+    std::ranges::copy(messages_->rejected(), rejected_.begin());
     rejected_.back().count = frames_.snapshots.incomplete() + frames_.hellos.incomplete();
 }
 
@@ -94,13 +90,13 @@ std::optional<ChannelFrame> ClassicDecoder::next(const CanFrame& frame, Instant 
     const auto message = parts->take(frame);
     const auto snapshot =
         message.empty() ? std::nullopt
-                        : messages_.next(whole(messages_.wanted().front(), message), received);
+                        : messages_->next(whole(messages_->wanted().front(), message), received);
     count_rejected();
     return snapshot;
 }
 
 std::span<const CanFrame> ClassicDecoder::answer(Instant now) {
-    const auto challenge = messages_.answer(now);
+    const auto challenge = messages_->answer(now);
     if (challenge.empty()) {
         return {};
     }
@@ -108,25 +104,25 @@ std::span<const CanFrame> ClassicDecoder::answer(Instant now) {
 }
 
 ClassicEncoder::ClassicEncoder(const ClassicLink& link)
-    : frames_(link), messages_(messages_of(link)) {}
+    : frames_(link), messages_(make_fd_encoder(messages_of(link))) {}
 
 void ClassicEncoder::continue_from(const Encoder& before) {
     if (const auto* same = dynamic_cast<const ClassicEncoder*>(&before)) {
-        messages_.continue_from(same->messages_);
+        messages_->continue_from(*same->messages_);
     }
 }
 
 void ClassicEncoder::hear(const CanFrame& frame, Instant received) {
     if (frames_.challenges.is_part(frame)) {
         if (const auto message = frames_.challenges.take(frame); !message.empty()) {
-            messages_.hear(whole(messages_.heard().front(), message), received);
+            messages_->hear(whole(messages_->heard().front(), message), received);
         }
     }
 }
 
 std::size_t ClassicEncoder::write(const ChannelFrame& snapshot,
                                   std::span<CanFrame, kMostSnapshotFrames> frames, Instant now) {
-    const std::size_t count = messages_.write(snapshot, whole_, now);
+    const std::size_t count = messages_->write(snapshot, whole_, now);
     std::size_t written = 0;
     for (const CanFrame& message : std::span<const CanFrame>(whole_).first(count)) {
         const MessageParts& parts =

@@ -3,11 +3,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "transports/codecs/authenticated/fd_ends.h"
+#include "transports/codecs/authenticated/broadcast_ends.h"
 
 /// Both ends of an authenticated link on classic CAN (docs/protocols/authenticated.md, "On classic
 /// CAN"): each message goes in frames of 8 bytes, whose ids follow each other and tell which part
@@ -20,11 +21,8 @@ inline constexpr std::size_t kChallengeFrames = kChallengeBytes / kMostClassicBy
 /// Ids of a link.
 inline constexpr std::size_t kClassicIds = kSnapshotFrames + kHelloFrames + kChallengeFrames;
 
-/// Both ends of a link have the same.
 struct ClassicLink {
-    std::string name;                       ///< see link_key
-    SecretKey secret{};                     ///< of both ends
-    std::optional<SecretKey> old_secret{};  ///< see FdLink
+    LinkWithKey keys;
     std::uint32_t first_id = 0;
     bool extended = false;
 };
@@ -83,18 +81,22 @@ class ClassicDecoder final : public CanDecoder {
 
     std::span<const CanIdMatch> wanted() const override { return frames_.of_sender(); }
     std::optional<ChannelFrame> next(const CanFrame& frame, Instant received) override;
-    void use_seed(const RandomSeed& seed) override { messages_.use_seed(seed); }
-    std::span<const CanIdMatch> answered() const override { return frames_.of_receiver(); }
+    void use_seed(const RandomSeed& seed) override { messages_->use_seed(seed); }
+    void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
+    std::span<const CanIdMatch> answered() const override {
+        return messages_->answered().empty() ? messages_->answered() : frames_.of_receiver();
+    }
     std::span<const CanFrame> answer(Instant now) override;
-    /// Those of FdDecoder, and "incomplete": messages of which a frame was lost.
+    /// Those of the decoder of whole messages, and "incomplete": messages of which a frame was
+    /// lost.
     std::span<const NamedCount> rejected() const override { return rejected_; }
-    LinkCause why_garbled() const override { return messages_.why_garbled(); }
+    LinkCause why_garbled() const override { return messages_->why_garbled(); }
 
   private:
     void count_rejected();
 
     ClassicFrames frames_;
-    FdDecoder messages_;
+    std::unique_ptr<CanDecoder> messages_;
     std::array<CanFrame, kChallengeFrames> answer_{};
     std::vector<NamedCount> rejected_;
 };
@@ -105,12 +107,15 @@ class ClassicEncoder final : public CanEncoder {
     explicit ClassicEncoder(const ClassicLink& link);
 
     std::span<const CanIdMatch> sent() const override { return frames_.of_sender(); }
-    std::span<const CanIdMatch> heard() const override { return frames_.of_receiver(); }
+    std::span<const CanIdMatch> heard() const override {
+        return messages_->heard().empty() ? messages_->heard() : frames_.of_receiver();
+    }
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     bool marks_frame_lost() const override { return true; }
-    bool needs_receiver() const override { return true; }
-    bool has_receiver() const override { return messages_.has_receiver(); }
-    void use_seed(const RandomSeed& seed) override { messages_.use_seed(seed); }
+    bool may_withhold() const override { return messages_->may_withhold(); }
+    Withheld withheld() const override { return messages_->withheld(); }
+    void use_seed(const RandomSeed& seed) override { messages_->use_seed(seed); }
+    void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
     void continue_from(const Encoder& before) override;
     void hear(const CanFrame& frame, Instant received) override;
     std::size_t write(const ChannelFrame& snapshot, std::span<CanFrame, kMostSnapshotFrames> frames,
@@ -118,7 +123,7 @@ class ClassicEncoder final : public CanEncoder {
 
   private:
     ClassicFrames frames_;
-    FdEncoder messages_;
+    std::unique_ptr<CanEncoder> messages_;
     std::array<CanFrame, kMostSnapshotFrames> whole_{};
 };
 

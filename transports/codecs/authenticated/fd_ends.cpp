@@ -7,17 +7,17 @@ std::optional<LinkMacs> macs_of(const std::optional<SecretKey>& secret, const st
     return secret ? std::optional(LinkMacs(*secret, link)) : std::nullopt;
 }
 
-/// Frames of another kind are no messages.
+}  // namespace
+
 std::span<const std::uint8_t> message_in(const CanFrame& frame) {
     return frame.fd && !frame.remote ? frame.bytes() : std::span<const std::uint8_t>{};
 }
 
-}  // namespace
-
 FdDecoder::FdDecoder(const FdLink& link)
     : sender_id_{.id = link.sender_id, .extended = link.extended},
       receiver_id_{.id = link.receiver_id, .extended = link.extended},
-      receiver_(LinkMacs(link.secret, link.name), macs_of(link.old_secret, link.name), {}) {}
+      receiver_(LinkMacs(link.keys.secret, link.keys.name),
+                macs_of(link.keys.old_secret, link.keys.name), {}) {}
 
 std::optional<ChannelFrame> FdDecoder::next(const CanFrame& frame, Instant received) {
     return sender_id_.matches(frame) ? receiver_.next(message_in(frame), received) : std::nullopt;
@@ -35,8 +35,8 @@ std::span<const CanFrame> FdDecoder::answer(Instant now) {
 FdEncoder::FdEncoder(const FdLink& link)
     : sender_id_{.id = link.sender_id, .extended = link.extended},
       receiver_id_{.id = link.receiver_id, .extended = link.extended},
-      sender_(LinkMacs(link.secret, link.name), {}),
-      proof_(LinkMacs(link.secret, link.name).hello.of({})) {}
+      sender_(LinkMacs(link.keys.secret, link.keys.name), {}),
+      proof_(LinkMacs(link.keys.secret, link.keys.name).hello.of({})) {}
 
 void FdEncoder::continue_from(const Encoder& before) {
     const auto* same = dynamic_cast<const FdEncoder*>(&before);

@@ -3,34 +3,31 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "core/can_frame.h"
 #include "core/channel_frame.h"
 #include "core/link_cause.h"
 #include "core/random_seed.h"
-#include "core/setting.h"
 #include "core/time.h"
 #include "transports/codecs/authenticated/receiver.h"
 #include "transports/codecs/authenticated/sender.h"
 #include "transports/codecs/can_codec.h"
+#include "transports/codecs/link_with_key.h"
 
-/// Both ends of an authenticated link whose messages are CAN FD frames.
+/// Both ends of an authenticated link whose messages are CAN FD frames, and whose receiver answers.
 namespace tribus::authenticated {
 
-/// Both ends of a link have the same.
 struct FdLink {
-    std::string name;    ///< see link_key
-    SecretKey secret{};  ///< of both ends
-    /// Input only: another one that counts too, while keys are changed.
-    std::optional<SecretKey> old_secret{};
+    LinkWithKey keys;
     std::uint32_t sender_id = 0;    ///< of hellos and snapshots
     std::uint32_t receiver_id = 0;  ///< of challenges
     bool extended = false;
 };
+
+/// The message in a frame. Frames of another kind have none.
+std::span<const std::uint8_t> message_in(const CanFrame& frame);
 
 /// The end that receives snapshots.
 class FdDecoder final : public CanDecoder {
@@ -64,8 +61,10 @@ class FdEncoder final : public CanEncoder {
     std::span<const CanIdMatch> heard() const override { return {&receiver_id_, 1}; }
     std::uint32_t needed_channels(const ChannelFrame& /*snapshot*/) const override { return 0; }
     bool marks_frame_lost() const override { return true; }
-    bool needs_receiver() const override { return true; }
-    bool has_receiver() const override { return has_receiver_; }
+    bool may_withhold() const override { return true; }
+    Withheld withheld() const override {
+        return has_receiver_ ? Withheld::nothing : Withheld::no_receiver;
+    }
     void use_seed(const RandomSeed& seed) override { sender_.use_seed(seed); }
     void continue_from(const Encoder& before) override;
     void hear(const CanFrame& frame, Instant received) override;

@@ -1,5 +1,7 @@
 #include "transports/codecs/authenticated/link_settings.h"
 
+#include "core/quotes.h"
+
 namespace tribus::authenticated {
 
 std::optional<LinkWithKey> link_of(const SettingValues& settings, const std::string& place) {
@@ -8,15 +10,25 @@ std::optional<LinkWithKey> link_of(const SettingValues& settings, const std::str
         return std::nullopt;
     }
     const auto* old = settings.find_as<KeyFile>("old_key");
-    return LinkWithKey{place + " " + settings.get_or<std::string>("link", ""), file->secret,
-                       old == nullptr ? std::nullopt : std::optional(old->secret)};
+    const auto* epoch = settings.find_as<std::string>("epoch");
+    return LinkWithKey{.name = place + " " + settings.get_or<std::string>("link", ""),
+                       .secret = file->secret,
+                       .old_secret = old == nullptr ? std::nullopt : std::optional(old->secret),
+                       .epoch = epoch == nullptr ? std::nullopt : std::optional(*epoch)};
 }
 
 void check_link(const SettingValues& settings, std::vector<SettingMistake>& mistakes) {
+    const auto* epoch = settings.find_as<std::string>("epoch");
+    if (epoch != nullptr && (!epoch->starts_with('/') || epoch->ends_with('/'))) {
+        mistakes.push_back({{"epoch"},
+                            in_quotes("epoch") + " is " + in_quotes(*epoch) +
+                                "; allowed: the whole path of a file, such as "
+                                "\"/var/lib/tribus/boat.epoch\""});
+    }
     if (settings.find("key") != nullptr) {
         return;
     }
-    for (const char* const key : {"old_key", "link"}) {
+    for (const char* const key : {"old_key", "link", "epoch"}) {
         if (settings.find(key) != nullptr) {
             mistakes.push_back({{key},
                                 "\"" + std::string(key) +

@@ -34,10 +34,20 @@ inline constexpr Setting kLinkSetting{
         "names",
     .example = "\"boat to shore\""};
 
+inline constexpr Setting kEpochSetting{
+    .key = "epoch",
+    .type = SettingType::text,
+    .absent = "receivers answer",
+    .help =
+        "With `key`: receivers do not answer, so that one sender can have many of them. A file "
+        "of this end, in a folder that the program may write, keeps which frames were used",
+    .example = "\"/var/lib/tribus/boat.epoch\""};
+
 /// The link of these settings; nothing without `key`. `place`: what else tells it from other links,
 /// the same at both ends.
 std::optional<LinkWithKey> link_of(const SettingValues& settings, const std::string& place);
-/// Adds a mistake for each setting that has no effect without `key`, if there is none.
+/// Adds a mistake for each setting that has no effect without `key`, if there is none, and for an
+/// epoch file whose place depends on where the program runs.
 void check_link(const SettingValues& settings, std::vector<SettingMistake>& mistakes);
 
 }  // namespace tribus::authenticated

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
+#include "transports/codecs/authenticated/broadcast_ends.h"
 #include "transports/codecs/authenticated/classic_ends.h"
-#include "transports/codecs/authenticated/fd_ends.h"
 #include "transports/codecs/authenticated/link_settings.h"
 #include "transports/codecs/native_can/channels.h"
 
@@ -58,6 +58,7 @@ constexpr std::array kSettings{
     authenticated::kKeySetting,
     authenticated::kOldKeySetting,
     authenticated::kLinkSetting,
+    authenticated::kEpochSetting,
 };
 static_assert(can_channels::kDefaultBaseId == 768);
 
@@ -119,20 +120,14 @@ std::optional<LinkWithKey> link_with_key(const SettingValues& settings) {
 /// Snapshots have the id of plain FD frames, and challenges the first of the ids, which FD does not
 /// need.
 authenticated::FdLink fd_link(const LinkWithKey& link, const CanChannelsFormat& format) {
-    return {.name = link.name,
-            .secret = link.secret,
-            .old_secret = link.old_secret,
+    return {.keys = link,
             .sender_id = format.base_id + static_cast<std::uint32_t>(kFdIndex),
             .receiver_id = format.base_id,
             .extended = format.extended};
 }
 
 authenticated::ClassicLink classic_link(const LinkWithKey& link, const CanChannelsFormat& format) {
-    return {.name = link.name,
-            .secret = link.secret,
-            .old_secret = link.old_secret,
-            .first_id = format.base_id,
-            .extended = format.extended};
+    return {.keys = link, .first_id = format.base_id, .extended = format.extended};
 }
 
 AnyDecoder make_decoder(const SettingValues& settings) {
@@ -142,7 +137,7 @@ AnyDecoder make_decoder(const SettingValues& settings) {
         return std::make_unique<CanChannelsDecoder>(format);
     }
     if (format.fd) {
-        return std::make_unique<authenticated::FdDecoder>(fd_link(*link, format));
+        return authenticated::make_fd_decoder(fd_link(*link, format));
     }
     return std::make_unique<authenticated::ClassicDecoder>(classic_link(*link, format));
 }
@@ -154,7 +149,7 @@ AnyEncoder make_encoder(const SettingValues& settings) {
         return std::make_unique<CanChannelsEncoder>(format);
     }
     if (format.fd) {
-        return std::make_unique<authenticated::FdEncoder>(fd_link(*link, format));
+        return authenticated::make_fd_encoder(fd_link(*link, format));
     }
     return std::make_unique<authenticated::ClassicEncoder>(classic_link(*link, format));
 }

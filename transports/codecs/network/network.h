@@ -48,6 +48,7 @@ class NetworkDecoder final : public FramedDecoder {
     explicit NetworkDecoder(std::unique_ptr<CanDecoder> messages);
 
     void use_seed(const RandomSeed& seed) override { messages_->use_seed(seed); }
+    void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
     std::span<const std::uint8_t> answer(Instant now) override;
     LinkCause why_garbled() const override { return messages_->why_garbled(); }
     std::span<const FrameDetail> details() const override { return messages_->details(); }
@@ -76,9 +77,10 @@ class NetworkEncoder final : public ByteEncoder {
     std::uint32_t needed_channels(const ChannelFrame& frame) const override {
         return messages_->needed_channels(frame);
     }
-    bool needs_receiver() const override { return messages_->needs_receiver(); }
-    bool has_receiver() const override { return messages_->has_receiver(); }
+    bool may_withhold() const override { return messages_->may_withhold(); }
+    Withheld withheld() const override { return messages_->withheld(); }
     void use_seed(const RandomSeed& seed) override { messages_->use_seed(seed); }
+    void use_numbers(NumberReservation& numbers) override { messages_->use_numbers(numbers); }
     void continue_from(const Encoder& before) override;
     std::size_t write(const ChannelFrame& frame, std::span<std::uint8_t, kLongestSerialFrame> wire,
                       Instant now) override;

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "transports/codecs/authenticated/fd_ends.h"
+#include "transports/codecs/authenticated/broadcast_ends.h"
 #include "transports/codecs/authenticated/link_settings.h"
 #include "transports/codecs/native_can/channels.h"
 #include "transports/codecs/network/network.h"
@@ -12,7 +12,7 @@ namespace tribus {
 namespace {
 
 constexpr std::array kNetworkSettings{authenticated::kKeySetting, authenticated::kOldKeySetting,
-                                      authenticated::kLinkSetting};
+                                      authenticated::kLinkSetting, authenticated::kEpochSetting};
 constexpr std::array kNetworkBeginnings{FrameBeginning{network::kFirstByte, network::kSecondByte}};
 constexpr CanChannelsFormat kMessages{.fd = true};
 
@@ -27,20 +27,14 @@ std::vector<SettingMistake> check_network(const SettingValues& settings, Setting
 }
 
 /// The ids are of no meaning here, but must differ.
-std::optional<authenticated::FdLink> fd_link_of(const SettingValues& settings) {
-    const auto link = network_link(settings);
-    return link ? std::optional(authenticated::FdLink{.name = link->name,
-                                                      .secret = link->secret,
-                                                      .old_secret = link->old_secret,
-                                                      .sender_id = 1,
-                                                      .receiver_id = 0})
-                : std::nullopt;
+authenticated::FdLink in_datagrams(const LinkWithKey& link) {
+    return {.keys = link, .sender_id = 1, .receiver_id = 0};
 }
 
 AnyDecoder make_network_decoder(const SettingValues& settings) {
     std::unique_ptr<CanDecoder> messages;
-    if (const auto link = fd_link_of(settings)) {
-        messages = std::make_unique<authenticated::FdDecoder>(*link);
+    if (const auto link = network_link(settings)) {
+        messages = authenticated::make_fd_decoder(in_datagrams(*link));
     } else {
         messages = std::make_unique<CanChannelsDecoder>(kMessages);
     }
@@ -49,8 +43,8 @@ AnyDecoder make_network_decoder(const SettingValues& settings) {
 
 AnyEncoder make_network_encoder(const SettingValues& settings) {
     std::unique_ptr<CanEncoder> messages;
-    if (const auto link = fd_link_of(settings)) {
-        messages = std::make_unique<authenticated::FdEncoder>(*link);
+    if (const auto link = network_link(settings)) {
+        messages = authenticated::make_fd_encoder(in_datagrams(*link));
     } else {
         messages = std::make_unique<CanChannelsEncoder>(kMessages);
     }

@@ -106,6 +106,7 @@ const CHANGES = {
     cannot_send_bus: (status) => cannotSend(status, 'bus'),
     cannot_send_busy: (status) => cannotSend(status, 'busy'),
     cannot_send_receiver: (status) => cannotSend(status, 'receiver'),
+    cannot_send_epoch: (status) => cannotSend(status, 'epoch'),
     frame_lost(status) {
         status.inputs[0].state = 'frame_lost';
     },

@@ -31,6 +31,8 @@ const WORDS = [
     ['cannot_send_busy', 'cannot_send', /^cannot send: the port still has earlier frames$/, /.*/],
     ['cannot_send_receiver', 'cannot_send',
         /^cannot send: no receiver with the same key answers$/, /.*/],
+    ['cannot_send_epoch', 'cannot_send',
+        /^cannot send: its epoch file could not be written$/, /.*/],
     ['garbled', 'failsafe', /failsafe/, /garbled \(bytes, but no frames\)/],
     ['stale', 'failsafe', /failsafe/, /stale \(frames that do not change\)/],
     ['implausible', 'failsafe', /failsafe/, /implausible \(values that no transmitter sends\)/],

@@ -10,14 +10,14 @@
 #include "pipelines/engine/engine.h"
 #include "pipelines/virtual_time/virtual_loop.h"
 #include "tests/unit/pipelines/engine/engine_bench.h"
-#include "transports/codecs/authenticated/fd_ends.h"
+#include "transports/codecs/authenticated/broadcast_ends.h"
 
-/// An output that sends channels only to a receiver that answers.
+/// Outputs that may send no channels, whatever their inputs say.
 namespace tribus::test::serial::engine_receiverless_test {
 namespace {
 
 authenticated::FdLink boat() {
-    return {.name = "boat", .secret = {1}, .sender_id = 0x305, .receiver_id = 0x300};
+    return {.keys = {.name = "boat", .secret = {1}}, .sender_id = 0x305, .receiver_id = 0x300};
 }
 
 OutputSettings boat_output() {
@@ -86,6 +86,42 @@ TEST_F(Receiverless, SaysSoAgainWhenChallengesStop) {
     EXPECT_EQ(state(1600ms).stage, OutputStage::control);
     run(1600ms, 1700ms);
     EXPECT_EQ(state(1700ms).obstacle, SendObstacle::receiver);
+}
+
+/// An output whose receivers do not answer.
+class WithoutEpoch : public testing::Test, StationObserver {
+  protected:
+    WithoutEpoch() {
+        IbusEncoder encoder(14);
+        std::array<std::uint8_t, kLongestSerialFrame> wire{};
+        const std::size_t length = encoder.write(ChannelFrame{}, wire, Instant{});
+        for (Duration now = 0ms; now < 1000ms; now += 7ms) {
+            loop_.receive(input_station(0), std::span(wire).first(length), at(now));
+        }
+    }
+    static OutputSettings output() {
+        OutputSettings output = sbus_output({0});
+        authenticated::FdLink link = boat();
+        link.keys.epoch = "/not/read/by/codecs";
+        output.encoder = authenticated::make_fd_encoder(link);
+        return output;
+    }
+
+    Engine engine_{list(ibus_input()), list(output())};
+    VirtualLoop loop_{engine_, *this, at(0ms)};
+    std::size_t frames_ = 0;
+
+  private:
+    void wrote(Station /*station*/, Instant /*now*/, const Transmission& sent) override {
+        frames_ += sent.can_frames().size();
+    }
+};
+
+TEST_F(WithoutEpoch, SendsNothingAndSaysWhy) {
+    EXPECT_EQ(engine_.outputs()[0].state(at(1000ms)).stage, OutputStage::cannot_send);
+    EXPECT_EQ(engine_.outputs()[0].state(at(1000ms)).obstacle, SendObstacle::epoch);
+    EXPECT_EQ(engine_.outputs()[0].counts().frames, 0U);
+    EXPECT_EQ(frames_, 0U);
 }
 
 }  // namespace

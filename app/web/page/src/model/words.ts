@@ -45,6 +45,7 @@ const OBSTACLES: Record<string, string> = {
     bus: 'the bus takes nothing',
     busy: 'the port still has earlier frames',
     receiver: 'no receiver with the same key answers',
+    epoch: 'its epoch file could not be written',
 };
 
 /** "wire silent (no bytes any more)" */

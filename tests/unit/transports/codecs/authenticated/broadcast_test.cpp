@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/stored_numbers.h"
 #include "tests/support/streams.h"
 #include "tests/unit/transports/codecs/authenticated/link_bench.h"
 
@@ -34,24 +35,11 @@ Mac keys(std::string_view link = authenticated_link::kLink) {
     return Mac(link_key(authenticated_link::counted_secret(), Purpose::broadcast, link));
 }
 
-/// The file that keeps the numbers of an end.
-struct NumberFile {
-    std::uint64_t number = 0;
-
-    void start(NumberReservation& numbers) const { numbers.start(number); }
-    void store(NumberReservation& numbers) {
-        if (numbers.wanted() > number) {
-            number = numbers.wanted();
-            numbers.reserve(number);
-        }
-    }
-};
-
 class Broadcast : public ::testing::Test {
   protected:
     Broadcast() {
-        sent_.start(sender_.numbers());
-        received_.start(receiver_.numbers());
+        sender_.use_numbers(sent_);
+        receiver_.use_numbers(received_);
         // Both ends ask for numbers, and get them.
         write(at(-20ms));
         store();
@@ -71,31 +59,33 @@ class Broadcast : public ::testing::Test {
         return std::ranges::find(receiver_.rejected(), name, &NamedCount::name)->count;
     }
     void store() {
-        sent_.store(sender_.numbers());
-        received_.store(receiver_.numbers());
+        sent_.store();
+        received_.store();
     }
     void restart_receiver() {
         receiver_ = BroadcastReceiver(keys(), std::nullopt);
-        received_.start(receiver_.numbers());
+        received_.start();
+        receiver_.use_numbers(received_);
     }
     void restart_sender() {
         sender_ = BroadcastSender(keys());
-        sent_.start(sender_.numbers());
+        sent_.start();
+        sender_.use_numbers(sent_);
     }
 
-    NumberFile sent_{1000};
-    NumberFile received_{0};
+    StoredNumbers sent_{1000};
+    StoredNumbers received_{0};
     BroadcastSender sender_{keys()};
     BroadcastReceiver receiver_{keys(), std::nullopt};
 };
 
 TEST_F(Broadcast, SendsTheseBytes) {
-    NumberFile file{kFirst};
+    StoredNumbers file{kFirst};
     BroadcastSender sender(keys());
-    file.start(sender.numbers());
+    sender.use_numbers(file);
     SnapshotMessage message{};
     EXPECT_FALSE(sender.write(sticks(at(0ms)), message, at(0ms))) << "no number is stored";
-    file.store(sender.numbers());
+    file.store();
     ASSERT_TRUE(sender.write(sticks(at(0ms) - 1500us), message, at(0ms)));
     EXPECT_EQ((Message{message.begin(), message.end()}), from_hex(kDigits));
 }
@@ -114,13 +104,13 @@ TEST_F(Broadcast, PublishesWhatWasSent) {
 }
 
 TEST_F(Broadcast, PublishesNothingBeforeItsNumberIsStored) {
-    NumberFile file{0};
+    StoredNumbers file{0};
     BroadcastReceiver receiver(keys(), std::nullopt);
-    file.start(receiver.numbers());
+    receiver.use_numbers(file);
     const Message message = write(at(0ms));
     EXPECT_FALSE(receiver.next(message, at(0ms)));
     EXPECT_FALSE(receiver.next(message, at(1ms))) << "nor later, as long as it is not";
-    file.store(receiver.numbers());
+    file.store();
     EXPECT_TRUE(receiver.next(message, at(2ms)));
 }
 
@@ -193,10 +183,10 @@ TEST_F(Broadcast, RefusesEverySnapshotWithAChangedBitOrACut) {
 TEST_F(Broadcast, RefusesAnotherLinkAndTakesAnOldKey) {
     const Message message = write(at(0ms));
     BroadcastReceiver other(keys("can 0x300 ship"), std::nullopt);
-    other.numbers() = receiver_.numbers();
+    other.use_numbers(received_);
     EXPECT_FALSE(other.next(message, at(0ms)));
     BroadcastReceiver changed(keys("can 0x300 ship"), keys());
-    changed.numbers() = receiver_.numbers();
+    changed.use_numbers(received_);
     EXPECT_TRUE(changed.next(message, at(0ms)));
 }
 

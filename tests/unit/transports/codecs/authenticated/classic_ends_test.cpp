@@ -51,8 +51,8 @@ class ClassicEnds : public ::testing::Test {
     }
 
     static ClassicLink link() {
-        return {.name = std::string(authenticated_link::kLink),
-                .secret = authenticated_link::counted_secret(),
+        return {.keys = {.name = std::string(authenticated_link::kLink),
+                         .secret = authenticated_link::counted_secret()},
                 .first_id = kFirstSnapshotId};
     }
     Frames write(Instant now) {
@@ -95,10 +95,10 @@ class ClassicEnds : public ::testing::Test {
 
 TEST_F(ClassicEnds, SayEachMessageInTheseFrames) {
     EXPECT_EQ(write(at(0ms)), frames_of(kFirstHelloId, authenticated_link::kHelloDigits));
-    EXPECT_FALSE(encoder_.has_receiver());
+    EXPECT_EQ(encoder_.withheld(), Withheld::no_receiver);
     hear(frames_of(kFirstChallengeId, authenticated_link::kChallengeDigits), at(0ms));
     EXPECT_EQ(write(at(2ms)), frames_of(kFirstSnapshotId, authenticated_link::kSnapshotDigits));
-    EXPECT_TRUE(encoder_.has_receiver());
+    EXPECT_EQ(encoder_.withheld(), Withheld::nothing);
 }
 
 TEST_F(ClassicEnds, AnswerAHelloAndPublishASnapshotWithItsLastFrame) {
@@ -186,13 +186,13 @@ TEST_F(ClassicEnds, TakeNoFrameOfAnotherKind) {
 TEST_F(ClassicEnds, GoOnAfterAReloadUnlessTheKeyIsAnother) {
     ASSERT_TRUE(read(first_snapshot(), at(2ms)));
     ClassicLink other_link = link();
-    other_link.secret[0] ^= 1U;
+    other_link.keys.secret[0] ^= 1U;
     ClassicEncoder same(link());
     ClassicEncoder other(other_link);
     same.continue_from(encoder_);
     other.continue_from(encoder_);
-    EXPECT_TRUE(same.has_receiver());
-    EXPECT_FALSE(other.has_receiver());
+    EXPECT_EQ(same.withheld(), Withheld::nothing);
+    EXPECT_EQ(other.withheld(), Withheld::no_receiver);
     std::array<CanFrame, kMostSnapshotFrames> frames{};
     const std::size_t count = same.write(sticks(at(12ms)), frames, at(12ms));
     EXPECT_TRUE(

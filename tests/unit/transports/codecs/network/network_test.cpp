@@ -38,8 +38,8 @@ const Bytes kChallenge = framed("54520120", authenticated_link::kChallengeDigits
 const Bytes kSnapshot = framed("54520140", authenticated_link::kSnapshotDigits);
 
 authenticated::FdLink link() {
-    return {.name = std::string(authenticated_link::kLink),
-            .secret = authenticated_link::counted_secret(),
+    return {.keys = {.name = std::string(authenticated_link::kLink),
+                     .secret = authenticated_link::counted_secret()},
             .sender_id = 1,
             .receiver_id = 0};
 }
@@ -89,13 +89,13 @@ std::uint64_t refused(const NetworkDecoder& decoder, std::string_view name) {
 
 TEST(Network, SaysHelloThenSendsSnapshotsWithTheseBytes) {
     const auto encoder = encoder_with_key();
-    EXPECT_TRUE(encoder->needs_receiver());
+    EXPECT_TRUE(encoder->may_withhold());
     EXPECT_EQ(encoded(*encoder, sticks(at(0ms)), at(0ms)), kHello);
-    EXPECT_FALSE(encoder->has_receiver());
+    EXPECT_EQ(encoder->withheld(), Withheld::no_receiver);
     EXPECT_EQ(encoded(*encoder, sticks(at(20ms)), at(20ms)), Bytes{}) << "no hello is due";
     encoder->hear(kChallenge, at(30ms));
     EXPECT_EQ(encoded(*encoder, sticks(at(32ms) - 1500us), at(32ms)), kSnapshot);
-    EXPECT_TRUE(encoder->has_receiver());
+    EXPECT_EQ(encoder->withheld(), Withheld::nothing);
 }
 
 TEST(Network, AnswersAHelloOnceAndTellsTheAgeOfASnapshot) {
@@ -125,7 +125,7 @@ TEST(Network, ReadsTwoMessagesOfOneDatagram) {
 TEST(Network, WithoutAKeyTranslatesEveryChannelAndMarkBackAfterItsProof) {
     const auto encoder = plain_encoder();
     const auto decoder = plain_decoder();
-    EXPECT_FALSE(encoder->needs_receiver());
+    EXPECT_FALSE(encoder->may_withhold());
     std::optional<DecodedFrame> frame;
     for (Duration now = 0ms; now < 100ms; now += 20ms) {
         frame = received(*decoder, encoded(*encoder, sticks(at(now) - 3ms), at(now)), at(now));
@@ -181,16 +181,16 @@ TEST(Network, HearsOnlyWholeAnswers) {
     for (std::size_t length = 0; length < right.size(); ++length) {
         encoder->hear(std::span(right).first(length), at(0ms));
         encoded(*encoder, sticks(at(0ms)), at(0ms));
-        EXPECT_FALSE(encoder->has_receiver()) << length;
+        EXPECT_EQ(encoder->withheld(), Withheld::no_receiver) << length;
     }
     Bytes longer = right;
     longer.resize(300);
     encoder->hear(longer, at(0ms));
     encoded(*encoder, sticks(at(0ms)), at(0ms));
-    EXPECT_FALSE(encoder->has_receiver());
+    EXPECT_EQ(encoder->withheld(), Withheld::no_receiver);
     encoder->hear(right, at(0ms));
     encoded(*encoder, sticks(at(0ms)), at(0ms));
-    EXPECT_TRUE(encoder->has_receiver());
+    EXPECT_EQ(encoder->withheld(), Withheld::nothing);
 }
 
 TEST(Network, GoesOnWithItsReceiverAfterAReloadUnlessTheKeyIsAnother) {
@@ -199,14 +199,14 @@ TEST(Network, GoesOnWithItsReceiverAfterAReloadUnlessTheKeyIsAnother) {
     const auto after = encoder_with_key();
     after->continue_from(*before);
     encoded(*after, sticks(at(1ms)), at(1ms));
-    EXPECT_TRUE(after->has_receiver());
+    EXPECT_EQ(after->withheld(), Withheld::nothing);
 
     authenticated::FdLink changed = link();
-    changed.secret[0] ^= 1U;
+    changed.keys.secret[0] ^= 1U;
     NetworkEncoder other(std::make_unique<authenticated::FdEncoder>(changed));
     other.continue_from(*before);
     encoded(other, sticks(at(1ms)), at(1ms));
-    EXPECT_FALSE(other.has_receiver()) << "it would send with the key of before";
+    EXPECT_EQ(other.withheld(), Withheld::no_receiver) << "it would send with the key of before";
 }
 
 }  // namespace

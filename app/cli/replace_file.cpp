@@ -1,0 +1,62 @@
+#include "app/cli/replace_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "app/cli/file_error.h"
+#include "transports/links/unique_fd.h"
+
+namespace tribus {
+namespace {
+
+namespace fs = std::filesystem;
+
+void sync_folder(const fs::path& folder) {
+    const UniqueFd directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    ::fsync(directory.get());
+}
+
+}  // namespace
+
+bool write_all(int descriptor, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t count = ::write(descriptor, text.data(), text.size());
+        if (count < 0 && errno != EINTR) {
+            return false;
+        }
+        text.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    }
+    return true;
+}
+
+tl::expected<void, std::string> replace_file(const fs::path& file, std::string_view text,
+                                             mode_t usual) {
+    struct stat before {};
+    const bool known = ::stat(file.c_str(), &before) == 0;
+    constexpr mode_t kPermissions = 07777;
+    const fs::path fresh = file.parent_path() / fmt::format(".{}.new", file.filename().string());
+    const UniqueFd out(
+        ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600));
+    if (known && ::fchown(out.get(), before.st_uid, before.st_gid) != 0) {
+        std::ignore = ::fchown(out.get(), static_cast<uid_t>(-1), before.st_gid);
+    }
+    const bool written = out.valid() && write_all(out.get(), text) &&
+                         ::fchmod(out.get(), known ? before.st_mode & kPermissions : usual) == 0 &&
+                         ::fsync(out.get()) == 0 && ::rename(fresh.c_str(), file.c_str()) == 0;
+    if (!written) {
+        const int why = errno;
+        ::unlink(fresh.c_str());
+        return file_error(file, why);
+    }
+    sync_folder(file.parent_path());
+    return {};
+}
+
+}  // namespace tribus

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include <sys/types.h>
+
+#include <tl/expected.hpp>
+
+namespace tribus {
+
+/// Writes all of `text` to a descriptor. False on an error, which is in errno. Blocks.
+bool write_all(int descriptor, std::string_view text);
+
+/// Replaces a file by this text: also if the power fails, the old text or the new one is there. The
+/// new file has the permissions of the old one, or `usual`, and its owner and group, as far as this
+/// user may give them. Blocks until it is on the disk. The error is a sentence; the old text stays.
+tl::expected<void, std::string> replace_file(const std::filesystem::path& file,
+                                             std::string_view text, mode_t usual);
+
+}  // namespace tribus

@@ -1,0 +1,233 @@
+#include "app/epoch/epoch_file.h"
+
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/file.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <cstddef>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "app/cli/replace_file.h"
+#include "app/journal/log.h"
+#include "config/language/read_file.h"
+#include "core/quotes.h"
+#include "transports/codecs/authenticated/broadcast.h"
+
+namespace tribus {
+namespace {
+
+constexpr std::string_view kFirstLine = "tribus epoch 1\n";
+constexpr std::string_view kSecondLine = "next ";
+constexpr std::size_t kMostBytes = 64;
+constexpr mode_t kOwnerOnly = 0600;
+/// A stack of the usual 8 MB would count as locked memory.
+constexpr std::size_t kEpochStackBytes = std::size_t{128} * 1024;
+constexpr Duration kPauseAfterFailure = std::chrono::seconds(1);
+/// Below it a new file of a sender begins. No sender reaches the highest number there is.
+constexpr std::uint64_t kMostFirst = std::uint64_t{1} << 62U;
+
+const NumberBlocks& blocks_of(SettingScope way) {
+    return way == SettingScope::output ? authenticated::BroadcastSender::kNumbers
+                                       : authenticated::BroadcastReceiver::kNumbers;
+}
+
+std::optional<std::uint64_t> number_in(std::string_view text) {
+    if (!text.starts_with(kFirstLine)) {
+        return std::nullopt;
+    }
+    text.remove_prefix(kFirstLine.size());
+    if (!text.starts_with(kSecondLine) || !text.ends_with('\n')) {
+        return std::nullopt;
+    }
+    text.remove_prefix(kSecondLine.size());
+    text.remove_suffix(1);
+    std::uint64_t number = 0;
+    const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+    const bool whole = read.ec == std::errc{} && read.ptr == text.data() + text.size();
+    return whole && number < 2 * kMostFirst ? std::optional(number) : std::nullopt;
+}
+
+/// A sender whose file was lost must not use its numbers again.
+tl::expected<std::uint64_t, std::string> first_of_new_sender() {
+    std::uint64_t number = 0;
+    if (::getentropy(&number, sizeof number) != 0) {
+        return tl::unexpected(std::string("the kernel gives no random numbers (getentropy)"));
+    }
+    return number % kMostFirst;
+}
+
+bool is_in_memory(const std::string& path) {
+    struct statfs system {};
+    return ::statfs(path.c_str(), &system) == 0 &&
+           (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
+}
+
+}  // namespace
+
+std::shared_ptr<EpochFile> EpochFile::of(const std::string& path) {
+    static std::mutex mutex;
+    static std::map<std::string, std::weak_ptr<EpochFile>> files;
+    const std::lock_guard guard(mutex);
+    std::weak_ptr<EpochFile>& known = files[path];
+    auto file = known.lock();
+    if (!file) {
+        file.reset(new EpochFile(path));
+        known = file;
+    }
+    return file;
+}
+
+EpochFile::~EpochFile() {
+    if (has_thread_) {
+        ends_ = true;
+        go_.release();
+        ::pthread_join(thread_, nullptr);
+    }
+    if (lock_.valid()) {
+        // If that fails, the file still has a number that is high enough.
+        static_cast<void>(store(next()));
+    }
+}
+
+tl::expected<void, std::string> EpochFile::open(SettingScope way) {
+    if (lock_.valid()) {
+        return {};
+    }
+    auto opened = lock();
+    if (opened) {
+        const auto first = read(way);
+        opened = first ? tl::expected<void, std::string>{} : tl::unexpected(first.error());
+        if (first) {
+            begin(*first);
+            opened = store(*first + blocks_of(way).block);
+        }
+    }
+    if (opened) {
+        opened = start_thread();
+    }
+    if (!opened) {
+        lock_.reset();
+    } else if (is_in_memory(path_)) {
+        log_warning(
+            "epoch file {} is in memory: after a start of this machine, frames that somebody "
+            "recorded count again; name a file on a disk",
+            path_);
+    }
+    return opened;
+}
+
+tl::expected<void, std::string> EpochFile::lock() {
+    const std::string name = path_ + ".lock";
+    lock_.reset(::open(name.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, kOwnerOnly));
+    if (!lock_.valid()) {
+        return tl::unexpected(fmt::format("cannot write {}: {}", name, std::strerror(errno)));
+    }
+    if (::flock(lock_.get(), LOCK_EX | LOCK_NB) != 0) {
+        lock_.reset();
+        return tl::unexpected(fmt::format(
+            "{} is in use by another program; each end of a link needs its own", path_));
+    }
+    return {};
+}
+
+tl::expected<std::uint64_t, std::string> EpochFile::read(SettingScope way) const {
+    std::error_code missing;
+    if (!std::filesystem::exists(path_, missing) && !missing) {
+        return way == SettingScope::output ? first_of_new_sender() : 0;
+    }
+    const auto text = read_file(path_, kMostBytes);
+    if (!text) {
+        return tl::unexpected(fmt::format("cannot read {}: {}", path_, text.error()));
+    }
+    const auto number = number_in(*text);
+    if (!number) {
+        return tl::unexpected(fmt::format(
+            "{} is no epoch file: it has {} instead of {}; name another file", path_,
+            in_quotes(*text, 20), in_quotes(fmt::format("{}next NUMBER\n", kFirstLine))));
+    }
+    return *number;
+}
+
+/// Any thread, but one at a time.
+tl::expected<void, std::string> EpochFile::store(std::uint64_t end) {
+    auto stored =
+        replace_file(path_, fmt::format("{}{}{}\n", kFirstLine, kSecondLine, end), kOwnerOnly);
+    if (!stored) {
+        return tl::unexpected("cannot write " + stored.error());
+    }
+    reserved_.store(end, std::memory_order_release);
+    return {};
+}
+
+tl::expected<void, std::string> EpochFile::start_thread() {
+    pthread_attr_t attributes;
+    ::pthread_attr_init(&attributes);
+    ::pthread_attr_setstacksize(&attributes, kEpochStackBytes);
+    const int error = ::pthread_create(&thread_, &attributes, &EpochFile::main, this);
+    ::pthread_attr_destroy(&attributes);
+    if (error != 0) {
+        return tl::unexpected(
+            fmt::format("cannot start the thread that writes {}: {}", path_, std::strerror(error)));
+    }
+    has_thread_ = true;
+    return {};
+}
+
+/// The data thread calls it. It neither waits nor allocates.
+void EpochFile::want(std::uint64_t end) {
+    wanted_.store(end, std::memory_order_relaxed);
+    if (!storing_.exchange(true)) {
+        go_.release();
+    }
+}
+
+void EpochFile::store_wanted() {
+    const auto stored = store(wanted_.load(std::memory_order_relaxed));
+    {
+        const std::lock_guard guard(mutex_);
+        error_ = stored ? "" : stored.error();
+    }
+    if (!stored) {
+        // Only the end interrupts it: nobody else releases while `storing_` is true.
+        static_cast<void>(go_.try_acquire_for(kPauseAfterFailure));
+    }
+    storing_.store(false);
+}
+
+void* EpochFile::main(void* self) {
+    auto& file = *static_cast<EpochFile*>(self);
+    ::pthread_setname_np(::pthread_self(), "tribus-epoch");
+    do {
+        file.go_.acquire();
+        if (!file.ends_) {
+            file.store_wanted();
+        }
+    } while (!file.ends_);
+    return nullptr;
+}
+
+void EpochFile::look() {
+    const std::lock_guard guard(mutex_);
+    const bool fails = !error_.empty();
+    if (fails && !told_failure_) {
+        log_error("epoch: {}; its link falls silent when the stored numbers are used up", error_);
+    } else if (!fails && told_failure_) {
+        log_info("epoch: {} is written again", path_);
+    }
+    told_failure_ = fails;
+}
+
+}  // namespace tribus

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <pthread.h>
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <semaphore>
+#include <string>
+#include <utility>
+
+#include <tl/expected.hpp>
+
+#include "core/number_reservation.h"
+#include "core/setting.h"
+#include "transports/links/unique_fd.h"
+
+namespace tribus {
+
+/// The file of `epoch`: below which number one end of a link may have used all of them. Two lines,
+/// `tribus epoch 1` and `next NUMBER`. While the program runs, the number in the file is the end of
+/// what is reserved, and after it ended the exact one. The data thread uses the numbers; a thread
+/// of its own writes the file, so that nobody waits for a slow disk. Thread-bound to the main
+/// thread, unless a function says otherwise.
+class EpochFile final : public NumberReservation {
+  public:
+    /// It has no numbers until `open`. In one process a path has one of these at a time, so that a
+    /// number is used once, also where one configuration comes after another. Any thread.
+    static std::shared_ptr<EpochFile> of(const std::string& path);
+    /// Stores the least number that was not used. No thread may use numbers any more.
+    ~EpochFile() override;
+
+    /// Reads the file, keeps others from using it, and reserves the first numbers of a link's
+    /// input or output. A file that is missing is made. Blocks until it is on the disk. No effect
+    /// if it is open. The error is a sentence.
+    tl::expected<void, std::string> open(SettingScope way);
+    /// Logs if the file cannot be written any more, or can again. Call it a few times a second.
+    void look();
+
+  private:
+    explicit EpochFile(std::string path) : path_(std::move(path)) {}
+    std::uint64_t reserved() const override { return reserved_.load(std::memory_order_acquire); }
+    void want(std::uint64_t end) override;
+    tl::expected<void, std::string> lock();
+    tl::expected<std::uint64_t, std::string> read(SettingScope way) const;
+    tl::expected<void, std::string> store(std::uint64_t end);
+    tl::expected<void, std::string> start_thread();
+    static void* main(void* self);
+    void store_wanted();
+
+    std::string path_;
+    UniqueFd lock_;  ///< valid: it is open
+    std::atomic<std::uint64_t> reserved_{0};
+    std::atomic<std::uint64_t> wanted_{0};
+
+    /// Who sets it releases `go_`; the file's thread clears it.
+    std::atomic<bool> storing_{false};
+    std::counting_semaphore<2> go_{0};
+    std::atomic<bool> ends_{false};
+    std::mutex mutex_;
+    std::string error_;  ///< of the latest writing; under `mutex_`
+    bool told_failure_ = false;
+    bool has_thread_ = false;
+    pthread_t thread_{};
+};
+
+}  // namespace tribus
