@@ -17,7 +17,7 @@ bench_packages="g++-aarch64-linux-gnu qemu-user strace valgrind"
 # Packages of the laboratory (tests/lab): an emulator, and programs of the host for its guests.
 lab_packages="can-utils cpio iproute2 kmod mount qemu-system-data qemu-system-x86 xz-utils"
 # Its full tier builds kernel modules and the package; its service tier installs that on a Debian.
-lab_full_packages="bc evtest gcc-12 libelf1 libsdl2-2.0-0 make $package_packages"
+lab_full_packages="bc evtest gcc-12 libelf1 libsdl2-2.0-0 make mmdebstrap zstd $package_packages"
 lab_service_packages="e2fsprogs genext2fs mmdebstrap $package_packages"
 # Packages for its guests with the processors of boards (tests/lab/prepare_board.sh).
 board_packages="binutils cpio device-tree-compiler kmod mmdebstrap qemu-system-arm"

@@ -14,18 +14,15 @@ namespace {
 
 constexpr std::string_view kPwmNames = "pwmchip";
 
-std::filesystem::path chips_of(const KernelFiles& files) {
-    return files.at(std::string(kPwmFolder).substr(1));
-}
-
 std::string name_of_chip(const std::string& device) {
     return std::filesystem::path(device).filename().string();
 }
 
 PwmFacts facts_of_chip(const KernelFiles& files, const PwmChipFacts& chip) {
     PwmFacts facts{.chip = chip};
-    facts.access =
-        access_to(files, std::string(kPwmFolder).substr(1) + "/" + chip.name + "/export", W_OK);
+    facts.access = chip.device.empty()
+                       ? access_to(files, fmt::format("{}/{}/export", kPwmFolder, chip.name), W_OK)
+                       : access_to(files, fmt::format("{}/{}", kPwmDeviceFolder, chip.name), W_OK);
     for (std::size_t output = 0; output < chip.outputs; ++output) {
         if (const auto state = look_at(chip, output)) {
             facts.taken.emplace_back(output, *state);
@@ -56,7 +53,7 @@ Finding pwm_permission(const PwmFacts& facts, Severity severity) {
 
 std::vector<PwmFacts> look_at_pwm_chips(const KernelFiles& files) {
     std::vector<PwmFacts> found;
-    for (const PwmChipFacts& chip : find_pwm_chips(chips_of(files))) {
+    for (const PwmChipFacts& chip : find_pwm_chips(files.at(""))) {
         found.push_back(facts_of_chip(files, chip));
     }
     return found;
@@ -76,7 +73,7 @@ std::vector<PwmFacts> look_at_pwm_chip(const KernelFiles& files, const std::stri
 
 Finding unknown_pwm_chip(const KernelFiles& files, const std::string& device) {
     const std::string name = name_of_chip(device);
-    const auto chip = find_pwm_chip(name, chips_of(files));
+    const auto chip = find_pwm_chip(name, files.at(""));
     const std::string error = chip ? std::string() : chip.error();
     return {Severity::problem,
             "pwm.missing",

@@ -13,6 +13,6 @@ namespace tribus {
 Command pwm_command();
 
 /// The chips below `root` and their outputs in use, a line each. May block.
-std::string pwm_report(const std::filesystem::path& root = kPwmFolder);
+std::string pwm_report(const std::filesystem::path& root = "/");
 
 }  // namespace tribus

@@ -8,9 +8,13 @@
 namespace tribus {
 
 std::string pwm_chip_text(const PwmChipFacts& chip) {
-    return fmt::format("{}  {}, outputs 0 to {}", chip.name,
+    return fmt::format("{}  {}, outputs 0 to {}{}", chip.name,
                        chip.driver.empty() ? "driver unknown" : chip.driver,
-                       chip.outputs == 0 ? 0 : chip.outputs - 1);
+                       chip.outputs == 0 ? 0 : chip.outputs - 1,
+                       chip.device.empty()
+                           ? ""
+                           : ", with " + chip.device.string() +
+                                 ": outputs that a program has by it cannot be seen");
 }
 
 std::string pwm_output_text(const PwmOutputFacts& facts) {

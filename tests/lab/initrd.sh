@@ -12,6 +12,9 @@ put_modules() {
         modprobe --dirname "$from" --set-version "$version" --show-depends "$module"
     done | sed -n 's/^insmod \([^ ]*\).*/\1/p' | while read -r file; do
         cp "$file" "$to/$number-$(basename "$file")"
+        case $file in
+            *.xz) xz -d "$to/$number-$(basename "$file")" ;;
+        esac
         number=$((number + 1))
     done
 }

@@ -5,8 +5,10 @@
 #   tests/lab/prepare.sh [fast|full|service [FOLDER]]
 #
 # fast: the stock kernel. full: the PREEMPT_RT kernel too, and the drivers that Debian's kernel comes
-# without, built from Debian's kernel source (build_modules.sh); and version 2 of libgpiod, which Debian 12 has in its backports only. service: the stock kernel, and a fresh Debian
-# 12 with systemd as a disk.
+# without, built from Debian's kernel source (build_modules.sh); version 2 of libgpiod, which Debian
+# 12 has in its backports only; and the newest kernel that Debian 13 has in its backports, with the
+# driver of the PWM chip, for interfaces of the kernel that Debian 12 is too old for. service: the
+# stock kernel, and a fresh Debian 12 with systemd as a disk.
 #
 # FOLDER/KERNEL/ has vmlinux, initrd.gz and lib/modules/, FOLDER/libgpiod-2/ has usr/,
 # FOLDER/systemd.ext2 is the disk; FOLDER is build/lab if not given.
@@ -42,13 +44,23 @@ package_behind() {
     apt-cache depends "$1" | sed -n 's/^ *Depends: \(linux-[a-z]*-[0-9].*\)/\1/p' | head -n 1
 }
 
+# offset_of BYTES FILE: where they stand first, or nothing.
+offset_of() {
+    LC_ALL=C grep -aboF "$1" "$2" | head -n 1 | cut -d : -f 1
+}
+
 # unpack_vmlinux VMLINUZ VMLINUX: decompressed once, here; the emulator would need two seconds
-# for it at each boot.
+# for it at each boot. What follows the kernel in the file is not part of it, which both programs
+# call an error.
 unpack_vmlinux() {
-    offset=$(LC_ALL=C grep -aboF "$(printf '\3757zXZ')" "$1" | head -n 1 | cut -d : -f 1)
-    [ -n "$offset" ] || fail "$1 is not compressed with xz"
-    # What follows the kernel in the file is not part of it, which xz calls an error.
-    tail -c "+$((offset + 1))" "$1" | xz -dc --single-stream >"$2" 2>/dev/null || [ -s "$2" ]
+    offset=$(offset_of "$(printf '\3757zXZ')" "$1")
+    if [ -n "$offset" ]; then
+        tail -c "+$((offset + 1))" "$1" | xz -dc --single-stream >"$2" 2>/dev/null || [ -s "$2" ]
+        return
+    fi
+    offset=$(offset_of "$(printf '\050\265\057\375')" "$1")
+    [ -n "$offset" ] || fail "$1 is compressed with neither xz nor zstd"
+    tail -c "+$((offset + 1))" "$1" | zstd -dc >"$2" 2>/dev/null || [ -s "$2" ]
 }
 
 # make_initrd KERNEL_FOLDER: busybox, and the modules it takes to reach the host's files or a disk.
@@ -83,49 +95,114 @@ unpack_kernel() {
     as_root apt-get -q update >&2
     # Not installed: it would take the place of the package busybox.
     download "$(package_behind "$1")" busybox-static
+    unpack_packages
+    mv unpacked/bin/busybox .
+    keep_kernel "unpacked/boot/vmlinuz-$(ls unpacked/lib/modules)" unpacked/lib/modules
+}
+
+unpack_packages() {
     for package in *.deb; do
         dpkg-deb -x "$package" unpacked
     done
-    mv unpacked/bin/busybox .
-    version=$(ls unpacked/lib/modules)
-    unpack_vmlinux "unpacked/boot/vmlinuz-$version" vmlinux
+}
+
+# keep_kernel VMLINUZ MODULES: of what is unpacked in the current folder.
+keep_kernel() {
+    version=$(ls "$2")
+    unpack_vmlinux "$1" vmlinux
     # Two thirds of the modules, for hardware that no guest has.
-    (cd "unpacked/lib/modules/$version/kernel" &&
+    (cd "$2/$version/kernel" &&
         rm -rf sound drivers/gpu drivers/media drivers/infiniband drivers/scsi drivers/staging \
             drivers/iio drivers/net/ethernet drivers/net/wireless)
-    mv unpacked/lib/modules lib/modules
+    mv "$2" lib/modules
     depmod --basedir . "$version"
     rm -rf unpacked ./*.deb apt.log
     echo "$version" >ready
     say "kernel $version is ready"
 }
 
-# prepare_libgpiod: unpacked, not installed. With lists of packages of its own, so that this
-# machine's apt stays as it is.
+# sources_of SUITE...: lines for apt.
+sources_of() {
+    mirror=$(apt-get indextargets --format '$(SITE)' 'Codename: bookworm' | head -n 1)
+    for suite in "$@"; do
+        echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg]" \
+            "${mirror:-http://deb.debian.org/debian} $suite main"
+    done
+}
+
+# use_lists_of SUITE: from here on apt has lists of packages of its own, in the current folder, so
+# that this machine's apt stays as it is.
+use_lists_of() {
+    mkdir -p lists/partial cache/archives/partial
+    sources_of "$1" >sources.list
+    cat >apt.conf <<END
+Dir::Etc::SourceList "$PWD/sources.list";
+Dir::Etc::SourceParts "$PWD/none";
+Dir::State::Lists "$PWD/lists";
+Dir::Cache "$PWD/cache";
+END
+    export APT_CONFIG="$PWD/apt.conf"
+    apt-get -q update >apt.log 2>&1 || {
+        cat apt.log >&2
+        fail "cannot read the list of $1"
+    }
+}
+
+# prepare_newest: into FOLDER/newest. Its driver is built in a Debian 13 of its own, because the
+# tools for it do not run on Debian 12.
+prepare_newest() (
+    [ ! -e "$folder/newest/initrd.gz" ] || return 0
+    work="$folder/newest.new"
+    as_root rm -rf "$work" "$folder/newest"
+    mkdir -p "$work/lib" && cd "$work" || fail "cannot write into $folder"
+    sources_of trixie trixie-backports >root.list
+    use_lists_of trixie-backports
+    image=$(package_behind linux-image-amd64)
+    version=${image#linux-image-}
+    series=$(echo "$version" | cut -d . -f 1-2)
+    download "linux-binary-$version" "linux-modules-$version" "linux-source-$series"
+    say "making a Debian 13 that builds a driver for $version"
+    as_root env -u APT_CONFIG mmdebstrap --quiet --variant=minbase \
+        --include="linux-headers-$version,gcc-14,make" --dpkgopt='path-exclude=/usr/share/doc/*' \
+        trixie root root.list >&2 || fail "cannot make a Debian 13"
+    build_pwm_driver
+    rm linux-source-*.deb
+    unpack_packages
+    cp "$folder/stock/busybox" .
+    keep_kernel "unpacked/usr/lib/modules/$version/vmlinuz" unpacked/usr/lib/modules
+    mkdir "lib/modules/$version/updates"
+    cp root/tmp/driver/pwm-pca9685.ko "lib/modules/$version/updates"
+    depmod --basedir . "$version"
+    make_initrd "$work"
+    as_root rm -rf root lists cache
+    mv "$work" "$folder/newest"
+)
+
+# build_pwm_driver: of the kernel's source in the current folder, in the Debian in `root`.
+build_pwm_driver() {
+    as_root mkdir -m 777 root/tmp/driver
+    dpkg-deb --fsys-tarfile linux-source-*.deb |
+        tar -xO --wildcards './usr/src/linux-source-*.tar.xz' |
+        tar -xJO --wildcards '*/drivers/pwm/pwm-pca9685.c' >root/tmp/driver/pwm-pca9685.c
+    echo 'obj-m := pwm-pca9685.o' >root/tmp/driver/Kbuild
+    # Its tools read files of the kernel. The mount ends with the shell.
+    as_root unshare --mount sh -c "mount -t proc proc root/proc && chroot root \
+        make -C /usr/src/linux-headers-$version M=/tmp/driver modules" >make.log 2>&1 || {
+        cat make.log >&2
+        fail "the driver cannot be built"
+    }
+    as_root strip --strip-debug root/tmp/driver/pwm-pca9685.ko
+}
+
+# prepare_libgpiod: unpacked, not installed.
 prepare_libgpiod() (
     [ ! -e "$folder/libgpiod-2" ] || return 0
     work="$folder/libgpiod-2.new"
     rm -rf "$work"
-    mkdir -p "$work/lists/partial" "$work/cache/archives/partial"
-    cd "$work"
-    mirror=$(apt-get indextargets --format '$(SITE)' 'Codename: bookworm' | head -n 1)
-    echo "deb [signed-by=/usr/share/keyrings/debian-archive-keyring.gpg]" \
-        "${mirror:-http://deb.debian.org/debian} bookworm-backports main" >sources.list
-    cat >apt.conf <<END
-Dir::Etc::SourceList "$work/sources.list";
-Dir::Etc::SourceParts "$work/none";
-Dir::State::Lists "$work/lists";
-Dir::Cache "$work/cache";
-END
-    export APT_CONFIG="$work/apt.conf"
-    apt-get -q update >apt.log 2>&1 || {
-        cat apt.log >&2
-        fail "cannot read the list of bookworm-backports"
-    }
+    mkdir -p "$work" && cd "$work" || fail "cannot write into $folder"
+    use_lists_of bookworm-backports
     download libgpiod3 libgpiod-dev
-    for package in *.deb; do
-        dpkg-deb -x "$package" unpacked
-    done
+    unpack_packages
     mv unpacked "$folder/libgpiod-2"
     rm -rf "$work"
 )
@@ -167,6 +244,7 @@ if [ "$tier" = full ]; then
     prepare_kernel rt linux-image-rt-amd64
     "$here/build_modules.sh" "$folder/stock"
     prepare_libgpiod
+    prepare_newest
 elif [ "$tier" = service ]; then
     # shellcheck disable=SC2086,SC2154 # a list of words, from deploy/prepare.sh
     install_packages $lab_service_packages

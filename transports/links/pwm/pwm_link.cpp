@@ -25,7 +25,9 @@ tl::expected<std::unique_ptr<PwmLink>, std::string> PwmLink::open(
     if (!found) {
         return tl::unexpected(std::move(found.error()));
     }
-    if (::access((found->folder / "export").c_str(), W_OK) != 0) {
+    const std::filesystem::path needed =
+        found->device.empty() ? found->folder / "export" : found->device;
+    if (::access(needed.c_str(), W_OK) != 0) {
         return tl::unexpected(
             chip +
             ": this user may not use it; the package's udev rule gives it to the group "

@@ -24,7 +24,7 @@ class PwmLink final : public ByteLink {
   public:
     /// `period`: of the pulses. The error begins with the chip and says what to do.
     static tl::expected<std::unique_ptr<PwmLink>, std::string> open(
-        const std::string& chip, Duration period, const std::filesystem::path& root = kPwmFolder);
+        const std::string& chip, Duration period, const std::filesystem::path& root = "/");
     /// Switches all outputs off. May block.
     ~PwmLink() override;
 

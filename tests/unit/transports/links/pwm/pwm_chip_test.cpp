@@ -24,7 +24,7 @@ class PwmFolder {
   public:
     /// A chip whose outputs are there already.
     void add(const std::string& name, const std::string& driver, std::size_t outputs) {
-        const fs::path chip = root() / name;
+        const fs::path chip = chips() / name;
         fs::create_directories(chip / "device");
         fs::create_symlink("../../../bus/drivers/" + driver, chip / "device" / "driver");
         write(chip / "npwm", std::to_string(outputs));
@@ -38,10 +38,12 @@ class PwmFolder {
             }
         }
     }
-    fs::path root() const { return folder_ / "pwm"; }
+    /// The root of all files.
+    const fs::path& root() const { return folder_.path(); }
+    fs::path chips() const { return root() / "sys/class/pwm"; }
     /// Takes away and returns the text that was written last.
     std::string take(const std::string& chip, std::size_t output, const std::string& file) const {
-        const fs::path path = root() / chip / ("pwm" + std::to_string(output)) / file;
+        const fs::path path = chips() / chip / ("pwm" + std::to_string(output)) / file;
         std::ifstream stream(path);
         std::string text;
         std::getline(stream, text);
@@ -84,10 +86,28 @@ TEST(PwmChip, IsMissingOnlyWhereTheFolderOfChipsCouldBeRead) {
     EXPECT_TRUE(is_pwm_chip_missing("pwmchip0", folder.root()));
     EXPECT_TRUE(is_pwm_chip_missing("pwmchip0", folder.root() / "none"));
     EXPECT_FALSE(is_pwm_chip_missing("pwmchip2", folder.root()));
-    const auto no_folder = folder.root() / "pwmchip2" / "npwm";
-    EXPECT_FALSE(is_pwm_chip_missing("pwmchip0", no_folder));
-    EXPECT_EQ(find_pwm_chip("pwmchip0", no_folder).error(),
-              "pwmchip0: " + no_folder.string() + ": Not a directory");
+    fs::remove_all(folder.chips());
+    PwmFolder::write(folder.chips(), "no folder");
+    EXPECT_FALSE(is_pwm_chip_missing("pwmchip0", folder.root()));
+    EXPECT_EQ(find_pwm_chip("pwmchip0", folder.root()).error(),
+              "pwmchip0: " + folder.chips().string() + ": Not a directory");
+}
+
+/// What a kernel's device does, the laboratory shows (`lab_pwm_device`).
+TEST(PwmChip, IsUsedByItsDeviceOnlyWhereThereIsOne) {
+    PwmFolder folder;
+    folder.add("pwmchip0", "x", 2);
+    EXPECT_EQ(find_pwm_chip("pwmchip0", folder.root())->device, fs::path());
+    fs::create_directory(folder.root() / "dev");
+    const fs::path device = folder.root() / "dev/pwmchip0";
+    PwmFolder::write(device, "");
+    const auto chip = find_pwm_chip("pwmchip0", folder.root());
+    EXPECT_EQ(chip->device, device);
+    PwmOutputs outputs(*chip, 20ms);
+    const std::string refused = device.string() + " output 1: Inappropriate ioctl for device";
+    EXPECT_EQ(outputs.set(1, 1500000), refused);
+    EXPECT_EQ(folder.take("pwmchip0", 1, "period"), "") << "its files are left alone";
+    EXPECT_EQ(switch_off(*chip, 5), device.string() + " output 5: Inappropriate ioctl for device");
 }
 
 TEST(PwmChip, SetsThePeriodBeforeItSwitchesOnAndWritesOnlyWhatChanged) {
@@ -130,10 +150,10 @@ TEST(PwmChip, SaysWhichFileTheKernelRefused) {
     folder.add("pwmchip0", "x", 1);
     PwmOutputs outputs(*find_pwm_chip("pwmchip0", folder.root()), 20ms);
     EXPECT_EQ(outputs.set(0, 1500000), "");
-    fs::remove(folder.root() / "pwmchip0/pwm0/duty_cycle");
-    EXPECT_EQ(outputs.set(0, 1600000), (folder.root() / "pwmchip0/pwm0/duty_cycle").string() +
+    fs::remove(folder.chips() / "pwmchip0/pwm0/duty_cycle");
+    EXPECT_EQ(outputs.set(0, 1600000), (folder.chips() / "pwmchip0/pwm0/duty_cycle").string() +
                                            ": No such file or directory");
-    PwmFolder::write(folder.root() / "pwmchip0/pwm0/duty_cycle", "");
+    PwmFolder::write(folder.chips() / "pwmchip0/pwm0/duty_cycle", "");
     EXPECT_EQ(outputs.set(0, 1600000), "") << "it is tried again";
     EXPECT_EQ(folder.take("pwmchip0", 0, "duty_cycle"), "1600000");
 }
@@ -173,10 +193,10 @@ TEST(PwmReport, ListsChipsAndTheOutputsInUse) {
     PwmFolder folder;
     EXPECT_NE(pwm_report(folder.root()).find("no PWM chip"), std::string::npos);
     folder.add("pwmchip0", "pca9685-pwm", 2);
-    fs::remove_all(folder.root() / "pwmchip0/pwm1");
-    PwmFolder::write(folder.root() / "pwmchip0/pwm0/period", "20000000\n");
-    PwmFolder::write(folder.root() / "pwmchip0/pwm0/duty_cycle", "1500000\n");
-    PwmFolder::write(folder.root() / "pwmchip0/pwm0/enable", "1\n");
+    fs::remove_all(folder.chips() / "pwmchip0/pwm1");
+    PwmFolder::write(folder.chips() / "pwmchip0/pwm0/period", "20000000\n");
+    PwmFolder::write(folder.chips() / "pwmchip0/pwm0/duty_cycle", "1500000\n");
+    PwmFolder::write(folder.chips() / "pwmchip0/pwm0/enable", "1\n");
     EXPECT_EQ(pwm_report(folder.root()),
               "pwmchip0  pca9685-pwm, outputs 0 to 1\n"
               "  output  0  on     1500.0 us each 20.000 ms\n");
