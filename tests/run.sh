@@ -56,7 +56,6 @@ programs_of() {
     for group in "$@"; do
         case $group in
             lab_can_on_host) echo lab_can_tests ;;
-            lab_pwm_device) echo lab_pwm_tests ;;
             lab_*) echo "${group}_tests" ;;
         esac
     done

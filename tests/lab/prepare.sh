@@ -160,7 +160,8 @@ prepare_newest() (
     image=$(package_behind linux-image-amd64)
     version=${image#linux-image-}
     series=$(echo "$version" | cut -d . -f 1-2)
-    download "linux-binary-$version" "linux-modules-$version" "linux-source-$series"
+    download "linux-base-$version" "linux-binary-$version" "linux-modules-$version" \
+        "linux-source-$series"
     say "making a Debian 13 that builds a driver for $version"
     as_root env -u APT_CONFIG mmdebstrap --quiet --variant=minbase \
         --include="linux-headers-$version,gcc-14,make" --dpkgopt='path-exclude=/usr/share/doc/*' \
