@@ -211,9 +211,8 @@ void append_setting_options(std::vector<CommandOption>& options, SettingScope di
 
 std::string refusal_of_key(const Protocol& protocol, const SettingValues& settings) {
     return protocol.link_with_key != nullptr && protocol.link_with_key(settings)
-               ? "a link with a key is only between two programs that run: others have no "
-                 "challenge "
-                 "of the receiver, or no number of its epoch file, to read or make a frame"
+               ? "a link with a key is only between two programs that run: nobody else has the "
+                 "challenge or the stored number that its frames need"
                : "";
 }
 

@@ -32,7 +32,7 @@ struct PortPlan {
     Duration period{};
 };
 
-/// What codecs get from the machine. Simulations go without.
+/// The sources of codecs on a machine. Simulations have none of them.
 struct CodecSources {
     const WallClock* clock = nullptr;
     /// Another seed at each call. Without it all seeds are zeros.

@@ -61,6 +61,30 @@ class Network : public Loopback {
         });
     }
 
+    /// A whole recorded conversation, played to a boat that starts again.
+    void expect_recorded_frames_to_move_nothing(std::string_view boat_lines,
+                                                std::string_view shore_lines) {
+        Program& boat = run(boat_config(boat_lines));
+        Program& shore = run(shore_config(shore_lines));
+        ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
+        shore.signal(SIGKILL);
+        shore.end();
+        boat.signal(SIGKILL);
+        boat.end();
+        servos_.listen();
+        Program& boat_again = run(boat_config(boat_lines));
+        EXPECT_TRUE(eventually([&] {
+            for (const Bytes& datagram : seen_) {
+                outside_->send_to(boat_port_, datagram);
+            }
+            for (const SbusSight& sight : servos_.listen()) {
+                EXPECT_FALSE(sight.good());
+            }
+            return boat_again.errors().find("input shore: replayed") != std::string::npos;
+        })) << boat_again.errors();
+        expect_clean_end(boat_again);
+    }
+
     static constexpr std::string_view kKey = "key = \"boat.key\"\n";
     static constexpr std::string_view kShoreEpoch =
         "key = \"boat.key\"\nepoch = \"@shore.epoch\"\n";
@@ -140,27 +164,8 @@ TEST_F(Network, WithAKeySaysThatSomebodyElseSendsAndStaysInControl) {
     expect_clean_end(boat);
 }
 
-/// A whole recorded conversation, played to a boat that starts again.
 TEST_F(Network, WithAKeyRecordedFramesMoveNothing) {
-    Program& boat = run(boat_config(kKey));
-    Program& shore = run(shore_config(kKey));
-    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
-    shore.signal(SIGKILL);
-    shore.end();
-    boat.signal(SIGKILL);
-    boat.end();
-    servos_.listen();
-    Program& boat_again = run(boat_config(kKey));
-    EXPECT_TRUE(eventually([&] {
-        for (const Bytes& datagram : seen_) {
-            outside_->send_to(boat_port_, datagram);
-        }
-        for (const SbusSight& sight : servos_.listen()) {
-            EXPECT_FALSE(sight.good());
-        }
-        return boat_again.errors().find("input shore: replayed") != std::string::npos;
-    })) << boat_again.errors();
-    expect_clean_end(boat_again);
+    expect_recorded_frames_to_move_nothing(kKey, kKey);
 }
 
 TEST_F(Network, WithAnEpochGoesToAReceiverThatSaysNothing) {
@@ -190,25 +195,7 @@ TEST_F(Network, WithAnEpochNeedsNoHandWhenEitherEndStartsAgain) {
 }
 
 TEST_F(Network, WithAnEpochRecordedFramesMoveNothingAlsoAfterAStart) {
-    Program& boat = run(boat_config(kBoatEpoch));
-    Program& shore = run(shore_config(kShoreEpoch));
-    ASSERT_TRUE(servos_follow(1700)) << boat.errors() << shore.errors();
-    shore.signal(SIGKILL);
-    shore.end();
-    boat.signal(SIGKILL);
-    boat.end();
-    servos_.listen();
-    Program& boat_again = run(boat_config(kBoatEpoch));
-    EXPECT_TRUE(eventually([&] {
-        for (const Bytes& datagram : seen_) {
-            outside_->send_to(boat_port_, datagram);
-        }
-        for (const SbusSight& sight : servos_.listen()) {
-            EXPECT_FALSE(sight.good());
-        }
-        return boat_again.errors().find("input shore: replayed") != std::string::npos;
-    })) << boat_again.errors();
-    expect_clean_end(boat_again);
+    expect_recorded_frames_to_move_nothing(kBoatEpoch, kShoreEpoch);
 }
 
 TEST_F(Network, WithAnEpochGoesOnOverAReload) {

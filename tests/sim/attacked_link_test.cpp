@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -181,33 +182,29 @@ class World {
 
 class AttackedLink : public ::testing::Test {
   protected:
+    /// No world breaks a promise, and the sticks of the key's holder come through.
+    void expect_only_its_holder_controls(const std::string& epoch, std::uint32_t worlds) const {
+        const Boards boards(keys_.line("boat.key") + epoch);
+        const Boards attackers(keys_.line("attacker.key") + epoch);
+        std::size_t controlled = 0;
+        for (std::uint32_t seed = 1; seed <= worlds; ++seed) {
+            World world(boards, attackers, seed);
+            ASSERT_EQ(world.run(), Broken::none) << "seed " << seed;
+            controlled += world.controlled();
+        }
+        EXPECT_GT(controlled / worlds, 200U) << "frames of control a world";
+    }
+
     KeyFiles keys_;
 };
 
 TEST_F(AttackedLink, WithAKeyGivesControlOnlyToFreshFramesOfItsHolder) {
-    const Boards boards(keys_.line("boat.key"));
-    const Boards attackers(keys_.line("attacker.key"));
-    std::size_t controlled = 0;
-    for (std::uint32_t seed = 1; seed <= kWorlds; ++seed) {
-        World world(boards, attackers, seed);
-        ASSERT_EQ(world.run(), Broken::none) << "seed " << seed;
-        controlled += world.controlled();
-    }
-    EXPECT_GT(controlled / kWorlds, 200U) << "frames of control a world";
+    expect_only_its_holder_controls("", kWorlds);
 }
 
 /// It goes on where it ended, also after both boards started again.
 TEST_F(AttackedLink, WithAnEpochGivesControlOnlyToNewFramesOfItsHolder) {
-    const Boards boards(keys_.line("boat.key") + kEpochLine);
-    const Boards attackers(keys_.line("attacker.key") + kEpochLine);
-    constexpr std::uint32_t kLongWorlds = kWorlds / 10;
-    std::size_t controlled = 0;
-    for (std::uint32_t seed = 1; seed <= kLongWorlds; ++seed) {
-        World world(boards, attackers, seed);
-        ASSERT_EQ(world.run(), Broken::none) << "seed " << seed;
-        controlled += world.controlled();
-    }
-    EXPECT_GT(controlled / kLongWorlds, 200U) << "frames of control a world";
+    expect_only_its_holder_controls(kEpochLine, kWorlds / 10);
 }
 
 /// The same attacks work where there is no key, so the test above can see them.

@@ -28,7 +28,7 @@ constexpr std::size_t kCounterByte = 6;
 /// The default of `period`.
 constexpr int kDatagramPeriod = 20;  ///< ms
 
-/// What proves the snapshots of a link.
+/// The proof of a link's snapshots.
 enum class Proof : std::uint8_t { none, challenges, epoch };
 
 std::string lines_of(const KeyFiles& keys, const std::string& key, Proof proof) {

@@ -15,7 +15,7 @@
 
 namespace tribus {
 
-/// Where the kernel shows its PWM chips, and where their devices are, from the root of the files.
+/// The folders of PWM chips and of their devices, from the root of the files.
 inline constexpr const char* kPwmFolder = "sys/class/pwm";
 inline constexpr const char* kPwmDeviceFolder = "dev";
 

@@ -34,7 +34,7 @@ class PwmDevice {
     std::string switch_off(std::size_t output) const;
 
   private:
-    /// What the kernel refused, from errno.
+    /// The refusal of the kernel, from errno.
     std::string refused(std::size_t output) const;
 
     std::filesystem::path path_;

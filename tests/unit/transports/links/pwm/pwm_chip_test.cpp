@@ -93,7 +93,7 @@ TEST(PwmChip, IsMissingOnlyWhereTheFolderOfChipsCouldBeRead) {
               "pwmchip0: " + folder.chips().string() + ": Not a directory");
 }
 
-/// What a kernel's device does, the laboratory shows (`lab_pwm_device`).
+/// The laboratory shows what a kernel's device does (`lab_pwm_device`).
 TEST(PwmChip, IsUsedByItsDeviceOnlyWhereThereIsOne) {
     PwmFolder folder;
     folder.add("pwmchip0", "x", 2);
