@@ -81,6 +81,9 @@ class ChannelFrame {
     }
     /// Marks the first `count` channels as present, with the values that they have.
     void mark_first(std::size_t count) { absent_ &= ~((1U << count) - 1); }
+    /// Marks these channels as absent, one bit each, and the others as present. Absent ones must
+    /// have the pulse 0.
+    void mark_only_absent(std::uint32_t channels) { absent_ = channels; }
     /// Makes a channel absent.
     void remove(std::size_t channel) {
         pulses_[channel] = Pulse{};

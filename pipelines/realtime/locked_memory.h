@@ -12,7 +12,6 @@ namespace tribus {
 ///
 /// Call after everything that runs was created, before it runs. Returns 0, or the first error
 /// number from the kernel; it locks the rest all the same.
-/// the kernel refused first; the rest is locked all the same.
 [[nodiscard]] int lock_memory();
 
 /// Locks what was allocated since `lock_memory`, if the limit kept that from being locked

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "core/rounding.h"
 
@@ -136,11 +137,6 @@ Pulse LimitFilter::apply(Pulse pulse, Instant /*now*/) {
 
 StraightLanes::StraightLanes() {
     std::iota(input_.begin(), input_.end(), std::uint8_t{0});
-    least_.fill(INT16_MIN);
-    most_.fill(INT16_MAX);
-    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        readers_[channel] = 1U << channel;
-    }
 }
 
 bool StraightLanes::take(const ChannelRule& rule) {
@@ -160,42 +156,74 @@ bool StraightLanes::take(const ChannelRule& rule) {
         return false;
     }
     unchanged_ = false;
-    readers_[input_[rule.output]] &= ~(1U << rule.output);
-    readers_[from->channel] |= 1U << rule.output;
+    in_place_ = in_place_ && from->channel == rule.output;
     input_[rule.output] = static_cast<std::uint8_t>(from->channel);
-    least_[rule.output] = static_cast<std::int16_t>(least);
-    most_[rule.output] = static_cast<std::int16_t>(most);
-    turned_[rule.output] = static_cast<std::int16_t>(rule.reverse ? -1 : 0);
-    offset_[rule.output] = static_cast<std::int16_t>(rule.reverse ? mirrored : trim);
+    least_.set(rule.output, static_cast<std::int16_t>(least));
+    most_.set(rule.output, static_cast<std::int16_t>(most));
+    turned_.set(rule.output, rule.reverse ? -1 : 0);
+    // The negative of a number is 1 more than the number with all bits turned.
+    offset_.set(rule.output, static_cast<std::int16_t>(rule.reverse ? mirrored + 1 : trim));
     return true;
 }
 
-[[gnu::noinline]] void StraightLanes::change(const ChannelFrame& input,
-                                             ChannelFrame& output) const {
-    ChannelLanes values{};
-    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
-        values[channel] = std::bit_cast<std::int16_t>(input.pulses()[input_[channel]]);
-    }
+/// Limits, turns and moves the values of a group.
+inline void StraightLanes::change_group(std::size_t group, const ChannelFrame& from,
+                                        ChannelFrame& to) const {
+    ChannelGroup values = group_of(from, group);
+    const std::int16_t* const least = least_.group(group);
+    const std::int16_t* const most = most_.group(group);
+    const std::int16_t* const turned = turned_.group(group);
+    const std::int16_t* const offset = offset_.group(group);
+    const std::int16_t* const present = present_out_.group(group);
     // std::clamp returns references, which keeps the compiler from using vector instructions.
-    for (std::size_t lane = 0; lane < kChannelLanes; ++lane) {
-        const std::int16_t least = least_[lane];
-        const std::int16_t most = most_[lane];
+    for (std::size_t lane = 0; lane < kGroupChannels; ++lane) {
         std::int16_t limited = values[lane];
-        limited = limited < least ? least : limited;
-        limited = limited > most ? most : limited;
-        values[lane] =
-            static_cast<std::int16_t>((limited ^ turned_[lane]) - turned_[lane] + offset_[lane]);
+        limited = limited < least[lane] ? least[lane] : limited;
+        limited = limited > most[lane] ? most[lane] : limited;
+        const auto moved = static_cast<std::int16_t>((limited ^ turned[lane]) + offset[lane]);
+        values[lane] = static_cast<std::int16_t>(moved & present[lane]);
     }
-    std::memcpy(static_cast<void*>(output.pulses().data()), values.data(), sizeof output.pulses());
-    // A receiver with 14 channels, for example, leaves the others absent.
-    if (!input.has_first(kChannelCount)) {
-        std::uint32_t absent = 0;
-        for (std::uint32_t left = input.absent(); left != 0; left &= left - 1) {
-            absent |= readers_[static_cast<std::size_t>(std::countr_zero(left))];
-        }
-        output.mark_first(kChannelCount);
-        output.remove_all(absent);
+    set_group(to, group, values);
+}
+
+/// Without a loop, so that the compiler knows where each group is.
+inline void StraightLanes::change_all(const ChannelFrame& from, ChannelFrame& to) const {
+    static_assert(kGroupBegins.size() == 3);
+    change_group(0, from, to);
+    change_group(1, from, to);
+    change_group(2, from, to);
+}
+
+[[gnu::noinline]] void StraightLanes::change(const ChannelFrame& input, ChannelFrame& output) {
+    if (input.absent() != absent_in_) {
+        look_who_is_absent(input.absent());
     }
+    output.mark_only_absent(absent_out_);
+    if (in_place_) {
+        change_all(input, output);
+    } else {
+        change_gathered(input, output);
+    }
+}
+
+/// Not inline: nearly all maps read in place.
+[[gnu::noinline]] void StraightLanes::change_gathered(const ChannelFrame& input,
+                                                      ChannelFrame& output) const {
+    ChannelFrame values;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        values.pulses()[channel] = input.pulses()[input_[channel]];
+    }
+    change_all(values, output);
+}
+
+/// A receiver with 14 channels, for example, leaves the others absent.
+[[gnu::noinline]] void StraightLanes::look_who_is_absent(std::uint32_t absent) {
+    absent_in_ = absent;
+    absent_out_ = 0;
+    for (std::size_t channel = 0; channel < kChannelCount; ++channel) {
+        absent_out_ |= (absent >> input_[channel] & 1U) << channel;
+    }
+    present_out_ = present_channels(absent_out_);
 }
 
 ChannelMap::ChannelMap(std::span<const ChannelRule> rules) {

@@ -61,23 +61,31 @@ class StraightLanes {
     /// Takes the rule if it can. Returns false if it cannot.
     bool take(const ChannelRule& rule);
     /// `output` is a copy of `input`.
-    void apply(const ChannelFrame& input, ChannelFrame& output) const {
+    void apply(const ChannelFrame& input, ChannelFrame& output) {
         if (!unchanged_) {
             change(input, output);
         }
     }
 
   private:
-    void change(const ChannelFrame& input, ChannelFrame& output) const;
+    void change(const ChannelFrame& input, ChannelFrame& output);
+    void change_group(std::size_t group, const ChannelFrame& from, ChannelFrame& to) const;
+    void change_all(const ChannelFrame& from, ChannelFrame& to) const;
+    void change_gathered(const ChannelFrame& input, ChannelFrame& output) const;
+    void look_who_is_absent(std::uint32_t absent);
 
     std::array<std::uint8_t, kChannelCount> input_{};
-    /// For each input channel the output channels that read it, one bit each.
-    std::array<std::uint32_t, kChannelCount> readers_{};
     bool unchanged_ = true;  ///< every channel passes as it is
-    ChannelLanes least_{};
-    ChannelLanes most_{};
-    ChannelLanes turned_{};  ///< all bits set if the channel is reversed, else zero
-    ChannelLanes offset_{};
+    bool in_place_ = true;   ///< no channel reads another one
+    /// Absent channels of the latest input, and of the output with it, one bit each.
+    std::uint32_t absent_in_ = 0;
+    std::uint32_t absent_out_ = 0;
+    ChannelNumbers present_out_ = present_channels(0);
+    ChannelNumbers least_ = ChannelNumbers(INT16_MIN);
+    ChannelNumbers most_ = ChannelNumbers(INT16_MAX);
+    /// All bits set if the channel is reversed, else zero; and what is added then.
+    ChannelNumbers turned_;
+    ChannelNumbers offset_;
 };
 
 /// Makes the channels of an output from those of an input. Channels without a rule pass unchanged.

@@ -61,9 +61,9 @@ bool LinkSupervisor::rule_says_loss(const ChannelFrame& frame) const {
 bool LinkSupervisor::within(const PulseRange& range, const ChannelFrame& frame) {
     if (frame.absent() != absent_) {
         absent_ = frame.absent();
-        present_ = present_lanes(absent_);
+        present_ = present_channels(absent_);
     }
-    return all_within(lanes_of(frame), std::bit_cast<std::int16_t>(range.low),
+    return all_within(frame, std::bit_cast<std::int16_t>(range.low),
                       std::bit_cast<std::int16_t>(range.high), present_);
 }
 

@@ -124,7 +124,7 @@ class LinkSupervisor {
     Instant unchanged_since_{};
     /// The channels that the latest frame lacked, one bit each, and masks for the others.
     std::uint32_t absent_ = kAllChannels;
-    ChannelLanes present_{};
+    ChannelNumbers present_;
     /// Frames with a raw zero are not good until then.
     Instant guarded_until_{};
     Instant latest_bytes_{};

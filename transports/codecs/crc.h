@@ -59,6 +59,18 @@ class Crc {
         return (count & 1U) != 0 ? of_byte(crc, *at) : crc;
     }
 
+    /// The remainder of a number by the polynomial, of a CRC of 8 bits that takes the highest bits
+    /// first.
+    [[gnu::always_inline]] static inline Word remainder(std::uint64_t number) {
+        static_assert(sizeof(Word) == 1 && order == CrcBits::highest_first);
+        const auto low = static_cast<std::uint32_t>(number);
+        const auto high = static_cast<std::uint32_t>(number >> 32U);
+        return static_cast<Word>(low ^ kTables[0][low >> 8U & 0xFFU] ^
+                                 kTables[1][low >> 16U & 0xFFU] ^ kTables[2][low >> 24U] ^
+                                 kTables[3][high & 0xFFU] ^ kTables[4][high >> 8U & 0xFFU] ^
+                                 kTables[5][high >> 16U & 0xFFU] ^ kTables[6][high >> 24U]);
+    }
+
   private:
     static constexpr std::size_t kSlice = 8;
     static constexpr unsigned kBits = 8 * sizeof(Word);

@@ -27,11 +27,25 @@ inline void store_word(std::uint8_t* wire, std::uint64_t word) {
     std::memcpy(wire, &word, sizeof word);
 }
 
+inline std::uint32_t load_half_word(const std::uint8_t* wire) {
+    std::uint32_t half_word = 0;
+    std::memcpy(&half_word, wire, sizeof half_word);
+    return std::endian::native == std::endian::big ? __builtin_bswap32(half_word) : half_word;
+}
+
 inline void store_half_word(std::uint8_t* wire, std::uint32_t half_word) {
     if constexpr (std::endian::native == std::endian::big) {
         half_word = __builtin_bswap32(half_word);
     }
     std::memcpy(wire, &half_word, sizeof half_word);
+}
+
+/// The same with the highest byte first.
+inline std::uint64_t load_word_highest_first(const std::uint8_t* wire) {
+    return __builtin_bswap64(load_word(wire));
+}
+inline std::uint32_t load_half_word_highest_first(const std::uint8_t* wire) {
+    return __builtin_bswap32(load_half_word(wire));
 }
 
 /// Four numbers in each word, the first one lowest.
@@ -55,7 +69,8 @@ using PairLanes [[gnu::vector_size(16)]] = std::uint32_t;
 using GroupLanes [[gnu::vector_size(16)]] = std::uint64_t;
 constexpr std::size_t kLanes = sizeof(Lanes) / sizeof(std::uint16_t);
 
-/// Numbers in memory order. `load_half_lanes` reads four numbers and sets the others to 0.
+/// Numbers in memory order. `load_half_lanes` reads four numbers and sets the others to 0,
+/// `store_half_lanes` writes the first four.
 inline SignedLanes load_lanes(const void* numbers) {
     SignedLanes lanes;
     std::memcpy(&lanes, numbers, sizeof lanes);
@@ -69,6 +84,10 @@ inline SignedLanes load_half_lanes(const void* numbers) {
     std::uint64_t half = 0;
     std::memcpy(&half, numbers, sizeof half);
     return reinterpret_cast<SignedLanes>(Halves{half, 0});
+}
+
+inline void store_half_lanes(void* numbers, Lanes lanes) {
+    std::memcpy(numbers, &lanes, sizeof lanes / 2);
 }
 
 /// Sum of the eight lanes modulo 2^16: adds halves, then quarters, then the rest.

@@ -11,6 +11,7 @@
 #include "transports/codecs/codec.h"
 #include "transports/codecs/crsf/frames.h"
 #include "transports/codecs/protocol.h"
+#include "transports/codecs/sbus/packed_channels.h"
 #include "transports/codecs/sbus/scale.h"
 
 /// TBS CRSF, as receivers of ExpressLRS, Crossfire, Tracer and mLRS speak it, both directions
@@ -48,7 +49,8 @@ class CrsfDecoder final : public CrsfFrames {
                  DecodedFrame& frame) override;
     bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
 
-    void read_channels(const std::uint8_t* payload, ChannelFrame& channels);
+    void read_channels(std::span<const std::uint8_t, kPackedChannelBytes> packed,
+                       ChannelFrame& channels);
     bool read_subset(std::span<const std::uint8_t> payload, ChannelFrame& channels);
     bool judge(const RadioStatistics& statistics, ChannelFrame& channels);
     void channels_came(ChannelFrame& channels);

@@ -5,6 +5,7 @@
 #include "transports/codecs/crc8_d5.h"
 #include "transports/codecs/crsf/crsf.h"
 #include "transports/codecs/crsf/wire.h"
+#include "transports/codecs/wire_words.h"
 
 namespace tribus {
 
@@ -58,16 +59,15 @@ RadioStatistics read_receiver_statistics(std::span<const std::uint8_t> payload, 
 
 CrsfDecoder::Taken CrsfDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
                                        DecodedFrame& frame) {
-    // The usual case, channels of the usual length in one read. The general way gives the same.
-    constexpr std::size_t kChecked = 1 + kPackedChannelBytes;
+    // The usual case, channels with the usual address and length in one read. The general way gives
+    // the same.
     if (buffer_.size() == 0 && bytes.size() >= kChannelsFrameBytes &&
-        bytes[kLengthAt] == kChecked + 1 && bytes[kTypeAt] == kChannelsType &&
-        is_address(bytes[0]) &&
-        Crc8D5::of(0, bytes.subspan<kTypeAt, kChecked>()) == bytes[kChannelsFrameBytes - 1]) {
+        (load_half_word(bytes.data()) & kHeadBits) == channels_head(kFlightController) &&
+        crc8_d5_remainder(bytes.subspan<kTypeAt, kCrc8D5FoldedBytes>()) == 0) {
         frame.first_byte = buffer_.first_position();
         frame.length = kChannelsFrameBytes;
         frame.channels.received = received;
-        read_channels(&bytes[kPayloadAt], frame.channels);
+        read_channels(bytes.subspan<kPayloadAt, kPackedChannelBytes>(), frame.channels);
         buffer_.pass(kChannelsFrameBytes);
         return {kChannelsFrameBytes, true};
     }
@@ -78,7 +78,7 @@ bool CrsfDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channe
     const auto payload = payload_of(frame);
     switch (frame[kTypeAt]) {
         case kChannelsType:
-            read_channels(payload.data(), channels);
+            read_channels(payload.first<kPackedChannelBytes>(), channels);
             return true;
         case kSubsetType:
             return read_subset(payload, channels);
@@ -91,10 +91,8 @@ bool CrsfDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channe
     }
 }
 
-/// `payload` has at least kPackedChannelBytes.
-void CrsfDecoder::read_channels(const std::uint8_t* payload, ChannelFrame& channels) {
-    std::array<std::uint8_t, kPackedChannelBytes + 2> packed{};
-    std::copy_n(payload, kPackedChannelBytes, packed.begin());
+[[gnu::always_inline]] inline void CrsfDecoder::read_channels(
+    std::span<const std::uint8_t, kPackedChannelBytes> packed, ChannelFrame& channels) {
     const SbusLanes raw = unpack_channels(packed);
     raw_ = from_lanes(raw);
     const Instant received = channels.received;
@@ -144,7 +142,7 @@ bool CrsfDecoder::read_subset(std::span<const std::uint8_t> payload, ChannelFram
     return channels.has_any();
 }
 
-void CrsfDecoder::channels_came(ChannelFrame& channels) {
+inline void CrsfDecoder::channels_came(ChannelFrame& channels) {
     channels_at_ = channels.received;
     channels_since_statistics_ = true;
     if (statistics_ && channels.received - statistics_->received <= kStatisticsLast) {

@@ -40,6 +40,12 @@ inline constexpr std::uint8_t kReceiverStatisticsType = 0x1C;
 inline constexpr std::size_t kStatisticsBytes = 10;
 inline constexpr std::size_t kReceiverStatisticsBytes = 5;
 inline constexpr std::size_t kChannelsFrameBytes = kPayloadAt + kPackedChannelBytes + 1;
+/// Address, length and type of the usual frame of channels, the first byte lowest.
+inline constexpr std::uint32_t kHeadBits = 0x00FF'FFFF;
+constexpr std::uint32_t channels_head(std::uint8_t address) {
+    return address | (kPackedChannelBytes + kTypeAndCheck) << 8U * kLengthAt |
+           std::uint32_t{kChannelsType} << 8U * kTypeAt;
+}
 inline constexpr std::size_t kStatisticsFrameBytes = kPayloadAt + kStatisticsBytes + 1;
 
 /// Least payload of a type that is read; 0 for others.

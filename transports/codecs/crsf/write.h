@@ -9,6 +9,7 @@
 #include "transports/codecs/crsf/wire.h"
 #include "transports/codecs/sbus/packed_channels.h"
 #include "transports/codecs/sbus/scale.h"
+#include "transports/codecs/wire_words.h"
 
 /// How frames of CRSF are written; only for its encoders.
 namespace tribus::crsf_wire {
@@ -27,21 +28,34 @@ template <std::size_t payload_bytes>
     return kCheckAt + 1;
 }
 
+/// Writes channels that are all present. Returns the length of the frame.
+inline std::size_t write_present_channels(const ChannelFrame& frame, const SbusScale& scale,
+                                          std::uint8_t address, std::span<std::uint8_t> wire) {
+    constexpr std::size_t kCheckAt = kChannelsFrameBytes - 1;
+    store_half_word(wire.data(), channels_head(address));
+    pack_channels(scale.encode_whole(frame), 0,
+                  wire.subspan<kPayloadAt, kPackedChannelBytes + 1>());
+    const std::span<const std::uint8_t> bytes = wire;
+    wire[kCheckAt] = crc8_d5_remainder(bytes.subspan<kTypeAt, kCrc8D5FoldedBytes>());
+    return kChannelsFrameBytes;
+}
+
+[[gnu::noinline]] inline std::size_t write_centred_channels(const ChannelFrame& frame,
+                                                            const SbusScale& scale,
+                                                            std::uint8_t address,
+                                                            std::span<std::uint8_t> wire) {
+    ChannelFrame filled = frame;
+    for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+        filled.set(channel, frame.channel_or(channel, kCentrePulse));
+    }
+    return write_present_channels(filled, scale, address, wire);
+}
+
 /// Writes the channels; an absent one is 1500 us. Returns the length of the frame.
 inline std::size_t write_channels(const ChannelFrame& frame, const SbusScale& scale,
                                   std::uint8_t address, std::span<std::uint8_t> wire) {
-    SbusRaw raw;
-    if (frame.has_first(kSbusChannels)) {
-        raw = scale.encode_whole(frame);
-    } else {
-        ChannelFrame filled = frame;
-        for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
-            filled.set(channel, frame.channel_or(channel, kCentrePulse));
-        }
-        raw = scale.encode_whole(filled);
-    }
-    pack_channels(raw, 0, wire.subspan<kPayloadAt, kPackedChannelBytes + 1>());
-    return finish_frame<kPackedChannelBytes>(address, kChannelsType, wire);
+    return frame.has_first(kSbusChannels) ? write_present_channels(frame, scale, address, wire)
+                                          : write_centred_channels(frame, scale, address, wire);
 }
 
 }  // namespace tribus::crsf_wire

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <bit>
 
 #include "transports/codecs/big_endian.h"
 #include "transports/codecs/dsm/dsm.h"
@@ -24,27 +26,42 @@ DsmWire dsm_wire(const std::uint8_t* wire) {
     return DsmWire(wire, kDsmFrameBytes);
 }
 
-/// Pulses of values of 11 bits. Spektrum: 1500 us at the centre, 1.7 steps a microsecond.
-/// Betaflight: 988 us at 0, 2 steps a microsecond.
-constexpr DsmPulses pulses_of(DsmScale scale) {
-    DsmPulses pulses{};
-    for (std::size_t value = 0; value < pulses.size(); ++value) {
-        const auto steps = static_cast<std::int64_t>(value);
-        // Floor of a half more; the numerator is positive.
-        const std::int64_t spektrum = ((2 * steps - 2 * 1024) * 80 + 24'000 * 17 + 17) / (2 * 17);
-        const std::int64_t betaflight = 988 * 8 + steps * 4;
-        pulses[value] = Pulse::from_eighths(scale == DsmScale::spektrum ? spektrum : betaflight);
-    }
-    return pulses;
+constexpr Lanes each(std::uint16_t number) {
+    return Lanes{} + number;
 }
 
-constexpr DsmPulses kSpektrumPulses = pulses_of(DsmScale::spektrum);
-constexpr DsmPulses kBetaflightPulses = pulses_of(DsmScale::betaflight);
+/// A step of Spektrum is 80/17 eighths, and 1500 us stands at 1024. Betaflight: a step is 4
+/// eighths, and 988 us stands at 0.
+constexpr DsmLine kSpektrumLine{
+    .seventeenths = each(12), .rounding = each(11), .least_eighths = each(7181)};
+constexpr DsmLine kBetaflightLine{
+    .seventeenths = each(0), .rounding = each(0), .least_eighths = each(988 * 8)};
+
+// The nearest eighth of each value; the numerator of the exact form is positive.
+static_assert([] {
+    for (int value = 0; value < 2048; ++value) {
+        const int nearest = ((2 * value - 2 * 1024) * 80 + 24'000 * 17 + 17) / (2 * 17);
+        if (4 * value + (12 * value + 11) / 17 + 7181 != nearest) {
+            return false;
+        }
+    }
+    return true;
+}());
+
+/// Divides numbers of up to 15 bits by 17.
+Lanes seventeenth(Lanes numbers) {
+    // 2^20 / 17, rounded up; loops over lanes become one multiplication.
+    constexpr std::uint32_t kReciprocal = 61'681;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+        numbers[lane] = static_cast<std::uint16_t>(numbers[lane] * kReciprocal >> 16U);
+    }
+    return numbers >> 4U;
+}
 
 }  // namespace
 
 DsmDecoder::DsmDecoder(DsmScale scale, DsmResolution resolution)
-    : pulses_(scale == DsmScale::spektrum ? kSpektrumPulses : kBetaflightPulses),
+    : line_(scale == DsmScale::spektrum ? kSpektrumLine : kBetaflightLine),
       resolution_(resolution) {
     values_.frame_lost = false;
     values_.failsafe = false;
@@ -52,20 +69,23 @@ DsmDecoder::DsmDecoder(DsmScale scale, DsmResolution resolution)
 
 DsmDecoder::Taken DsmDecoder::decode(std::span<const std::uint8_t> bytes, Instant received,
                                      DecodedFrame& frame) {
-    // The usual case, a frame in one read. The general way gives the same.
-    std::size_t passed = 0;
-    if (aligned_ && buffer_.size() == 0 && bytes.size() >= kDsmFrameBytes) {
-        const bool counts = take(bytes.data(), received);
-        if (counts) {
+    // The usual case, a frame that counts in one read. The general way gives the same.
+    if (received <= usual_until_ && aligned_ && buffer_.size() == 0 &&
+        bytes.size() >= kDsmFrameBytes) {
+        Known* const known = recognise(bytes.data());
+        if (known != nullptr && known->counts) {
+            keep(*known, bytes.data(), received);
             give(bytes.data(), received, frame);
-        }
-        buffer_.pass(kDsmFrameBytes);
-        if (counts) {
+            buffer_.pass(kDsmFrameBytes);
             return {kDsmFrameBytes, true};
         }
-        passed = kDsmFrameBytes;
     }
-    buffer_.open(bytes.subspan(passed));
+    return decode_any(bytes, received, frame);
+}
+
+[[gnu::noinline]] DsmDecoder::Taken DsmDecoder::decode_any(std::span<const std::uint8_t> bytes,
+                                                           Instant received, DecodedFrame& frame) {
+    buffer_.open(bytes);
     Step stepped = Step::again;
     while (stepped == Step::again) {
         stepped = step(received, frame);
@@ -164,34 +184,48 @@ bool DsmDecoder::take(const std::uint8_t* wire, Instant received) {
     if (known == nullptr) {
         return false;
     }
-    latest_frame_ = received;
-    known->latest = received;
-    known->order = ++frames_;
     known->counts = true;
-    keep_values(known->layout, wire);
+    channels_in_row_ |= known->layout.channels();
+    keep(*known, wire, received);
     agreeing_ += agreeing_ < kAgreeingFrames ? 1 : 0;
     const bool counts =
         agreeing_ >= kAgreeingFrames && (channels_in_row_ & kPrimaryChannels) == kPrimaryChannels;
     rejected_[kUnproven].count += counts ? 0U : 1U;
+    if (counts) {
+        remove_old(received);
+    }
     return counts;
 }
 
-/// Ten bits are the upper ones of eleven.
-inline void DsmDecoder::keep_values(const DsmLayout& layout, const std::uint8_t* wire) {
-    const std::uint32_t channels = layout.channels();
-    channels_in_row_ |= channels;
-    const bool bits_10 = layout.resolution() == DsmResolution::bits_10;
-    const unsigned doubling = bits_10 ? 1 : 0;
-    const unsigned mask = bits_10 ? 0x3FF : 0x7FF;
+/// Keeps the values of a plausible frame with this layout.
+inline void DsmDecoder::keep(Known& known, const std::uint8_t* wire, Instant received) {
+    latest_frame_ = received;
+    known.latest = received;
+    known.order = ++frames_;
+    const DsmLayout& layout = known.layout;
+    // The first two bytes are no word, so word n stands in lane n + 1.
+    const auto came = std::bit_cast<std::array<Pulse, kLanes>>(
+        eighths_of(reinterpret_cast<Lanes>(load_wire(wire)), layout.resolution()));
     auto& pulses = values_.pulses();
     for (std::size_t word = 0; word < kDsmWords; ++word) {
-        const unsigned bits = big_endian_at(DsmWire(wire, kDsmFrameBytes), 2 + 2 * word);
-        pulses[layout.words()[word]] = pulses_[(bits & mask) << doubling];
+        pulses[layout.words()[word]] = came[1 + word];
     }
     pulses[DsmLayout::kNoChannel] = Pulse{};
-    if ((values_.absent() & channels) != 0) {
-        mark_present(channels);
+    if ((values_.absent() & layout.channels()) != 0) {
+        mark_present(layout.channels());
     }
+}
+
+/// The words of a frame have their high byte first.
+inline Lanes DsmDecoder::eighths_of(Lanes words, DsmResolution resolution) const {
+    constexpr std::uint16_t kElevenBits = 0x7FF;
+    words = words << 8U | words >> 8U;
+    if (resolution == DsmResolution::bits_10) {
+        words += words;  // ten bits are the upper ones of eleven
+    }
+    const Lanes values = words & kElevenBits;
+    return values * std::uint16_t{4} + seventeenth(values * line_.seventeenths + line_.rounding) +
+           line_.least_eighths;
 }
 
 [[gnu::noinline]] void DsmDecoder::mark_present(std::uint32_t channels) {
@@ -240,15 +274,22 @@ DsmDecoder::Known* DsmDecoder::recognise(const std::uint8_t* wire) {
     return nullptr;
 }
 
-/// Fills `frame` with the frame at the front, which counts.
-void DsmDecoder::give(const std::uint8_t* wire, Instant received, DecodedFrame& frame) {
+/// Makes channels absent that came too long ago.
+void DsmDecoder::remove_old(Instant received) {
     std::uint32_t fresh = 0;
+    usual_until_ = received + kChannelLasts;
     for (const Known& known : known_) {
-        if (known.counts && received - known.latest <= kChannelLasts) {
+        const Instant until = known.latest + kChannelLasts;
+        if (known.counts && received <= until) {
             fresh |= known.layout.channels();
+            usual_until_ = std::min(usual_until_, until);
         }
     }
     values_.remove_all(kAllChannels & ~values_.absent() & ~fresh);
+}
+
+/// Fills `frame` with the frame at the front, which counts.
+inline void DsmDecoder::give(const std::uint8_t* wire, Instant received, DecodedFrame& frame) {
     std::copy_n(wire, kDsmFrameBytes, latest_.begin());
     frame.first_byte = buffer_.first_position();
     frame.length = kDsmFrameBytes;
@@ -265,6 +306,7 @@ void DsmDecoder::skip(std::size_t count) {
 void DsmDecoder::break_row() {
     agreeing_ = 0;
     channels_in_row_ = 0;
+    usual_until_ = kNever;
     for (Known& known : known_) {
         known.counts = false;
     }

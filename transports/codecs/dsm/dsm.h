@@ -23,8 +23,13 @@ extern const Protocol kDsmProtocol;
 /// The line between values and pulses; makers disagree (docs/protocols/dsm.md, "Scales").
 enum class DsmScale : std::uint8_t { spektrum, betaflight };
 
-/// The pulse of each value of 11 bits.
-using DsmPulses = std::array<Pulse, 2048>;
+/// The pulse of a value of 11 bits: four eighths a step, and a whole number of seventeenths of an
+/// eighth, rounded. Every lane has the same value.
+struct DsmLine {
+    Lanes seventeenths{};
+    Lanes rounding{};  ///< in seventeenths
+    Lanes least_eighths{};
+};
 
 /// Finds frames by pauses, and without pauses by content.
 ///
@@ -82,6 +87,7 @@ class DsmDecoder final : public ByteDecoder {
 
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
+    Taken decode_any(std::span<const std::uint8_t> bytes, Instant received, DecodedFrame& frame);
     Step step(Instant received, DecodedFrame& frame);
     Step search(Instant received, DecodedFrame& frame);
     bool proven_at(std::size_t start) const;
@@ -93,10 +99,12 @@ class DsmDecoder final : public ByteDecoder {
     void break_row();
     void forget();
 
-    void keep_values(const DsmLayout& layout, const std::uint8_t* wire);
+    void keep(Known& known, const std::uint8_t* wire, Instant received);
+    Lanes eighths_of(Lanes words, DsmResolution resolution) const;
     void mark_present(std::uint32_t channels);
+    void remove_old(Instant received);
 
-    const DsmPulses& pulses_;
+    DsmLine line_;
     DsmResolution resolution_;
     /// The next byte begins a frame.
     bool aligned_ = false;
@@ -107,6 +115,11 @@ class DsmDecoder final : public ByteDecoder {
     std::uint64_t frames_ = 0;
     /// Of the latest plausible frame.
     Instant latest_frame_{};
+    /// Before every arrival.
+    static constexpr Instant kNever = Instant::min();
+    /// A frame with a layout that counts also counts if it comes until then, and no channel is too
+    /// old for it.
+    Instant usual_until_ = kNever;
     /// The newest value of each channel.
     ChannelFrame values_;
     std::array<std::uint8_t, kDsmFrameBytes> latest_{};

@@ -36,7 +36,7 @@ inline void FportChannels::set(const SbusLanes& raw, std::uint8_t flags,
 }
 
 void FportChannels::read(Usual content, ChannelFrame& channels) {
-    const SbusLanes raw = unpack_channels(content);
+    const SbusLanes raw = unpack_channels(content.first<kPackedChannelBytes>());
     std::memcpy(raw_.data(), &raw, sizeof raw);
     count_ = kSbusChannels;
     rssi_[0] = content[kFportUsualContent - 1];
@@ -44,12 +44,12 @@ void FportChannels::read(Usual content, ChannelFrame& channels) {
 }
 
 void FportChannels::read_any(std::span<const std::uint8_t> content, ChannelFrame& channels) {
-    std::array<std::uint8_t, 2 * kPackedChannelBytes + 2> packed{};
+    std::array<std::uint8_t, 2 * kPackedChannelBytes> packed{};
     const auto tail = content.last(kFportTailBytes);
     std::copy(content.begin(), content.end() - kFportTailBytes, packed.begin());
     const std::span<const std::uint8_t, packed.size()> all(packed);
-    const SbusLanes first = unpack_channels(all.first<kPackedChannelBytes + 2>());
-    const SbusLanes rest = unpack_channels(all.last<kPackedChannelBytes + 2>());
+    const SbusLanes first = unpack_channels(all.first<kPackedChannelBytes>());
+    const SbusLanes rest = unpack_channels(all.last<kPackedChannelBytes>());
     std::memcpy(raw_.data(), &first, sizeof first);
     std::memcpy(&raw_[kSbusChannels], &rest, sizeof rest);
     count_ = (content.size() - kFportTailBytes) * 8 / kFportRawBits;

@@ -21,20 +21,19 @@ constexpr GhstFour kEachOfFour = 0x0001'0001'0001'0001;
 
 /// Four raw values of 12 bits.
 GhstFour spread_fine(std::uint64_t packed) {
-    constexpr std::uint64_t kMask = kGhstFineMost;
-    return (packed & kMask) | (packed & kMask << 12U) << 4U | (packed & kMask << 24U) << 8U |
-           (packed & kMask << 36U) << 12U;
+    constexpr std::uint64_t kTwo = 0xFF'FFFF;
+    constexpr std::uint64_t kFirstOfTwo = 0x0000'0FFF'0000'0FFF;
+    const std::uint64_t pairs = (packed & kTwo) | (packed & kTwo << 24U) << 8U;
+    return (pairs & kFirstOfTwo) | (pairs & ~kFirstOfTwo) << 4U;
 }
 
 /// Four raw values of 8 bits.
-GhstFour spread_coarse(std::uint32_t packed) {
-    const std::uint64_t pairs = (packed | std::uint64_t{packed} << 16U) & 0x0000'FFFF'0000'FFFF;
-    return (pairs | pairs << 8U) & kEachOfFour * 0xFF;
-}
-
-std::uint32_t coarse_bytes(const std::uint8_t* frame) {
-    constexpr std::size_t kWordAt = kGhstFrameBytes - sizeof(std::uint64_t);
-    return static_cast<std::uint32_t>(load_word(frame + kWordAt) >> 8 * (kGhstCoarseAt - kWordAt));
+Lanes spread_coarse(std::uint32_t packed) {
+    static_assert(std::endian::native == std::endian::little);
+    using Bytes [[gnu::vector_size(16)]] = std::uint8_t;
+    const auto bytes = reinterpret_cast<Bytes>(GroupLanes{packed, 0});
+    return reinterpret_cast<Lanes>(__builtin_shufflevector(bytes, Bytes{}, 0, 16, 1, 17, 2, 18, 3,
+                                                           19, 4, 20, 5, 21, 6, 22, 7, 23));
 }
 
 /// A step of channels 1 to 4 in the old types is 5/16 us, cut to a quarter as all readers do; one
@@ -47,33 +46,19 @@ GhstFour fine_eighths(std::uint8_t type, GhstFour raw) {
                : (raw * 5 >> 2U & kFourteenBits) * kGhstFineStepEighths + kEachOfFour * kOldOffset;
 }
 
-GhstFour coarse_eighths(std::uint8_t type, GhstFour raw) {
-    constexpr GhstFour kOldOffset = 880 * 8;
-    constexpr GhstFour kOldStep = 5 * 8;
-    return ghst_scale_of(type) == kGhstNewTypes
-               ? raw * kGhstCoarseStepEighths + kEachOfFour * kGhstLeastEighths
-               : raw * kOldStep + kEachOfFour * kOldOffset;
+Lanes coarse_eighths(std::uint8_t type, Lanes raw) {
+    constexpr std::uint16_t kOldOffset = 880 * 8;
+    constexpr std::uint16_t kOldStep = 5 * 8;
+    constexpr auto kStep = static_cast<std::uint16_t>(kGhstCoarseStepEighths);
+    constexpr auto kLeast = static_cast<std::uint16_t>(kGhstLeastEighths);
+    return ghst_scale_of(type) == kGhstNewTypes ? raw * kStep + kLeast
+                                                : raw * kOldStep + kOldOffset;
 }
 
 void store_ghst_pulses(GhstFour eighths, void* pulses) {
     static_assert(std::endian::native == std::endian::little);
     std::memcpy(pulses, &eighths, sizeof eighths);
 }
-
-void copy_ghst_pulses(void* to, const std::array<Pulse, kGhstChannels>& pulses) {
-    std::memcpy(to, pulses.data(), sizeof pulses);
-}
-
-/// All channels are present.
-constexpr ChannelFrame kAllGhstChannels = [] {
-    ChannelFrame frame;
-    frame.frame_lost = false;
-    frame.failsafe = false;
-    for (std::size_t channel = 0; channel < kGhstChannels; ++channel) {
-        frame.set(channel, Pulse{});
-    }
-    return frame;
-}();
 
 std::uint32_t ghst_fine_raw(std::uint64_t packed, std::size_t channel) {
     return static_cast<std::uint32_t>(packed >> (kGhstFineBits * channel)) & kGhstFineMost;
@@ -90,17 +75,27 @@ std::optional<std::uint16_t> ghst_milliwatts(std::uint8_t byte) {
 
 }  // namespace
 
+ChannelFrame GhstDecoder::all_channels() {
+    ChannelFrame frame;
+    frame.frame_lost = false;
+    frame.failsafe = false;
+    frame.mark_first(kGhstChannels);
+    return frame;
+}
+
 [[gnu::flatten]] GhstDecoder::Taken GhstDecoder::decode(std::span<const std::uint8_t> bytes,
                                                         Instant received, DecodedFrame& frame) {
-    // The usual case, channels in one read. The general way gives the same.
-    if (buffer_.size() == 0 && bytes.size() >= kGhstFrameBytes && bytes[0] == kGhstAddress &&
-        bytes[kGhstLengthAt] == kGhstLength && has_ghst_channels(bytes[kGhstTypeAt]) &&
+    // The usual case, channels with a group in one read. The general way gives the same.
+    if (buffer_.size() == 0 && bytes.size() >= kGhstFrameBytes &&
+        begins_with_ghst_group(load_half_word(bytes.data())) &&
         Crc8D5::of(0, bytes.subspan<kGhstTypeAt, kGhstCheckedBytes>()) == bytes[kGhstCheckAt]) {
         frame.first_byte = buffer_.first_position();
         frame.length = kGhstFrameBytes;
-        frame.channels.received = received;
-        read_channels(bytes.data(), frame.channels);
         buffer_.pass(kGhstFrameBytes);
+        const std::uint8_t type = bytes[kGhstTypeAt];
+        keep_fine(bytes.data(), type);
+        keep_group(bytes.data(), type, received);
+        give(received, frame.channels);
         return {kGhstFrameBytes, true};
     }
     return FramedDecoder::decode(bytes, received, frame);
@@ -123,36 +118,47 @@ bool GhstDecoder::read(std::span<const std::uint8_t> frame, ChannelFrame& channe
     if (!has_ghst_channels(frame[kGhstTypeAt])) {
         return false;
     }
-    read_channels(frame.data(), channels);
-    return true;
-}
-
-/// The arrival in `channels` is set.
-void GhstDecoder::read_channels(const std::uint8_t* frame, ChannelFrame& channels) {
     const Instant received = channels.received;
     const std::uint8_t type = frame[kGhstTypeAt];
     const std::size_t content = ghst_content_of(type);
+    keep_fine(frame.data(), type);
+    if (content < kGhstGroups) {
+        keep_group(frame.data(), type, received);
+    } else if (content == kGhstStatisticsContent) {
+        take_statistics(frame.data(), received);
+    }
+    give(received, channels);
+    return true;
+}
+
+/// Keeps the frame for the details, and its channels 1 to 4. The type is that of the frame; to read
+/// it again would cost time.
+inline void GhstDecoder::keep_fine(const std::uint8_t* frame, std::uint8_t type) {
     std::memcpy(latest_.data(), frame + kGhstTypeAt, latest_.size());
     store_ghst_pulses(fine_eighths(type, spread_fine(load_word(frame + kGhstFineAt))),
-                      pulses_.data());
-    if (content < kGhstGroups) {
-        store_ghst_pulses(coarse_eighths(type, spread_coarse(coarse_bytes(frame))),
-                          &pulses_[kGhstFineChannels + content * kGhstGroupChannels]);
-        group_received_[content] = received;
-    } else if (content == kGhstStatisticsContent) {
-        take_statistics(frame, received);
-    }
-    channels = kAllGhstChannels;
-    copy_ghst_pulses(&channels.pulses()[0], pulses_);
+                      &values_.pulses()[0]);
+}
+
+inline void GhstDecoder::keep_group(const std::uint8_t* frame, std::uint8_t type,
+                                    Instant received) {
+    const std::size_t group = ghst_content_of(type);
+    store_half_lanes(&values_.pulses()[kGhstFineChannels + group * kGhstGroupChannels],
+                     coarse_eighths(type, spread_coarse(load_half_word(frame + kGhstCoarseAt))));
+    group_received_[group] = received;
+}
+
+inline void GhstDecoder::give(Instant received, ChannelFrame& channels) {
+    channels = values_;
     channels.received = received;
-    remove_old_groups(channels);
     if (statistics_ && received - statistics_->received <= kStatisticsLast) {
         channels.link_quality = statistics_->link_quality;
     }
+    if (received > groups_last_until_) {
+        remove_old_groups(channels);
+    }
 }
 
-/// Not inline, so that other frames save no registers for it.
-[[gnu::noinline]] void GhstDecoder::take_statistics(const std::uint8_t* frame, Instant received) {
+void GhstDecoder::take_statistics(const std::uint8_t* frame, Instant received) {
     constexpr std::uint8_t kMost = 100;
     // The bits above are flags (ArduPilot: telemetry, other scale).
     constexpr unsigned kModeBits = 0x1F;
@@ -164,17 +170,15 @@ void GhstDecoder::read_channels(const std::uint8_t* frame, ChannelFrame& channel
                    .received = received};
 }
 
-void GhstDecoder::remove_old_groups(ChannelFrame& channels) const {
-    const Instant oldest = *std::ranges::min_element(group_received_);
-    if (channels.received - oldest <= kGroupLasts) {
-        return;
-    }
+/// Not inline, so that most frames save no registers for it.
+[[gnu::noinline]] void GhstDecoder::remove_old_groups(ChannelFrame& channels) {
     constexpr std::uint32_t kFirstGroup = ((1U << kGhstGroupChannels) - 1) << kGhstFineChannels;
     for (std::size_t group = 0; group < kGhstGroups; ++group) {
         if (channels.received - group_received_[group] > kGroupLasts) {
             channels.remove_all(kFirstGroup << group * kGhstGroupChannels);
         }
     }
+    groups_last_until_ = *std::ranges::min_element(group_received_) + kGroupLasts;
 }
 
 std::span<const FrameDetail> GhstDecoder::details() const {

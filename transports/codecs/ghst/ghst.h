@@ -41,22 +41,27 @@ class GhstDecoder final : public FramedDecoder {
     static constexpr Duration kStatisticsLast = std::chrono::seconds(1);
 
   private:
+    static ChannelFrame all_channels();
     Taken decode(std::span<const std::uint8_t> bytes, Instant received,
                  DecodedFrame& frame) override;
     std::size_t needed_bytes(std::span<const std::uint8_t> bytes) const override;
     bool check_holds(std::span<const std::uint8_t> frame) const override;
     bool read(std::span<const std::uint8_t> frame, ChannelFrame& channels) override;
 
-    void read_channels(const std::uint8_t* frame, ChannelFrame& channels);
+    void keep_fine(const std::uint8_t* frame, std::uint8_t type);
+    void keep_group(const std::uint8_t* frame, std::uint8_t type, Instant received);
     void take_statistics(const std::uint8_t* frame, Instant received);
-    void remove_old_groups(ChannelFrame& channels) const;
+    void give(Instant received, ChannelFrame& channels);
+    void remove_old_groups(ChannelFrame& channels);
 
-    /// Of the latest frames, also of groups that have become old.
-    std::array<Pulse, 16> pulses_{};
+    /// The channels of the latest frames, also of groups that have become old or never came.
+    ChannelFrame values_ = all_channels();
     /// Before every arrival.
     static constexpr Instant kNeverCame = Instant(-2 * kGroupLasts);
     /// When the latest frame of each group came.
     std::array<Instant, 3> group_received_{kNeverCame, kNeverCame, kNeverCame};
+    /// No group is too old for a frame that came until then.
+    Instant groups_last_until_ = kNeverCame;
     std::optional<RadioStatistics> statistics_;
 
     /// The latest frame from its type on, for the details.

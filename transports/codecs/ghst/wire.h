@@ -36,12 +36,22 @@ inline constexpr std::uint8_t kGhstNewTypes = 0x30;
 constexpr std::uint8_t ghst_scale_of(std::uint8_t type) {
     return type & 0xF0U;
 }
-constexpr std::size_t ghst_content_of(std::uint8_t type) {
+constexpr std::size_t ghst_content_of(unsigned type) {
     return type & 0x0FU;
 }
 inline constexpr std::uint8_t kGhstStatisticsContent = kGhstGroups;
 constexpr bool has_ghst_channels(std::uint8_t type) {
     return ghst_scale_of(type) == kGhstNewTypes || ghst_scale_of(type) == kGhstOldTypes;
+}
+/// Whether a frame begins as those with channels and a group do: by its first four bytes, the first
+/// one lowest.
+constexpr bool begins_with_ghst_group(std::uint32_t head) {
+    constexpr unsigned kEitherScale = 0xF0U & ~(unsigned{kGhstOldTypes} ^ kGhstNewTypes);
+    constexpr unsigned kTypeShift = 8 * kGhstTypeAt;
+    constexpr std::uint32_t kBits = 0xFFFFU | kEitherScale << kTypeShift;
+    constexpr std::uint32_t kBegin = kGhstAddress | kGhstLength << 8U * kGhstLengthAt |
+                                     (kGhstOldTypes & kEitherScale) << kTypeShift;
+    return (head & kBits) == kBegin && ghst_content_of(head >> kTypeShift) < kGhstGroups;
 }
 
 /// Places of the statistics among the four bytes.

@@ -100,8 +100,8 @@ inline void IbusDecoder::begin_frame(std::size_t length, Instant received, Decod
     usual_length_ = static_cast<std::uint16_t>(length);
 }
 
-inline void IbusDecoder::read_long_frame(std::span<const std::uint8_t, kLongFrame> wire,
-                                         Instant received, DecodedFrame& frame) {
+[[gnu::always_inline]] inline void IbusDecoder::read_long_frame(
+    std::span<const std::uint8_t, kLongFrame> wire, Instant received, DecodedFrame& frame) {
     begin_frame(kLongestFrame, received, frame);
     put_all_slots(frame.channels, wire.data() + kSlotsAt);
     put_nibble_channels(frame.channels, wire.data() + kSlotsAt);

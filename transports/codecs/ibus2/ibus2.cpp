@@ -104,7 +104,7 @@ inline bool Ibus2Decoder::unpack_alike(const Padded& padded, ChannelFrame& chann
     constexpr auto kCentre = static_cast<std::int16_t>(kCentrePulse.eighths());
     const Key& key = key_;
     const Place& place = key.channels[0];
-    const SbusLanes raw = unpack_channels(std::span(padded).first<kPackedChannelBytes + 2>());
+    const SbusLanes raw = unpack_channels(std::span(padded).first<kPackedChannelBytes>());
     const std::uint64_t beyond = load_word(&padded[kPackedChannelBytes]);
     const Lanes rest{static_cast<std::uint16_t>(beyond),
                      static_cast<std::uint16_t>(beyond >> kElevenBits)};

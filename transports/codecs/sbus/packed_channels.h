@@ -19,13 +19,13 @@ inline constexpr std::size_t kPackedChannelBytes = 22;
 namespace packed_channels {
 
 // Four channels are a group of 44 bits, all within eight bytes. Even groups begin at a whole byte,
-// odd ones at half a byte. Two channels are a pair of 22 bits. If a group of 64 bits, or a pair of
+// odd ones end at one. Two channels are a pair of 22 bits. If a group of 64 bits, or a pair of
 // 32 bits, is shifted so that the boundary between its two halves is in the middle, one
 // multiplication moves all lower, or all upper, channels.
 using EightBytes = std::uint64_t;
 inline constexpr unsigned kBitsPerChannel = 11;
-inline constexpr std::array<std::size_t, 4> kGroupAt{0, 5, 11, 16};
-inline constexpr unsigned kOddShift = 4;
+inline constexpr std::array<std::size_t, 4> kGroupAt{0, 3, 11, 14};
+inline constexpr unsigned kOddShift = 64 - 4 * kBitsPerChannel;
 inline constexpr unsigned kChannelsApart = 16 - kBitsPerChannel;
 inline constexpr unsigned kPairsApart = 32 - 2 * kBitsPerChannel;
 
@@ -33,23 +33,31 @@ inline constexpr std::uint16_t kUp = 1U << kChannelsApart;
 inline constexpr Lanes kUppersUp{1, kUp, 1, kUp, 1, kUp, 1, kUp};
 inline constexpr Lanes kLowersUp{kUp, 1, kUp, 1, kUp, 1, kUp, 1};
 
-/// Turns two groups, each from bit `From` on, into pairs: the lower pairs of both, then the upper
-/// ones.
-template <unsigned From>
+/// Moves bit `from` to bit `to`.
+template <unsigned from, unsigned to>
+inline PairLanes moved(GroupLanes groups) {
+    if constexpr (from <= to) {
+        return reinterpret_cast<PairLanes>(groups << (to - from));
+    } else {
+        return reinterpret_cast<PairLanes>(groups >> (from - to));
+    }
+}
+
+/// Turns two groups, each from bit `from` on, into pairs: the lower pairs of both, then the upper
+/// ones. Bits below a pair do not matter.
+template <unsigned from>
 inline PairLanes pairs_of(GroupLanes groups) {
-    const auto lower = reinterpret_cast<PairLanes>(groups << (kChannelsApart - From));
-    const auto upper = reinterpret_cast<PairLanes>(groups << (kChannelsApart + kPairsApart - From));
-    return __builtin_shufflevector(lower, upper, 0, 2, 5, 7);
+    return __builtin_shufflevector(moved<from, kChannelsApart>(groups),
+                                   moved<from, kChannelsApart + kPairsApart>(groups), 0, 2, 5, 7);
 }
 
 }  // namespace packed_channels
 
-/// Reads the first 22 bytes. Two more must be there.
-inline SbusLanes unpack_channels(std::span<const std::uint8_t, kPackedChannelBytes + 2> wire) {
+inline SbusLanes unpack_channels(std::span<const std::uint8_t, kPackedChannelBytes> wire) {
     using namespace packed_channels;
     // The order of the pairs in a group, and of the channels in a pair, is that of the machine.
     static_assert(std::endian::native == std::endian::little);
-    static_assert(kGroupAt[3] + sizeof(EightBytes) == kPackedChannelBytes + 2);
+    static_assert(kGroupAt[3] + sizeof(EightBytes) == kPackedChannelBytes);
     const auto even =
         pairs_of<0>(GroupLanes{load_word(&wire[kGroupAt[0]]), load_word(&wire[kGroupAt[2]])});
     const auto odd = pairs_of<kOddShift>(

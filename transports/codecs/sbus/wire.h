@@ -30,7 +30,7 @@ static_assert(kPayloadAt + kPackedChannelBytes == kFlagsAt);
 static_assert(kFooterAt + 1 == kSbusFrameLength);
 
 inline SbusLanes unpack(std::span<const std::uint8_t, kSbusFrameLength> wire) {
-    return unpack_channels(wire.subspan<kPayloadAt>());
+    return unpack_channels(wire.subspan<kPayloadAt, kPackedChannelBytes>());
 }
 
 /// Writes the whole frame. Raw values must not exceed 11 bits.

@@ -3,7 +3,10 @@
 #include <linux/can/error.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstring>
+#include <utility>
 
 namespace tribus {
 
@@ -11,6 +14,33 @@ const can_err_mask_t kWantedErrors =
     CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_ACK | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED;
 
 namespace {
+
+/// Masks of the first bytes of a word in memory, by their number.
+constexpr std::array<std::uint64_t, kMostClassicBytes + 1> kFirstBytes = [] {
+    std::array<std::uint64_t, kMostClassicBytes + 1> masks{};
+    std::array<std::uint8_t, sizeof(std::uint64_t)> bytes{};
+    for (std::size_t count = 0; count < bytes.size(); ++count) {
+        bytes[count] = 0xFF;
+        masks[count + 1] = std::bit_cast<std::uint64_t>(bytes);
+    }
+    return masks;
+}();
+
+std::uint64_t classic_data(const std::uint8_t* data, std::size_t length) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, data, sizeof word);
+    return word & kFirstBytes[length];
+}
+
+/// Copies data of up to eight bytes as one word, which takes no call and no loop.
+void copy_data(const std::uint8_t* from, std::size_t length, std::uint8_t* to) {
+    if (length <= kMostClassicBytes) {
+        const std::uint64_t word = classic_data(from, length);
+        std::memcpy(to, &word, sizeof word);
+    } else {
+        std::copy_n(from, length, to);
+    }
+}
 
 can_filter kernel_filter(const CanIdMatch& match) {
     const canid_t id_bits = match.extended ? CAN_EFF_MASK : CAN_SFF_MASK;
@@ -35,7 +65,7 @@ std::size_t to_wire(const CanFrame& frame, canfd_frame& wire) {
                                        (frame.error_state_indicator ? CANFD_ESI : 0));
     }
     if (!frame.remote) {
-        std::copy_n(frame.data.begin(), wire.len, std::begin(wire.data));
+        copy_data(frame.data.data(), wire.len, wire.data);
     }
     return size;
 }
@@ -44,7 +74,8 @@ std::optional<CanFrame> from_wire(const canfd_frame& wire, std::size_t size) {
     if ((size != CAN_MTU && size != CANFD_MTU) || (wire.can_id & CAN_ERR_FLAG) != 0) {
         return std::nullopt;
     }
-    CanFrame frame;
+    std::optional<CanFrame> result(std::in_place);
+    CanFrame& frame = *result;
     frame.extended = (wire.can_id & CAN_EFF_FLAG) != 0;
     frame.id = wire.can_id & (frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK);
     frame.fd = size == CANFD_MTU;
@@ -55,14 +86,19 @@ std::optional<CanFrame> from_wire(const canfd_frame& wire, std::size_t size) {
     const std::size_t room = frame.fd ? kMostFdBytes : kMostClassicBytes;
     frame.length = static_cast<std::uint8_t>(std::min<std::size_t>(wire.len, room));
     if (!frame.remote) {
-        std::copy_n(std::begin(wire.data), frame.length, frame.data.begin());
+        copy_data(wire.data, frame.length, frame.data.data());
     }
-    return frame;
+    return result;
 }
 
 bool same_message(const CanFrame& a, const CanFrame& b) {
-    return a.id == b.id && a.extended == b.extended && a.remote == b.remote && a.fd == b.fd &&
-           std::ranges::equal(a.bytes(), b.bytes());
+    if (a.id != b.id || a.extended != b.extended || a.remote != b.remote || a.fd != b.fd ||
+        a.length != b.length) {
+        return false;
+    }
+    return a.length <= kMostClassicBytes
+               ? classic_data(a.data.data(), a.length) == classic_data(b.data.data(), b.length)
+               : std::ranges::equal(a.bytes(), b.bytes());
 }
 
 std::optional<CanErrorReport> error_report(const canfd_frame& wire) {
