@@ -2,14 +2,13 @@
 
 #include <csignal>
 
-#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 namespace tribus::test {
 namespace {
 
-constexpr int kFewest = 4;  // standard streams and one more
-constexpr int kEnough = 32;
+constexpr std::size_t kFewest = 4;  // standard streams and one more
+constexpr std::size_t kEnough = 32;
 
 bool says_of(const Program& program, const char* part) {
     return program.errors().find(part) != std::string::npos;
@@ -20,9 +19,8 @@ bool says_of(const Program& program, const char* part) {
 DescriptorTrials run_with_few_descriptors(const std::filesystem::path& folder,
                                           const std::string& file) {
     DescriptorTrials trials;
-    for (int most = kFewest; most <= kEnough; ++most) {
-        Program program(folder, {fmt::format("--nofile={}", most), TRIBUS_PROGRAM, "run", file},
-                        {.executable = "/usr/bin/prlimit"});
+    for (std::size_t most = kFewest; most <= kEnough; ++most) {
+        Program program(folder, {"run", file}, {.most_descriptors = most});
         EXPECT_TRUE(eventually([&] { return !program.runs() || says_of(program, "started"); }))
             << most;
         if (says_of(program, "loading shared libraries")) {

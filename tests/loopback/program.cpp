@@ -126,6 +126,9 @@ void Program::become(const std::vector<std::string>& arguments, const ProgramSet
     } else if (heap_trap_works()) {
         ::setenv("LD_PRELOAD", TRIBUS_HEAP_TRAP, 1);
     }
+    if (settings.most_descriptors != 0) {
+        lower_limit(RLIMIT_NOFILE, settings.most_descriptors);
+    }
     std::string name = settings.executable;
     std::vector<std::string> words = arguments;
     std::vector<char*> argv{name.data()};
@@ -194,8 +197,8 @@ long Program::memory_kib(const std::string& line) const {
     return std::stol(status.substr(at + line.size() + 1));
 }
 
-std::optional<int> Program::end() {
-    eventually([this] { return !runs(); });
+std::optional<int> Program::end(std::chrono::seconds patience) {
+    eventually([this] { return !runs(); }, patience);
     return ended_;
 }
 

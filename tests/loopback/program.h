@@ -16,10 +16,10 @@ namespace tribus::test {
 /// busy machine.
 inline constexpr std::chrono::seconds kPatience{15};
 
-/// Calls `done` every few milliseconds until it returns true. Returns false when kPatience is over.
+/// Calls `done` every few milliseconds until it returns true. Returns false when patience is over.
 template <class Done>
-bool eventually(Done done) {
-    const auto end = std::chrono::steady_clock::now() + kPatience;
+bool eventually(Done done, std::chrono::seconds patience = kPatience) {
+    const auto end = std::chrono::steady_clock::now() + patience;
     while (!done()) {
         if (std::chrono::steady_clock::now() > end) {
             return false;
@@ -49,6 +49,7 @@ struct ProgramSettings {
     /// their own account.
     bool ordinary_user = false;
     std::size_t most_locked_bytes = 8 << 20;  ///< limit of an ordinary user
+    std::size_t most_descriptors = 0;         ///< 0: as many as the tests
 };
 
 /// A running program, with the heap trap. It is killed with its object, and when the test dies.
@@ -72,7 +73,7 @@ class Program {
     /// Value in KiB of a line of /proc/PID/status, such as "VmRSS".
     long memory_kib(const std::string& line) const;
     /// Waits for the end. Returns the exit status, or 128 plus the signal that ended the program.
-    std::optional<int> end();
+    std::optional<int> end(std::chrono::seconds patience = kPatience);
 
     std::string output() const;
     std::string errors() const;

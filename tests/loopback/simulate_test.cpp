@@ -83,6 +83,9 @@ SbusSight sight_of_raw(const Json& frame) {
     return sight;
 }
 
+/// An emulated board takes a minute for what a real one does in seconds.
+constexpr std::chrono::seconds kMinutes{120};
+
 class Simulate : public Loopback {
   protected:
     std::filesystem::path simulate(const std::filesystem::path& recording) {
@@ -90,7 +93,7 @@ class Simulate : public Loopback {
         Program& program =
             start({"simulate", write_config(main_job()), "--in", "receiver=" + recording.string(),
                    "--out", "servos=" + out.string()});
-        EXPECT_EQ(program.end(), 0) << program.errors();
+        EXPECT_EQ(program.end(kMinutes), 0) << program.errors();
         return out;
     }
     /// Returns the frames that `tribus decode` reads from the file, with their times.
@@ -204,9 +207,9 @@ TEST_F(Simulate, NeedsNoMoreMemoryForALongRecordingAndDecodeNeither) {
         bytes_file.close();
         log_file.close();
         simulate(bytes);
-        EXPECT_EQ(start({"decode", "--protocol", "ibus", bytes}).end(), 0);
-        EXPECT_EQ(start({"decode", bytes}).end(), 0);
-        EXPECT_EQ(start({"decode", log}).end(), 1) << "no protocol has this id";
+        EXPECT_EQ(start({"decode", "--protocol", "ibus", bytes}).end(kMinutes), 0);
+        EXPECT_EQ(start({"decode", bytes}).end(kMinutes), 0);
+        EXPECT_EQ(start({"decode", log}).end(kMinutes), 1) << "no protocol has this id";
         return peak_of_programs_kib();
     };
     const long peak_of_short = peak_with(1'000);

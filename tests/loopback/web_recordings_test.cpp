@@ -200,7 +200,8 @@ TEST_F(WebRecordings, ADaemonThatRunsKnowsItsDirectoryBetterThanItsFile) {
 TEST_F(WebRecordings, NoNameAndNoLinkLeadsOutOfTheirDirectory) {
     Program& daemon = run_recorder();
     serve();
-    const Browser browser = paired();
+    Browser browser = paired();
+    browser.be_patient(std::chrono::seconds(60));
     const std::string id = recorded(browser, daemon);
     const std::string linked = "2026-01-01T00-00-00Z-request";
     const std::string outside = "2026-01-02T00-00-00Z-request";
