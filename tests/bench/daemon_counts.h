@@ -27,9 +27,9 @@ struct DaemonRow {
     double most = 0;
 };
 inline constexpr std::array kDaemonRows{
-    DaemonRow{"Ibus18ToSbus", Carries::sbus, 2600},
-    DaemonRow{"Ibus14ToSbus", Carries::sbus_of_14, 2750},
-    DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2600},
+    DaemonRow{"Ibus18ToSbus", Carries::sbus, 2460},
+    DaemonRow{"Ibus14ToSbus", Carries::sbus_of_14, 2580},
+    DaemonRow{"SbusToIbus18", Carries::ibus_of_sbus, 2460},
 };
 /// User instructions a second of the main thread, which looks at the devices five times a second.
 inline constexpr double kMostOfMainThread = 25'000;
