@@ -4,10 +4,12 @@
 # add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
 # "long" and run in the second tier only.
 # Suites that compute for 20 seconds and more. They start first: at the end processors would wait for
-# them. Those that count what a running daemon does are not among them: they need a quiet machine.
+# them.
 set(costly LineJudge|NeverStale|Frames/CodecCounts|SensorValue|Ibus2Decoder|SbusResyncProperty
     IbusBesidePlain|SbusBesidePlain)
 list(JOIN costly "|" costly)
+# Suites that count what a running daemon does. Other work adds wake-ups, so they run alone.
+set(alone Frames/DaemonCounts)
 
 function(add_suites name program seconds long)
     if(NOT EXISTS "${program}")
@@ -29,6 +31,9 @@ function(add_suites name program seconds long)
                 "MALLOC_MMAP_THRESHOLD_=1000000000;MALLOC_TRIM_THRESHOLD_=1000000000")
             if(suite MATCHES "^(${costly})$")
                 set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
+            endif()
+            if(suite MATCHES "^(${alone})$")
+                set_tests_properties("${name}.${suite}" PROPERTIES RUN_SERIAL TRUE)
             endif()
             if(suite MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
