@@ -17,6 +17,8 @@ inline constexpr std::size_t kGroupChannels = 8;
 inline constexpr std::array<std::size_t, 3> kGroupBegins{0, kGroupChannels,
                                                          kChannelCount - kGroupChannels};
 
+inline constexpr std::size_t kGroupLanes = kGroupBegins.size() * kGroupChannels;
+
 /// Eighths of a microsecond, or a mask for each channel.
 using ChannelGroup = std::array<std::int16_t, kGroupChannels>;
 
@@ -45,15 +47,19 @@ class ChannelNumbers {
             }
         }
     }
+    /// The numbers of all groups, one after the other.
+    const std::int16_t* all() const {
+        // So aligned, they are operands of vector instructions in memory.
+        return std::assume_aligned<kAlignment>(numbers_.data());
+    }
     /// The numbers of a group.
     const std::int16_t* group(std::size_t group) const {
-        // So aligned, they are operands of vector instructions in memory.
         return std::assume_aligned<kAlignment>(&numbers_[group * kGroupChannels]);
     }
 
   private:
     static constexpr std::size_t kAlignment = sizeof(ChannelGroup);
-    alignas(kAlignment) std::array<std::int16_t, kGroupBegins.size() * kGroupChannels> numbers_{};
+    alignas(kAlignment) std::array<std::int16_t, kGroupLanes> numbers_{};
 };
 
 /// All bits of the channels that are present, one bit each in `absent` for the others.
@@ -72,8 +78,8 @@ inline bool all_within(const ChannelFrame& frame, std::int16_t least, std::int16
     for (std::size_t group = 0; group < groups.size(); ++group) {
         groups[group] = group_of(frame, group);
     }
-    const auto values = std::bit_cast<std::array<std::int16_t, sizeof groups / 2>>(groups);
-    const std::int16_t* const counts = present.group(0);
+    const auto values = std::bit_cast<std::array<std::int16_t, kGroupLanes>>(groups);
+    const std::int16_t* const counts = present.all();
     // No branch inside, so that the compiler uses vector instructions.
     std::int16_t outside = 0;
     for (std::size_t lane = 0; lane < values.size(); ++lane) {

@@ -1,12 +1,9 @@
 #include "pipelines/rules/channel_map.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <numeric>
 #include <optional>
-#include <utility>
 
 #include "core/rounding.h"
 

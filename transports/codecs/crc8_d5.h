@@ -21,7 +21,7 @@ inline constexpr std::size_t kCrc8D5FoldedBytes = 24;
 [[gnu::always_inline]] inline std::uint8_t crc8_d5_remainder(
     std::span<const std::uint8_t, kCrc8D5FoldedBytes> bytes) {
     const std::uint8_t* const first = bytes.data();
-    // Bytes 0 to 11 times x^3, on bytes 12 to 23: 64 bits, and what is above them.
+    // Adds bytes 0 to 11, times x^3, to bytes 12 to 23: the lower 64 bits, and those above.
     const std::uint64_t lower =
         load_word_highest_first(first + 4) << 3U ^ load_word_highest_first(first + 16);
     const std::uint64_t upper =

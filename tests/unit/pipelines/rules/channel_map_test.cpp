@@ -92,6 +92,21 @@ TEST(ChannelMap, an_absent_source_makes_an_absent_channel) {
     EXPECT_FALSE(out.has(2));
 }
 
+/// What a receiver sends may change from frame to frame: nothing of the frame before may count.
+TEST(ChannelMap, a_channel_is_absent_in_each_frame_whose_own_source_is_absent) {
+    for (const std::size_t source : {std::size_t{3}, std::size_t{5}}) {
+        ChannelMap map = map_of({.output = 3, .source = FromChannel{source}, .max = us(2100)});
+        for (const std::uint32_t absent : {0x3C000U, 0x00008U, 0x00020U, 0x00001U, 0U, 0x3C000U}) {
+            ChannelFrame input = ladder();
+            input.remove_all(absent);
+            ChannelFrame expected = input;
+            expected.set(3, input.channel(source));
+            EXPECT_TRUE(map.apply(input, kNow).same_channels(expected))
+                << "from " << source << ", absent " << std::hex << absent;
+        }
+    }
+}
+
 TEST(ChannelMap, a_channel_that_the_receiver_lacks_is_there_where_a_rule_fills_it) {
     ChannelFrame input = ladder();
     input.remove(14);

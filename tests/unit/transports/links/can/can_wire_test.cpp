@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <linux/can/error.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -86,6 +87,26 @@ TEST(CanWireTest, FramesComeBackAsTheyWent) {
         canfd_frame wire{};
         const std::size_t size = to_wire(frame, wire);
         EXPECT_EQ(from_wire(wire, size), frame) << std::hex << frame.id;
+    }
+}
+
+/// They may be what an earlier frame left in memory.
+TEST(CanWireTest, BytesBeyondTheLengthPassInNoDirectionAndDoNotCount) {
+    CanFrame full = standard_frame();
+    full.data.fill(0xAA);
+    for (std::uint8_t length = 0; length <= kMostClassicBytes; ++length) {
+        full.length = length;
+        CanFrame clean = full;
+        std::fill(clean.data.begin() + length, clean.data.end(), std::uint8_t{0});
+        EXPECT_EQ(from_wire(wire_of(full), CAN_MTU), clean) << int{length};
+        canfd_frame wire = wire_of(clean);
+        std::fill(wire.data + length, std::end(wire.data), std::uint8_t{0xBB});
+        EXPECT_EQ(from_wire(wire, CAN_MTU), clean) << int{length};
+        EXPECT_TRUE(same_message(full, clean)) << int{length};
+        if (length > 0) {
+            clean.data[length - 1] ^= 1U;
+            EXPECT_FALSE(same_message(full, clean)) << int{length};
+        }
     }
 }
 
