@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "app/doctor/finding.h"
-#include "app/doctor/kernel_files.h"
+#include "app/doctor/facts/finding.h"
+#include "app/doctor/facts/kernel_files.h"
 #include "transports/links/can/can_interface.h"
 
 namespace tribus::doctor {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/doctor/line_advice.h"
-#include "app/doctor/line_heard.h"
-#include "app/doctor/listener.h"
+#include "app/doctor/listening/line_heard.h"
+#include "app/doctor/listening/listener.h"
 
 namespace tribus::doctor {
 namespace {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/doctor/finding.h"
-#include "app/doctor/kernel_files.h"
+#include "app/doctor/facts/finding.h"
+#include "app/doctor/facts/kernel_files.h"
 #include "app/doctor/report.h"
 #include "core/time.h"
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "app/doctor/line_heard.h"
+#include "app/doctor/listening/line_heard.h"
 #include "config/schema/notation.h"
 #include "core/quotes.h"
 #include "transports/codecs/ibus_sensor/ibus_sensor.h"

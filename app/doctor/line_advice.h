@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/doctor/finding.h"
-#include "app/doctor/line_judge.h"
+#include "app/doctor/facts/finding.h"
+#include "app/doctor/listening/line_judge.h"
 
 namespace tribus::doctor {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "app/doctor/finding.h"
-#include "app/doctor/machine_facts.h"
+#include "app/doctor/facts/finding.h"
+#include "app/doctor/facts/machine_facts.h"
 
 namespace tribus::doctor {
 

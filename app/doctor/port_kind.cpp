@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "app/doctor/line_heard.h"
+#include "app/doctor/listening/line_heard.h"
 #include "transports/links/serial/uart_rate.h"
 
 namespace tribus::doctor {

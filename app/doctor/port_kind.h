@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "app/doctor/serial_facts.h"
+#include "app/doctor/facts/serial_facts.h"
 #include "core/line_settings.h"
 
 namespace tribus::doctor {

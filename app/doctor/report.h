@@ -4,15 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "app/doctor/finding.h"
-#include "app/doctor/gpio_facts.h"
-#include "app/doctor/input_facts.h"
-#include "app/doctor/line_judge.h"
-#include "app/doctor/machine_facts.h"
-#include "app/doctor/pwm_facts.h"
-#include "app/doctor/serial_facts.h"
+#include "app/doctor/facts/finding.h"
+#include "app/doctor/facts/gpio_facts.h"
+#include "app/doctor/facts/input_facts.h"
+#include "app/doctor/facts/machine_facts.h"
+#include "app/doctor/facts/pwm_facts.h"
+#include "app/doctor/facts/serial_facts.h"
+#include "app/doctor/facts/spi_facts.h"
+#include "app/doctor/listening/line_judge.h"
 #include "app/doctor/serial_judge.h"
-#include "app/doctor/spi_facts.h"
 #include "transports/links/can/can_interface.h"
 
 namespace tribus::doctor {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "app/doctor/line_heard.h"
+#include "app/doctor/listening/line_heard.h"
 #include "app/doctor/port_kind.h"
 
 namespace tribus::doctor {

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "app/doctor/finding.h"
-#include "app/doctor/serial_facts.h"
+#include "app/doctor/facts/finding.h"
+#include "app/doctor/facts/serial_facts.h"
 
 namespace tribus::doctor {
 

@@ -7,10 +7,10 @@
 
 #include <tl/expected.hpp>
 
-#include "app/doctor/finding.h"
+#include "app/doctor/facts/finding.h"
+#include "app/doctor/facts/serial_facts.h"
 #include "app/doctor/line_advice.h"
-#include "app/doctor/line_judge.h"
-#include "app/doctor/serial_facts.h"
+#include "app/doctor/listening/line_judge.h"
 #include "core/setting.h"
 #include "transports/codecs/protocol.h"
 #include "transports/links/serial/serial_medium.h"

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/doctor/finding.h"
+#include "app/doctor/facts/finding.h"
 
 namespace tribus::init {
 

@@ -10,12 +10,12 @@
 
 #include "app/doctor/can_judge.h"
 #include "app/doctor/examine.h"
-#include "app/doctor/gpio_facts.h"
-#include "app/doctor/input_facts.h"
-#include "app/doctor/listener.h"
-#include "app/doctor/pwm_facts.h"
+#include "app/doctor/facts/gpio_facts.h"
+#include "app/doctor/facts/input_facts.h"
+#include "app/doctor/facts/pwm_facts.h"
+#include "app/doctor/facts/spi_facts.h"
+#include "app/doctor/listening/listener.h"
 #include "app/doctor/serial_judge.h"
-#include "app/doctor/spi_facts.h"
 #include "transports/links/can/can_interface.h"
 #include "transports/links/can/can_medium.h"
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/doctor/kernel_files.h"
+#include "app/doctor/facts/kernel_files.h"
 #include "app/init/attachment.h"
 #include "core/line_settings.h"
 #include "core/time.h"

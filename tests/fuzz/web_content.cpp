@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "app/web/server/answers.h"
-#include "app/web/server/checks.h"
+#include "app/web/answers/answers.h"
+#include "app/web/answers/checks.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace {

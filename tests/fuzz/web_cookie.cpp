@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "app/web/server/access.h"
-#include "app/web/server/cookie.h"
-#include "app/web/server/http.h"
+#include "app/web/http/access.h"
+#include "app/web/http/cookie.h"
+#include "app/web/http/http.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace {

@@ -5,8 +5,8 @@
 #include <tuple>
 #include <variant>
 
-#include "app/web/server/access.h"
-#include "app/web/server/http.h"
+#include "app/web/http/access.h"
+#include "app/web/http/http.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace tribus::fuzz {

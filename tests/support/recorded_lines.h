@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_heard.h"
-#include "app/doctor/listener.h"
+#include "app/doctor/listening/line_heard.h"
+#include "app/doctor/listening/listener.h"
 #include "tests/support/captures.h"
 #include "tests/support/shell.h"
 #include "tests/support/uart_wire.h"

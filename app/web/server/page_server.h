@@ -7,7 +7,7 @@
 #include <tl/expected.hpp>
 
 #include "app/daemon/socket_server.h"
-#include "app/web/server/listeners.h"
+#include "app/web/http/listeners.h"
 #include "app/web/server/site.h"
 #include "core/time.h"
 

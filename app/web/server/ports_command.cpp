@@ -14,7 +14,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/object_text.h"
 #include "app/cli/plain_name.h"
-#include "app/web/server/answers.h"
+#include "app/web/answers/answers.h"
 #include "core/quotes.h"
 
 namespace tribus::web {

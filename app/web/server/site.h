@@ -14,12 +14,12 @@
 #include <vector>
 
 #include "app/client/socket_client.h"
+#include "app/web/answers/daemons.h"
+#include "app/web/answers/plot_job.h"
+#include "app/web/answers/recordings.h"
+#include "app/web/http/files.h"
+#include "app/web/http/http.h"
 #include "app/web/pairing/pairing.h"
-#include "app/web/server/daemons.h"
-#include "app/web/server/files.h"
-#include "app/web/server/http.h"
-#include "app/web/server/plot_job.h"
-#include "app/web/server/recordings.h"
 #include "core/time.h"
 
 namespace tribus::web {

@@ -10,8 +10,8 @@
 
 #include "app/client/status_fields.h"
 #include "app/status/fingerprint.h"
-#include "app/web/server/answers.h"
-#include "app/web/server/checks.h"
+#include "app/web/answers/answers.h"
+#include "app/web/answers/checks.h"
 #include "app/web/server/site.h"
 #include "config/language/read_document.h"
 #include "config/language/read_file.h"

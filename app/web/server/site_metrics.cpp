@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/client/status_fields.h"
-#include "app/web/server/answers.h"
-#include "app/web/server/metrics.h"
+#include "app/web/answers/answers.h"
+#include "app/web/answers/metrics.h"
 #include "app/web/server/site.h"
 
 /// Metrics of all daemons, for Prometheus.

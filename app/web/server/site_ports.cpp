@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "app/web/server/answers.h"
+#include "app/web/answers/answers.h"
 #include "app/web/server/site.h"
 
 /// Doctor and learn: what opens ports is done by the helper for ports.

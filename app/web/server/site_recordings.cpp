@@ -4,9 +4,9 @@
 #include <utility>
 #include <variant>
 
-#include "app/web/server/answers.h"
-#include "app/web/server/plot_job.h"
-#include "app/web/server/recordings.h"
+#include "app/web/answers/answers.h"
+#include "app/web/answers/plot_job.h"
+#include "app/web/answers/recordings.h"
 #include "app/web/server/site.h"
 #include "pipelines/realtime/clock.h"
 

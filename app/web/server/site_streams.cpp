@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "app/web/server/answers.h"
-#include "app/web/server/cookie.h"
+#include "app/web/answers/answers.h"
+#include "app/web/http/cookie.h"
 #include "app/web/server/site.h"
 
 /// Pages that get each status, and who they belong to.

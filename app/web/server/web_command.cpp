@@ -12,7 +12,7 @@
 #include "app/cli/exit_status.h"
 #include "app/cli/main_wait.h"
 #include "app/journal/log.h"
-#include "app/web/server/listeners.h"
+#include "app/web/http/listeners.h"
 #include "app/web/server/page_server.h"
 #include "pipelines/realtime/clock.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "app/doctor/machine_facts.h"
+#include "app/doctor/facts/machine_facts.h"
 #include "app/doctor/machine_judge.h"
 #include "tests/support/kernel_tree.h"
 

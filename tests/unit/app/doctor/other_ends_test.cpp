@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "app/doctor/gpio_facts.h"
-#include "app/doctor/input_facts.h"
-#include "app/doctor/pwm_facts.h"
+#include "app/doctor/facts/gpio_facts.h"
+#include "app/doctor/facts/input_facts.h"
+#include "app/doctor/facts/pwm_facts.h"
+#include "app/doctor/facts/spi_facts.h"
 #include "app/doctor/report.h"
-#include "app/doctor/spi_facts.h"
 #include "tests/support/input_tree.h"
 #include "tests/unit/config/main_job.h"
 

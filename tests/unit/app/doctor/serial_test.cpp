@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "app/doctor/serial_facts.h"
+#include "app/doctor/facts/serial_facts.h"
 #include "app/doctor/serial_judge.h"
 #include "tests/support/kernel_tree.h"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "app/doctor/line_heard.h"
+#include "app/doctor/listening/line_heard.h"
 #include "app/init/attachment.h"
 #include "transports/links/can/can_medium.h"
 #include "transports/links/serial/serial_medium.h"

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_judge.h"
+#include "app/doctor/listening/line_judge.h"
 #include "tests/reference/plain_crsf.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_judge.h"
+#include "app/doctor/listening/line_judge.h"
 #include "tests/support/streams.h"
 #include "tests/unit/transports/codecs/dsm/dsm_lines.h"
 #include "transports/registry/registry.h"

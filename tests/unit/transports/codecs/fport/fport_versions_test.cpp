@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_judge.h"
+#include "app/doctor/listening/line_judge.h"
 #include "tests/unit/transports/codecs/fport/fport_frames.h"
 #include "transports/registry/registry.h"
 

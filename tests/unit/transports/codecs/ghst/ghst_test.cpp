@@ -12,7 +12,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_judge.h"
+#include "app/doctor/listening/line_judge.h"
 #include "tests/reference/plain_ghst.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"

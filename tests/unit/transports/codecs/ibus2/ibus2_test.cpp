@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_judge.h"
+#include "app/doctor/listening/line_judge.h"
 #include "tests/unit/transports/codecs/ibus2/ibus2_frames.h"
 #include "transports/registry/registry.h"
 

@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_judge.h"
+#include "app/doctor/listening/line_judge.h"
 #include "tests/reference/plain_srxl.h"
 #include "tests/support/channel_bytes.h"
 #include "tests/support/streams.h"

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "app/doctor/line_judge.h"
+#include "app/doctor/listening/line_judge.h"
 #include "tests/support/channel_bytes.h"
 #include "tests/support/streams.h"
 #include "transports/registry/registry.h"
