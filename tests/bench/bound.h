@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -7,9 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include <fmt/format.h>
 #include <tl/expected.hpp>
 
 #include "app/bench/latency.h"
+#include "app/bench/relay.h"
 #include "app/bench/subject.h"
 #include "core/time.h"
 
@@ -49,6 +52,23 @@ inline bench::ApplianceSettings appliance(const BoundSettings& settings) {
     return appliance;
 }
 
+/// The anchor of ratios: a relay in real time, on the processor of the product.
+inline bench::RelaySettings bare_relay(const BoundSettings& settings,
+                                       bench::RelaySettings::Waits waits) {
+    return {.waits = waits, .priority = settings.priority, .cpu = settings.cpu};
+}
+
+/// The anchor that keeps a deadline too, the least that a program with a failsafe can do: the first
+/// repeat of an output is as far behind its last frame.
+inline bench::RelaySettings with_deadline(bench::RelaySettings bare) {
+    bare.timeout = std::chrono::milliseconds(9);
+    return bare;
+}
+
+inline std::string microseconds(Duration duration) {
+    return fmt::format("{:.1f} us", static_cast<double>(duration.count()) / 1e3);
+}
+
 /// Waits until frames come through. What it returns ends where the caller lets go of it; a
 /// parameter would live until the caller's expression ends, beside the next subject.
 inline tl::expected<bench::Subject, std::string> carrying(
@@ -72,6 +92,8 @@ struct Bound {
 
 /// Bounds that are ratios of times.
 std::vector<Bound> time_bounds();
+/// Bounds with 64 pipelines that are ratios of times.
+std::vector<Bound> scaling_bounds();
 /// Bounds of a sensor bus: ratios and times.
 std::vector<Bound> response_bounds();
 /// Bounds in instructions.

@@ -129,8 +129,8 @@ bool measure_and_print(const Bound& bound, const BoundSettings& settings, const 
 
 int run(const Options& options) {
     std::vector<Bound> bounds = time_bounds();
-    for (const auto& further :
-         {clock_bounds(), response_bounds(), count_bounds(), instruction_bounds()}) {
+    for (const auto& further : {scaling_bounds(), clock_bounds(), response_bounds(), count_bounds(),
+                                instruction_bounds()}) {
         bounds.insert(bounds.end(), further.begin(), further.end());
     }
     for (const std::string& name : options.only) {
@@ -174,7 +174,7 @@ int main(int argc, char** argv) {
     tribus::test::Options options;
     app.add_option(
            "--only", options.only,
-           "latency,load,age,lateness,cpu,scaling,spawn,clock,response,memory,heap,calls,lost,"
+           "latency,load,age,lateness,cpu,spawn,scaling,clock,response,memory,heap,calls,lost,"
            "codecs,garbage,engine,link,daemon: some rows")
         ->delimiter(',');
     app.add_option("--runs", options.runs, "Of each ratio; the median counts")

@@ -99,10 +99,8 @@ Figures clock_programmings(const BoundSettings& settings) {
             "counts the event msr:write_msr on a processor for itself; needs root, "
             "/sys/kernel/tracing, an x86 with two processors, and no --unpinned");
     }
-    RelaySettings bare{
-        .waits = RelaySettings::Waits::epoll, .priority = settings.priority, .cpu = settings.cpu};
-    RelaySettings waiting = bare;
-    waiting.timeout = std::chrono::milliseconds(9);
+    const RelaySettings bare = bare_relay(settings, RelaySettings::Waits::epoll);
+    const RelaySettings waiting = with_deadline(bare);
     std::vector<Figure> figures;
     for (const std::size_t lanes : {std::size_t{1}, std::size_t{64}}) {
         const std::array<tl::expected<double, std::string>, 4> counts{

@@ -25,12 +25,6 @@ namespace {
 
 using namespace bench;
 
-RelaySettings relay(const BoundSettings& settings, RelaySettings::Waits waits, bool fifo) {
-    return {.waits = waits,
-            .priority = fifo ? std::optional(settings.priority) : std::nullopt,
-            .cpu = fifo ? settings.cpu : std::nullopt};
-}
-
 /// Starts and warms up all subjects, then measures all of them in each period.
 tl::expected<std::vector<LatencyResult>, std::string> measure_together(
     std::vector<tl::expected<Subject, std::string>> subjects, Duration length) {
@@ -61,11 +55,12 @@ Figure percentile_figure(const std::string& row, double percent, double bound,
 }
 
 Figures added_latency(const BoundSettings& settings) {
-    const auto bare = relay(settings, RelaySettings::Waits::poll, true);
+    const auto bare = bare_relay(settings, RelaySettings::Waits::poll);
     std::vector<tl::expected<Subject, std::string>> subjects;
     subjects.push_back(Subject::relay(1, bare));
     subjects.push_back(Subject::appliance(1, appliance(settings)));
     subjects.push_back(Subject::relay(1, bare));
+    subjects.push_back(Subject::relay(1, with_deadline(bare)));
     const auto results = measure_together(std::move(subjects), settings.length);
     if (!results) {
         return Refused(results.error());
@@ -76,6 +71,8 @@ Figures added_latency(const BoundSettings& settings) {
         figures.push_back(percentile_figure("latency / bare FIFO relay", percent, bound,
                                             (*results)[1].latency, (*results)[0].latency,
                                             (*results)[2].latency));
+        figures.back().note += fmt::format(
+            ", with a deadline {} us", (*results)[3].latency.percentile(percent).count() / 1000);
     }
     return figures;
 }
@@ -85,12 +82,12 @@ Figures latency_under_load(const BoundSettings& settings) {
     if (!load) {
         return Refused(load.error());
     }
-    const auto bare = relay(settings, RelaySettings::Waits::poll, false);
+    const RelaySettings bare;
     std::vector<tl::expected<Subject, std::string>> subjects;
     subjects.push_back(Subject::relay(1, bare));
     subjects.push_back(Subject::appliance(1, appliance(settings)));
     subjects.push_back(Subject::relay(1, bare));
-    subjects.push_back(Subject::relay(1, relay(settings, RelaySettings::Waits::poll, true)));
+    subjects.push_back(Subject::relay(1, bare_relay(settings, RelaySettings::Waits::poll)));
     const auto results = measure_together(std::move(subjects), settings.length);
     if (!results) {
         return Refused(results.error());
@@ -174,74 +171,30 @@ Figures grid_lateness(const BoundSettings& settings) {
 }
 
 Figures processor_time(const BoundSettings& settings) {
-    const auto bare = relay(settings, RelaySettings::Waits::epoll, true);
+    const auto bare = bare_relay(settings, RelaySettings::Waits::epoll);
     std::vector<tl::expected<Subject, std::string>> subjects;
     subjects.push_back(Subject::relay(1, bare));
     subjects.push_back(Subject::appliance(1, appliance(settings)));
     subjects.push_back(Subject::command({"socat", "{in},raw,echo=0", "{out},raw,echo=0"}));
     subjects.push_back(Subject::relay(1, bare));
+    subjects.push_back(Subject::relay(1, with_deadline(bare)));
     const auto results = measure_together(std::move(subjects), settings.length);
     if (!results) {
         return Refused(results.error());
     }
     const auto used = [&](std::size_t i) { return (*results)[i].processor_time_per_frame; };
     const auto note = [&](std::size_t anchor) {
-        return fmt::format("{:.1f} us beside {:.1f} us", static_cast<double>(used(1).count()) / 1e3,
-                           static_cast<double>(used(anchor).count()) / 1e3);
+        return fmt::format("{} beside {}", microseconds(used(1)), microseconds(used(anchor)));
     };
     return std::vector<Figure>{{.row = "CPU time a frame / bare FIFO epoll relay",
                                 .value = ratio_of(used(1), used(0)),
                                 .bound = 1.10,
                                 .allowance = noise_allowance(used(0), used(3)),
-                                .note = note(0)},
+                                .note = note(0) + ", with a deadline " + microseconds(used(4))},
                                {.row = "CPU time a frame / socat",
                                 .value = ratio_of(used(1), used(2)),
                                 .bound = 0.75,
                                 .note = note(2)}};
-}
-
-/// Processor time a frame. The subject ends before this returns.
-tl::expected<Duration, std::string> cost_of(tl::expected<Subject, std::string> started,
-                                            const BoundSettings& settings, bool at_one_instant) {
-    auto subject = carrying(std::move(started));
-    if (!subject) {
-        return Refused(subject.error());
-    }
-    const TesterPriority priority;
-    const auto rounds = static_cast<std::uint64_t>(settings.length / 4 / kFramePeriod);
-    return drive(*subject, {.rounds = rounds, .at_one_instant = at_one_instant})
-        .processor_time_per_frame;
-}
-
-Figures scaling(const BoundSettings& settings) {
-    constexpr std::size_t kMany = 64;
-    const auto bare = relay(settings, RelaySettings::Waits::epoll, true);
-    const ApplianceSettings ours = appliance(settings);
-    const std::array<tl::expected<Duration, std::string>, 5> costs{
-        cost_of(Subject::appliance(1, ours), settings, false),
-        cost_of(Subject::appliance(kMany, ours), settings, false),
-        cost_of(Subject::relay(kMany, bare), settings, true),
-        cost_of(Subject::appliance(kMany, ours), settings, true),
-        cost_of(Subject::relay(kMany, bare), settings, true)};
-    for (const auto& cost : costs) {
-        if (!cost) {
-            return Refused(cost.error());
-        }
-    }
-    const auto note = [&](std::size_t mine, std::size_t its) {
-        return fmt::format("{:.1f} us beside {:.1f} us",
-                           static_cast<double>(costs[mine]->count()) / 1e3,
-                           static_cast<double>(costs[its]->count()) / 1e3);
-    };
-    return std::vector<Figure>{{.row = "cost a frame at 64 pipelines / at 1",
-                                .value = ratio_of(*costs[1], *costs[0]),
-                                .bound = 0.6,
-                                .note = note(1, 0)},
-                               {.row = "64 frames at one instant / bare relay",
-                                .value = ratio_of(*costs[3], *costs[2]),
-                                .bound = 1.2,
-                                .allowance = noise_allowance(*costs[2], *costs[4]),
-                                .note = note(3, 2)}};
 }
 
 /// Returns the time from the start of a program until it writes something, while frames are sent to
@@ -300,7 +253,6 @@ std::vector<Bound> time_bounds() {
         {"age", "age of data against a free-running writer", true, age_of_data},
         {"lateness", "a grid beside cyclictest on the same CPU", true, grid_lateness},
         {"cpu", "processor time a frame with one pipeline", true, processor_time},
-        {"scaling", "processor time a frame with 64 pipelines", true, scaling},
         {"spawn", "from the start to the first translated frame", true, spawn},
     };
 }
