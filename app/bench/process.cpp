@@ -191,6 +191,7 @@ std::optional<ProcessUsage> usage_of(pid_t process) {
     fields >> usage.minor_faults >> skipped >> usage.major_faults;
     const std::string status = content_of(folder / "status");
     usage.resident_bytes = kilobytes(status, "VmRSS:") * kKilobyte;
+    usage.anonymous_bytes = kilobytes(status, "RssAnon:") * kKilobyte;
     usage.locked_bytes = kilobytes(status, "VmLck:") * kKilobyte;
     usage.processor_time = processor_time(folder);
     return usage;

@@ -58,6 +58,7 @@ struct ProcessUsage {
     std::uint64_t minor_faults = 0;
     std::uint64_t major_faults = 0;
     std::size_t resident_bytes = 0;
+    std::size_t anonymous_bytes = 0;  ///< of the resident ones those that are of no file
     std::size_t locked_bytes = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdio>
+#include <functional>
 #include <iterator>
 #include <memory>
 #include <type_traits>
@@ -11,6 +12,7 @@
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
+#include <tl/expected.hpp>
 
 #include "app/cli/exit_status.h"
 #include "config/language/mistakes.h"
@@ -148,7 +150,7 @@ void join_options(CLI::App& app, const CommandOption& option) {
     }
 }
 
-void add_command(CLI::App& app, const Command& command, int& status) {
+void add_command(CLI::App& app, const Command& command) {
     CLI::App* const added = app.add_subcommand(command.name, command.help);
     for (const CommandOption& option : command.options) {
         add_option(*added, option);
@@ -157,7 +159,6 @@ void add_command(CLI::App& app, const Command& command, int& status) {
         join_options(*added, option);
     }
     added->footer(command.footer);
-    added->callback([&command, &status] { status = command.run(); });
 }
 
 /// CLI11 would only say that a subcommand is required.
@@ -173,31 +174,43 @@ bool explain_unknown_command(std::span<const Command> commands, std::string_view
     return true;
 }
 
-}  // namespace
-
-int run_command_line(std::span<const Command> commands, std::string_view version, int argc,
-                     char** argv) {
+/// Sets the options of the command that the words name, and returns what it does. Instead, the exit
+/// status, if the words ask for help or cannot be used.
+tl::expected<std::function<int()>, int> read_command_line(std::span<Command> commands,
+                                                          std::string_view version, int argc,
+                                                          char** argv) {
     CLI::App app{"tribus translates RC signals between i.Bus, SBUS and CAN", "tribus"};
     app.formatter(std::make_shared<HelpFormatter>());
     app.require_subcommand(1);
     app.set_version_flag("--version", std::string(version));
-    int status = kExitFine;
     for (const Command& command : commands) {
-        add_command(app, command, status);
+        add_command(app, command);
     }
     if (argc <= 1) {
         fmt::print(stderr, "{}", app.help());
-        return kExitWrongUse;
+        return tl::unexpected(kExitWrongUse);
     }
     if (explain_unknown_command(commands, argv[1])) {
-        return kExitWrongUse;
+        return tl::unexpected(kExitWrongUse);
     }
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return app.exit(error) == 0 ? kExitFine : kExitWrongUse;
+        return tl::unexpected(app.exit(error) == 0 ? kExitFine : kExitWrongUse);
     }
-    return status;
+    const auto named = std::ranges::find_if(
+        commands, [&](const Command& command) { return app.got_subcommand(command.name); });
+    return std::move(named->run);
+}
+
+}  // namespace
+
+int run_command_line(std::vector<Command> commands, std::string_view version, int argc,
+                     char** argv) {
+    const auto run = read_command_line(commands, version, argc, argv);
+    // The daemon runs for months and locks its memory; these were a quarter of a megabyte.
+    commands = {};
+    return run ? (*run)() : run.error();
 }
 
 std::string choices_type(std::string_view words) {

@@ -204,6 +204,9 @@ PlacedRules read_channels(const Value& value, const std::string& title, Draft* d
     }
     std::ranges::sort(rules, {}, [](const auto& placed) { return placed.first.output; });
     PlacedRules sorted;
+    // No room for more: the daemon keeps them as long as it runs.
+    sorted.rules.reserve(rules.size());
+    sorted.where.reserve(rules.size());
     for (auto& [rule, where] : rules) {
         sorted.rules.push_back(std::move(rule));
         sorted.where.push_back(where);

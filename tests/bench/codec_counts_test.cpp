@@ -172,6 +172,13 @@ TEST(DaemonSystemCalls, StayBelowTheirCeiling) {
     EXPECT_GE(least.a_frame, kLeastCallsAFrame) << "most frames did not come through";
 }
 
+DaemonMemory least_of(const DaemonMemory& a, const DaemonMemory& b) {
+    return {.one_pipeline = std::min(a.one_pipeline, b.one_pipeline),
+            .locked = a.locked,
+            .of_no_file = std::min(a.of_no_file, b.of_no_file),
+            .each_further = std::min(a.each_further, b.each_further)};
+}
+
 TEST(DaemonMemoryUse, StaysBelowItsCeiling) {
     if (!kCountsTheBuild || ::geteuid() != 0) {
         GTEST_SKIP() << "needs a release build, and root to lock memory";
@@ -180,20 +187,20 @@ TEST(DaemonMemoryUse, StaysBelowItsCeiling) {
     settings.priority = 50;
     DaemonMemory least;
     const auto holds = [&] {
-        return least.one_pipeline <= kMostMemory && least.each_further <= kMostMemoryOfAPipeline;
+        return least.one_pipeline <= kMostMemory && least.of_no_file <= kMostMemoryOfNoFile &&
+               least.each_further <= kMostMemoryOfAPipeline;
     };
     for (int run = 0; run < kMostRuns && (run == 0 || !holds()); ++run) {
         const auto used = daemon_memory(settings);
         ASSERT_TRUE(used) << used.error();
         EXPECT_GT(used->locked, 0);
-        least = run == 0
-                    ? *used
-                    : DaemonMemory{std::min(least.one_pipeline, used->one_pipeline), used->locked,
-                                   std::min(least.each_further, used->each_further)};
+        least = run == 0 ? *used : least_of(least, *used);
     }
     RecordProperty("one_pipeline", std::to_string(least.one_pipeline));
+    RecordProperty("of_no_file", std::to_string(least.of_no_file));
     RecordProperty("each_further", std::to_string(least.each_further));
     EXPECT_LE(least.one_pipeline, kMostMemory);
+    EXPECT_LE(least.of_no_file, kMostMemoryOfNoFile);
     EXPECT_LE(least.each_further, kMostMemoryOfAPipeline);
 }
 

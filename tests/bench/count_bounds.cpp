@@ -28,11 +28,12 @@ Figures memory(const BoundSettings& settings) {
     return std::vector<Figure>{{.row = "locked memory with one pipeline, MB",
                                 .value = used->one_pipeline / 1e6,
                                 .bound = 3.3,
-                                .note = fmt::format("VmRSS; VmLck {:.1f} MB", used->locked / 1e6)},
+                                .note = fmt::format("VmRSS, {:.2f} MB of no file; VmLck {:.1f} MB",
+                                                    used->of_no_file / 1e6, used->locked / 1e6)},
                                {.row = "locked memory of each further pipeline, KiB",
                                 .value = used->each_further / 1024,
                                 .bound = 6,
-                                .note = "of 64"}};
+                                .note = "of 64, memory of no file"}};
 }
 
 Figures lost_frames(const BoundSettings& settings) {

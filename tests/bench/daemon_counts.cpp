@@ -209,12 +209,18 @@ tl::expected<DaemonMemory, std::string> daemon_memory(const ApplianceSettings& s
         if (!subject) {
             return Refused(subject.error());
         }
+        // A second: the main thread too has run all that it runs while frames flow.
+        drive(*subject,
+              {.rounds = static_cast<std::uint64_t>(std::chrono::seconds(1) / kFramePeriod)});
         usage[i] = subject->usage().value_or(ProcessUsage{});
     }
-    const auto bytes = [&](std::size_t i) { return static_cast<double>(usage[i].resident_bytes); };
-    return DaemonMemory{.one_pipeline = bytes(0),
+    const auto anonymous = [&](std::size_t i) {
+        return static_cast<double>(usage[i].anonymous_bytes);
+    };
+    return DaemonMemory{.one_pipeline = static_cast<double>(usage[0].resident_bytes),
                         .locked = static_cast<double>(usage[0].locked_bytes),
-                        .each_further = (bytes(1) - bytes(0)) / (kMany - 1)};
+                        .of_no_file = anonymous(0),
+                        .each_further = (anonymous(1) - anonymous(0)) / (kMany - 1)};
 }
 
 }  // namespace tribus::bench
