@@ -3,7 +3,8 @@
 #
 #   tests/run.sh [ARGUMENT...]         the first tier; arguments go to ctest: tests/run.sh -R Sbus
 #   tests/run.sh --all [PART...]       the second tier too, or these parts of it
-#   tests/run.sh --group GROUP...      groups of the laboratory (docs/laboratory.md), such as lab_can
+#   tests/run.sh --group GROUP...      groups of the laboratory (docs/laboratory.md), such as lab_can,
+#                                      or suites, such as sim_tests.NeverStale
 #
 # Parts, in this order: first page peers fleet laboratory service tidy addresses threads simulation fuzz mutations.
 # All of them take some hours. A part that fails does not stop the others. At the end a table says
@@ -113,10 +114,16 @@ case ${1:-} in
         ;;
     --group)
         shift
-        case " $* " in
+        case " $*" in
             *lab_systemd*) tier=service ;;
             *gpio* | *input* | *modules* | *ppm* | *pwm* | *realtime* | *package*) tier=full ;;
-            *) tier=fast ;;
+            *" lab_"*) tier=fast ;;
+            *)
+                prepare_and_build all
+                step 3 "Testing"
+                run_tests -R "$(groups "$@")"
+                exit
+                ;;
         esac
         laboratory $tier "$(programs_of "$@")" -R "$(groups "$@")"
         ;;

@@ -3,13 +3,24 @@
 
 # add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
 # "long" and run in the second tier only.
-# Suites that compute for 20 seconds and more. They start first: at the end processors would wait for
+# Suites that compute for 10 seconds and more. They start first: at the end processors would wait for
 # them.
-set(costly LineJudge|NeverStale|Frames/CodecCounts|SensorValue|Ibus2Decoder|SbusResyncProperty
-    IbusBesidePlain|SbusBesidePlain)
-list(JOIN costly "|" costly)
-# Suites that count what a running daemon does. Other work adds wake-ups, so they run alone.
-set(alone Frames/DaemonCounts)
+set(costly LineJudge|NeverStale|Frames/CodecCounts|SbusResyncProperty|WebCounts|AttackedLink)
+# Suites that count what a running daemon does: other work adds wake-ups.
+set(quiet_suites Frames/DaemonCounts)
+
+# Those that compute, and those that the machine must not disturb. The second ones begin when the
+# first ones are over, some at a time.
+set(computing "")
+set(quiet "")
+
+function(add_suite_or_test name program filter seconds)
+    add_test("${name}" "${program}" --gtest_brief=1 "--gtest_filter=${filter}")
+    # A process keeps the memory that it frees: the kernel would clear it anew for each of
+    # thousands of simulated worlds, which takes longer than to simulate them.
+    set_tests_properties("${name}" PROPERTIES TIMEOUT ${seconds} ENVIRONMENT
+        "MALLOC_MMAP_THRESHOLD_=1000000000;MALLOC_TRIM_THRESHOLD_=1000000000")
+endfunction()
 
 function(add_suites name program seconds long)
     if(NOT EXISTS "${program}")
@@ -20,24 +31,34 @@ function(add_suites name program seconds long)
         OUTPUT_VARIABLE listing COMMAND_ERROR_IS_FATAL ANY)
     string(REGEX REPLACE " *#[^\n]*" "" listing "${listing}")
     string(REPLACE "\n" ";" lines "${listing}")
+    set(suite "")
     foreach(line IN LISTS lines)
         if(line MATCHES "^([^ ]+)\\.$")
-            add_test("${name}.${CMAKE_MATCH_1}" "${program}" --gtest_brief=1
-                "--gtest_filter=${CMAKE_MATCH_1}.*")
             set(suite "${CMAKE_MATCH_1}")
-            # A process keeps the memory that it frees: the kernel would clear it anew for each of
-            # thousands of simulated worlds, which takes longer than to simulate them.
-            set_tests_properties("${name}.${suite}" PROPERTIES TIMEOUT ${seconds} ENVIRONMENT
-                "MALLOC_MMAP_THRESHOLD_=1000000000;MALLOC_TRIM_THRESHOLD_=1000000000")
+            if(suite MATCHES "^(${quiet_suites})$")
+                continue()
+            endif()
+            add_suite_or_test("${name}.${suite}" "${program}" "${suite}.*" ${seconds})
+            list(APPEND computing "${name}.${suite}")
             if(suite MATCHES "^(${costly})$")
                 set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
-            endif()
-            if(suite MATCHES "^(${alone})$")
-                set_tests_properties("${name}.${suite}" PROPERTIES RUN_SERIAL TRUE)
             endif()
             if(suite MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
             endif()
+        elseif(suite MATCHES "^(${quiet_suites})$" AND line MATCHES "^ +(.+)$")
+            set(test "${suite}.${CMAKE_MATCH_1}")
+            add_suite_or_test("${name}.${test}" "${program}" "${test}" ${seconds})
+            set_tests_properties("${name}.${test}" PROPERTIES COST 50)
+            list(APPEND quiet "${name}.${test}")
         endif()
     endforeach()
+    set(computing "${computing}" PARENT_SCOPE)
+    set(quiet "${quiet}" PARENT_SCOPE)
+endfunction()
+
+# keep_quiet(PROCESSORS TEST...): with ctest's three tests a processor, three of these run at a time.
+function(keep_quiet processors)
+    set_tests_properties(${ARGN} ${quiet} PROPERTIES
+        PROCESSORS ${processors} DEPENDS "${computing}")
 endfunction()

@@ -275,5 +275,28 @@ RC_GTEST_PROP(SbusScaleProperty, AnyScaleReadsAndWritesAFrameAsItDoesEachValue, 
     }
 }
 
+/// Of these steps some have a reciprocal that is too coarse for 16 bits; then the way is not taken.
+TEST(SbusScaleProperty, EveryPulseIsWrittenTheSameInEveryScaleOfWholeSteps) {
+    std::size_t taken = 0;
+    for (int step = 2; step <= 31; ++step) {
+        for (const double offset : {-3000.0, -1000.5, 0.0, 874.5}) {
+            const SbusScale scale =
+                SbusScale::through({{0, 1000}, {offset, offset + 1000 * step / 8.0}});
+            taken += scale.whole_steps() ? 1U : 0U;
+            constexpr int kTogether = kSbusChannels;
+            for (int first = -32768; scale.whole_steps() && first < 32768; first += kTogether) {
+                ChannelFrame sent;
+                for (std::size_t channel = 0; channel < kSbusChannels; ++channel) {
+                    sent.set(channel, Pulse::from_eighths(first + static_cast<int>(channel)));
+                }
+                ASSERT_EQ(scale.encode_whole(sent), scale.encode_each(sent))
+                    << "step " << step << ", offset " << offset << ", from " << first;
+            }
+        }
+    }
+    EXPECT_GT(taken, 20U);
+    EXPECT_LT(taken, 110U);
+}
+
 }  // namespace
 }  // namespace tribus::reference::codec_plain_sbus_test

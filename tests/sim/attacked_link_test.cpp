@@ -16,7 +16,8 @@ namespace {
 
 using namespace linked_boards;
 
-constexpr std::uint32_t kWorlds = 1000;
+constexpr std::uint32_t kWorlds = 200;
+constexpr std::uint32_t kManyWorlds = 1000;
 constexpr int kAttacked = 3000;  ///< ms
 constexpr int kEnd = 6000;       ///< ms
 /// A receiver that does not answer is deaf for 20 s after it was killed.
@@ -204,7 +205,18 @@ TEST_F(AttackedLink, WithAKeyGivesControlOnlyToFreshFramesOfItsHolder) {
 
 /// It goes on where it ended, also after both boards started again.
 TEST_F(AttackedLink, WithAnEpochGivesControlOnlyToNewFramesOfItsHolder) {
-    expect_only_its_holder_controls(kEpochLine, kWorlds / 10);
+    expect_only_its_holder_controls(kEpochLine, kWorlds / 4);
+}
+
+/// For the second tier.
+class AttackedLinkInManyWorlds : public AttackedLink {};
+
+TEST_F(AttackedLinkInManyWorlds, WithAKeyGivesControlOnlyToFreshFramesOfItsHolder) {
+    expect_only_its_holder_controls("", kManyWorlds);
+}
+
+TEST_F(AttackedLinkInManyWorlds, WithAnEpochGivesControlOnlyToNewFramesOfItsHolder) {
+    expect_only_its_holder_controls(kEpochLine, kManyWorlds / 4);
 }
 
 /// The same attacks work where there is no key, so the test above can see them.

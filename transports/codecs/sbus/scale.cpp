@@ -52,18 +52,23 @@ SbusScale::SbusScale(double slope_eighths, double offset_eighths)
     whole_steps_ = whole_steps_are_exact();
 }
 
+/// What the fixed point lacks to the exact line grows evenly with the value. So if it changes no
+/// rounding at either end, it changes none between them: of decoding at the first and last raw
+/// value, of encoding at the pulses of one step there, which are rounded in different ways.
 bool SbusScale::whole_steps_are_exact() const {
-    for (std::uint16_t raw = 0; raw <= kSbusRawMost; ++raw) {
+    for (const std::uint16_t raw : {std::uint16_t{0}, kSbusRawMost}) {
         if (decode_whole(Lanes{} + raw)[0] != decode(raw).eighths()) {
             return false;
         }
     }
     const std::int32_t least = whole_.least[0];
     const std::int32_t most = whole_.most[0];
-    for (std::int32_t eighths = least; eighths <= most; ++eighths) {
-        const auto exact = encode(Pulse::from_eighths(eighths));
-        if (encode_whole(0, static_cast<std::int16_t>(eighths)) != exact) {
-            return false;
+    for (std::int32_t from_end = 0; from_end < whole_.step[0]; ++from_end) {
+        for (const std::int32_t eighths : {least + from_end, most - from_end}) {
+            const auto exact = encode(Pulse::from_eighths(eighths));
+            if (encode_whole(0, static_cast<std::int16_t>(eighths)) != exact) {
+                return false;
+            }
         }
     }
     // Beyond both ends, values are those of the ends.

@@ -53,8 +53,8 @@ class SbusScale {
     SbusRaw encode_each(const ChannelFrame& channels) const;
 
     /// Whether a raw step is a whole number of eighths, as in three of the five named scales. Then
-    /// 16-bit arithmetic gives the same result, several times faster; the constructor checks that
-    /// for every value.
+    /// 16-bit arithmetic gives the same result, several times faster; the constructor checks
+    /// that it does.
     bool whole_steps() const { return whole_steps_; }
     /// Like the functions above. Only if the steps are whole; to encode, all channels must be
     /// present.

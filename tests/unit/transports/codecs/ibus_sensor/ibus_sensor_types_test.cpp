@@ -1,5 +1,6 @@
 #include "transports/codecs/ibus_sensor/types.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -183,15 +184,19 @@ TEST(SensorTypes, BetaflightsCombinedTypesHaveAccelerationInThousandthsOfGAndASi
 }
 
 TEST(SensorValue, EveryRawValueOfEveryTwoByteTypeRoundTrips) {
+    std::vector<SensorType> seen;
     for (const SensorDialect dialect : kDialects) {
         const SensorTypes types(dialect);
         for (const SensorType& type : types.all()) {
-            if (type.size != 2) {
+            // Most dialects have most types in common.
+            if (type.size != 2 || std::ranges::find(seen, type) != seen.end()) {
                 continue;
             }
+            seen.push_back(type);
             for (unsigned bits = 0; bits <= 0xFFFF; ++bits) {
-                const Bytes data = little_endian(bits, 2);
-                Bytes again(2);
+                const std::array data{static_cast<std::uint8_t>(bits),
+                                      static_cast<std::uint8_t>(bits >> 8U)};
+                std::array<std::uint8_t, 2> again{};
                 for (const SensorField& field : type.fields) {
                     const std::int64_t raw = *raw_in(field, data);
                     const auto number = number_of(field, raw);
