@@ -1,13 +1,16 @@
 # Read by ctest when it starts: makes an entry of each suite in a program of googletest, named
 # PROGRAM.SUITE. A process for each single test would cost more than most tests do.
 
-# add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
-# "long" and run in the second tier only.
-# Suites that compute for 10 seconds and more. They start first: at the end processors would wait for
-# them.
-set(costly LineJudge|NeverStale|Frames/CodecCounts|SbusResyncProperty|WebCounts|AttackedLink)
-# Suites that count what a running daemon does: other work adds wake-ups.
-set(quiet_suites Frames/DaemonCounts)
+# Suites that compute for 4 seconds and more, the longest first. They start first: at the end
+# processors would wait for them.
+set(costly NeverStale Frames/CodecCounts LineJudge Engine/ProductCounts AttackedLink References
+    Redundancy Formats/CanChainTest InitText SbusBound)
+# Suites of one lock run one after the other, so that those that wait more than they compute run
+# beside them from the beginning.
+set(lock 0)
+set(waiting StateLogAtPtys)
+# Suites that count what a running program does: other work adds wake-ups.
+set(quiet_suites "Frames/DaemonCounts|DaemonSystemCalls|WebCounts")
 
 # Those that compute, and those that the machine must not disturb. The second ones begin when the
 # first ones are over, some at a time.
@@ -22,6 +25,8 @@ function(add_suite_or_test name program filter seconds)
         "MALLOC_MMAP_THRESHOLD_=1000000000;MALLOC_TRIM_THRESHOLD_=1000000000")
 endfunction()
 
+# add_suites(PROGRAM_NAME PROGRAM_FILE SECONDS LONG): suites whose names match LONG get the label
+# "long" and run in the second tier only.
 function(add_suites name program seconds long)
     if(NOT EXISTS "${program}")
         add_test(${name} "${program}")
@@ -40,8 +45,17 @@ function(add_suites name program seconds long)
             endif()
             add_suite_or_test("${name}.${suite}" "${program}" "${suite}.*" ${seconds})
             list(APPEND computing "${name}.${suite}")
-            if(suite MATCHES "^(${costly})$")
+            list(FIND costly "${suite}" place)
+            if(suite MATCHES "^(${waiting})$")
                 set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
+            elseif(place EQUAL -1)
+                math(EXPR lock "(${lock} + 1) % 3")
+                set_tests_properties("${name}.${suite}" PROPERTIES RESOURCE_LOCK "computing ${lock}")
+            else()
+                math(EXPR cost "100 - ${place}")
+                math(EXPR of_costly "${place} % 3")
+                set_tests_properties("${name}.${suite}" PROPERTIES COST ${cost}
+                    RESOURCE_LOCK "computing ${of_costly}")
             endif()
             if(suite MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
@@ -49,16 +63,17 @@ function(add_suites name program seconds long)
         elseif(suite MATCHES "^(${quiet_suites})$" AND line MATCHES "^ +(.+)$")
             set(test "${suite}.${CMAKE_MATCH_1}")
             add_suite_or_test("${name}.${test}" "${program}" "${test}" ${seconds})
-            set_tests_properties("${name}.${test}" PROPERTIES COST 50)
             list(APPEND quiet "${name}.${test}")
         endif()
     endforeach()
+    set(lock ${lock} PARENT_SCOPE)
     set(computing "${computing}" PARENT_SCOPE)
     set(quiet "${quiet}" PARENT_SCOPE)
 endfunction()
 
-# keep_quiet(PROCESSORS TEST...): with ctest's three tests a processor, three of these run at a time.
+# keep_quiet(PROCESSORS TEST...): some at a time.
 function(keep_quiet processors)
     set_tests_properties(${ARGN} ${quiet} PROPERTIES
         PROCESSORS ${processors} DEPENDS "${computing}")
+    set_tests_properties(${quiet} PROPERTIES COST 50)
 endfunction()

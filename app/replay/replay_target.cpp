@@ -61,9 +61,11 @@ class PtyTarget final : public ReplayTarget {
         if (auto linked = put_link(link, pty->path); !linked) {
             return Refused(linked.error());
         }
-        fmt::print("{}\n", link.empty() ? pty->path : link);
+        // Before anybody can know of the link, so that it is this one that the target removes.
+        auto target = std::make_unique<PtyTarget>(std::move(*pty), link);
+        fmt::print("{}\n", link.empty() ? target->pty_.path : link);
         std::fflush(stdout);
-        return std::make_unique<PtyTarget>(std::move(*pty), link);
+        return target;
     }
 
     bool wait_for_reader(MainWait& wait) override {
