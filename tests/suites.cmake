@@ -5,9 +5,7 @@
 # processors would wait for them.
 set(costly NeverStale Frames/CodecCounts LineJudge Engine/ProductCounts AttackedLink References
     Redundancy Formats/CanChainTest InitText SbusBound)
-# Suites of one lock run one after the other, so that those that wait more than they compute run
-# beside them from the beginning.
-set(lock 0)
+# It waits, for half a minute.
 set(waiting StateLogAtPtys)
 # Suites that count what a running program does: other work adds wake-ups.
 set(quiet_suites "Frames/DaemonCounts|DaemonSystemCalls|WebCounts")
@@ -17,9 +15,8 @@ set(quiet_suites "Frames/DaemonCounts|DaemonSystemCalls|WebCounts")
 set(computing "")
 set(quiet "")
 
-# add_suite_or_test(NAME FILTER SECONDS COMMAND...)
-function(add_suite_or_test name filter seconds)
-    add_test("${name}" ${ARGN} --gtest_brief=1 "--gtest_filter=${filter}")
+function(add_suite_or_test name program filter seconds)
+    add_test("${name}" "${program}" --gtest_brief=1 "--gtest_filter=${filter}")
     # A process keeps the memory that it frees: the kernel would clear it anew for each of
     # thousands of simulated worlds, which takes longer than to simulate them.
     set_tests_properties("${name}" PROPERTIES TIMEOUT ${seconds} ENVIRONMENT
@@ -44,35 +41,24 @@ function(add_suites name program seconds long)
             if(suite MATCHES "^(${quiet_suites})$")
                 continue()
             endif()
-            set(command "${program}")
-            if(NOT suite MATCHES "^(${waiting})$")
-                # Those that wait need not wait for a processor, too.
-                set(command nice -n 19 "${program}")
-            endif()
-            add_suite_or_test("${name}.${suite}" "${suite}.*" ${seconds} ${command})
+            add_suite_or_test("${name}.${suite}" "${program}" "${suite}.*" ${seconds})
             list(APPEND computing "${name}.${suite}")
             list(FIND costly "${suite}" place)
             if(suite MATCHES "^(${waiting})$")
                 set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
-            elseif(place EQUAL -1)
-                math(EXPR lock "(${lock} + 1) % 3")
-                set_tests_properties("${name}.${suite}" PROPERTIES RESOURCE_LOCK "computing ${lock}")
-            else()
+            elseif(place GREATER -1)
                 math(EXPR cost "100 - ${place}")
-                math(EXPR of_costly "${place} % 3")
-                set_tests_properties("${name}.${suite}" PROPERTIES COST ${cost}
-                    RESOURCE_LOCK "computing ${of_costly}")
+                set_tests_properties("${name}.${suite}" PROPERTIES COST ${cost})
             endif()
             if(suite MATCHES "${long}")
                 set_tests_properties("${name}.${suite}" PROPERTIES LABELS long)
             endif()
         elseif(suite MATCHES "^(${quiet_suites})$" AND line MATCHES "^ +(.+)$")
             set(test "${suite}.${CMAKE_MATCH_1}")
-            add_suite_or_test("${name}.${test}" "${test}" ${seconds} "${program}")
+            add_suite_or_test("${name}.${test}" "${program}" "${test}" ${seconds})
             list(APPEND quiet "${name}.${test}")
         endif()
     endforeach()
-    set(lock ${lock} PARENT_SCOPE)
     set(computing "${computing}" PARENT_SCOPE)
     set(quiet "${quiet}" PARENT_SCOPE)
 endfunction()
