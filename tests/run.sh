@@ -33,7 +33,7 @@ run_tests() {
 
 first_tier() {
     prepare_and_build all
-    step 3 "Testing (2 minutes)"
+    step 3 "Testing (2 to 3 minutes)"
     run_tests --label-exclude 'lab|long' "$@"
 }
 
