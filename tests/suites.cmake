@@ -1,12 +1,10 @@
 # Read by ctest when it starts: makes an entry of each suite in a program of googletest, named
 # PROGRAM.SUITE. A process for each single test would cost more than most tests do.
 
-# Suites that compute for 4 seconds and more, the longest first. They start first: at the end
-# processors would wait for them.
-set(costly NeverStale Frames/CodecCounts LineJudge Engine/ProductCounts AttackedLink References
-    Redundancy Formats/CanChainTest InitText SbusBound)
-# It waits, for half a minute.
-set(waiting StateLogAtPtys)
+# Suites that take 4 seconds and more, the longest first. They start first: at the end processors
+# would wait for them.
+set(costly StateLogAtPtys NeverStale Frames/CodecCounts LineJudge Engine/ProductCounts AttackedLink
+    References Redundancy Formats/CanChainTest InitText SbusBound)
 # Suites that count what a running program does: other work adds wake-ups.
 set(quiet_suites "Frames/DaemonCounts|DaemonSystemCalls|WebCounts")
 
@@ -44,9 +42,7 @@ function(add_suites name program seconds long)
             add_suite_or_test("${name}.${suite}" "${program}" "${suite}.*" ${seconds})
             list(APPEND computing "${name}.${suite}")
             list(FIND costly "${suite}" place)
-            if(suite MATCHES "^(${waiting})$")
-                set_tests_properties("${name}.${suite}" PROPERTIES COST 100)
-            elseif(place GREATER -1)
+            if(place GREATER -1)
                 math(EXPR cost "100 - ${place}")
                 set_tests_properties("${name}.${suite}" PROPERTIES COST ${cost})
             endif()

@@ -10,8 +10,8 @@ namespace tribus::bench {
 
 /// Upper limits. A figure depends a little on how the machine wakes the programs, so each is what
 /// was measured plus 3 percent.
-inline constexpr double kMostOfAnEvent = 12'050;
-inline constexpr double kMostOfAFurtherPage = 12'580;
+inline constexpr double kMostOfAnEvent = 10'450;
+inline constexpr double kMostOfAFurtherPage = 10'510;
 /// Between two counts of the same in the daemon, as much as between its counts and their ceilings:
 /// it wakes a little more or less often.
 inline constexpr double kDaemonNoise = 0.06;

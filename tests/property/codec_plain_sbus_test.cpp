@@ -275,7 +275,7 @@ RC_GTEST_PROP(SbusScaleProperty, AnyScaleReadsAndWritesAFrameAsItDoesEachValue, 
     }
 }
 
-/// Of these steps some have a reciprocal that is too coarse for 16 bits; then the way is not taken.
+/// Some of these steps have a reciprocal that is too coarse for 16 bits; they must not go that way.
 TEST(SbusScaleProperty, EveryPulseIsWrittenTheSameInEveryScaleOfWholeSteps) {
     std::size_t taken = 0;
     for (int step = 2; step <= 31; ++step) {

@@ -34,9 +34,16 @@ Duration period_in(std::string_view query) {
     return std::clamp(Duration(std::chrono::seconds(1)) / rate, kLeastPeriod, kMostPeriod);
 }
 
-/// JSON of a daemon is one line, so it is one line of data.
+/// JSON of a daemon is one line, so it is one line of data. Joined in one allocation, as each page
+/// gets 2 KB ten times a second.
 std::string event(std::string_view name, std::string_view data) {
-    return fmt::format("event: {}\ndata: {}\n\n", name, data);
+    constexpr std::string_view kName = "event: ";
+    constexpr std::string_view kData = "\ndata: ";
+    constexpr std::string_view kEnd = "\n\n";
+    std::string text;
+    text.reserve(kName.size() + name.size() + kData.size() + data.size() + kEnd.size());
+    text.append(kName).append(name).append(kData).append(data).append(kEnd);
+    return text;
 }
 
 std::string reason(std::string_view why) {

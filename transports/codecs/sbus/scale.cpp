@@ -52,9 +52,9 @@ SbusScale::SbusScale(double slope_eighths, double offset_eighths)
     whole_steps_ = whole_steps_are_exact();
 }
 
-/// What the fixed point lacks to the exact line grows evenly with the value. So if it changes no
-/// rounding at either end, it changes none between them: of decoding at the first and last raw
-/// value, of encoding at the pulses of one step there, which are rounded in different ways.
+/// The error of fixed point grows evenly with the value. If it changes no rounding at either end,
+/// it changes none between them. Decoding is checked at the first and last raw value. Encoding is
+/// checked at the pulses of one step at each end, because these are rounded in different ways.
 bool SbusScale::whole_steps_are_exact() const {
     for (const std::uint16_t raw : {std::uint16_t{0}, kSbusRawMost}) {
         if (decode_whole(Lanes{} + raw)[0] != decode(raw).eighths()) {

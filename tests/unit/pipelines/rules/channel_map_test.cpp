@@ -92,7 +92,7 @@ TEST(ChannelMap, an_absent_source_makes_an_absent_channel) {
     EXPECT_FALSE(out.has(2));
 }
 
-/// What a receiver sends may change from frame to frame: nothing of the frame before may count.
+/// A receiver may send other channels in each frame: nothing of the frame before may count.
 TEST(ChannelMap, a_channel_is_absent_in_each_frame_whose_own_source_is_absent) {
     for (const std::size_t source : {std::size_t{3}, std::size_t{5}}) {
         ChannelMap map = map_of({.output = 3, .source = FromChannel{source}, .max = us(2100)});

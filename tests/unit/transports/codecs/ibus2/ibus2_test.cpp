@@ -60,7 +60,8 @@ TEST(Ibus2Decoder, ReadsEveryValueOfEveryChannelWhereAllAreAlike) {
     }
 }
 
-/// What a channel of a type that has a step is, if the value is not one with a meaning of its own.
+/// The pulse of a raw value; nothing if its type has no step, or if the value has a special
+/// meaning.
 std::optional<double> ibus2_microseconds(unsigned type, int raw) {
     const int bits = static_cast<int>(type & 0x0FU);
     const int sign = bits == 0 ? 0 : 1 << (bits - 1);
